@@ -1,0 +1,9 @@
+/* Fujitsu HOAP-3, right arm: shoulder pitch, shoulder roll, shoulder torsion, elbow. */
+#ifndef COMANIP_ARMS_HOAP3_RIGHT_H
+#define COMANIP_ARMS_HOAP3_RIGHT_H
+
+#include "../arm.h"
+
+extern const arm_t arm_hoap3_right;
+
+#endif

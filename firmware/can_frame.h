@@ -1,0 +1,16 @@
+/* One CAN FD frame as it crosses the HAL. */
+#ifndef COMANIP_CAN_FRAME_H
+#define COMANIP_CAN_FRAME_H
+
+#include <stdint.h>
+
+#define CAN_FRAME_MAX_BYTES 64
+
+typedef struct {
+    uint32_t timestamp_us; /* end of frame on the bus by the receiver's clock; not used when sending */
+    uint16_t id;           /* 11 bits */
+    uint8_t length;        /* bytes: 0..8, 12, 16, 20, 24, 32, 48, 64 */
+    uint8_t data[CAN_FRAME_MAX_BYTES];
+} can_frame_t;
+
+#endif

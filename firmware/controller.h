@@ -1,0 +1,66 @@
+/* One tick of the firmware: frames in, frames out.
+ *
+ *   decode -> hand -> Algorithm 1 + task -> control law -> limits -> encode, watched by the supervisor
+ *
+ * A pure function of the state, the time and the frames received: the same log gives the same bytes on every target. */
+#ifndef COMANIP_CONTROLLER_H
+#define COMANIP_CONTROLLER_H
+
+#include "can_protocol.h"
+#include "cooperation.h"
+#include "hand_tracker.h"
+#include "joint_feedback.h"
+#include "joint_limits.h"
+#include "parameters.h"
+#include "supervisor.h"
+#include "velocity_control.h"
+
+#define CONTROLLER_TICK_US 1000u
+#define CONTROLLER_INBOX_FRAMES 24  /* all drives, tracker and operator in one tick, twice */
+#define CONTROLLER_OUTBOX_FRAMES 16 /* the cyclic frames, and as many answers as fit */
+
+typedef struct {
+    can_frame_t frame[CONTROLLER_INBOX_FRAMES];
+    uint8_t count;
+} controller_inbox_t;
+
+typedef struct {
+    can_frame_t frame[CONTROLLER_OUTBOX_FRAMES];
+    uint8_t count;
+} controller_outbox_t;
+
+typedef struct {
+    const arm_t *arm;
+    parameters_t parameters;
+    velocity_control_config_t velocity_control_config; /* derived from the parameters when one changes */
+    joint_limits_config_t joint_limits_config;
+    dual_quaternion_t marker_to_hand;
+    protocol_receiver_t receiver;
+    protocol_sender_t sender;
+    hand_tracker_t hand_tracker;
+    joint_feedback_t joints;
+    cooperation_t cooperation;
+    task_t task; /* selected */
+    task_id_t task_id;
+    float blend_s; /* how long the selected task takes to come into force */
+    float blend_elapsed_s;
+    joint_limits_t limits;
+    supervisor_t supervisor;
+    dual_quaternion_t hand;  /* human's hand in the tracker frame, this tick */
+    dual_quaternion_t robot; /* robot's measured hand in the torso frame, this tick */
+    dual_quaternion_t target;
+    dual_quaternion_t jacobian[ARM_MAX_JOINTS];
+    bool finite;
+    uint32_t tick;
+    uint16_t boot_step; /* frames of the boot announcement sent so far */
+} controller_t;
+
+/* The arm table must outlive the controller. */
+void controller_init(controller_t *self, const arm_t *arm);
+
+/* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first.
+ * outbox: filled with the frames to send, in that order. */
+void controller_step(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox,
+                     controller_outbox_t *outbox);
+
+#endif

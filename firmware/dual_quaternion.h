@@ -1,0 +1,75 @@
+/* Quaternions and dual quaternions, the algebra of the paper (sections III and IV-A).
+ *
+ * Conventions: Hamilton product, order w x y z, float32, SI units. A pose is the unit dual quaternion
+ * x = r + eps * 1/2 * t * r with rotation r and translation t [m] (equation (2)); its 8 floats lie in memory as
+ * [rw rx ry rz dw dx dy dz], the paper's vec8. x and -x are the same pose.
+ *
+ * Everything is by value, total and branch-free unless said otherwise; nothing here normalises but the two functions
+ * named so: unit inputs give results that are unit within rounding. */
+#ifndef COMANIP_DUAL_QUATERNION_H
+#define COMANIP_DUAL_QUATERNION_H
+
+typedef struct {
+    float x, y, z;
+} vector3_t;
+
+typedef struct {
+    float w, x, y, z;
+} quaternion_t;
+
+typedef struct {
+    quaternion_t primary; /* P(x): the rotation of a pose */
+    quaternion_t dual;    /* D(x) */
+} dual_quaternion_t;
+
+extern const quaternion_t quaternion_identity;
+extern const dual_quaternion_t dual_quaternion_identity;
+
+quaternion_t quaternion_add(quaternion_t a, quaternion_t b);
+quaternion_t quaternion_scale(quaternion_t a, float factor);
+quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b);
+quaternion_t quaternion_conjugate(quaternion_t a);
+float quaternion_dot(quaternion_t a, quaternion_t b);
+
+/* a / |a|. The zero quaternion comes back as the identity. */
+quaternion_t quaternion_normalise(quaternion_t a);
+
+/* The vector rotated by the unit quaternion: r v conj(r). */
+vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v);
+
+/* Rotation of `angle` = |v| [rad] about v / |v|; |v| within TRIGONOMETRY_MAX_RAD. Zero gives the identity. */
+quaternion_t quaternion_from_rotation_vector(vector3_t v_rad);
+
+/* Rotation matrix, row by row, to unit quaternion with w >= 0 (the paper's footnote 1), by the largest of the four
+ * components, so that no rotation loses precision. The matrix must be a rotation within rounding. */
+quaternion_t quaternion_from_matrix(const float matrix[9]);
+
+/* Normalised linear interpolation from a (s = 0) to b (s = 1) along the shorter way. */
+quaternion_t quaternion_interpolate(quaternion_t a, quaternion_t b, float s);
+
+dual_quaternion_t dual_quaternion_add(dual_quaternion_t a, dual_quaternion_t b);
+dual_quaternion_t dual_quaternion_negate(dual_quaternion_t a);
+dual_quaternion_t dual_quaternion_multiply(dual_quaternion_t a, dual_quaternion_t b);
+
+/* Conjugates both quaternions: the inverse of a unit dual quaternion. */
+dual_quaternion_t dual_quaternion_conjugate(dual_quaternion_t a);
+
+/* Back to a pose: |P| = 1 and P . D = 0. A zero primary part gives the identity. */
+dual_quaternion_t dual_quaternion_normalise(dual_quaternion_t a);
+
+/* Footnote 1: r + eps 1/2 t r from a unit rotation and a translation [m]. */
+dual_quaternion_t dual_quaternion_from_pose(quaternion_t rotation, vector3_t translation_m);
+
+/* The translation t [m] of a pose: 2 D conj(P). */
+vector3_t dual_quaternion_translation(dual_quaternion_t pose);
+
+/* Definition 1, T{x} = x conj(P(x)) = 1 + eps t/2. */
+dual_quaternion_t dual_quaternion_translation_part(dual_quaternion_t pose);
+
+/* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a): translations add, rotations compose as P(b) P(a). */
+dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);
+
+/* Whichever of pose and -pose lies on the reference's side, <P(pose), P(reference)> >= 0: the double cover's answer. */
+dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference);
+
+#endif

@@ -1,0 +1,31 @@
+/* AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2, implicit
+ * 16-bit Data ID, low byte first, after the data. Source: AUTOSAR FO R22-11, PRS_E2EProtocol, 6.6. */
+#ifndef COMANIP_E2E_H
+#define COMANIP_E2E_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define E2E_HEADER_BYTES 3
+#define E2E_MAX_DELTA 10 /* so many lost frames in a row are bridged; a larger step of the counter is refused once */
+
+typedef enum {
+    E2E_OK = 0,
+    E2E_SOME_LOST = 1,
+    E2E_WRONG_CRC = -1,
+    E2E_REPEATED = -2,
+    E2E_WRONG_SEQUENCE = -3,
+} e2e_status_t;
+
+typedef struct {
+    bool started; /* false: the next counter is taken as it comes */
+    uint8_t counter;
+} e2e_receiver_t;
+
+/* Writes the header into data[0..2]. length: whole frame, from E2E_HEADER_BYTES up. */
+void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter);
+
+/* Checks a received frame and follows its counter. Use the data only if the status is not negative. */
+e2e_status_t e2e_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id);
+
+#endif

@@ -1,0 +1,38 @@
+/* The human's hand: from tracker frames at the tracker's pace to a pose with an age at each tick. */
+#ifndef COMANIP_HAND_TRACKER_H
+#define COMANIP_HAND_TRACKER_H
+
+#include "can_protocol.h"
+
+typedef struct {
+    uint32_t period_us; /* as announced by TrackerStatus; HandPose's own period until then */
+    bool has_pose;
+    bool has_clock;
+    uint32_t clock_offset_us; /* least (reception - stamp) seen, modulo 2^32: the fastest way a frame ever took */
+    uint32_t last_stamp_us;   /* tracker's clock, of the newest pose */
+    uint32_t received_us;     /* of the newest valid pose */
+    uint32_t age_at_reception_us; /* how much later it came than the fastest frame */
+    uint32_t blend_start_us;
+    dual_quaternion_t from, to; /* interpolated over one period: marker in the tracker frame */
+} hand_tracker_t;
+
+void hand_tracker_init(hand_tracker_t *self);
+void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status);
+
+/* A HandPose received at received_us, taken over at now_us. Refused, and false, if it is marked invalid, is not a unit
+ * quaternion within 1e-3, or is older by its stamp than one already taken. */
+bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us);
+
+/* Age of the newest valid pose: time since its reception, plus how much later than the fastest frame it came, by the
+ * tracker's own clock (so a constant clock offset and any transport time common to all frames cancel). UINT32_MAX
+ * without a pose. */
+uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
+
+/* No valid pose for stale_periods of the tracker's own periods. */
+bool hand_tracker_is_stale(const hand_tracker_t *self, uint32_t now_us, float stale_periods);
+
+/* The marker's pose in the tracker frame, moved from the last sample to the newest over one tracker period: a
+ * continuous path from samples slower than the tick, at the cost of that period as latency. Needs has_pose. */
+dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us);
+
+#endif

@@ -1,0 +1,23 @@
+/* The arm as the drives report it. */
+#ifndef COMANIP_JOINT_FEEDBACK_H
+#define COMANIP_JOINT_FEEDBACK_H
+
+#include "can_protocol.h"
+
+typedef struct {
+    float position_rad[ARM_MAX_JOINTS];
+    drive_error_t error[ARM_MAX_JOINTS];
+    uint32_t received_us[ARM_MAX_JOINTS];
+    bool received[ARM_MAX_JOINTS];
+} joint_feedback_t;
+
+void joint_feedback_init(joint_feedback_t *self);
+void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us);
+
+/* Every joint has answered within JointState's timeout. */
+bool joint_feedback_is_fresh(const joint_feedback_t *self, int joint_count, uint32_t now_us);
+
+/* Some drive reports an error. */
+bool joint_feedback_has_error(const joint_feedback_t *self, int joint_count);
+
+#endif

@@ -1,0 +1,36 @@
+/* The only way out to a command: position, velocity and acceleration of each joint stay within limits, whatever is asked. */
+#ifndef COMANIP_JOINT_LIMITS_H
+#define COMANIP_JOINT_LIMITS_H
+
+#include <stdbool.h>
+
+#include "arm.h"
+
+typedef struct {
+    float speed_fraction;           /* 0..1 of each joint's velocity_max_radps */
+    float acceleration_max_radps2;  /* > 0 */
+    float command_delay_s;          /* from this tick to the drive's motion: joints travel on for so long */
+    float approach_gain_per_s;      /* the law's largest gain K: what it asks is K times the way to go, so the speed from
+                                       which a joint can still stop on that way is known */
+} joint_limits_config_t;
+
+typedef struct {
+    float velocity_radps[ARM_MAX_JOINTS]; /* the last command */
+} joint_limits_t;
+
+typedef struct {
+    float position_rad[ARM_MAX_JOINTS]; /* where the joint is one tick after the command, within the arm's range */
+    float velocity_radps[ARM_MAX_JOINTS];
+} joint_motion_t;
+
+void joint_limits_init(joint_limits_t *self);
+
+/* measured_rad, wanted_radps: joint_count values. Both vectors' joints keep their proportion where the speed limits act,
+ * so that the hand keeps its direction. Velocities come out as whole multiples of the bus's resolution (1 mrad/s),
+ * so that what is limited is what is sent. Returns false, and brakes, if a value is not finite. */
+bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
+                        const float measured_rad[], const float wanted_radps[], joint_motion_t *motion);
+
+bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
+
+#endif

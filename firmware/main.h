@@ -1,0 +1,8 @@
+/* Entry of the firmware: called by a target's reset handler, or by the simulator's main(). */
+#ifndef COMANIP_MAIN_H
+#define COMANIP_MAIN_H
+
+/* Returns only when hal_wait_tick() says that the platform shuts down. */
+void firmware_main(void);
+
+#endif

@@ -1,0 +1,56 @@
+/* Every tunable of the firmware: named, with unit (in the name), range and default; checked before it is taken. */
+#ifndef COMANIP_PARAMETERS_H
+#define COMANIP_PARAMETERS_H
+
+#include "can_protocol.h"
+#include "cooperation.h"
+#include "joint_limits.h"
+#include "velocity_control.h"
+
+/* Numbers and names are those of the DBC (ParameterValue.parameter). Vectors stand in a row: FIRST + component. */
+typedef enum {
+    PARAMETER_GAIN_PER_S = 0,                    /* 8: diagonal of K, order of vec8 */
+    PARAMETER_WEIGHT = 8,                        /* 8: diagonal of W */
+    PARAMETER_DAMPING = 16,                      /* lambda */
+    PARAMETER_ERROR_FRAME = 17,                  /* error_frame_t */
+    PARAMETER_MOTION_SCALE = 18,
+    PARAMETER_TRACKER_ROTATION_RAD = 19,         /* 3: rotation vector of q_Tv^E */
+    PARAMETER_MARKER_TO_HAND_ROTATION_RAD = 22,  /* 3: rotation vector of the hand seen from the marker */
+    PARAMETER_MARKER_TO_HAND_TRANSLATION_M = 25, /* 3 */
+    PARAMETER_START_OFFSET_M = 28,               /* 3 */
+    PARAMETER_LATCH_MEASURED = 31,               /* 0: latch the commanded q_task, 1: the measured one */
+    PARAMETER_TASK_BLEND_S = 32,
+    PARAMETER_SPEED_FRACTION = 33,
+    PARAMETER_ACCELERATION_LIMIT_RADPS2 = 34,
+    PARAMETER_COMMAND_DELAY_S = 35,
+    PARAMETER_STALE_PERIODS = 36,
+    PARAMETER_TRACE = 37, /* 1: TickTrace is sent */
+    PARAMETER_COUNT = 38
+} parameter_id_t;
+
+typedef struct {
+    const char *name;
+    float minimum;
+    float maximum;
+    float default_value;
+    bool integer; /* only whole numbers are taken */
+} parameter_description_t;
+
+extern const parameter_description_t parameter_table[PARAMETER_COUNT];
+
+typedef struct {
+    float value[PARAMETER_COUNT];
+} parameters_t;
+
+void parameters_set_defaults(parameters_t *self);
+
+/* RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (NaN included); a refused value changes nothing. */
+result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
+
+/* Views of the parameters as each stage wants them. */
+void parameters_velocity_control(const parameters_t *self, velocity_control_config_t *config);
+void parameters_joint_limits(const parameters_t *self, joint_limits_config_t *config);
+void parameters_cooperation(const parameters_t *self, cooperation_config_t *config);
+dual_quaternion_t parameters_marker_to_hand(const parameters_t *self);
+
+#endif

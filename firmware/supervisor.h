@@ -1,0 +1,34 @@
+/* Modes and their reasons: who may move, and why not. */
+#ifndef COMANIP_SUPERVISOR_H
+#define COMANIP_SUPERVISOR_H
+
+#include "can_protocol.h"
+
+typedef struct {
+    bool drives_fresh;
+    bool drive_error;
+    bool tracker_fresh;
+    bool finite; /* the last tick's numbers were */
+} supervisor_inputs_t;
+
+typedef struct {
+    mode_t mode;
+    reason_t reason;
+} supervisor_t;
+
+void supervisor_init(supervisor_t *self);
+
+/* Follows the inputs, once per tick:
+ *   idle <-> ready as drives and tracker come and go; cooperating <-> hold as the tracker comes and goes;
+ *   any but idle -> fault when a drive falls silent or reports an error, or a number is not finite. */
+void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs);
+
+/* ready -> cooperating. */
+result_t supervisor_start(supervisor_t *self);
+
+/* cooperating, hold -> ready; fault -> idle if its cause is gone; idle and ready stay. */
+result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
+
+stop_category_t supervisor_stop_category(const supervisor_t *self);
+
+#endif

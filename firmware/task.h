@@ -1,0 +1,37 @@
+/* A cooperative task is the relative pose of the human's hand seen from the robot's hand (equation (1), Table I). */
+#ifndef COMANIP_TASK_H
+#define COMANIP_TASK_H
+
+#include <stdint.h>
+
+#include "dual_quaternion.h"
+
+typedef enum {
+    TASK_FORM_CONSTANT = 0,
+    TASK_FORM_MIRRORED = 1, /* t_task grows by 2 (x_H - x_H0) along the robot hand's z axis */
+} task_form_t;
+
+/* Numbers are those of the DBC. */
+typedef enum {
+    TASK_POUR = 0,
+    TASK_TELEOP = 1,
+    TASK_MIRROR = 2,
+    TASK_CUSTOM = 3, /* defined by the operator (TaskDefine) */
+} task_id_t;
+
+#define TASK_BUILT_IN_COUNT 3
+
+typedef struct {
+    task_form_t form;
+    vector3_t t_task_m;  /* in the robot hand's frame */
+    quaternion_t q_task; /* unit */
+    quaternion_t q_inv;  /* unit: how the person stands at the start; used by Algorithm 1's initialisation only */
+} task_t;
+
+/* Table I. */
+extern const task_t task_table[TASK_BUILT_IN_COUNT];
+
+/* Equation (2): q_task of this task, given how far the human's hand has moved along the torso's x axis since the start. */
+dual_quaternion_t task_relation(const task_t *task, float forward_displacement_m);
+
+#endif

@@ -1,0 +1,31 @@
+/* The whole boundary between the firmware and its platform: link-time functions, one folder per port.
+ * Called from firmware/main.c alone, from one thread. */
+#ifndef COMANIP_HAL_H
+#define COMANIP_HAL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "../firmware/can_frame.h"
+
+/* Clock, CAN controller (FD, 1/5 Mbit/s), watchdog. Panics if the hardware does not answer. */
+void hal_init(void);
+
+/* Sleeps until the next 1 kHz tick and gives its time, monotonic modulo 2^32 us. False when the platform shuts down,
+ * which only a simulated one does. A tick that was missed is not made up for. */
+bool hal_wait_tick(uint32_t *now_us);
+
+/* Next received frame, oldest first, with its time of reception. False: none left. */
+bool hal_can_receive(can_frame_t *frame);
+
+/* Queues a frame. False: the queue is full and the frame is dropped (the port counts it). Never blocks. */
+bool hal_can_send(const can_frame_t *frame);
+
+/* Once per tick. The platform stops the drives if it is not called for 10 ms. */
+void hal_watchdog_feed(void);
+
+/* Takes the drives' power away by the shortest way the platform has, says why on whatever console there is, and never
+ * returns. cause: one line. */
+_Noreturn void hal_panic(const char *cause);
+
+#endif

@@ -1,0 +1,47 @@
+/* The CAN FD bus in virtual time: arbitration by id, true frame durations (1/5 Mbit/s), bounded queues.
+ *
+ * Nodes send frames that are ready at some time; bus_run_until() plays the traffic up to a time and hands each frame, at
+ * its end, to every other node and to the listener. Time is in ns since the start of the simulation. Deterministic. */
+#ifndef COMANIP_SIM_BUS_H
+#define COMANIP_SIM_BUS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "../firmware/can_frame.h"
+
+#define BUS_MAX_NODES 16
+#define BUS_QUEUE_FRAMES 64
+
+/* frame->timestamp_us is the time of the frame's end. Handlers may call bus_send(). */
+typedef void (*bus_handler_t)(void *context, const can_frame_t *frame, int64_t end_ns);
+
+typedef struct {
+    uint64_t frames;
+    uint64_t dropped;        /* refused by a full queue */
+    int64_t busy_ns;
+    double load_percent_peak; /* over windows of 10 ms */
+} bus_statistics_t;
+
+typedef struct bus bus_t;
+
+bus_t *bus_create(void);
+void bus_destroy(bus_t *self);
+
+/* Gives the node's number. At most BUS_MAX_NODES. */
+int bus_attach(bus_t *self, bus_handler_t handler, void *context);
+
+/* A listener gets every frame, whoever sent it, and cannot send. At most BUS_MAX_NODES. */
+void bus_listen(bus_t *self, bus_handler_t handler, void *context);
+
+/* Queues a copy, to be sent from ready_ns on (not before the bus's present time). Within one node the lowest id goes
+ * first, equal ids in the order of sending. False if the node's queue is full: the frame is dropped and counted. */
+bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns);
+
+/* Plays every frame that starts before time_ns; one that is still on the wire then ends, and is delivered, in the next
+ * call. */
+void bus_run_until(bus_t *self, int64_t time_ns);
+
+bus_statistics_t bus_statistics(const bus_t *self);
+
+#endif

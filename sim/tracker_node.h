@@ -1,0 +1,42 @@
+/* The motion tracker as a node on the bus: samples a motion of the human's hand and sends HandPose and TrackerStatus. */
+#ifndef COMANIP_SIM_TRACKER_NODE_H
+#define COMANIP_SIM_TRACKER_NODE_H
+
+#include "../firmware/can_protocol.h"
+#include "bus.h"
+#include "hand_motion.h"
+
+typedef struct {
+    double rate_hz;            /* of HandPose on the bus, 15..1000; 250 by default */
+    double latency_s;          /* from the measurement to the frame, 0..0.5; announced in TrackerStatus */
+    double noise_position_m;   /* standard deviation per axis */
+    double noise_rotation_rad; /* standard deviation per axis of the rotation vector */
+    double mount_translation_m[3]; /* q_E^T: the tracker seen from the torso; any translation */
+    double mount_rotation[4];      /* unit quaternion w x y z */
+    double dropout_probability;    /* of each sample being lost, 0..1 */
+    double gap_start_s, gap_duration_s; /* one deliberate dropout; duration 0: none */
+    uint32_t clock_start_us;       /* of the tracker's own clock: near 2^32 it wraps in the run */
+    uint64_t seed;
+} tracker_options_t;
+
+typedef struct {
+    uint64_t samples;      /* sent */
+    uint64_t lost;         /* of these, sent as invalid */
+    uint64_t range_errors; /* of these, measurements that no frame can carry */
+    double longest_gap_s;  /* longest time between two valid samples */
+} tracker_statistics_t;
+
+typedef struct tracker_node tracker_node_t;
+
+void tracker_options_set_defaults(tracker_options_t *options);
+
+/* The motion must outlive the node. */
+tracker_node_t *tracker_node_create(bus_t *bus, const hand_motion_t *motion, const tracker_options_t *options);
+void tracker_node_destroy(tracker_node_t *self);
+
+/* Queues the frames that fall due in [from_ns, until_ns). */
+void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns);
+
+tracker_statistics_t tracker_node_statistics(const tracker_node_t *self);
+
+#endif
