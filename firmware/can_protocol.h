@@ -182,7 +182,7 @@ typedef enum {
     MODE_COOPERATING = 2,
     MODE_HOLD = 3,  /* the tracker is stale: the arm stands; goes on by itself when poses return */
     MODE_FAULT = 4, /* latched: left by the stop command once the cause is gone */
-} mode_t;
+} control_mode_t;
 
 /* Why the mode is what it is. */
 typedef enum {
@@ -220,7 +220,7 @@ typedef enum {
 } result_t;
 
 typedef struct {
-    mode_t mode;
+    control_mode_t mode;
     reason_t reason;
     stop_category_t stop_category;
     task_id_t task;

@@ -16,8 +16,9 @@
 #include "velocity_control.h"
 
 #define CONTROLLER_TICK_US 1000u
-#define CONTROLLER_INBOX_FRAMES 24  /* all drives, tracker and operator in one tick, twice */
-#define CONTROLLER_OUTBOX_FRAMES 16 /* the cyclic frames, and as many answers as fit */
+#define CONTROLLER_INBOX_FRAMES 16 /* all drives, tracker and operator in one tick; more wait for the next */
+#define CONTROLLER_CYCLIC_FRAMES 6
+#define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + CONTROLLER_INBOX_FRAMES) /* an answer to each frame */
 
 typedef struct {
     can_frame_t frame[CONTROLLER_INBOX_FRAMES];
@@ -32,27 +33,36 @@ typedef struct {
 typedef struct {
     const arm_t *arm;
     parameters_t parameters;
-    velocity_control_config_t velocity_control_config; /* derived from the parameters when one changes */
+    velocity_control_config_t velocity_control_config; /* views of the parameters, made anew when one is written */
     joint_limits_config_t joint_limits_config;
+    cooperation_config_t cooperation_config;
     dual_quaternion_t marker_to_hand;
+
     protocol_receiver_t receiver;
     protocol_sender_t sender;
+    uint8_t request[CONTROLLER_INBOX_FRAMES]; /* this tick's operator frames: their places in the inbox */
+    uint8_t request_count;
+
     hand_tracker_t hand_tracker;
     joint_feedback_t joints;
-    cooperation_t cooperation;
-    task_t task; /* selected */
-    task_id_t task_id;
-    float blend_s; /* how long the selected task takes to come into force */
-    float blend_elapsed_s;
-    joint_limits_t limits;
-    supervisor_t supervisor;
     dual_quaternion_t hand;  /* human's hand in the tracker frame, this tick */
     dual_quaternion_t robot; /* robot's measured hand in the torso frame, this tick */
-    dual_quaternion_t target;
     dual_quaternion_t jacobian[ARM_MAX_JOINTS];
-    bool finite;
+
+    supervisor_t supervisor;
+    supervisor_inputs_t supervisor_inputs;
+
+    task_id_t task_id; /* selected */
+    task_t task;
+    float blend_s;         /* how long the selected task takes to come into force */
+    float blend_elapsed_s; /* of it, in cooperation */
+    cooperation_t cooperation;
+    dual_quaternion_t target; /* robot's hand in the torso frame */
+    joint_limits_t limits;
+    bool finite; /* the last tick's numbers were */
+
     uint32_t tick;
-    uint16_t boot_step; /* frames of the boot announcement sent so far */
+    uint16_t announced; /* frames of the boot announcement sent so far */
 } controller_t;
 
 /* The arm table must outlive the controller. */

@@ -39,9 +39,9 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
 /* Another task from here on, the start poses kept. `blend` of cooperation_target() counts anew from 0. Releases a latch. */
 void cooperation_select(cooperation_t *self, const task_t *task);
 
-/* Takes a new reference (clutch): the hand's displacement counts from `hand`, the robot's from `robot`, and the q_task
- * in force is kept, so that the next target is `robot`. */
-void cooperation_clutch(cooperation_t *self, dual_quaternion_t hand, dual_quaternion_t robot);
+/* Takes a new reference (clutch): the hand's displacement counts from `hand`, the robot's from `robot`, and the task goes
+ * on where it was (`blend`, or latched), so that the next target is `robot`. */
+void cooperation_clutch(cooperation_t *self, dual_quaternion_t hand, dual_quaternion_t robot, float blend);
 
 /* Section V-B.3, at grasp: the q_task in force is stored and stays constant (the commanded relation). */
 void cooperation_latch(cooperation_t *self);

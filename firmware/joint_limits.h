@@ -14,22 +14,20 @@ typedef struct {
                                        which a joint can still stop on that way is known */
 } joint_limits_config_t;
 
+/* The last command. */
 typedef struct {
-    float velocity_radps[ARM_MAX_JOINTS]; /* the last command */
-} joint_limits_t;
-
-typedef struct {
-    float position_rad[ARM_MAX_JOINTS]; /* where the joint is one tick after the command, within the arm's range */
+    float position_rad[ARM_MAX_JOINTS]; /* where the joint is to be at the next tick, within the arm's range */
     float velocity_radps[ARM_MAX_JOINTS];
-} joint_motion_t;
+} joint_limits_t;
 
 void joint_limits_init(joint_limits_t *self);
 
 /* measured_rad, wanted_radps: joint_count values. Both vectors' joints keep their proportion where the speed limits act,
  * so that the hand keeps its direction. Velocities come out as whole multiples of the bus's resolution (1 mrad/s),
- * so that what is limited is what is sent. Returns false, and brakes, if a value is not finite. */
+ * so that what is limited is what is sent. The command is left in self. Returns false, and
+ * brakes, if a value is not finite. */
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                        const float measured_rad[], const float wanted_radps[], joint_motion_t *motion);
+                        const float measured_rad[], const float wanted_radps[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

@@ -12,7 +12,7 @@ typedef struct {
 } supervisor_inputs_t;
 
 typedef struct {
-    mode_t mode;
+    control_mode_t mode;
     reason_t reason;
 } supervisor_t;
 
@@ -20,7 +20,7 @@ void supervisor_init(supervisor_t *self);
 
 /* Follows the inputs, once per tick:
  *   idle <-> ready as drives and tracker come and go; cooperating <-> hold as the tracker comes and goes;
- *   any but idle -> fault when a drive falls silent or reports an error, or a number is not finite. */
+ *   cooperating, hold -> fault when a drive falls silent or reports an error, or a number is not finite. */
 void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs);
 
 /* ready -> cooperating. */

@@ -1,0 +1,92 @@
+# comanip. `make` alone prints help; each target's help is the comment behind `##`.
+
+BUILD := build
+GENERATED := $(BUILD)/generated
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+CC := gcc
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
+# No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
+CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GENERATED)
+SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
+
+CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c)) $(wildcard firmware/arms/*.c) $(GENERATED)/comanip_dbc.c
+FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(wildcard sim/*.c)
+SIMULATOR := $(BUILD)/host/comanip-sim
+HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
+
+# What a machine needs beside git and make, as Debian and Ubuntu name it.
+DEBIAN_PACKAGES := gcc libc6-dev libode-dev python3 python3-dev python3-venv
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help deps build sim test bench check-c target target-deps clean
+
+help: ## this text
+	@echo "comanip: a person and a robot arm work together over a CAN bus"
+	@echo
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## ?/  make \1\t/' | expand -t 22
+	@echo
+	@echo "  make sim SCENARIO=pour|teleop|mirror TRACKER=file.csv SEED=n OUT=dir ARGS='...'"
+	@echo "      ARGS are the simulator's own options: make sim ARGS=--help"
+
+# ---- what is needed
+
+# Present: the tools answer and ODE's header is there. Then nothing is installed and no network is used.
+deps: ## install what is missing: system packages through apt, Python packages into .venv/
+	@host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
+
+$(VENV)/.installed: host_tools/requirements.txt host_tools/install-deps.sh
+	@host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) $<
+
+$(VENV)/.installed-tests: tests/requirements.txt $(VENV)/.installed
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
+	@touch $@
+
+# ---- build
+
+build: $(SIMULATOR) $(BUILD)/python/.built ## the simulator and the Python binding
+
+$(GENERATED)/.generated: host_tools/comanip/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | $(VENV)/.installed
+	$(PYTHON) $< $(GENERATED)
+	@touch $@
+
+$(GENERATED)/comanip_dbc.c: $(GENERATED)/.generated ;
+
+$(SIMULATOR): $(HOST_OBJECTS)
+	$(CC) $^ -lode -lm -o $@
+
+$(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
+$(BUILD)/host/%.o: %.c $(GENERATED)/.generated
+	@mkdir -p $(@D)
+	$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@
+
+$(BUILD)/python/.built: host_tools/comanip/build_core.py $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
+	$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python
+	@touch $@
+
+-include $(HOST_OBJECTS:.o=.d)
+
+# ---- use
+
+# Only what is set is passed on.
+sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
+	@$(SIMULATOR) --out $(or $(OUT),out/$(or $(SCENARIO),pour)) $(if $(SCENARIO),--scenario '$(SCENARIO)') $(if $(TRACKER),--tracker '$(TRACKER)') $(if $(SEED),--seed '$(SEED)') $(ARGS)
+
+test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
+	$(PYTHON) -m pytest tests $(PYTEST_ARGS)
+
+bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
+	$(PYTHON) tests/bench_simulator.py
+
+check-c: $(GENERATED)/.generated ## compile the core with clang as well, warnings as errors
+	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@echo "clang: no warnings"
+
+include hal/target.mk
+
+clean: ## remove what was built (not .venv/)
+	rm -rf $(BUILD) host_tools/comanip/_core*.so

@@ -1,0 +1,418 @@
+#include "can_protocol.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "comanip_dbc.h"
+#include "comanip_schema.h"
+
+#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms) {id, bytes, data_id, period_ms, timeout_ms},
+const frame_description_t frame_table[FRAME_KIND_COUNT] = {COMANIP_FRAMES(FRAME_ROW)};
+
+/* The enum in can_protocol.h follows the DBC's order. */
+#define COUNT_ROW(name, id, bytes, data_id, period_ms, timeout_ms) +1
+_Static_assert(FRAME_KIND_COUNT == 0 COMANIP_FRAMES(COUNT_ROW), "the DBC has other frames than frame_kind_t");
+
+static bool find_kind(uint16_t id, frame_kind_t *kind) {
+    for (int i = 0; i < FRAME_KIND_COUNT; i++) {
+        if (frame_table[i].id == id) {
+            *kind = (frame_kind_t)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+void protocol_protect(protocol_sender_t *self, can_frame_t *frame) {
+    frame_kind_t kind;
+    if (find_kind(frame->id, &kind) && frame_table[kind].data_id != 0u) {
+        e2e_protect(frame->data, frame->length, frame_table[kind].data_id, self->counter[kind]++);
+    }
+}
+
+protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind) {
+    protocol_status_t status = PROTOCOL_OK;
+    if (!find_kind(frame->id, kind)) {
+        return PROTOCOL_UNKNOWN_ID; /* another system's frame on the same bus: none of our business */
+    }
+    const frame_description_t *description = &frame_table[*kind];
+    if (frame->length != description->length) {
+        status = PROTOCOL_WRONG_LENGTH;
+    } else if (description->data_id != 0u &&
+               e2e_check(&self->e2e[*kind], frame->data, frame->length, description->data_id) < 0) {
+        status = PROTOCOL_NOT_AUTHENTIC;
+    }
+    self->rejected += status != PROTOCOL_OK;
+    return status;
+}
+
+/* An empty frame of this kind. */
+static void begin(can_frame_t *frame, frame_kind_t kind) {
+    *frame = (can_frame_t){.id = frame_table[kind].id, .length = frame_table[kind].length};
+}
+
+/* Rounds to nearest. False if the signal cannot carry the value, NaN included. */
+static bool quantise(float value, float per_unit, int32_t minimum, int32_t maximum, int32_t *raw) {
+    float scaled = value * per_unit;
+    *raw = 0;
+    if (!(scaled >= (float)minimum && scaled <= (float)maximum)) {
+        return false;
+    }
+    *raw = (int32_t)(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
+    if (*raw > maximum || *raw < minimum) { /* rounded out of the range */
+        *raw = 0;
+        return false;
+    }
+    return true;
+}
+
+/* `fits` = fits and the value of this signal fits; the raw value goes into `raw_member`, of the C type `raw_type`. */
+#define PACK(fits, value, SIGNAL, raw_type, raw_member)                                                              \
+    do {                                                                                                             \
+        int32_t raw_;                                                                                                \
+        (fits) = quantise((value), COMANIP_##SIGNAL##_PER_UNIT, COMANIP_##SIGNAL##_RAW_MIN,                          \
+                          COMANIP_##SIGNAL##_RAW_MAX, &raw_) &&                                                      \
+                 (fits);                                                                                             \
+        (raw_member) = (raw_type)raw_;                                                                               \
+    } while (0)
+
+#define UNPACK(SIGNAL, raw) ((float)(raw)*COMANIP_##SIGNAL##_RESOLUTION)
+
+static protocol_status_t status_of(bool fits) {
+    return fits ? PROTOCOL_OK : PROTOCOL_OUT_OF_RANGE;
+}
+
+protocol_status_t hand_pose_pack(const hand_pose_t *message, can_frame_t *frame) {
+    struct comanip_hand_pose_t raw = {.t_us = message->t_us, .valid = message->valid};
+    bool fits = true;
+    PACK(fits, message->position_m.x, HAND_POSE_X_M, int32_t, raw.x_m);
+    PACK(fits, message->position_m.y, HAND_POSE_Y_M, int32_t, raw.y_m);
+    PACK(fits, message->position_m.z, HAND_POSE_Z_M, int32_t, raw.z_m);
+    PACK(fits, message->rotation.w, HAND_POSE_QW, int32_t, raw.qw);
+    PACK(fits, message->rotation.x, HAND_POSE_QX, int32_t, raw.qx);
+    PACK(fits, message->rotation.y, HAND_POSE_QY, int32_t, raw.qy);
+    PACK(fits, message->rotation.z, HAND_POSE_QZ, int32_t, raw.qz);
+    if (!fits) {
+        raw = (struct comanip_hand_pose_t){.t_us = message->t_us, .valid = 0};
+    }
+    begin(frame, FRAME_HAND_POSE);
+    (void)comanip_hand_pose_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void hand_pose_unpack(const can_frame_t *frame, hand_pose_t *message) {
+    struct comanip_hand_pose_t raw;
+    (void)comanip_hand_pose_unpack(&raw, frame->data, frame->length);
+    *message = (hand_pose_t){
+        .t_us = raw.t_us,
+        .position_m = {UNPACK(HAND_POSE_X_M, raw.x_m), UNPACK(HAND_POSE_Y_M, raw.y_m), UNPACK(HAND_POSE_Z_M, raw.z_m)},
+        .rotation = {UNPACK(HAND_POSE_QW, raw.qw), UNPACK(HAND_POSE_QX, raw.qx), UNPACK(HAND_POSE_QY, raw.qy),
+                     UNPACK(HAND_POSE_QZ, raw.qz)},
+        .valid = raw.valid != 0u,
+    };
+}
+
+protocol_status_t tracker_status_pack(const tracker_status_t *message, can_frame_t *frame) {
+    struct comanip_tracker_status_t raw = {
+        .t_us = message->t_us,
+        .fault = message->fault,
+        .lost_samples = message->lost_samples,
+        .range_errors = message->range_errors,
+    };
+    bool fits = true;
+    PACK(fits, (float)message->period_us, TRACKER_STATUS_PERIOD_US, uint16_t, raw.period_us);
+    PACK(fits, (float)message->latency_us, TRACKER_STATUS_LATENCY_US, uint16_t, raw.latency_us);
+    begin(frame, FRAME_TRACKER_STATUS);
+    (void)comanip_tracker_status_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void tracker_status_unpack(const can_frame_t *frame, tracker_status_t *message) {
+    struct comanip_tracker_status_t raw;
+    (void)comanip_tracker_status_unpack(&raw, frame->data, frame->length);
+    *message = (tracker_status_t){
+        .t_us = raw.t_us,
+        .period_us = 10u * (uint32_t)raw.period_us,
+        .latency_us = 10u * (uint32_t)raw.latency_us,
+        .fault = raw.fault,
+        .lost_samples = raw.lost_samples,
+        .range_errors = raw.range_errors,
+    };
+}
+
+/* The DBC has no arrays: the eight joints of JointCmd by their numbers. */
+#define FOR_EACH_JOINT(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
+
+protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t *frame) {
+    struct comanip_joint_cmd_t raw = {0};
+    bool fits = true;
+#define PACK_JOINT(i)                                                                                                \
+    raw.mode_##i = (uint8_t)message->mode[i];                                                                        \
+    PACK(fits, message->position_rad[i], JOINT_CMD_POSITION_##i##_RAD, int32_t, raw.position_##i##_rad);             \
+    PACK(fits, message->velocity_radps[i], JOINT_CMD_VELOCITY_##i##_RADPS, int16_t, raw.velocity_##i##_radps);       \
+    PACK(fits, message->torque_Nm[i], JOINT_CMD_TORQUE_##i##_NM, int16_t, raw.torque_##i##_nm);
+    FOR_EACH_JOINT(PACK_JOINT)
+    begin(frame, FRAME_JOINT_CMD);
+    (void)comanip_joint_cmd_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void joint_command_unpack(const can_frame_t *frame, joint_command_t *message) {
+    struct comanip_joint_cmd_t raw;
+    (void)comanip_joint_cmd_unpack(&raw, frame->data, frame->length);
+#define UNPACK_JOINT(i)                                                                                              \
+    message->mode[i] = (drive_mode_t)raw.mode_##i;                                                                   \
+    message->position_rad[i] = UNPACK(JOINT_CMD_POSITION_##i##_RAD, raw.position_##i##_rad);                         \
+    message->velocity_radps[i] = UNPACK(JOINT_CMD_VELOCITY_##i##_RADPS, raw.velocity_##i##_radps);                   \
+    message->torque_Nm[i] = UNPACK(JOINT_CMD_TORQUE_##i##_NM, raw.torque_##i##_nm);
+    FOR_EACH_JOINT(UNPACK_JOINT)
+}
+
+/* JointState0 stands for all eight: the code generator checks that their layouts are one. */
+protocol_status_t joint_state_pack(int joint, const joint_state_t *message, can_frame_t *frame) {
+    struct comanip_joint_state0_t raw = {
+        .mode = (uint8_t)message->mode,
+        .error = (uint8_t)message->error,
+        .temperature_deg_c = message->temperature_degC,
+    };
+    bool fits = true;
+    PACK(fits, message->position_rad, JOINT_STATE0_POSITION_RAD, int32_t, raw.position_rad);
+    PACK(fits, message->velocity_radps, JOINT_STATE0_VELOCITY_RADPS, int16_t, raw.velocity_radps);
+    PACK(fits, message->torque_Nm, JOINT_STATE0_TORQUE_NM, int16_t, raw.torque_nm);
+    begin(frame, (frame_kind_t)(FRAME_JOINT_STATE0 + joint));
+    (void)comanip_joint_state0_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void joint_state_unpack(const can_frame_t *frame, joint_state_t *message) {
+    struct comanip_joint_state0_t raw;
+    (void)comanip_joint_state0_unpack(&raw, frame->data, frame->length);
+    *message = (joint_state_t){
+        .position_rad = UNPACK(JOINT_STATE0_POSITION_RAD, raw.position_rad),
+        .velocity_radps = UNPACK(JOINT_STATE0_VELOCITY_RADPS, raw.velocity_radps),
+        .torque_Nm = UNPACK(JOINT_STATE0_TORQUE_NM, raw.torque_nm),
+        .mode = (drive_mode_t)raw.mode,
+        .error = (drive_error_t)raw.error,
+        .temperature_degC = raw.temperature_deg_c,
+    };
+}
+
+protocol_status_t operator_command_pack(const operator_command_t *message, can_frame_t *frame) {
+    struct comanip_operator_command_t raw = {
+        .command = message->command, .sequence = message->sequence, .task = message->task};
+    begin(frame, FRAME_OPERATOR_COMMAND);
+    (void)comanip_operator_command_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void operator_command_unpack(const can_frame_t *frame, operator_command_t *message) {
+    struct comanip_operator_command_t raw;
+    (void)comanip_operator_command_unpack(&raw, frame->data, frame->length);
+    *message = (operator_command_t){.command = raw.command, .sequence = raw.sequence, .task = raw.task};
+}
+
+protocol_status_t task_define_pack(const task_define_t *message, can_frame_t *frame) {
+    struct comanip_task_define_t raw = {.sequence = message->sequence, .form = message->form};
+    bool fits = true;
+    PACK(fits, message->t_task_m.x, TASK_DEFINE_T_TASK_X_M, int32_t, raw.t_task_x_m);
+    PACK(fits, message->t_task_m.y, TASK_DEFINE_T_TASK_Y_M, int32_t, raw.t_task_y_m);
+    PACK(fits, message->t_task_m.z, TASK_DEFINE_T_TASK_Z_M, int32_t, raw.t_task_z_m);
+    PACK(fits, message->q_task.w, TASK_DEFINE_Q_TASK_W, int16_t, raw.q_task_w);
+    PACK(fits, message->q_task.x, TASK_DEFINE_Q_TASK_X, int16_t, raw.q_task_x);
+    PACK(fits, message->q_task.y, TASK_DEFINE_Q_TASK_Y, int16_t, raw.q_task_y);
+    PACK(fits, message->q_task.z, TASK_DEFINE_Q_TASK_Z, int16_t, raw.q_task_z);
+    PACK(fits, message->q_inv.w, TASK_DEFINE_Q_INV_W, int16_t, raw.q_inv_w);
+    PACK(fits, message->q_inv.x, TASK_DEFINE_Q_INV_X, int16_t, raw.q_inv_x);
+    PACK(fits, message->q_inv.y, TASK_DEFINE_Q_INV_Y, int16_t, raw.q_inv_y);
+    PACK(fits, message->q_inv.z, TASK_DEFINE_Q_INV_Z, int16_t, raw.q_inv_z);
+    PACK(fits, message->blend_s, TASK_DEFINE_BLEND_S, uint16_t, raw.blend_s);
+    begin(frame, FRAME_TASK_DEFINE);
+    (void)comanip_task_define_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void task_define_unpack(const can_frame_t *frame, task_define_t *message) {
+    struct comanip_task_define_t raw;
+    (void)comanip_task_define_unpack(&raw, frame->data, frame->length);
+    *message = (task_define_t){
+        .sequence = raw.sequence,
+        .form = raw.form,
+        .t_task_m = {UNPACK(TASK_DEFINE_T_TASK_X_M, raw.t_task_x_m), UNPACK(TASK_DEFINE_T_TASK_Y_M, raw.t_task_y_m),
+                     UNPACK(TASK_DEFINE_T_TASK_Z_M, raw.t_task_z_m)},
+        .q_task = {UNPACK(TASK_DEFINE_Q_TASK_W, raw.q_task_w), UNPACK(TASK_DEFINE_Q_TASK_X, raw.q_task_x),
+                   UNPACK(TASK_DEFINE_Q_TASK_Y, raw.q_task_y), UNPACK(TASK_DEFINE_Q_TASK_Z, raw.q_task_z)},
+        .q_inv = {UNPACK(TASK_DEFINE_Q_INV_W, raw.q_inv_w), UNPACK(TASK_DEFINE_Q_INV_X, raw.q_inv_x),
+                  UNPACK(TASK_DEFINE_Q_INV_Y, raw.q_inv_y), UNPACK(TASK_DEFINE_Q_INV_Z, raw.q_inv_z)},
+        .blend_s = UNPACK(TASK_DEFINE_BLEND_S, raw.blend_s),
+    };
+}
+
+protocol_status_t parameter_access_pack(const parameter_access_t *message, can_frame_t *frame) {
+    struct comanip_parameter_access_t raw = {
+        .operation = message->operation,
+        .parameter = message->parameter,
+        .sequence = message->sequence,
+        .value = message->value,
+    };
+    begin(frame, FRAME_PARAMETER_ACCESS);
+    (void)comanip_parameter_access_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void parameter_access_unpack(const can_frame_t *frame, parameter_access_t *message) {
+    struct comanip_parameter_access_t raw;
+    (void)comanip_parameter_access_unpack(&raw, frame->data, frame->length);
+    *message = (parameter_access_t){
+        .operation = raw.operation, .parameter = raw.parameter, .sequence = raw.sequence, .value = raw.value};
+}
+
+protocol_status_t firmware_status_pack(const firmware_status_t *message, can_frame_t *frame) {
+    struct comanip_firmware_status_t raw = {
+        .mode = (uint8_t)message->mode,
+        .stop_category = (uint8_t)message->stop_category,
+        .latched = message->latched,
+        .reason = (uint8_t)message->reason,
+        .task = (uint8_t)message->task,
+        .rejected_frames = message->rejected_frames,
+    };
+    bool fits = true;
+    PACK(fits, message->speed_limit_percent, FIRMWARE_STATUS_SPEED_LIMIT_PERCENT, uint8_t, raw.speed_limit_percent);
+    begin(frame, FRAME_FIRMWARE_STATUS);
+    (void)comanip_firmware_status_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void firmware_status_unpack(const can_frame_t *frame, firmware_status_t *message) {
+    struct comanip_firmware_status_t raw;
+    (void)comanip_firmware_status_unpack(&raw, frame->data, frame->length);
+    *message = (firmware_status_t){
+        .mode = (control_mode_t)raw.mode,
+        .reason = (reason_t)raw.reason,
+        .stop_category = (stop_category_t)raw.stop_category,
+        .task = (task_id_t)raw.task,
+        .latched = raw.latched != 0u,
+        .speed_limit_percent = UNPACK(FIRMWARE_STATUS_SPEED_LIMIT_PERCENT, raw.speed_limit_percent),
+        .rejected_frames = raw.rejected_frames,
+    };
+}
+
+protocol_status_t command_ack_pack(const command_ack_t *message, can_frame_t *frame) {
+    struct comanip_command_ack_t raw = {
+        .command = message->command, .sequence = message->sequence, .result = (uint8_t)message->result};
+    begin(frame, FRAME_COMMAND_ACK);
+    (void)comanip_command_ack_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void command_ack_unpack(const can_frame_t *frame, command_ack_t *message) {
+    struct comanip_command_ack_t raw;
+    (void)comanip_command_ack_unpack(&raw, frame->data, frame->length);
+    *message = (command_ack_t){.command = raw.command, .sequence = raw.sequence, .result = (result_t)raw.result};
+}
+
+protocol_status_t parameter_value_pack(const parameter_value_t *message, can_frame_t *frame) {
+    struct comanip_parameter_value_t raw = {
+        .parameter = message->parameter,
+        .sequence = message->sequence,
+        .result = (uint8_t)message->result,
+        .value = message->value,
+    };
+    begin(frame, FRAME_PARAMETER_VALUE);
+    (void)comanip_parameter_value_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void parameter_value_unpack(const can_frame_t *frame, parameter_value_t *message) {
+    struct comanip_parameter_value_t raw;
+    (void)comanip_parameter_value_unpack(&raw, frame->data, frame->length);
+    *message = (parameter_value_t){.parameter = raw.parameter,
+                                   .sequence = raw.sequence,
+                                   .result = (result_t)raw.result,
+                                   .value = raw.value};
+}
+
+protocol_status_t firmware_identity_pack(const firmware_identity_t *message, can_frame_t *frame) {
+    struct comanip_firmware_identity_t raw = {
+        .build_hash = message->build_hash,
+        .arm = message->arm,
+        .joint_count = message->joint_count,
+        .parameter_count = message->parameter_count,
+    };
+    begin(frame, FRAME_FIRMWARE_IDENTITY);
+    (void)comanip_firmware_identity_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *message) {
+    struct comanip_firmware_identity_t raw;
+    (void)comanip_firmware_identity_unpack(&raw, frame->data, frame->length);
+    *message = (firmware_identity_t){.build_hash = raw.build_hash,
+                                     .arm = raw.arm,
+                                     .joint_count = raw.joint_count,
+                                     .parameter_count = raw.parameter_count};
+}
+
+/* Received kinds and their counters in TickTrace. */
+#define FOR_EACH_RECEIVED(X)                                                                                         \
+    X(FRAME_HAND_POSE, hand_pose)                                                                                    \
+    X(FRAME_TRACKER_STATUS, tracker_status)                                                                          \
+    X(FRAME_JOINT_STATE0 + 0, joint_state_0)                                                                         \
+    X(FRAME_JOINT_STATE0 + 1, joint_state_1)                                                                         \
+    X(FRAME_JOINT_STATE0 + 2, joint_state_2)                                                                         \
+    X(FRAME_JOINT_STATE0 + 3, joint_state_3)                                                                         \
+    X(FRAME_JOINT_STATE0 + 4, joint_state_4)                                                                         \
+    X(FRAME_JOINT_STATE0 + 5, joint_state_5)                                                                         \
+    X(FRAME_JOINT_STATE0 + 6, joint_state_6)                                                                         \
+    X(FRAME_JOINT_STATE0 + 7, joint_state_7)                                                                         \
+    X(FRAME_OPERATOR_COMMAND, operator_command)                                                                      \
+    X(FRAME_TASK_DEFINE, task_define)                                                                                \
+    X(FRAME_PARAMETER_ACCESS, parameter_access)
+
+#define HAND_AGE_MAX_US 0xFFFFFFu
+
+protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *frame) {
+    struct comanip_tick_trace_t raw = {.now_us = message->now_us};
+    raw.hand_age_us = message->hand_age_us < HAND_AGE_MAX_US ? message->hand_age_us : HAND_AGE_MAX_US;
+#define PACK_COUNTER(kind, signal) raw.signal##_counter = message->last_counter[kind];
+    FOR_EACH_RECEIVED(PACK_COUNTER)
+    bool fits = true;
+    if (message->target_valid) {
+        vector3_t t = dual_quaternion_translation(message->target);
+        quaternion_t r = message->target.primary;
+        PACK(fits, t.x, TICK_TRACE_TARGET_X_M, int32_t, raw.target_x_m);
+        PACK(fits, t.y, TICK_TRACE_TARGET_Y_M, int32_t, raw.target_y_m);
+        PACK(fits, t.z, TICK_TRACE_TARGET_Z_M, int32_t, raw.target_z_m);
+        PACK(fits, r.w, TICK_TRACE_TARGET_QW, int16_t, raw.target_qw);
+        PACK(fits, r.x, TICK_TRACE_TARGET_QX, int16_t, raw.target_qx);
+        PACK(fits, r.y, TICK_TRACE_TARGET_QY, int16_t, raw.target_qy);
+        PACK(fits, r.z, TICK_TRACE_TARGET_QZ, int16_t, raw.target_qz);
+        raw.target_valid = fits; /* a target beyond what the frame carries is said to be none; the trace goes out */
+    }
+    begin(frame, FRAME_TICK_TRACE);
+    (void)comanip_tick_trace_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message) {
+    struct comanip_tick_trace_t raw;
+    (void)comanip_tick_trace_unpack(&raw, frame->data, frame->length);
+    quaternion_t r = {UNPACK(TICK_TRACE_TARGET_QW, raw.target_qw), UNPACK(TICK_TRACE_TARGET_QX, raw.target_qx),
+                      UNPACK(TICK_TRACE_TARGET_QY, raw.target_qy), UNPACK(TICK_TRACE_TARGET_QZ, raw.target_qz)};
+    vector3_t t = {UNPACK(TICK_TRACE_TARGET_X_M, raw.target_x_m), UNPACK(TICK_TRACE_TARGET_Y_M, raw.target_y_m),
+                   UNPACK(TICK_TRACE_TARGET_Z_M, raw.target_z_m)};
+    *message = (tick_trace_t){
+        .now_us = raw.now_us,
+        .target_valid = raw.target_valid != 0u,
+        .target = dual_quaternion_from_pose(quaternion_normalise(r), t),
+        .hand_age_us = raw.hand_age_us,
+    };
+#define UNPACK_COUNTER(kind, signal) message->last_counter[kind] = raw.signal##_counter;
+    FOR_EACH_RECEIVED(UNPACK_COUNTER)
+}
+
+protocol_status_t firmware_heartbeat_pack(heartbeat_state_t state, can_frame_t *frame) {
+    struct comanip_firmware_heartbeat_t raw = {.state = (uint8_t)state};
+    begin(frame, FRAME_FIRMWARE_HEARTBEAT);
+    (void)comanip_firmware_heartbeat_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}

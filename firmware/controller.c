@@ -1,0 +1,372 @@
+#include "controller.h"
+
+#include <string.h>
+
+#include "comanip_build_hash.h"
+
+#define TICK_S (1e-6f * (float)CONTROLLER_TICK_US)
+#define UNIT_TOLERANCE 1e-3f
+
+/* ---- decode */
+
+static void apply_parameters(controller_t *self) {
+    parameters_velocity_control(&self->parameters, &self->velocity_control_config);
+    parameters_joint_limits(&self->parameters, &self->joint_limits_config);
+    parameters_cooperation(&self->parameters, &self->cooperation_config);
+    self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
+}
+
+/* Measurements are taken over at once; the operator's frames wait until this tick's poses are known. */
+static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox) {
+    self->request_count = 0;
+    for (uint8_t i = 0; i < inbox->count; i++) {
+        const can_frame_t *frame = &inbox->frame[i];
+        frame_kind_t kind;
+        if (protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
+            continue;
+        }
+        if (kind == FRAME_HAND_POSE) {
+            hand_pose_t pose;
+            hand_pose_unpack(frame, &pose);
+            (void)hand_tracker_receive(&self->hand_tracker, &pose, frame->timestamp_us, now_us);
+        } else if (kind == FRAME_TRACKER_STATUS) {
+            tracker_status_t status;
+            tracker_status_unpack(frame, &status);
+            hand_tracker_status(&self->hand_tracker, &status);
+        } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
+            joint_state_t state;
+            joint_state_unpack(frame, &state);
+            joint_feedback_receive(&self->joints, (int)kind - (int)FRAME_JOINT_STATE0, &state, frame->timestamp_us);
+        } else if (kind == FRAME_OPERATOR_COMMAND || kind == FRAME_TASK_DEFINE || kind == FRAME_PARAMETER_ACCESS) {
+            self->request[self->request_count++] = i;
+        }
+    }
+}
+
+/* ---- hand and robot, this tick */
+
+static void sense(controller_t *self, uint32_t now_us) {
+    self->hand = dual_quaternion_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
+    self->robot = arm_pose_jacobian(self->arm, self->joints.position_rad, self->jacobian);
+}
+
+static void supervise(controller_t *self, uint32_t now_us) {
+    self->supervisor_inputs = (supervisor_inputs_t){
+        .drives_fresh = joint_feedback_is_fresh(&self->joints, self->arm->joint_count, now_us),
+        .drive_error = joint_feedback_has_error(&self->joints, self->arm->joint_count),
+        .tracker_fresh = !hand_tracker_is_stale(&self->hand_tracker, now_us,
+                                                self->parameters.value[PARAMETER_STALE_PERIODS]),
+        .finite = self->finite,
+    };
+    supervisor_update(&self->supervisor, &self->supervisor_inputs);
+}
+
+/* ---- operator */
+
+static bool is_engaged(const controller_t *self) {
+    return self->supervisor.mode == MODE_COOPERATING || self->supervisor.mode == MODE_HOLD;
+}
+
+/* 0 to 1 with minimum jerk, as the selected task comes into force. */
+static float blend(const controller_t *self) {
+    if (self->blend_elapsed_s >= self->blend_s) {
+        return 1.0f;
+    }
+    float s = self->blend_elapsed_s / self->blend_s;
+    return s * s * s * (10.0f + s * (6.0f * s - 15.0f));
+}
+
+static void select_task(controller_t *self, task_id_t id, const task_t *task, float blend_s) {
+    self->task_id = id;
+    self->task = *task;
+    self->blend_s = blend_s;
+    self->blend_elapsed_s = 0.0f;
+    if (is_engaged(self)) {
+        cooperation_select(&self->cooperation, task);
+    }
+}
+
+static result_t start(controller_t *self) {
+    result_t result = supervisor_start(&self->supervisor);
+    if (result == RESULT_ACCEPTED) {
+        self->blend_elapsed_s = 0.0f;
+        cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, self->robot);
+    }
+    return result;
+}
+
+/* Latch and clutch need the person's hand, so cooperation that is not held. */
+static result_t cooperation_required(const controller_t *self) {
+    switch (self->supervisor.mode) {
+    case MODE_COOPERATING: return RESULT_ACCEPTED;
+    case MODE_HOLD: return RESULT_TRACKER_STALE;
+    default: return RESULT_WRONG_MODE;
+    }
+}
+
+static result_t latch(controller_t *self) {
+    result_t result = cooperation_required(self);
+    if (result == RESULT_ACCEPTED) {
+        if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
+            (void)cooperation_target(&self->cooperation, self->hand, blend(self)); /* the virtual hand of this tick */
+            cooperation_latch_measured(&self->cooperation, self->robot);
+        } else {
+            cooperation_latch(&self->cooperation);
+        }
+    }
+    return result;
+}
+
+static result_t clutch(controller_t *self) {
+    result_t result = cooperation_required(self);
+    if (result == RESULT_ACCEPTED) {
+        cooperation_clutch(&self->cooperation, self->hand, self->robot, blend(self));
+    }
+    return result;
+}
+
+static result_t command_result(controller_t *self, const operator_command_t *command) {
+    switch (command->command) {
+    case COMMAND_SELECT:
+        if (command->task >= TASK_BUILT_IN_COUNT) {
+            return RESULT_UNKNOWN_TASK;
+        }
+        select_task(self, (task_id_t)command->task, &task_table[command->task],
+                    self->parameters.value[PARAMETER_TASK_BLEND_S]);
+        return RESULT_ACCEPTED;
+    case COMMAND_START: return start(self);
+    case COMMAND_LATCH: return latch(self);
+    case COMMAND_CLUTCH: return clutch(self);
+    case COMMAND_STOP: return supervisor_stop(&self->supervisor, &self->supervisor_inputs);
+    default: return RESULT_UNKNOWN_COMMAND;
+    }
+}
+
+static bool is_unit(quaternion_t q) {
+    float excess = quaternion_dot(q, q) - 1.0f;
+    return excess > -2.0f * UNIT_TOLERANCE && excess < 2.0f * UNIT_TOLERANCE;
+}
+
+static result_t define_result(controller_t *self, const task_define_t *define) {
+    if (define->form > TASK_FORM_MIRRORED) {
+        return RESULT_OUT_OF_RANGE;
+    }
+    if (!is_unit(define->q_task) || !is_unit(define->q_inv)) {
+        return RESULT_NOT_A_UNIT_QUATERNION;
+    }
+    task_t task = {
+        .form = (task_form_t)define->form,
+        .t_task_m = define->t_task_m,
+        .q_task = quaternion_normalise(define->q_task),
+        .q_inv = quaternion_normalise(define->q_inv),
+    };
+    select_task(self, TASK_CUSTOM, &task, define->blend_s);
+    return RESULT_ACCEPTED;
+}
+
+/* Parameters change at standstill only: a gain or a tracker rotation that changes in motion is a jump of the target. */
+static result_t access_result(controller_t *self, const parameter_access_t *access) {
+    if (access->parameter >= PARAMETER_COUNT) {
+        return RESULT_UNKNOWN_PARAMETER;
+    }
+    if (access->operation == PARAMETER_READ) {
+        return RESULT_ACCEPTED;
+    }
+    if (access->operation != PARAMETER_WRITE) {
+        return RESULT_UNKNOWN_COMMAND;
+    }
+    if (is_engaged(self) || !joint_limits_at_rest(&self->limits, self->arm)) {
+        return RESULT_WRONG_MODE;
+    }
+    result_t result = parameters_set(&self->parameters, access->parameter, access->value);
+    apply_parameters(self);
+    return result;
+}
+
+static void send(controller_t *self, controller_outbox_t *outbox, can_frame_t *frame) {
+    protocol_protect(&self->sender, frame);
+    outbox->frame[outbox->count++] = *frame;
+}
+
+static void send_ack(controller_t *self, controller_outbox_t *outbox, uint8_t command, uint8_t sequence,
+                     result_t result) {
+    can_frame_t frame;
+    (void)command_ack_pack(&(command_ack_t){.command = command, .sequence = sequence, .result = result}, &frame);
+    send(self, outbox, &frame);
+}
+
+static void send_parameter(controller_t *self, controller_outbox_t *outbox, uint8_t parameter, uint8_t sequence,
+                           result_t result) {
+    can_frame_t frame;
+    parameter_value_t message = {
+        .parameter = parameter,
+        .sequence = sequence,
+        .result = result,
+        .value = parameter < PARAMETER_COUNT ? self->parameters.value[parameter] : 0.0f,
+    };
+    (void)parameter_value_pack(&message, &frame);
+    send(self, outbox, &frame);
+}
+
+/* Each request is answered in the tick that takes it. */
+static void obey(controller_t *self, const controller_inbox_t *inbox, controller_outbox_t *outbox) {
+    for (uint8_t i = 0; i < self->request_count; i++) {
+        const can_frame_t *frame = &inbox->frame[self->request[i]];
+        if (frame->id == frame_table[FRAME_OPERATOR_COMMAND].id) {
+            operator_command_t command;
+            operator_command_unpack(frame, &command);
+            send_ack(self, outbox, command.command, command.sequence, command_result(self, &command));
+        } else if (frame->id == frame_table[FRAME_TASK_DEFINE].id) {
+            task_define_t define;
+            task_define_unpack(frame, &define);
+            send_ack(self, outbox, COMMAND_DEFINE, define.sequence, define_result(self, &define));
+        } else {
+            parameter_access_t access;
+            parameter_access_unpack(frame, &access);
+            send_parameter(self, outbox, access.parameter, access.sequence, access_result(self, &access));
+        }
+    }
+}
+
+/* ---- Algorithm 1 and law (4) */
+
+/* What the joints shall do: nothing, unless in cooperation. */
+static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
+    memset(wanted_radps, 0, sizeof(float) * ARM_MAX_JOINTS);
+    if (self->supervisor.mode != MODE_COOPERATING) {
+        return;
+    }
+    self->target = cooperation_target(&self->cooperation, self->hand, blend(self));
+    self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? TICK_S : 0.0f;
+    velocity_control(&self->velocity_control_config, self->arm->joint_count, self->jacobian, self->robot, self->target,
+                     wanted_radps);
+}
+
+/* ---- encode */
+
+static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
+    /* A stop is driven to its end before the brakes close. */
+    bool moving = is_engaged(self) || !joint_limits_at_rest(&self->limits, self->arm);
+    joint_command_t command = {0};
+    for (int i = 0; i < self->arm->joint_count; i++) {
+        command.mode[i] = moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;
+        command.position_rad[i] = self->limits.position_rad[i];
+        command.velocity_radps[i] = self->limits.velocity_radps[i];
+    }
+    can_frame_t frame;
+    if (joint_command_pack(&command, &frame) == PROTOCOL_OK) {
+        send(self, outbox, &frame);
+    } else {
+        self->finite = false; /* arm_check() keeps the limits within the frame: only a defect leads here */
+    }
+}
+
+static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
+    tick_trace_t trace = {
+        .now_us = now_us,
+        .target_valid = self->supervisor.mode == MODE_COOPERATING,
+        .target = self->target,
+        .hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us),
+    };
+    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
+        const e2e_receiver_t *receiver = &self->receiver.e2e[kind];
+        trace.last_counter[kind] = receiver->started ? receiver->counter : UINT8_MAX;
+    }
+    can_frame_t frame;
+    (void)tick_trace_pack(&trace, &frame);
+    send(self, outbox, &frame);
+}
+
+static void send_status(controller_t *self, controller_outbox_t *outbox) {
+    firmware_status_t status = {
+        .mode = self->supervisor.mode,
+        .reason = self->supervisor.reason,
+        .stop_category = supervisor_stop_category(&self->supervisor),
+        .task = self->task_id,
+        .latched = is_engaged(self) && self->cooperation.latched,
+        .speed_limit_percent = 100.0f * self->parameters.value[PARAMETER_SPEED_FRACTION],
+        .rejected_frames = (uint8_t)self->receiver.rejected,
+    };
+    can_frame_t frame;
+    (void)firmware_status_pack(&status, &frame);
+    send(self, outbox, &frame);
+}
+
+static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
+    heartbeat_state_t state = self->tick == 0u                        ? HEARTBEAT_BOOT_UP
+                              : self->supervisor.mode == MODE_FAULT   ? HEARTBEAT_STOPPED
+                              : self->supervisor.mode == MODE_IDLE    ? HEARTBEAT_PRE_OPERATIONAL
+                                                                      : HEARTBEAT_OPERATIONAL;
+    can_frame_t frame;
+    (void)firmware_heartbeat_pack(state, &frame);
+    send(self, outbox, &frame);
+}
+
+/* At boot: who this is, then all parameters, one frame a tick. */
+static void announce(controller_t *self, controller_outbox_t *outbox) {
+    if (self->announced == 0u) {
+        firmware_identity_t identity = {
+            .build_hash = COMANIP_BUILD_HASH,
+            .arm = self->arm->id,
+            .joint_count = self->arm->joint_count,
+            .parameter_count = PARAMETER_COUNT,
+        };
+        can_frame_t frame;
+        (void)firmware_identity_pack(&identity, &frame);
+        send(self, outbox, &frame);
+    } else if (self->announced <= PARAMETER_COUNT) {
+        send_parameter(self, outbox, (uint8_t)(self->announced - 1u), 0, RESULT_ACCEPTED);
+    } else {
+        return;
+    }
+    self->announced++;
+}
+
+static bool is_due(const controller_t *self, frame_kind_t kind) {
+    return self->tick % frame_table[kind].period_ms == 0u;
+}
+
+static void encode(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
+    send_joint_command(self, outbox);
+    if (self->parameters.value[PARAMETER_TRACE] > 0.0f) {
+        send_trace(self, now_us, outbox);
+    }
+    if (is_due(self, FRAME_FIRMWARE_STATUS)) {
+        send_status(self, outbox);
+    }
+    if (is_due(self, FRAME_FIRMWARE_HEARTBEAT)) {
+        send_heartbeat(self, outbox);
+    }
+    announce(self, outbox);
+}
+
+/* ---- the pipeline */
+
+void controller_init(controller_t *self, const arm_t *arm) {
+    memset(self, 0, sizeof *self);
+    self->arm = arm;
+    parameters_set_defaults(&self->parameters);
+    apply_parameters(self);
+    hand_tracker_init(&self->hand_tracker);
+    joint_feedback_init(&self->joints);
+    supervisor_init(&self->supervisor);
+    joint_limits_init(&self->limits);
+    self->finite = true;
+    select_task(self, TASK_TELEOP, &task_table[TASK_TELEOP], self->parameters.value[PARAMETER_TASK_BLEND_S]);
+}
+
+void controller_step(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox,
+                     controller_outbox_t *outbox) {
+    float wanted_radps[ARM_MAX_JOINTS];
+
+    outbox->count = 0;
+    decode(self, now_us, inbox);
+    sense(self, now_us);
+    supervise(self, now_us);
+    obey(self, inbox, outbox);
+    aim(self, wanted_radps);
+    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, TICK_S,
+                                      self->joints.position_rad, wanted_radps);
+    encode(self, now_us, outbox);
+    self->tick++;
+}

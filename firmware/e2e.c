@@ -1,0 +1,42 @@
+#include "e2e.h"
+
+static uint16_t crc16(uint16_t crc, uint8_t byte) {
+    /* CRC-16/CCITT (0x1021) of one byte without a table: the polynomial's taps folded by hand */
+    uint8_t x = (uint8_t)((crc >> 8) ^ byte);
+    x ^= (uint8_t)(x >> 4);
+    return (uint16_t)((crc << 8) ^ (uint16_t)(x << 12) ^ (uint16_t)(x << 5) ^ x);
+}
+
+static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
+    uint16_t crc = 0xFFFFu;
+    for (uint8_t i = 2; i < length; i++) {
+        crc = crc16(crc, data[i]);
+    }
+    crc = crc16(crc, (uint8_t)(data_id & 0xFFu));
+    return crc16(crc, (uint8_t)(data_id >> 8));
+}
+
+void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter) {
+    data[2] = counter;
+    uint16_t crc = frame_crc(data, length, data_id);
+    data[0] = (uint8_t)(crc & 0xFFu);
+    data[1] = (uint8_t)(crc >> 8);
+}
+
+e2e_status_t e2e_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id) {
+    uint16_t received_crc = (uint16_t)(data[0] | (data[1] << 8));
+    if (length < E2E_HEADER_BYTES || received_crc != frame_crc(data, length, data_id)) {
+        return E2E_WRONG_CRC;
+    }
+    uint8_t delta = (uint8_t)(data[2] - self->counter);
+    bool first = !self->started;
+    self->started = true;
+    self->counter = data[2];
+    if (first || delta == 1u) {
+        return E2E_OK;
+    }
+    if (delta == 0u) {
+        return E2E_REPEATED;
+    }
+    return delta <= E2E_MAX_DELTA ? E2E_SOME_LOST : E2E_WRONG_SEQUENCE;
+}

@@ -1,0 +1,78 @@
+#include "hand_tracker.h"
+
+#define UNIT_TOLERANCE 1e-3f
+
+/* Two quartz clocks drift apart by some ten ppm: the least offset may creep up by 1 us each 5 ms (200 ppm), so that it
+ * follows the drift and an old minimum is not kept for ever. */
+#define CLOCK_CREEP_PERIOD_US 5000u
+
+void hand_tracker_init(hand_tracker_t *self) {
+    *self = (hand_tracker_t){.period_us = 1000u * frame_table[FRAME_HAND_POSE].period_ms};
+}
+
+void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status) {
+    if (status->period_us > 0u) {
+        self->period_us = status->period_us;
+    }
+}
+
+/* How much later than the fastest frame this one came, from both clocks' readings modulo 2^32. */
+static uint32_t lateness_us(hand_tracker_t *self, uint32_t stamp_us, uint32_t received_us) {
+    uint32_t offset_us = received_us - stamp_us;
+    if (!self->has_clock) {
+        self->has_clock = true;
+        self->clock_offset_us = offset_us;
+        return 0u;
+    }
+    uint32_t elapsed_us = stamp_us - self->last_stamp_us;
+    uint32_t least_us = self->clock_offset_us + elapsed_us / CLOCK_CREEP_PERIOD_US;
+    int32_t above_least_us = (int32_t)(offset_us - least_us);
+    self->clock_offset_us = above_least_us < 0 ? offset_us : least_us;
+    return above_least_us < 0 ? 0u : (uint32_t)above_least_us;
+}
+
+bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
+    float norm_squared = quaternion_dot(pose->rotation, pose->rotation);
+    bool is_unit = norm_squared > (1.0f - UNIT_TOLERANCE) * (1.0f - UNIT_TOLERANCE) &&
+                   norm_squared < (1.0f + UNIT_TOLERANCE) * (1.0f + UNIT_TOLERANCE);
+    if (!pose->valid || !is_unit) {
+        return false;
+    }
+    if (self->has_pose && (int32_t)(pose->t_us - self->last_stamp_us) <= 0) {
+        return false;
+    }
+    self->age_at_reception_us = lateness_us(self, pose->t_us, received_us);
+    self->last_stamp_us = pose->t_us;
+    self->received_us = received_us;
+
+    dual_quaternion_t sample =
+        dual_quaternion_from_pose(quaternion_normalise(pose->rotation), pose->position_m);
+    self->from = self->has_pose ? hand_tracker_pose(self, now_us) : sample;
+    self->to = dual_quaternion_align(sample, self->from);
+    self->blend_start_us = now_us;
+    self->has_pose = true;
+    return true;
+}
+
+uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us) {
+    if (!self->has_pose) {
+        return UINT32_MAX;
+    }
+    return now_us - self->received_us + self->age_at_reception_us;
+}
+
+bool hand_tracker_is_stale(const hand_tracker_t *self, uint32_t now_us, float stale_periods) {
+    return !self->has_pose || (float)hand_tracker_age_us(self, now_us) > stale_periods * (float)self->period_us;
+}
+
+dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us) {
+    uint32_t elapsed_us = now_us - self->blend_start_us;
+    if (elapsed_us >= self->period_us) {
+        return self->to;
+    }
+    float s = (float)elapsed_us / (float)self->period_us;
+    vector3_t a = dual_quaternion_translation(self->from);
+    vector3_t b = dual_quaternion_translation(self->to);
+    vector3_t t = {a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.z + s * (b.z - a.z)};
+    return dual_quaternion_from_pose(quaternion_interpolate(self->from.primary, self->to.primary, s), t);
+}

@@ -1,0 +1,31 @@
+#include "joint_feedback.h"
+
+void joint_feedback_init(joint_feedback_t *self) {
+    *self = (joint_feedback_t){0};
+}
+
+void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us) {
+    self->position_rad[joint] = state->position_rad;
+    self->error[joint] = state->error;
+    self->received_us[joint] = received_us;
+    self->received[joint] = true;
+}
+
+bool joint_feedback_is_fresh(const joint_feedback_t *self, int joint_count, uint32_t now_us) {
+    for (int i = 0; i < joint_count; i++) {
+        uint32_t timeout_us = 1000u * frame_table[FRAME_JOINT_STATE0 + i].timeout_ms;
+        if (!self->received[i] || now_us - self->received_us[i] > timeout_us) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool joint_feedback_has_error(const joint_feedback_t *self, int joint_count) {
+    for (int i = 0; i < joint_count; i++) {
+        if (self->error[i] != DRIVE_ERROR_NONE) {
+            return true;
+        }
+    }
+    return false;
+}

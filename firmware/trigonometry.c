@@ -1,0 +1,34 @@
+#include "trigonometry.h"
+
+#include <stdint.h>
+
+/* Minimax polynomials on [-pi/4, pi/4] (Cephes' coefficients for single precision). */
+static float sine_polynomial(float x) {
+    float z = x * x;
+    return ((-1.9515295891e-4f * z + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * x + x;
+}
+
+static float cosine_polynomial(float x) {
+    float z = x * x;
+    return ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z - 0.5f * z + 1.0f;
+}
+
+void sine_cosine(float angle_rad, float *sine, float *cosine) {
+    if (!(angle_rad >= -TRIGONOMETRY_MAX_RAD && angle_rad <= TRIGONOMETRY_MAX_RAD)) {
+        *sine = *cosine = __builtin_nanf("");
+        return;
+    }
+    float turns = angle_rad * 0.63661977236758134f; /* quarter turns, 2/pi */
+    int32_t quadrant = (int32_t)(turns + (turns < 0.0f ? -0.5f : 0.5f));
+    float k = (float)quadrant;
+    /* pi/2 in three parts; k times the first two is exact for |k| <= 41, the range above */
+    float x = ((angle_rad - k * 1.5703125f) - k * 4.8375129699707031e-4f) - k * 7.5497899548918861e-8f;
+    float s = sine_polynomial(x);
+    float c = cosine_polynomial(x);
+    switch ((uint32_t)quadrant & 3u) {
+    case 0u: *sine = s, *cosine = c; break;
+    case 1u: *sine = c, *cosine = -s; break;
+    case 2u: *sine = -s, *cosine = -c; break;
+    default: *sine = -c, *cosine = s; break;
+    }
+}
