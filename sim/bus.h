@@ -28,14 +28,15 @@ typedef struct bus bus_t;
 bus_t *bus_create(void);
 void bus_destroy(bus_t *self);
 
-/* Gives the node's number. At most BUS_MAX_NODES. */
+/* Gives the node's number. At most BUS_MAX_NODES. A node without a handler (NULL) only sends. */
 int bus_attach(bus_t *self, bus_handler_t handler, void *context);
 
-/* A listener gets every frame, whoever sent it, and cannot send. At most BUS_MAX_NODES. */
+/* A listener gets every frame, whoever sent it, before the nodes do, and cannot send. At most BUS_MAX_NODES. */
 void bus_listen(bus_t *self, bus_handler_t handler, void *context);
 
 /* Queues a copy, to be sent from ready_ns on (not before the bus's present time). Within one node the lowest id goes
- * first, equal ids in the order of sending. False if the node's queue is full: the frame is dropped and counted. */
+ * first, equal ids in the order of sending. False if the node's queue is full: the frame is dropped and counted. The id
+ * must have 11 bits and the length a DLC. */
 bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns);
 
 /* Plays every frame that starts before time_ns; one that is still on the wire then ends, and is delivered, in the next

@@ -5,21 +5,19 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef struct {
-    double position_m[3];
-    double rotation[4]; /* unit quaternion w x y z */
-} rigid_pose_t;
+#include "rigid_pose.h"
 
 /* One leg of a built-in motion: minimum jerk from where the last one ended to this displacement from the start. */
 typedef struct {
-    double duration_s;
+    double duration_s;             /* > 0 */
     double displacement_m[3];      /* torso axes, from the motion's start */
     double rotation_vector_rad[3]; /* torso axes, from the motion's start orientation */
 } motion_leg_t;
 
 typedef struct hand_motion hand_motion_t;
 
-/* Starts at `start`, rests there until the first leg (a leg may also keep still). Copies the legs. */
+/* Starts at `start`, rests there until the first leg (a leg may also keep still). Copies the legs. Between the legs' end
+ * orientations the rotation takes the shorter way. NULL: no memory. */
 hand_motion_t *hand_motion_create_legs(const rigid_pose_t *start, const motion_leg_t legs[], size_t count);
 
 /* Reads a CSV in the format of docs/recordings.md. axes: which recorder axes are the torso's x, y, z, e.g. "xyz", "zxy",

@@ -1,0 +1,37 @@
+/* The HAL on an MPS2 board. CAN goes over UART 0 (hal/slcan). */
+#include "../hal.h"
+#include "../slcan/slcan_hal.h"
+#include "board.h"
+#include "drivers.h"
+
+#define WATCHDOG_TIMEOUT_US 10000u
+
+void hal_init(void) {
+    uart_start(); /* first: a panic is reported through it */
+    watchdog_start(WATCHDOG_TIMEOUT_US);
+    clock_start();
+    BOARD_LEDS |= BOARD_LED_DRIVE_ENABLE;
+}
+
+bool hal_wait_tick(uint32_t *now_us) {
+    *now_us = clock_wait_tick();
+    return true;
+}
+
+void hal_watchdog_feed(void) {
+    watchdog_feed();
+}
+
+_Noreturn void hal_panic(const char *cause) {
+    static volatile bool panicking;
+    BOARD_LEDS &= ~BOARD_LED_DRIVE_ENABLE;
+    interrupts_off();
+    if (!panicking) { /* a fault while reporting: the drives are off, there is no more to be said */
+        panicking = true;
+        watchdog_stop(); /* no reset: it would lose the cause, and this state is the safe one */
+        slcan_hal_report_panic(cause);
+    }
+    for (;;) {
+        wait_for_interrupt();
+    }
+}

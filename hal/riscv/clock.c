@@ -1,0 +1,79 @@
+/* Machine timer (CLINT): the 1 kHz tick, and between ticks the microseconds. */
+#include "board.h"
+#include "drivers.h"
+
+#define TIMER_COMPARE_LOW REGISTER(BOARD_CLINT_BASE + 0x4000u)
+#define TIMER_COMPARE_HIGH REGISTER(BOARD_CLINT_BASE + 0x4004u)
+#define TIMER_LOW REGISTER(BOARD_CLINT_BASE + 0xBFF8u)
+#define TIMER_HIGH REGISTER(BOARD_CLINT_BASE + 0xBFFCu)
+
+#define TICK_US 1000u
+#define COUNTS_PER_US (BOARD_TIMER_HZ / 1000000u)
+#define COUNTS_PER_TICK (TICK_US * COUNTS_PER_US)
+
+static volatile uint32_t tick_us; /* time of the last tick */
+static uint64_t next_tick;        /* in counts of the timer */
+static volatile uint32_t tick_low; /* low half of the timer at the last tick */
+static uint32_t given_tick_us;    /* the one that clock_wait_tick() gave last */
+
+static uint64_t timer_now(void) {
+    uint32_t high;
+    uint32_t low;
+    do {
+        high = TIMER_HIGH;
+        low = TIMER_LOW;
+    } while (high != TIMER_HIGH);
+    return (uint64_t)high << 32 | low;
+}
+
+static void set_compare(uint64_t count) {
+    TIMER_COMPARE_HIGH = UINT32_MAX; /* no early match while the halves do not belong together */
+    TIMER_COMPARE_LOW = (uint32_t)count;
+    TIMER_COMPARE_HIGH = (uint32_t)(count >> 32);
+}
+
+void clock_start(void) {
+    uint64_t now = timer_now();
+    tick_low = (uint32_t)now;
+    next_tick = now + COUNTS_PER_TICK;
+    set_compare(next_tick);
+    interrupts_enable(MIE_TIMER);
+}
+
+void clock_handler(void) {
+    uint64_t now = timer_now();
+    while (next_tick <= now) { /* more than once if interrupts were off for a whole tick */
+        tick_us += TICK_US;
+        tick_low = (uint32_t)next_tick;
+        next_tick += COUNTS_PER_TICK;
+    }
+    set_compare(next_tick);
+    watchdog_check();
+}
+
+uint32_t clock_tick_us(void) {
+    return tick_us;
+}
+
+uint32_t clock_us(void) {
+    uint32_t tick;
+    uint32_t count;
+    do { /* again if a tick passed meanwhile */
+        tick = tick_us;
+        count = TIMER_LOW - tick_low;
+    } while (tick != tick_us);
+    return tick + count / COUNTS_PER_US;
+}
+
+uint32_t clock_wait_tick(void) {
+    /* With interrupts off a tick cannot slip in between the question and the sleep; it still ends the sleep. */
+    interrupts_off();
+    while (tick_us == given_tick_us) {
+        wait_for_interrupt();
+        interrupts_on();
+        interrupts_off();
+    }
+    given_tick_us = tick_us;
+    interrupts_on();
+    return given_tick_us;
+}

@@ -1,0 +1,28 @@
+/* The port's drivers among themselves. */
+#ifndef COMANIP_RISCV_DRIVERS_H
+#define COMANIP_RISCV_DRIVERS_H
+
+#include <stdint.h>
+
+/* clock.c: the CLINT's machine timer as the 1 kHz tick and the microsecond clock. */
+void clock_start(void);
+uint32_t clock_us(void);        /* monotonic modulo 2^32; also in interrupts */
+uint32_t clock_tick_us(void);   /* time of the last tick */
+uint32_t clock_wait_tick(void); /* sleeps until a tick that was not given before; its time */
+void clock_handler(void);
+
+/* ns16550.c: 8N1, interrupt-driven, into slcan_hal_link. */
+void uart_start(void);
+void uart_handler(void);
+
+/* plic.c: the platform's interrupt controller; the UART is its only source. */
+void plic_start(void);
+void plic_handler(void);
+
+/* port.c: panics if the firmware has not fed the watchdog for too long. Called by the tick. */
+void watchdog_check(void);
+
+/* trap.c */
+void trap_handler(void);
+
+#endif

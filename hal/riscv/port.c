@@ -1,0 +1,47 @@
+/* The HAL on QEMU's virt machine. CAN goes over the UART (hal/slcan).
+ *
+ * The machine has no watchdog: the tick's interrupt checks that the firmware's loop goes on. That finds a loop that
+ * hangs, but not one with interrupts off, which a watchdog would. Nor has it an output that could take the drives'
+ * power away: a panic stops the commands, and each drive brakes by itself when none has come for its timeout (3 ms). */
+#include "../hal.h"
+#include "../slcan/slcan_hal.h"
+#include "board.h"
+#include "drivers.h"
+
+#define WATCHDOG_TIMEOUT_US 10000u
+
+static volatile uint32_t fed_us;
+
+void hal_init(void) {
+    uart_start();
+    plic_start();
+    clock_start();
+    interrupts_on();
+}
+
+bool hal_wait_tick(uint32_t *now_us) {
+    *now_us = clock_wait_tick();
+    return true;
+}
+
+void hal_watchdog_feed(void) {
+    fed_us = clock_tick_us();
+}
+
+void watchdog_check(void) {
+    if (clock_tick_us() - fed_us >= WATCHDOG_TIMEOUT_US) {
+        hal_panic("watchdog: not fed in time");
+    }
+}
+
+_Noreturn void hal_panic(const char *cause) {
+    static bool panicking;
+    interrupts_off();
+    if (!panicking) { /* a fault while reporting: there is no more to be said */
+        panicking = true;
+        slcan_hal_report_panic(cause);
+    }
+    for (;;) {
+        wait_for_interrupt();
+    }
+}

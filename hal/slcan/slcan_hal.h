@@ -1,0 +1,21 @@
+/* What a port with a UART instead of a CAN controller shares: it provides the two serial functions, and gets
+ * hal_can_receive() and hal_can_send() (slcan_hal.c). */
+#ifndef COMANIP_SLCAN_HAL_H
+#define COMANIP_SLCAN_HAL_H
+
+#include "slcan_link.h"
+
+/* The one link; the UART's interrupt handler feeds and drains it. */
+extern slcan_link_t slcan_hal_link;
+
+/* Provided by the port: bytes wait in the link; see that the transmit interrupt takes them. */
+void serial_start_transmission(void);
+
+/* Provided by the port: sends one byte by polling, interrupts off. */
+void serial_write_polled(uint8_t byte);
+
+/* For hal_panic(), interrupts off: ends the line under way and sends "#panic: CAUSE", which no SLCAN reader takes for a
+ * frame. */
+void slcan_hal_report_panic(const char *cause);
+
+#endif

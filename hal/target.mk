@@ -1,0 +1,82 @@
+# `make target`: the firmware as linked images for microcontrollers. Included by the Makefile, which defines BUILD,
+# GENERATED, CORE_SOURCES (all but main.c) and CORE_CFLAGS.
+#
+# An image is a name in TARGET_IMAGES and NAME.{prefix,specs,cpu,script,sources}; see docs/porting.md.
+
+TARGET_BUILD ?= $(BUILD)/target
+TARGET_MAIN ?= firmware/main.c
+
+TARGET_CFLAGS := $(CORE_CFLAGS) -g -ffunction-sections -fdata-sections
+TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
+TARGET_SLCAN := $(wildcard hal/slcan/*.c)
+
+TARGET_IMAGES := cortex-m4f rv32imac
+
+cortex-m4f.prefix := arm-none-eabi-
+cortex-m4f.specs := nano.specs
+cortex-m4f.cpu := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
+cortex-m4f.script := hal/cortex_m/mps2_an386.ld
+cortex-m4f.sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN)
+
+rv32imac.prefix := riscv64-unknown-elf-
+rv32imac.specs := picolibc.specs
+rv32imac.cpu := -march=rv32imac -mabi=ilp32
+rv32imac.script := hal/riscv/virt.ld
+rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN)
+
+TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
+    qemu-system-arm qemu-system-misc
+
+.PHONY: target target-check target-deps
+
+target: ## the firmware as images for Cortex-M4F and rv32imac in build/target/, and their sizes
+
+# $(1): image
+define TARGET_RULES
+$(1).compile := $$($(1).prefix)gcc --specs=$$($(1).specs) $$($(1).cpu)
+$(1).objects := $$(addprefix $$(TARGET_BUILD)/$(1)/, \
+    $$(addsuffix .o,$$(basename $$(CORE_SOURCES) $$($(1).sources) $$(TARGET_MAIN))))
+
+$$(TARGET_BUILD)/$(1)/%.o: %.c hal/target.mk $$(GENERATED)/.generated | target-check
+	@mkdir -p $$(@D)
+	$$($(1).compile) $$(TARGET_CFLAGS) -MMD -MP -c $$< -o $$@
+
+$$(TARGET_BUILD)/$(1)/%.o: %.S hal/target.mk | target-check
+	@mkdir -p $$(@D)
+	$$($(1).compile) -g -MMD -MP -c $$< -o $$@
+
+$$(TARGET_BUILD)/$(1)/comanip.elf: $$($(1).objects) $$($(1).script)
+	$$($(1).compile) $$(TARGET_CFLAGS) $$(TARGET_LDFLAGS) -T $$($(1).script) -Wl,-Map=$$(@:.elf=.map) \
+	    $$($(1).objects) -lm -o $$@
+
+target-$(1): $$(TARGET_BUILD)/$(1)/comanip.elf
+	@$$($(1).prefix)size $$<
+
+.PHONY: target-$(1)
+target: target-$(1)
+-include $$($(1).objects:.o=.d)
+endef
+$(foreach image,$(TARGET_IMAGES),$(eval $(call TARGET_RULES,$(image))))
+
+# A compiler that does not find a specs file answers with its bare name.
+target-check:
+	@missing=; \
+	$(foreach image,$(TARGET_IMAGES), \
+	    command -v $($(image).prefix)gcc >/dev/null && \
+	    test "$$($($(image).prefix)gcc -print-file-name=$($(image).specs))" != "$($(image).specs)" || \
+	    missing="$$missing $($(image).prefix)gcc with $($(image).specs),";) \
+	if [ -n "$$missing" ]; then \
+	    echo "make target: not found:$${missing%,}. On Debian or Ubuntu: make target-deps, which installs" >&2; \
+	    echo "  $(TARGET_PACKAGES)" >&2; \
+	    exit 1; \
+	fi
+
+target-deps: ## install the cross compilers and QEMU (apt)
+	@if ! command -v apt-get >/dev/null; then \
+	    echo "make target-deps: no apt-get on this machine; install the equivalents of: $(TARGET_PACKAGES)" >&2; exit 1; \
+	fi; \
+	if [ "$$(id -u)" = 0 ]; then sudo=; \
+	elif command -v sudo >/dev/null; then sudo=sudo; \
+	else echo "make target-deps: needs root or sudo to install: $(TARGET_PACKAGES)" >&2; exit 1; \
+	fi; \
+	$$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $(TARGET_PACKAGES)

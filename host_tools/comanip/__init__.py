@@ -1,0 +1,1 @@
+"""Host side of comanip: the firmware's mathematics from Python (``comanip.core``) and the tools around the bus."""

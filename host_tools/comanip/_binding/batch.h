@@ -1,0 +1,31 @@
+/* Loops over arrays for the Python harness: each calls one function of the firmware per row and computes nothing itself.
+ * Arrays are dense, row by row; `out` may not overlap the inputs. */
+#ifndef COMANIP_BATCH_H
+#define COMANIP_BATCH_H
+
+#include <stddef.h>
+
+#include "../../../firmware/arm.h"
+#include "../../../firmware/velocity_control.h"
+
+void batch_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[], dual_quaternion_t out[]);
+void batch_conjugate(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[]);
+void batch_normalise(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[]);
+void batch_decompositional_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[],
+                                    dual_quaternion_t out[]);
+
+/* matrix: count x 9. */
+void batch_pose_from_matrix(size_t count, const float matrix[], const vector3_t translation_m[],
+                            dual_quaternion_t out[]);
+
+/* position_rad: count x joint_count. */
+void batch_forward_kinematics(const arm_t *arm, size_t count, const float position_rad[], dual_quaternion_t out[]);
+
+/* out: count x 8 x joint_count. */
+void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_rad[], float out[]);
+
+/* out: count x joint_count. */
+void batch_joint_velocity(const arm_t *arm, const velocity_control_config_t *config, size_t count,
+                          const float position_rad[], const dual_quaternion_t target[], float out[]);
+
+#endif

@@ -1,0 +1,120 @@
+"""Compiles the firmware into the extension module ``comanip._core``.
+
+Run as ``python build_core.py --generated DIR --build-dir DIR``, after codegen.py has written the generated CAN sources.
+The declarations that Python sees come out of the preprocessor run over the real headers, so they cannot drift; cffi
+compares every struct's layout with the compiler's when the module is used.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import re
+import shlex
+import subprocess
+import sysconfig
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import cffi
+
+PACKAGE = Path(__file__).resolve().parent
+FIRMWARE = PACKAGE.parents[1] / "firmware"
+BATCH = PACKAGE / "_binding" / "batch.c"
+
+# No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
+COMPILE = "-std=c11 -O2 -g -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno"
+WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
+
+
+def compiler() -> list[str]:
+    return shlex.split(os.environ.get("CC", "gcc"))
+
+
+def run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"build_core: {shlex.join(command)}\n{done.stderr}")
+    return done.stdout
+
+
+def firmware_sources() -> list[Path]:
+    """All of the firmware but its entry, which needs a HAL."""
+    sources = [*FIRMWARE.glob("*.c"), *FIRMWARE.glob("arms/*.c")]
+    return sorted(source for source in sources if source.name != "main.c")
+
+
+def umbrella(sources: list[Path]) -> str:
+    """Includes the header of each source."""
+    return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in [*sources, BATCH])
+
+
+def declarations(includes: str, build_dir: Path) -> str:
+    """What cffi shall know: the headers as the compiler sees them, and their numeric constants."""
+    source = build_dir / "umbrella.c"
+    source.write_text(includes)
+    # cffi knows the types of these headers by itself.
+    no_headers = build_dir / "no_headers"
+    no_headers.mkdir(exist_ok=True)
+    for name in ("stdint.h", "stdbool.h", "stddef.h"):
+        (no_headers / name).write_text("")
+    preprocess = [*compiler(), "-E", "-nostdinc", f"-I{no_headers}", str(source)]
+    text = run([*preprocess, "-P"])
+    macros = run([*preprocess, "-dM", "-undef"])
+    integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
+    floats = re.findall(r"^#define ([A-Z]\w+) -?\d+\.\d*f$", macros, re.MULTILINE)
+    return "\n".join(
+        [text, *(f"#define {name} ..." for name in integers), *(f"static const float {name};" for name in floats)]
+    )
+
+
+def build(generated: Path, build_dir: Path) -> Path:
+    if not (generated / "comanip_dbc.c").is_file():
+        raise SystemExit(f"build_core: {generated}/comanip_dbc.c is missing: run codegen.py {generated} first")
+    build_dir.mkdir(parents=True, exist_ok=True)
+    sources = firmware_sources()
+    includes = umbrella(sources)
+
+    ffi = cffi.FFI()
+    ffi.cdef(declarations(includes, build_dir))
+    ffi.set_source("comanip._core", includes)
+    module = build_dir / "_core.c"
+    with contextlib.redirect_stdout(None):
+        ffi.emit_c_code(str(module))
+
+    common = [*compiler(), *COMPILE.split(), f"-I{generated}"]
+    strict = [*common, *WARNINGS.split()]
+    python_headers = {f"-I{sysconfig.get_path(key)}" for key in ("include", "platinclude")}
+    jobs = [(strict, source) for source in [*sources, BATCH]]
+    jobs += [(common, generated / "comanip_dbc.c"), ([*common, *sorted(python_headers)], module)]
+
+    def compile_one(job: tuple[list[str], Path]) -> str:
+        command, source = job
+        target = build_dir / f"{source.stem}.o"
+        run([*command, "-c", str(source), "-o", str(target)])
+        return str(target)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        objects = list(pool.map(compile_one, jobs))
+
+    library = PACKAGE / "_core.abi3.so"
+    unfinished = build_dir / library.name
+    run([*compiler(), "-shared", *objects, "-o", str(unfinished)])
+    # Replaced in one step: a process that runs the old one keeps it.
+    temporary = library.with_suffix(".tmp")
+    temporary.write_bytes(unfinished.read_bytes())
+    temporary.replace(library)
+    return library
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Compiles the firmware into the Python module comanip._core.")
+    parser.add_argument("--generated", type=Path, required=True, help="where codegen.py wrote its sources")
+    parser.add_argument("--build-dir", type=Path, required=True, help="for objects and intermediate files")
+    arguments = parser.parse_args()
+    print(build(arguments.generated.resolve(), arguments.build_dir.resolve()))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+#include "drive_node.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "../firmware/can_protocol.h"
+
+#define PULSES_PER_RAD (ROBOT_PULSES_PER_DEGREE / ROBOT_RAD_PER_DEG)
+#define VELOCITY_WINDOW 8 /* the reported velocity is the encoder's way over so many samples: 10 mrad/s resolution */
+#define TEMPERATURE_DEGC 35
+#define NS_PER_S 1e9
+
+typedef struct {
+    double commanded_radps; /* latched */
+    double servo_radps;     /* behind the lag */
+    double pulses[VELOCITY_WINDOW];
+    drive_mode_t mode;
+} drive_t;
+
+struct drive_node {
+    bus_t *bus;
+    int node;
+    arm_plant_t *plant;
+    protocol_receiver_t receiver;
+    protocol_sender_t sender;
+    drive_t drive[ROBOT_JOINTS];
+    int64_t sample_ns[VELOCITY_WINDOW];
+    int samples; /* taken in all, up to VELOCITY_WINDOW */
+    int newest;
+    bool commanded; /* there has been a JointCmd */
+    bool timed_out;
+    int64_t command_ns;
+};
+
+/* The encoder counts whole pulses, in its own direction. */
+static void sample_encoders(drive_node_t *self, int64_t now_ns) {
+    self->newest = (self->newest + 1) % VELOCITY_WINDOW;
+    self->samples += self->samples < VELOCITY_WINDOW ? 1 : 0;
+    self->sample_ns[self->newest] = now_ns;
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        const double position_rad = arm_plant_position_rad(self->plant, i);
+        self->drive[i].pulses[self->newest] =
+            nearbyint(robot_joint_table[i].encoder_sign * position_rad * PULSES_PER_RAD);
+    }
+}
+
+static void send_states(drive_node_t *self, int64_t ready_ns) {
+    const int oldest = self->samples < VELOCITY_WINDOW ? 0 : (self->newest + 1) % VELOCITY_WINDOW;
+    const double window_s = (double)(self->sample_ns[self->newest] - self->sample_ns[oldest]) / NS_PER_S;
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        const drive_t *drive = &self->drive[i];
+        const double rad_per_pulse = robot_joint_table[i].encoder_sign / PULSES_PER_RAD;
+        const double way_pulses = drive->pulses[self->newest] - drive->pulses[oldest];
+        const joint_state_t state = {
+            .position_rad = (float)(drive->pulses[self->newest] * rad_per_pulse),
+            .velocity_radps = window_s > 0.0 ? (float)(way_pulses * rad_per_pulse / window_s) : 0.0f,
+            .torque_Nm = (float)arm_plant_torque_Nm(self->plant, i),
+            .mode = drive->mode,
+            .error = self->timed_out ? DRIVE_ERROR_COMMAND_TIMEOUT : DRIVE_ERROR_NONE,
+            .temperature_degC = TEMPERATURE_DEGC,
+        };
+        can_frame_t frame;
+        if (joint_state_pack(i, &state, &frame) == PROTOCOL_OK) {
+            protocol_protect(&self->sender, &frame);
+            (void)bus_send(self->bus, self->node, &frame, ready_ns); /* a full queue is counted by the bus */
+        }
+    }
+}
+
+static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+    drive_node_t *self = context;
+    frame_kind_t kind;
+    if (frame->id != frame_table[FRAME_JOINT_CMD].id ||
+        protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
+        return;
+    }
+    joint_command_t command;
+    joint_command_unpack(frame, &command);
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        self->drive[i].mode = command.mode[i];
+        self->drive[i].commanded_radps = (double)command.velocity_radps[i];
+    }
+    self->commanded = true;
+    self->timed_out = false;
+    self->command_ns = end_ns;
+    sample_encoders(self, end_ns);
+    send_states(self, end_ns + DRIVE_RESPONSE_NS);
+}
+
+drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant) {
+    drive_node_t *self = calloc(1, sizeof *self);
+    if (self != NULL) {
+        self->bus = bus;
+        self->plant = plant;
+        self->newest = VELOCITY_WINDOW - 1; /* the first sample goes to 0 */
+        self->node = bus_attach(bus, on_frame, self);
+    }
+    return self;
+}
+
+void drive_node_destroy(drive_node_t *self) {
+    free(self);
+}
+
+void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s) {
+    const int64_t timeout_ns = (int64_t)frame_table[FRAME_JOINT_CMD].timeout_ms * 1000000;
+    self->timed_out = self->commanded && now_ns - self->command_ns > timeout_ns;
+    if (self->timed_out) {
+        sample_encoders(self, now_ns);
+        send_states(self, now_ns);
+    }
+    const double share = 1.0 - exp(-step_s / DRIVE_SERVO_TIME_CONSTANT_S);
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        drive_t *drive = &self->drive[i];
+        if (self->timed_out) {
+            drive->mode = DRIVE_MODE_BRAKE;
+        }
+        if (drive->mode == DRIVE_MODE_VELOCITY) {
+            drive->servo_radps += (drive->commanded_radps - drive->servo_radps) * share;
+        } else {
+            drive->servo_radps = 0.0;
+        }
+        arm_plant_set_velocity(self->plant, i, drive->servo_radps);
+    }
+}
+
+uint32_t drive_node_rejected(const drive_node_t *self) {
+    return self->receiver.rejected;
+}

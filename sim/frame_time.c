@@ -1,0 +1,113 @@
+/* Frame duration from the frame's bits. A table walks the stuffing eight bits at a time: a bit-wise walk of 64 bytes
+ * would cost more than everything else the bus does. */
+#include "frame_time.h"
+
+#include <stdbool.h>
+
+#define NOMINAL_BIT_NS 1000
+#define DATA_BIT_NS 200
+
+/* SOF, id 11, RRS, IDE, FDF, res, BRS; ACK, ACK delimiter, EOF 7, intermission 3. */
+#define NOMINAL_BITS (17 + 12)
+/* ESI, DLC 4; CRC delimiter. */
+#define DATA_PHASE_BITS (5 + 1)
+/* Stuff count 4, CRC, and a fixed stuff bit before the first and after every fourth of these bits. */
+#define CRC17_FIELD_BITS (4 + 17 + 6)
+#define CRC21_FIELD_BITS (4 + 21 + 7)
+#define CRC17_MAX_BYTES 16
+
+#define ID_MAX 0x7FFU
+#define STUFF_RUN 5U
+
+/* The last bit sent and how often it came in a row, 1..STUFF_RUN. A stuff bit is counted when the bit after it is sent:
+ * a run that ends with the data thus causes none, as in the standard, where the fixed stuff bit takes its place. */
+#define STATE(bit, run) (((bit) << 3) | (run))
+#define STATES 16
+
+typedef struct {
+    uint8_t state;
+    uint8_t stuff_bits;
+} stuffing_t;
+
+static stuffing_t stuffing_step(stuffing_t before, unsigned int bit) {
+    unsigned int last = before.state >> 3;
+    unsigned int run = before.state & 7U;
+    unsigned int stuff_bits = before.stuff_bits;
+    if (run == STUFF_RUN) {
+        last ^= 1U;
+        run = 1;
+        stuff_bits++;
+    }
+    run = bit == last ? run + 1U : 1U;
+    return (stuffing_t){.state = (uint8_t)STATE(bit, run), .stuff_bits = (uint8_t)stuff_bits};
+}
+
+/* table[state][octet]: the state after the octet's bits, most significant first, and the stuff bits among them. */
+static const stuffing_t (*stuffing_table(void))[256] {
+    static stuffing_t table[STATES][256];
+    static bool built = false;
+    if (!built) {
+        for (unsigned int bit = 0; bit < 2; bit++) {
+            for (unsigned int run = 1; run <= STUFF_RUN; run++) {
+                for (unsigned int octet = 0; octet < 256; octet++) {
+                    stuffing_t stuffing = {.state = (uint8_t)STATE(bit, run), .stuff_bits = 0};
+                    for (int shift = 7; shift >= 0; shift--) {
+                        stuffing = stuffing_step(stuffing, (octet >> shift) & 1U);
+                    }
+                    table[STATE(bit, run)][octet] = stuffing;
+                }
+            }
+        }
+        built = true;
+    }
+    return (const stuffing_t(*)[256])table;
+}
+
+static int data_length_code(uint8_t length) {
+    static const uint8_t long_length[] = {12, 16, 20, 24, 32, 48, 64};
+    if (length <= 8) {
+        return length;
+    }
+    for (int i = 0; i < (int)sizeof long_length; i++) {
+        if (length == long_length[i]) {
+            return 9 + i;
+        }
+    }
+    return -1;
+}
+
+int64_t frame_time_ns(const can_frame_t *frame) {
+    const int dlc = data_length_code(frame->length);
+    if (dlc < 0 || frame->id > ID_MAX) {
+        return -1;
+    }
+    const stuffing_t(*table)[256] = stuffing_table();
+
+    const unsigned int id = frame->id;
+
+    /* Two bits of bus idle that cause no stuffing, SOF = 0, id, RRS = 0, IDE = 0 | FDF = 1, res = 0, BRS = 1, ESI = 0,
+     * DLC. A run can end at IDE at the latest, so all stuff bits up to the DLC are nominal ones. */
+    const uint8_t header[3] = {
+        (uint8_t)(0x40U | (id >> 6)),
+        (uint8_t)((id << 2) & 0xFFU),
+        (uint8_t)(0xA0U | (unsigned int)dlc),
+    };
+    unsigned int state = STATE(1U, 1U);
+    unsigned int nominal_stuff_bits = 0;
+    for (int i = 0; i < 3; i++) {
+        const stuffing_t *stuffing = &table[state][header[i]];
+        nominal_stuff_bits += stuffing->stuff_bits;
+        state = stuffing->state;
+    }
+
+    unsigned int data_stuff_bits = 0;
+    for (int i = 0; i < frame->length; i++) {
+        const stuffing_t *stuffing = &table[state][frame->data[i]];
+        data_stuff_bits += stuffing->stuff_bits;
+        state = stuffing->state;
+    }
+
+    const unsigned int crc_field_bits = frame->length <= CRC17_MAX_BYTES ? CRC17_FIELD_BITS : CRC21_FIELD_BITS;
+    const unsigned int data_bits = DATA_PHASE_BITS + 8U * frame->length + data_stuff_bits + crc_field_bits;
+    return (int64_t)(NOMINAL_BITS + nominal_stuff_bits) * NOMINAL_BIT_NS + (int64_t)data_bits * DATA_BIT_NS;
+}

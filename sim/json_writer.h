@@ -1,0 +1,25 @@
+/* Writes JSON: commas, indentation and escapes. Keys and text are UTF-8; bytes that are not become U+FFFD. */
+#ifndef COMANIP_SIM_JSON_WRITER_H
+#define COMANIP_SIM_JSON_WRITER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef struct {
+    FILE *file;
+    int depth;
+    bool has_member; /* in the object or list that is open */
+} json_writer_t;
+
+/* key NULL: an element of a list. */
+void json_begin(json_writer_t *self, const char *key, char bracket);
+void json_end(json_writer_t *self, char bracket);
+void json_text(json_writer_t *self, const char *key, const char *value);
+void json_unsigned(json_writer_t *self, const char *key, uint64_t value);
+void json_bool(json_writer_t *self, const char *key, bool value);
+
+/* null if the value is not finite: JSON has no other word for it. */
+void json_number(json_writer_t *self, const char *key, double value);
+
+#endif

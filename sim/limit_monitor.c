@@ -1,0 +1,76 @@
+#include "limit_monitor.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Half a step of the frame's resolution, and float32's rounding of the value. */
+#define POSITION_TOLERANCE_RAD 1e-6
+#define VELOCITY_TOLERANCE_RADPS 0.51e-3
+#define VELOCITY_STEP_TOLERANCE_RADPS 1e-5 /* commands are whole mrad/s: only float32's rounding remains */
+#define TICK_NS 1000000
+
+void limit_monitor_init(limit_monitor_t *self) {
+    memset(self, 0, sizeof *self);
+}
+
+static void violated(limit_monitor_t *self, int64_t end_ns, int joint, const char *what, double value, double limit) {
+    if (self->violations++ == 0) {
+        (void)snprintf(self->first, sizeof self->first, "joint %d at %.6f s: %s %.6g beyond %.6g", joint,
+                       (double)end_ns * 1e-9, what, value, limit);
+    }
+}
+
+void limit_monitor_undecodable(limit_monitor_t *self, int64_t end_ns) {
+    if (self->violations++ == 0) {
+        (void)snprintf(self->first, sizeof self->first, "JointCmd at %.6f s cannot be decoded", (double)end_ns * 1e-9);
+    }
+}
+
+/* Ticks since the last command: frames jitter by less than half a tick. */
+static double ticks_since_last(const limit_monitor_t *self, int64_t end_ns) {
+    const double ticks = nearbyint((double)(end_ns - self->last_ns) / TICK_NS);
+    return ticks < 1.0 ? 1.0 : ticks;
+}
+
+static void check_joint(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, int joint,
+                        double velocity_step_max_radps) {
+    const double position_rad = (double)command->position_rad[joint];
+    const double velocity_radps = (double)command->velocity_radps[joint];
+    const double minimum_rad = robot_model_position_min_rad(joint), maximum_rad = robot_model_position_max_rad(joint);
+    /* Negated comparisons, so that NaN is a violation. */
+    if (!(position_rad >= minimum_rad - POSITION_TOLERANCE_RAD)) {
+        violated(self, end_ns, joint, "position [rad]", position_rad, minimum_rad);
+    }
+    if (!(position_rad <= maximum_rad + POSITION_TOLERANCE_RAD)) {
+        violated(self, end_ns, joint, "position [rad]", position_rad, maximum_rad);
+    }
+    if (!(fabs(velocity_radps) <= ROBOT_VELOCITY_MAX_RADPS + VELOCITY_TOLERANCE_RADPS)) {
+        violated(self, end_ns, joint, "velocity [rad/s]", velocity_radps, ROBOT_VELOCITY_MAX_RADPS);
+    }
+    if (command->mode[joint] != DRIVE_MODE_BRAKE && command->mode[joint] != DRIVE_MODE_VELOCITY) {
+        violated(self, end_ns, joint, "mode", (double)command->mode[joint], (double)DRIVE_MODE_VELOCITY);
+    }
+    /* A brake is a velocity of 0: closing it on a joint that still moves breaks the acceleration limit as well. */
+    const double commanded_radps = command->mode[joint] == DRIVE_MODE_BRAKE ? 0.0 : velocity_radps;
+    const double step_radps = fabs(commanded_radps - self->last_velocity_radps[joint]);
+    if (self->has_last && !(step_radps <= velocity_step_max_radps + VELOCITY_STEP_TOLERANCE_RADPS)) {
+        violated(self, end_ns, joint, "velocity step [rad/s]", step_radps, velocity_step_max_radps);
+    }
+    self->last_velocity_radps[joint] = commanded_radps;
+}
+
+void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns,
+                           double acceleration_max_radps2) {
+    const double step_max_radps = acceleration_max_radps2 * ticks_since_last(self, end_ns) * TICK_NS * 1e-9;
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        check_joint(self, command, end_ns, i, step_max_radps);
+    }
+    for (int i = ROBOT_JOINTS; i < ARM_MAX_JOINTS; i++) { /* joints that this arm does not have */
+        if (command->mode[i] != DRIVE_MODE_BRAKE || !(command->velocity_radps[i] == 0.0f)) {
+            violated(self, end_ns, i, "velocity of a joint that is not there", (double)command->velocity_radps[i], 0.0);
+        }
+    }
+    self->has_last = true;
+    self->last_ns = end_ns;
+}

@@ -1,0 +1,54 @@
+/* A listener on the bus that keeps what the frames say: modes, parameters, and one record per tick. The monitors know
+ * the firmware through it alone; it shares with the firmware the frames' layout and nothing else. */
+#ifndef COMANIP_SIM_OBSERVER_H
+#define COMANIP_SIM_OBSERVER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "../firmware/can_protocol.h"
+#include "../firmware/parameters.h"
+#include "bus.h"
+#include "limit_monitor.h"
+#include "rigid_pose.h"
+#include "robot_model.h"
+
+typedef struct {
+    double t_s;
+    control_mode_t mode;
+    reason_t reason;
+} mode_change_t;
+
+/* One tick at one instant: where the arm was, what the firmware aimed at and what it commanded. */
+typedef struct {
+    int64_t time_ns;
+    rigid_pose_t hand; /* ODE's */
+    control_mode_t mode;
+    bool has_target;
+    rigid_pose_t target;
+    bool has_command;
+    joint_command_t command;
+    double measured_rad[ROBOT_JOINTS]; /* as the drives report it */
+} tick_record_t;
+
+typedef struct {
+    protocol_receiver_t receiver;
+    tick_record_t tick;
+    float parameter[PARAMETER_COUNT]; /* in force; defaults until the bus says otherwise */
+    mode_change_t *modes;
+    size_t mode_count;
+    size_t mode_capacity;
+    uint8_t firmware_rejected_last; /* FirmwareStatus counts modulo 256 */
+    uint64_t firmware_rejected;
+    limit_monitor_t limits;
+    bool out_of_memory;
+} observer_t;
+
+void observer_init(observer_t *self, bus_t *bus);
+void observer_free(observer_t *self);
+
+/* A new tick: frames received from here on belong to it. */
+void observer_begin_tick(observer_t *self, int64_t time_ns, const rigid_pose_t *hand);
+
+#endif

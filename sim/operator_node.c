@@ -1,0 +1,213 @@
+#include "operator_node.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../firmware/parameters.h"
+#include "names.h"
+
+#define TEXT_BYTES 96
+
+struct operator_node {
+    bus_t *bus;
+    int node;
+    operator_step_t *steps;
+    size_t count;
+    size_t current;
+    int sendings; /* of the current step's frame */
+    int64_t due_ns;     /* when the current step became due; valid once `begun` */
+    int64_t timeout_ns; /* when to send again */
+    bool begun;
+    uint8_t sequence;
+    protocol_sender_t sender;
+    protocol_receiver_t receiver;
+    control_mode_t mode;
+    reason_t reason;
+    bool failed;
+    char failure[3 * TEXT_BYTES];
+};
+
+static int64_t ns_from_s(double seconds) {
+    return (int64_t)(seconds * 1e9 + 0.5);
+}
+
+void operator_node_describe(const operator_node_t *self, char text[], size_t size) {
+    text[0] = '\0';
+    if (self->current == self->count) {
+        return;
+    }
+    const operator_step_t *step = &self->steps[self->current];
+    switch (step->action) {
+    case OPERATOR_WRITE_PARAMETER:
+        (void)snprintf(text, size, "writing parameter %s = %g", parameter_table[step->parameter].name,
+                       (double)step->value);
+        break;
+    case OPERATOR_COMMAND:
+        (void)snprintf(text, size, "command %s%s%s", command_name((uint8_t)step->command),
+                       step->command == COMMAND_SELECT ? " " : "",
+                       step->command == COMMAND_SELECT ? task_name((uint8_t)step->task) : "");
+        break;
+    case OPERATOR_AWAIT_MODE:
+        (void)snprintf(text, size, "waiting for mode %s", mode_name((uint8_t)step->mode));
+        break;
+    }
+}
+
+static void fail(operator_node_t *self, int64_t now_ns, const char *what) {
+    char step[TEXT_BYTES];
+    operator_node_describe(self, step, sizeof step);
+    self->failed = true;
+    (void)snprintf(self->failure, sizeof self->failure, "operator: %s at %.3f s: %s", step, (double)now_ns * 1e-9,
+                   what);
+}
+
+static void next_step(operator_node_t *self) {
+    self->current++;
+    self->begun = false;
+    self->sendings = 0;
+}
+
+/* An answer to the current step's frame. */
+static void on_result(operator_node_t *self, uint8_t sequence, result_t result, int64_t now_ns) {
+    if (self->sendings == 0 || sequence != self->sequence) {
+        return; /* one of the values published at boot, or a late second answer */
+    }
+    if (result == RESULT_ACCEPTED) {
+        next_step(self);
+    } else {
+        char what[TEXT_BYTES];
+        (void)snprintf(what, sizeof what, "refused by the firmware: %s (mode %s)", result_name((uint8_t)result),
+                       mode_name((uint8_t)self->mode));
+        fail(self, now_ns, what);
+    }
+}
+
+static bool awaits(const operator_node_t *self, operator_action_t action) {
+    return !self->failed && self->current < self->count && self->steps[self->current].action == action;
+}
+
+static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+    operator_node_t *self = context;
+    const bool wanted = frame->id == frame_table[FRAME_FIRMWARE_STATUS].id ||
+                        frame->id == frame_table[FRAME_COMMAND_ACK].id ||
+                        frame->id == frame_table[FRAME_PARAMETER_VALUE].id;
+    frame_kind_t kind;
+    if (!wanted || protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
+        return;
+    }
+    if (kind == FRAME_FIRMWARE_STATUS) {
+        firmware_status_t status;
+        firmware_status_unpack(frame, &status);
+        self->mode = status.mode;
+        self->reason = status.reason;
+    } else if (kind == FRAME_COMMAND_ACK && awaits(self, OPERATOR_COMMAND)) {
+        command_ack_t ack;
+        command_ack_unpack(frame, &ack);
+        if (ack.command == (uint8_t)self->steps[self->current].command) {
+            on_result(self, ack.sequence, ack.result, end_ns);
+        }
+    } else if (kind == FRAME_PARAMETER_VALUE && awaits(self, OPERATOR_WRITE_PARAMETER)) {
+        parameter_value_t value;
+        parameter_value_unpack(frame, &value);
+        if (value.parameter == self->steps[self->current].parameter) {
+            on_result(self, value.sequence, value.result, end_ns);
+        }
+    }
+}
+
+operator_node_t *operator_node_create(bus_t *bus, const operator_step_t steps[], size_t count) {
+    operator_node_t *self = calloc(1, sizeof *self);
+    operator_step_t *copy = calloc(count, sizeof *copy);
+    if (self == NULL || copy == NULL) {
+        free(self);
+        free(copy);
+        return NULL;
+    }
+    memcpy(copy, steps, count * sizeof *copy);
+    self->bus = bus;
+    self->steps = copy;
+    self->count = count;
+    self->node = bus_attach(bus, on_frame, self);
+    return self;
+}
+
+void operator_node_destroy(operator_node_t *self) {
+    if (self != NULL) {
+        free(self->steps);
+        free(self);
+    }
+}
+
+/* Sends the current step's frame; a repetition carries the same sequence number, so that a late answer counts. */
+static void send_step(operator_node_t *self, int64_t ready_ns) {
+    const operator_step_t *step = &self->steps[self->current];
+    if (self->sendings == 0) {
+        self->sequence = self->sequence == UINT8_MAX ? 1 : (uint8_t)(self->sequence + 1);
+    }
+    can_frame_t frame;
+    protocol_status_t status;
+    if (step->action == OPERATOR_WRITE_PARAMETER) {
+        const parameter_access_t access = {.operation = PARAMETER_WRITE, .parameter = step->parameter,
+                                           .sequence = self->sequence, .value = step->value};
+        status = parameter_access_pack(&access, &frame);
+    } else {
+        const operator_command_t command = {.command = (uint8_t)step->command, .sequence = self->sequence,
+                                            .task = (uint8_t)step->task};
+        status = operator_command_pack(&command, &frame);
+    }
+    if (status != PROTOCOL_OK) {
+        fail(self, ready_ns, "the frame cannot carry it");
+        return;
+    }
+    protocol_protect(&self->sender, &frame);
+    (void)bus_send(self->bus, self->node, &frame, ready_ns); /* a full queue shows as a missing answer */
+    self->sendings++;
+    self->timeout_ns = ready_ns + ns_from_s(OPERATOR_ACK_TIMEOUT_S);
+}
+
+static void await_mode(operator_node_t *self, int64_t now_ns) {
+    const operator_step_t *step = &self->steps[self->current];
+    if (self->mode == step->mode) {
+        next_step(self);
+    } else if (now_ns - self->due_ns > ns_from_s(step->patience_s)) {
+        char what[TEXT_BYTES];
+        (void)snprintf(what, sizeof what, "mode is still %s (%s) after %g s", mode_name((uint8_t)self->mode),
+                       reason_name((uint8_t)self->reason), step->patience_s);
+        fail(self, now_ns, what);
+    }
+}
+
+void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
+    if (self->failed || self->current == self->count) {
+        return;
+    }
+    const operator_step_t *step = &self->steps[self->current];
+    const int64_t not_before_ns = ns_from_s(step->not_before_s);
+    if (!self->begun) {
+        if (not_before_ns >= until_ns) {
+            return;
+        }
+        self->begun = true;
+        self->due_ns = not_before_ns > from_ns ? not_before_ns : from_ns;
+    }
+    if (step->action == OPERATOR_AWAIT_MODE) {
+        await_mode(self, from_ns);
+    } else if (self->sendings == 0) {
+        send_step(self, self->due_ns);
+    } else if (self->timeout_ns < until_ns) {
+        if (self->sendings > OPERATOR_RETRIES) {
+            fail(self, from_ns, "no answer from the firmware to 4 sendings, 50 ms each");
+        } else {
+            send_step(self, self->timeout_ns > from_ns ? self->timeout_ns : from_ns);
+        }
+    }
+}
+
+bool operator_node_finished(const operator_node_t *self) {
+    return self->current == self->count;
+}
+
+const char *operator_node_failure(const operator_node_t *self) {
+    return self->failed ? self->failure : NULL;
+}

@@ -1,0 +1,15 @@
+/* Values on the command line: whole strings only, finite numbers only. */
+#ifndef COMANIP_SIM_OPTION_VALUES_H
+#define COMANIP_SIM_OPTION_VALUES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+bool option_number(const char *text, double minimum, double maximum, double *value);
+bool option_unsigned(const char *text, uint64_t maximum, uint64_t *value);
+
+/* count numbers, separated by `separator`. */
+bool option_numbers(const char *text, char separator, double minimum, double maximum, size_t count, double value[]);
+
+#endif

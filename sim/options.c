@@ -1,0 +1,239 @@
+#include "options.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "option_values.h"
+
+#define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
+#define MOUNT_MAX_M 1e3
+
+enum {
+    OPTION_SCENARIO = 256, OPTION_TRACKER, OPTION_AXES, OPTION_SEED, OPTION_OUT, OPTION_DURATION, OPTION_RATE,
+    OPTION_NOISE_MM, OPTION_NOISE_DEG, OPTION_LATENCY_MS, OPTION_MOUNT_TRANSLATION, OPTION_MOUNT_ROTATION,
+    OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_QUIET, OPTION_LIST,
+    OPTION_HELP,
+};
+
+static const struct option option_table[] = {
+    {"scenario", required_argument, NULL, OPTION_SCENARIO},
+    {"tracker", required_argument, NULL, OPTION_TRACKER},
+    {"axes", required_argument, NULL, OPTION_AXES},
+    {"seed", required_argument, NULL, OPTION_SEED},
+    {"out", required_argument, NULL, OPTION_OUT},
+    {"duration", required_argument, NULL, OPTION_DURATION},
+    {"rate", required_argument, NULL, OPTION_RATE},
+    {"noise-mm", required_argument, NULL, OPTION_NOISE_MM},
+    {"noise-deg", required_argument, NULL, OPTION_NOISE_DEG},
+    {"latency-ms", required_argument, NULL, OPTION_LATENCY_MS},
+    {"mount-translation", required_argument, NULL, OPTION_MOUNT_TRANSLATION},
+    {"mount-rotation", required_argument, NULL, OPTION_MOUNT_ROTATION},
+    {"dropout", required_argument, NULL, OPTION_DROPOUT},
+    {"gap", required_argument, NULL, OPTION_GAP},
+    {"tracker-clock", required_argument, NULL, OPTION_TRACKER_CLOCK},
+    {"scale", required_argument, NULL, OPTION_SCALE},
+    {"param", required_argument, NULL, OPTION_PARAM},
+    {"quiet", no_argument, NULL, OPTION_QUIET},
+    {"list", no_argument, NULL, OPTION_LIST},
+    {"help", no_argument, NULL, OPTION_HELP},
+    {NULL, 0, NULL, 0},
+};
+
+/* Options that are one number: where it goes and what one of the option's units is there. */
+static const struct {
+    int option;
+    size_t member;
+    double unit, minimum, maximum;
+    const char *expected;
+} number_table[] = {
+    {OPTION_DURATION, offsetof(options_t, duration_s), 1.0, 2.0, 86400.0, "a number of seconds from 2 to 86400"},
+    {OPTION_RATE, offsetof(options_t, tracker.rate_hz), 1.0, 15.0, 1000.0, "a number of Hz from 15 to 1000"},
+    {OPTION_NOISE_MM, offsetof(options_t, tracker.noise_position_m), 1e-3, 0.0, 1000.0,
+     "a standard deviation in mm from 0 to 1000"},
+    {OPTION_NOISE_DEG, offsetof(options_t, tracker.noise_rotation_rad), ROBOT_RAD_PER_DEG, 0.0, 57.0,
+     "a standard deviation in degrees from 0 to 57"},
+    {OPTION_LATENCY_MS, offsetof(options_t, tracker.latency_s), 1e-3, 0.0, 500.0, "a number of ms from 0 to 500"},
+    {OPTION_DROPOUT, offsetof(options_t, tracker.dropout_probability), 1.0, 0.0, 1.0, "a probability from 0 to 1"},
+};
+
+static bool wrong(char error[], const char *option, const char *value, const char *expected) {
+    (void)snprintf(error, OPTIONS_ERROR_BYTES, "--%s '%s': expected %s", option, value, expected);
+    return false;
+}
+
+/* Names separated by commas, appended as far as they fit. */
+static void append_name(char text[], size_t size, const char *name) {
+    const size_t used = strlen(text);
+    (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
+}
+
+static bool parse_scenario(options_t *self, const char *value, char error[]) {
+    self->scenario = scenario_find(value);
+    if (self->scenario == NULL) {
+        char names[200] = "";
+        for (size_t i = 0; i < scenario_count; i++) {
+            append_name(names, sizeof names, scenario_table[i].name);
+        }
+        char expected[240];
+        (void)snprintf(expected, sizeof expected, "one of %s", names);
+        return wrong(error, "scenario", value, expected);
+    }
+    return true;
+}
+
+static bool set_parameter(options_t *self, int parameter, const char *option, const char *argument,
+                          const char *number, char error[]) {
+    const parameter_description_t *description = &parameter_table[parameter];
+    double value = 0.0;
+    if (!option_number(number, (double)description->minimum, (double)description->maximum, &value) ||
+        (description->integer && value != floor(value))) {
+        char expected[160];
+        (void)snprintf(expected, sizeof expected, "%s from %g to %g for %s",
+                       description->integer ? "a whole number" : "a number", (double)description->minimum,
+                       (double)description->maximum, description->name);
+        return wrong(error, option, argument, expected);
+    }
+    self->parameter_written[parameter] = true;
+    self->parameter_value[parameter] = (float)value;
+    return true;
+}
+
+static bool parse_parameter(options_t *self, const char *argument, char error[]) {
+    const char *equals = strchr(argument, '=');
+    if (equals == NULL) {
+        return wrong(error, "param", argument, "NAME=VALUE, for example task_blend_s=0.5");
+    }
+    const size_t name_bytes = (size_t)(equals - argument);
+    char names[OPTIONS_ERROR_BYTES - 300] = "";
+    for (int i = 0; i < PARAMETER_COUNT; i++) {
+        const char *name = parameter_table[i].name;
+        if (strlen(name) == name_bytes && memcmp(name, argument, name_bytes) == 0) {
+            return set_parameter(self, i, "param", argument, equals + 1, error);
+        }
+        append_name(names, sizeof names, name);
+    }
+    (void)snprintf(error, OPTIONS_ERROR_BYTES, "--param '%.100s': no parameter of this name; expected one of %s",
+                   argument, names);
+    return false;
+}
+
+static bool parse_mount_rotation(double rotation[4], const char *value, char error[]) {
+    double q[4];
+    if (option_numbers(value, ',', -1.0 - UNIT_TOLERANCE, 1.0 + UNIT_TOLERANCE, 4, q)) {
+        const double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        for (int i = 0; i < 4; i++) {
+            rotation[i] = q[i] / norm;
+        }
+        if (fabs(norm - 1.0) <= UNIT_TOLERANCE) {
+            return true;
+        }
+    }
+    return wrong(error, "mount-rotation", value, "a quaternion w,x,y,z of norm 1 within 0.001");
+}
+
+static bool parse_gap(tracker_options_t *tracker, const char *value, char error[]) {
+    double gap[2];
+    if (!option_numbers(value, ':', 0.0, 86400.0, 2, gap)) {
+        return wrong(error, "gap", value, "START:DURATION in seconds, each from 0 to 86400, for example 5:0.2");
+    }
+    tracker->gap_start_s = gap[0];
+    tracker->gap_duration_s = gap[1];
+    return true;
+}
+
+static bool parse_number(options_t *self, size_t row, const char *name, const char *value, char error[]) {
+    double number = 0.0;
+    if (!option_number(value, number_table[row].minimum, number_table[row].maximum, &number)) {
+        return wrong(error, name, value, number_table[row].expected);
+    }
+    number *= number_table[row].unit;
+    memcpy((char *)self + number_table[row].member, &number, sizeof number);
+    return true;
+}
+
+static bool parse_value(options_t *self, int option, const char *name, const char *value, char error[]) {
+    uint64_t number = 0;
+    for (size_t row = 0; row < sizeof number_table / sizeof number_table[0]; row++) {
+        if (number_table[row].option == option) {
+            return parse_number(self, row, name, value, error);
+        }
+    }
+    switch (option) {
+    case OPTION_SCENARIO:
+        return parse_scenario(self, value, error);
+    case OPTION_TRACKER:
+        self->tracker_path = value;
+        return value[0] != '\0' || wrong(error, name, value, "the path of a CSV file");
+    case OPTION_AXES:
+        self->axes = value;
+        return value[0] != '\0' || wrong(error, name, value, "recorder axes for the torso's x, y, z, for example -yxz");
+    case OPTION_OUT:
+        self->out = value;
+        return value[0] != '\0' || wrong(error, name, value, "the path of a folder");
+    case OPTION_SEED:
+        return option_unsigned(value, UINT64_MAX, &self->seed) ||
+               wrong(error, name, value, "a whole number from 0 to 18446744073709551615");
+    case OPTION_TRACKER_CLOCK:
+        if (!option_unsigned(value, UINT32_MAX, &number)) {
+            return wrong(error, name, value, "a whole number of us from 0 to 4294967295");
+        }
+        self->tracker.clock_start_us = (uint32_t)number;
+        return true;
+    case OPTION_MOUNT_TRANSLATION:
+        return option_numbers(value, ',', -MOUNT_MAX_M, MOUNT_MAX_M, 3, self->tracker.mount_translation_m) ||
+               wrong(error, name, value, "x,y,z in m, each from -1000 to 1000");
+    case OPTION_MOUNT_ROTATION:
+        return parse_mount_rotation(self->tracker.mount_rotation, value, error);
+    case OPTION_GAP:
+        return parse_gap(&self->tracker, value, error);
+    case OPTION_SCALE:
+        return set_parameter(self, PARAMETER_MOTION_SCALE, name, value, value, error);
+    default: /* OPTION_PARAM */
+        return parse_parameter(self, value, error);
+    }
+}
+
+options_result_t options_parse(options_t *self, int argc, char *argv[], char error[OPTIONS_ERROR_BYTES]) {
+    memset(self, 0, sizeof *self);
+    self->scenario = &scenario_table[0];
+    self->seed = 1;
+    tracker_options_set_defaults(&self->tracker);
+    self->out = "build/sim";
+    opterr = 0; /* messages are ours */
+    int option, row = 0;
+    while ((option = getopt_long(argc, argv, ":", option_table, &row)) != -1) {
+        switch (option) {
+        case OPTION_HELP:
+            return OPTIONS_SHOW_HELP;
+        case OPTION_LIST:
+            return OPTIONS_SHOW_SCENARIOS;
+        case OPTION_QUIET:
+            self->quiet = true;
+            break;
+        case '?':
+            (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': no such option; --help lists them", argv[optind - 1]);
+            return OPTIONS_WRONG;
+        case ':':
+            (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': expected a value after it", argv[optind - 1]);
+            return OPTIONS_WRONG;
+        default:
+            if (!parse_value(self, option, option_table[row].name, optarg, error)) {
+                return OPTIONS_WRONG;
+            }
+        }
+    }
+    if (optind < argc) {
+        (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': expected options only; --help lists them", argv[optind]);
+        return OPTIONS_WRONG;
+    }
+    if (self->axes != NULL && self->tracker_path == NULL) {
+        (void)wrong(error, "axes", self->axes, "a recording to apply it to: --tracker FILE.csv");
+        return OPTIONS_WRONG;
+    }
+    self->tracker.seed = self->seed;
+    self->tracker.motion_start_s = self->scenario->motion_start_s;
+    return tracker_options_check(&self->tracker, error, OPTIONS_ERROR_BYTES) ? OPTIONS_RUN : OPTIONS_WRONG;
+}

@@ -1,0 +1,36 @@
+/* The command line of comanip-sim. Everything wrong is found here, before anything is written. */
+#ifndef COMANIP_SIM_OPTIONS_H
+#define COMANIP_SIM_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "../firmware/parameters.h"
+#include "scenario.h"
+#include "tracker_node.h"
+
+#define OPTIONS_ERROR_BYTES 2048
+
+typedef struct {
+    const scenario_t *scenario;
+    const char *tracker_path; /* NULL: the scenario's built-in motion */
+    const char *axes;         /* NULL: by the file's name */
+    const char *out;
+    double duration_s; /* 0: the scenario's, or the recording's */
+    uint64_t seed;
+    tracker_options_t tracker;
+    bool parameter_written[PARAMETER_COUNT];
+    float parameter_value[PARAMETER_COUNT];
+    bool quiet;
+} options_t;
+
+typedef enum {
+    OPTIONS_RUN,
+    OPTIONS_SHOW_HELP,
+    OPTIONS_SHOW_SCENARIOS,
+    OPTIONS_WRONG, /* `error` holds one line that names option, value and what was expected */
+} options_result_t;
+
+options_result_t options_parse(options_t *self, int argc, char *argv[], char error[OPTIONS_ERROR_BYTES]);
+
+#endif

@@ -1,0 +1,95 @@
+#include "output_folder.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *const file_name[OUTPUT_COUNT] = {
+    [OUTPUT_SUMMARY] = "summary.json",
+    [OUTPUT_BUS_LOG] = "bus.log",
+    [OUTPUT_TRACE] = "trace.csv",
+};
+
+static bool fail(char error[], size_t error_size, const char *path, const char *what) {
+    (void)snprintf(error, error_size, "%s: %s: %s", path, what, strerror(errno));
+    return false;
+}
+
+/* NULL: no memory. */
+static char *join(const char *folder, const char *name, const char *suffix) {
+    const size_t size = strlen(folder) + strlen(name) + strlen(suffix) + 2;
+    char *path = malloc(size);
+    if (path != NULL) {
+        (void)snprintf(path, size, "%s/%s%s", folder, name, suffix);
+    }
+    return path;
+}
+
+/* Like mkdir -p. Changes `path` while at work. */
+static bool make_folders(char *path, char error[], size_t error_size) {
+    for (char *end = path + 1;; end++) {
+        if (*end != '/' && *end != '\0') {
+            continue;
+        }
+        const char kept = *end;
+        *end = '\0';
+        const bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
+        if (!made) {
+            return fail(error, error_size, path, "cannot be created");
+        }
+        *end = kept;
+        if (kept == '\0') {
+            break;
+        }
+    }
+    struct stat status;
+    if (stat(path, &status) != 0 || !S_ISDIR(status.st_mode)) {
+        errno = ENOTDIR;
+        return fail(error, error_size, path, "cannot be used");
+    }
+    return true;
+}
+
+bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size) {
+    memset(self, 0, sizeof *self);
+    char *path = join(folder, "", "");
+    const bool made = path != NULL && make_folders(path, error, error_size);
+    free(path);
+    if (!made) {
+        return false;
+    }
+    for (int i = 0; i < OUTPUT_COUNT; i++) {
+        self->path[i] = join(folder, file_name[i], "");
+        self->partial_path[i] = join(folder, file_name[i], ".partial");
+        if (self->path[i] == NULL || self->partial_path[i] == NULL) {
+            return fail(error, error_size, folder, "no memory");
+        }
+        if (unlink(self->path[i]) != 0 && errno != ENOENT) {
+            return fail(error, error_size, self->path[i], "cannot be replaced");
+        }
+    }
+    return true;
+}
+
+bool output_folder_commit(output_folder_t *self, char error[], size_t error_size) {
+    /* The summary last: where it is, the other files are as well. */
+    for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
+        if (rename(self->partial_path[i], self->path[i]) != 0) {
+            return fail(error, error_size, self->path[i], "cannot be put in place");
+        }
+    }
+    return true;
+}
+
+void output_folder_free(output_folder_t *self) {
+    for (int i = 0; i < OUTPUT_COUNT; i++) {
+        if (self->partial_path[i] != NULL) {
+            (void)unlink(self->partial_path[i]); /* there is none after a commit */
+        }
+        free(self->path[i]);
+        free(self->partial_path[i]);
+    }
+}

@@ -1,0 +1,25 @@
+/* Seeded random numbers: each user has a stream of its own, so that one more user changes nobody else's numbers. */
+#ifndef COMANIP_SIM_RANDOM_H
+#define COMANIP_SIM_RANDOM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    uint64_t word[4]; /* SFC64: three of state, one counter */
+    bool has_spare;
+    double spare; /* the Gaussian pair's second number */
+} random_t;
+
+/* The same seed and stream name give the same numbers. */
+void random_init(random_t *self, uint64_t seed, const char *stream);
+
+uint64_t random_bits(random_t *self);
+
+/* Uniform in [0, 1), 53 bits. */
+double random_uniform(random_t *self);
+
+/* Mean 0, standard deviation 1. */
+double random_gaussian(random_t *self);
+
+#endif

@@ -1,0 +1,164 @@
+#include "reach.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#define MAX_ITERATIONS 40
+#define DAMPING_START 1e-4 /* m^2: the squared singular values of the position Jacobian are 1e-3 to 1e-1 */
+#define DAMPING_MIN 1e-9
+#define DAMPING_MAX 1e3
+#define STEP_MIN_RAD 1e-6
+
+typedef struct {
+    double position_rad[ROBOT_JOINTS];
+    double error_m[3]; /* from the hand to the target */
+    double distance_m;
+} candidate_t;
+
+static double limit(double value, double minimum, double maximum) {
+    return value < minimum ? minimum : value > maximum ? maximum : value;
+}
+
+/* Sets error and distance of a posture; jacobian (3 x n, column by column) unless NULL. */
+static void evaluate(candidate_t *self, const double target_m[3], double jacobian[ROBOT_JOINTS][3]) {
+    transform_t link[ROBOT_JOINTS], hand;
+    robot_model_forward(self->position_rad, link, &hand);
+    double square = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        self->error_m[k] = target_m[k] - hand.position_m[k];
+        square += self->error_m[k] * self->error_m[k];
+    }
+    self->distance_m = sqrt(square);
+    for (size_t i = 0; jacobian != NULL && i < ROBOT_JOINTS; i++) {
+        const double axis[3] = {link[i].rotation[2], link[i].rotation[5], link[i].rotation[8]};
+        double arm[3];
+        for (size_t k = 0; k < 3; k++) {
+            arm[k] = hand.position_m[k] - link[i].position_m[k];
+        }
+        jacobian[i][0] = axis[1] * arm[2] - axis[2] * arm[1];
+        jacobian[i][1] = axis[2] * arm[0] - axis[0] * arm[2];
+        jacobian[i][2] = axis[0] * arm[1] - axis[1] * arm[0];
+    }
+}
+
+/* x = (A + damping 1)^-1 b for the symmetric positive semidefinite 3 x 3 matrix A, by cofactors. */
+static void solve_damped(double a[3][3], double damping, const double b[3], double x[3]) {
+    const double a00 = a[0][0] + damping, a11 = a[1][1] + damping, a22 = a[2][2] + damping;
+    const double a01 = a[0][1], a02 = a[0][2], a12 = a[1][2];
+    const double c00 = a11 * a22 - a12 * a12, c01 = a02 * a12 - a01 * a22, c02 = a01 * a12 - a02 * a11;
+    const double c11 = a00 * a22 - a02 * a02, c12 = a01 * a02 - a00 * a12, c22 = a00 * a11 - a01 * a01;
+    const double determinant = a00 * c00 + a01 * c01 + a02 * c02;
+    x[0] = (c00 * b[0] + c01 * b[1] + c02 * b[2]) / determinant;
+    x[1] = (c01 * b[0] + c11 * b[1] + c12 * b[2]) / determinant;
+    x[2] = (c02 * b[0] + c12 * b[1] + c22 * b[2]) / determinant;
+}
+
+/* A joint at a limit that wants to go on outwards (by steepest descent) does not take part in the step. */
+static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOINTS][3], bool is_free[ROBOT_JOINTS]) {
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        const double pull = jacobian[i][0] * self->error_m[0] + jacobian[i][1] * self->error_m[1] +
+                            jacobian[i][2] * self->error_m[2];
+        is_free[i] = !(self->position_rad[i] <= robot_model_position_min_rad(i) && pull < 0.0) &&
+                     !(self->position_rad[i] >= robot_model_position_max_rad(i) && pull > 0.0);
+    }
+}
+
+/* The damped Gauss-Newton step J^T (J J^T + damping 1)^-1 e of the free joints, projected. Gives its largest part. */
+static double step(const candidate_t *from, double jacobian[ROBOT_JOINTS][3], const bool is_free[ROBOT_JOINTS],
+                   double damping, candidate_t *to) {
+    double a[3][3] = {{0.0}}, x[3], largest_rad = 0.0;
+    for (size_t i = 0; i < ROBOT_JOINTS; i++) {
+        for (size_t row = 0; is_free[i] && row < 3; row++) {
+            for (size_t column = 0; column < 3; column++) {
+                a[row][column] += jacobian[i][row] * jacobian[i][column];
+            }
+        }
+    }
+    solve_damped(a, damping, from->error_m, x);
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        const double way = jacobian[i][0] * x[0] + jacobian[i][1] * x[1] + jacobian[i][2] * x[2];
+        to->position_rad[i] = limit(from->position_rad[i] + (is_free[i] ? way : 0.0),
+                                    robot_model_position_min_rad(i), robot_model_position_max_rad(i));
+        largest_rad = fmax(largest_rad, fabs(to->position_rad[i] - from->position_rad[i]));
+    }
+    return largest_rad;
+}
+
+/* Levenberg-Marquardt from one posture. */
+static candidate_t descend(const double start_rad[ROBOT_JOINTS], const double target_m[3]) {
+    candidate_t best;
+    double jacobian[ROBOT_JOINTS][3];
+    bool is_free[ROBOT_JOINTS];
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        best.position_rad[i] = limit(start_rad[i], robot_model_position_min_rad(i), robot_model_position_max_rad(i));
+    }
+    evaluate(&best, target_m, jacobian);
+    double damping = DAMPING_START;
+    for (int n = 0; n < MAX_ITERATIONS && best.distance_m > REACH_TOLERANCE_M / 10.0; n++) {
+        candidate_t next;
+        find_free_joints(&best, jacobian, is_free);
+        const double largest_rad = step(&best, jacobian, is_free, damping, &next);
+        evaluate(&next, target_m, NULL);
+        if (next.distance_m < best.distance_m) {
+            best = next;
+            evaluate(&best, target_m, jacobian);
+            damping = fmax(damping / 10.0, DAMPING_MIN);
+        } else {
+            damping *= 10.0;
+        }
+        if (largest_rad < STEP_MIN_RAD || damping > DAMPING_MAX) {
+            break;
+        }
+    }
+    return best;
+}
+
+void reach_init(reach_t *self) {
+    memset(self, 0, sizeof *self);
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        self->position_rad[i] = 0.5 * (robot_model_position_min_rad(i) + robot_model_position_max_rad(i));
+    }
+}
+
+double reach_distance_m(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]) {
+    /* Shares of each joint's range: the arm to the front, up, down, out and behind, elbow bent and stretched. */
+    static const double spread[][ROBOT_JOINTS] = {
+        {0.50, 0.50, 0.50, 0.50}, {0.20, 0.80, 0.50, 0.20}, {0.80, 0.80, 0.50, 0.20}, {0.20, 0.30, 0.20, 0.80},
+        {0.80, 0.30, 0.80, 0.80}, {0.50, 0.90, 0.20, 0.10}, {0.50, 0.90, 0.80, 0.10}, {0.95, 0.60, 0.50, 0.60},
+    };
+    const size_t spread_count = sizeof spread / sizeof spread[0];
+    candidate_t best = descend(self->position_rad, target_m);
+    for (size_t n = 0; n <= spread_count && best.distance_m > REACH_TOLERANCE_M; n++) {
+        double start_rad[ROBOT_JOINTS];
+        for (int i = 0; i < ROBOT_JOINTS; i++) {
+            const double minimum_rad = robot_model_position_min_rad(i), maximum_rad = robot_model_position_max_rad(i);
+            start_rad[i] = n == 0 ? measured_rad[i]
+                                  : minimum_rad + spread[n - 1][i] * (maximum_rad - minimum_rad);
+        }
+        const candidate_t candidate = descend(start_rad, target_m);
+        if (candidate.distance_m < best.distance_m) {
+            best = candidate;
+        }
+    }
+    memcpy(self->position_rad, best.position_rad, sizeof self->position_rad);
+    memcpy(self->target_m, target_m, sizeof self->target_m);
+    self->distance_m = best.distance_m;
+    self->searched = true;
+    return best.distance_m;
+}
+
+bool reach_contains(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]) {
+    if (self->searched) {
+        const double way_m = sqrt(pow(target_m[0] - self->target_m[0], 2.0) +
+                                  pow(target_m[1] - self->target_m[1], 2.0) +
+                                  pow(target_m[2] - self->target_m[2], 2.0));
+        if (self->distance_m + way_m <= REACH_TOLERANCE_M) {
+            return true;
+        }
+        if (self->distance_m - way_m > REACH_TOLERANCE_M) {
+            return false;
+        }
+    }
+    return reach_distance_m(self, target_m, measured_rad) <= REACH_TOLERANCE_M;
+}

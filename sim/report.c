@@ -1,0 +1,149 @@
+#include "report.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "json_writer.h"
+#include "names.h"
+
+#define PROGRESS_TERMINAL_TICKS 500
+#define PROGRESS_LINES 4 /* elsewhere */
+
+static double simulated_s(const world_t *world) {
+    return (double)world->now_ns * 1e-9;
+}
+
+static void write_tracking(json_writer_t *json, const world_t *world) {
+    const tracking_sums_t *sums = &world->tracking.all;
+    const bool measured = checks_tracking_measured(world);
+    json_begin(json, "tracking", '{');
+    json_number(json, "rms_position_mm", measured ? tracking_rms_position_mm(sums) : (double)NAN);
+    json_number(json, "max_position_mm", measured ? sums->max_position_mm : (double)NAN);
+    json_number(json, "rms_orientation_deg", measured ? tracking_rms_orientation_deg(sums) : (double)NAN);
+    json_number(json, "max_orientation_deg", measured ? sums->max_orientation_deg : (double)NAN);
+    json_end(json, '}');
+    json_begin(json, "reach", '{');
+    json_number(json, "out_of_reach_s",
+                measured ? (double)world->tracking.out_of_reach_ticks * WORLD_TICK_NS * 1e-9 : (double)NAN);
+    json_end(json, '}');
+}
+
+static double mean_load_percent(const world_t *world) {
+    return world->now_ns > 0 ? 100.0 * (double)bus_statistics(world->bus).busy_ns / (double)world->now_ns : 0.0;
+}
+
+static void write_traffic(json_writer_t *json, const world_t *world) {
+    const bus_statistics_t bus = bus_statistics(world->bus);
+    const tracker_statistics_t tracker = tracker_node_statistics(world->tracker);
+    json_begin(json, "limits", '{');
+    json_unsigned(json, "violations", world->observer.limits.violations);
+    json_end(json, '}');
+    json_begin(json, "bus", '{');
+    json_unsigned(json, "frames", bus.frames);
+    json_number(json, "load_percent_mean", mean_load_percent(world));
+    json_number(json, "load_percent_peak", bus.load_percent_peak);
+    json_unsigned(json, "dropped", bus.dropped + world->firmware_overflows);
+    json_end(json, '}');
+    json_begin(json, "tracker", '{');
+    json_unsigned(json, "samples", tracker.samples);
+    json_unsigned(json, "lost", tracker.lost);
+    json_number(json, "longest_gap_ms", 1e3 * tracker.longest_gap_s);
+    json_end(json, '}');
+}
+
+static void write_modes(json_writer_t *json, const observer_t *observer) {
+    json_begin(json, "modes", '[');
+    for (size_t i = 0; i < observer->mode_count; i++) {
+        const mode_change_t *change = &observer->modes[i];
+        json_begin(json, NULL, '{');
+        json_number(json, "t_s", change->t_s);
+        json_text(json, "mode", mode_name((uint8_t)change->mode));
+        json_text(json, "reason", reason_name((uint8_t)change->reason));
+        json_end(json, '}');
+    }
+    json_end(json, ']');
+}
+
+static void write_checks(json_writer_t *json, const checks_t *checks) {
+    json_begin(json, "checks", '[');
+    for (size_t i = 0; i < checks->count; i++) {
+        const check_t *check = &checks->check[i];
+        json_begin(json, NULL, '{');
+        json_text(json, "name", check->name);
+        json_number(json, "value", check->value);
+        json_number(json, "limit", check->limit);
+        json_text(json, "unit", check->unit);
+        json_bool(json, "pass", check->pass);
+        json_end(json, '}');
+    }
+    json_end(json, ']');
+}
+
+bool report_write_summary(const world_t *world, const checks_t *checks, double wall_s, const char *path, char error[],
+                          size_t error_size) {
+    json_writer_t json = {.file = fopen(path, "w")};
+    if (json.file == NULL) {
+        (void)snprintf(error, error_size, "%s: cannot be written: %s", path, strerror(errno));
+        return false;
+    }
+    json_begin(&json, NULL, '{');
+    json_text(&json, "scenario", world->options->scenario->name);
+    json_text(&json, "result", checks->pass ? "pass" : "fail");
+    json_text(&json, "reason", checks->reason);
+    json_unsigned(&json, "seed", world->options->seed);
+    json_number(&json, "sim_s", simulated_s(world));
+    json_number(&json, "wall_s", wall_s);
+    json_unsigned(&json, "ticks", world->ticks);
+    write_tracking(&json, world);
+    write_traffic(&json, world);
+    write_modes(&json, &world->observer);
+    write_checks(&json, checks);
+    json_end(&json, '}');
+    (void)fputc('\n', json.file);
+    const bool failed = ferror(json.file) != 0;
+    if (fclose(json.file) != 0 || failed) {
+        (void)snprintf(error, error_size, "%s: not written completely: %s", path, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+void report_print_table(const world_t *world, const checks_t *checks, double wall_s) {
+    (void)printf("%-32s %12s    %12s %-5s\n", "check", "value", "limit", "unit");
+    for (size_t i = 0; i < checks->count; i++) {
+        const check_t *check = &checks->check[i];
+        (void)printf("%-32s %12.4g %s %12.4g %-5s %s\n", check->name, check->value, check->is_lower_bound ? ">=" : "<=",
+                     check->limit, check->unit, check->pass ? "PASS" : "FAIL");
+    }
+    if (checks_tracking_measured(world)) {
+        const tracking_sums_t *sums = &world->tracking.all;
+        (void)printf("tracking, all of the cooperation: %.2f mm RMS, %.2f mm max; %.2f deg RMS, %.2f deg max; "
+                     "target out of reach for %.2f s, followable for %.2f s\n",
+                     tracking_rms_position_mm(sums), sums->max_position_mm, tracking_rms_orientation_deg(sums),
+                     sums->max_orientation_deg, (double)world->tracking.out_of_reach_ticks * WORLD_TICK_NS * 1e-9,
+                     (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9);
+    }
+    (void)printf("bus: %.1f %% load, %.1f %% peak; %.2f s simulated in %.2f s (%.0f times real time)\n",
+                 mean_load_percent(world), bus_statistics(world->bus).load_percent_peak, simulated_s(world), wall_s,
+                 wall_s > 0.0 ? simulated_s(world) / wall_s : 0.0);
+}
+
+void report_progress(const world_t *world) {
+    const uint64_t total = (uint64_t)(world->end_ns / WORLD_TICK_NS);
+    const size_t changes = world->observer.mode_count;
+    const char *mode = changes > 0 ? mode_name((uint8_t)world->observer.modes[changes - 1].mode) : "boot";
+    const double share = 100.0 * (double)world->ticks / (double)total;
+    if (isatty(STDOUT_FILENO) != 0) {
+        if (world->ticks % PROGRESS_TERMINAL_TICKS == 0 || world->ticks == total) {
+            (void)printf("\r%s %3.0f %%  %.1f s  %-12s%s", world->options->scenario->name, share, simulated_s(world),
+                         mode, world->ticks == total ? "\n" : "");
+            (void)fflush(stdout);
+        }
+    } else if (world->ticks * PROGRESS_LINES % total < PROGRESS_LINES) {
+        (void)printf("%s %3.0f %%  %.1f s  %s\n", world->options->scenario->name, share, simulated_s(world), mode);
+        (void)fflush(stdout);
+    }
+}

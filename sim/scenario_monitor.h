@@ -1,0 +1,28 @@
+/* Measures, tick by tick, what a scenario's own checks ask for. */
+#ifndef COMANIP_SIM_SCENARIO_MONITOR_H
+#define COMANIP_SIM_SCENARIO_MONITOR_H
+
+#include "observer.h"
+#include "scenario.h"
+
+#define SCENARIO_MAX_CHECKS 16
+
+typedef struct {
+    const scenario_check_t *checks;
+    size_t count;
+    bool has_start;
+    rigid_pose_t start; /* ODE's hand at the first tick in cooperation */
+    double value[SCENARIO_MAX_CHECKS];
+    bool measured[SCENARIO_MAX_CHECKS]; /* false: the run did not come so far */
+} scenario_monitor_t;
+
+/* count: at most SCENARIO_MAX_CHECKS. */
+void scenario_monitor_init(scenario_monitor_t *self, const scenario_check_t checks[], size_t count);
+
+void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick, double motion_scale);
+
+/* CHECK_TILT asks for at least its limit, all others for at most. */
+bool scenario_check_is_lower_bound(const scenario_check_t *check);
+const char *scenario_check_unit(const scenario_check_t *check);
+
+#endif

@@ -1,0 +1,26 @@
+#include "text_number.h"
+
+#include <math.h>
+#include <stdint.h>
+
+char *text_number_write(char *out, double value, int decimals) {
+    static const double power[] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+    const int64_t scaled = (int64_t)nearbyint(value * power[decimals]);
+    uint64_t rest = scaled < 0 ? (uint64_t)-scaled : (uint64_t)scaled;
+    char digit[24];
+    int count = 0;
+    while (rest > 0 || count <= decimals) { /* at least one digit before the point */
+        digit[count++] = (char)('0' + rest % 10);
+        rest /= 10;
+    }
+    if (scaled < 0) {
+        *out++ = '-';
+    }
+    while (count > 0) {
+        if (count == decimals) {
+            *out++ = '.';
+        }
+        *out++ = digit[--count];
+    }
+    return out;
+}

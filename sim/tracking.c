@@ -1,0 +1,104 @@
+#include "tracking.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "rotation.h"
+
+#define POSITION_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* so close to its range a joint counts as at its limit */
+#define LIMIT_SHARE 0.9                               /* of a limit counts as at the limit */
+
+void tracking_init(tracking_t *self) {
+    memset(self, 0, sizeof *self);
+    reach_init(&self->reach);
+    self->limited_ns = INT64_MIN / 2;
+}
+
+double tracking_distance_mm(const tick_record_t *tick) {
+    const double *a = tick->hand.position_m, *b = tick->target.position_m;
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return 1e3 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+/* From which speed on a joint cannot follow the law's exponential approach, whose deceleration is gain times speed. */
+static double braking_speed_radps(const float parameter[]) {
+    float gain_per_s = 0.0f;
+    for (int i = PARAMETER_GAIN_PER_S; i < PARAMETER_GAIN_PER_S + 8; i++) {
+        gain_per_s = parameter[i] > gain_per_s ? parameter[i] : gain_per_s;
+    }
+    const double acceleration_radps2 = (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2];
+    return gain_per_s > 0.0f ? acceleration_radps2 / (double)gain_per_s : (double)INFINITY;
+}
+
+/* Some joint cannot do what the law asks: it is at its range, or on the whole so fast that it is limited in speed or
+ * acceleration. Single ticks at those limits do not count: the tracker's noise alone causes them, with a hand at rest. */
+static bool is_limited(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
+    const double speed_max_radps =
+        fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS, braking_speed_radps(parameter));
+    bool limited = false;
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        double *mean_radps = &self->mean_velocity_radps[i];
+        *mean_radps += ((double)tick->command.velocity_radps[i] - *mean_radps) / TRACKING_MEAN_TICKS;
+        limited = limited || fabs(*mean_radps) > LIMIT_SHARE * speed_max_radps ||
+                  tick->measured_rad[i] < robot_model_position_min_rad(i) + POSITION_MARGIN_RAD ||
+                  tick->measured_rad[i] > robot_model_position_max_rad(i) - POSITION_MARGIN_RAD;
+    }
+    return limited;
+}
+
+static void add(tracking_sums_t *sums, tracking_error_t error) {
+    sums->ticks++;
+    sums->square_position_mm2 += error.position_mm * error.position_mm;
+    sums->square_orientation_deg2 += error.orientation_deg * error.orientation_deg;
+    sums->max_position_mm = fmax(sums->max_position_mm, error.position_mm);
+    sums->max_orientation_deg = fmax(sums->max_orientation_deg, error.orientation_deg);
+}
+
+/* A fast hand is ahead for some ticks before a joint shows that it is at a limit: so an error counts only later. */
+static void add_followable(tracking_t *self, tracking_error_t error) {
+    if (self->pending_count == TRACKING_LOOK_AHEAD) {
+        add(&self->followable, self->pending[self->pending_first]);
+        self->pending_first = (self->pending_first + 1) % TRACKING_LOOK_AHEAD;
+        self->pending_count--;
+    }
+    self->pending[(self->pending_first + self->pending_count) % TRACKING_LOOK_AHEAD] = error;
+    self->pending_count++;
+}
+
+static bool is_target_in_reach(tracking_t *self, const tick_record_t *tick) {
+    if (self->ticks_to_next_search == 0) {
+        self->in_reach = reach_contains(&self->reach, tick->target.position_m, tick->measured_rad);
+        self->ticks_to_next_search = TRACKING_REACH_TICKS;
+    }
+    self->ticks_to_next_search--;
+    return self->in_reach;
+}
+
+void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
+    if ((tick->has_command && is_limited(self, tick, parameter)) || !tick->has_target) {
+        self->limited_ns = tick->time_ns;
+        self->pending_count = 0;
+    }
+    self->cooperating_ticks += tick->mode == MODE_COOPERATING;
+    if (!tick->has_target) {
+        return;
+    }
+    const bool in_reach = is_target_in_reach(self, tick);
+    const tracking_error_t error = {
+        .position_mm = tracking_distance_mm(tick),
+        .orientation_deg = rotation_angle_between(tick->hand.rotation, tick->target.rotation) / ROBOT_RAD_PER_DEG,
+    };
+    add(&self->all, error);
+    self->out_of_reach_ticks += !in_reach;
+    if (in_reach && tick->time_ns - self->limited_ns > (int64_t)(TRACKING_SETTLE_S * 1e9)) {
+        add_followable(self, error);
+    }
+}
+
+double tracking_rms_position_mm(const tracking_sums_t *sums) {
+    return sums->ticks > 0 ? sqrt(sums->square_position_mm2 / (double)sums->ticks) : 0.0;
+}
+
+double tracking_rms_orientation_deg(const tracking_sums_t *sums) {
+    return sums->ticks > 0 ? sqrt(sums->square_orientation_deg2 / (double)sums->ticks) : 0.0;
+}

@@ -1,0 +1,64 @@
+"""Reads `candump -L` logs of CAN FD frames and decodes them in bulk with the DBC: the bits come from cantools' layout, not
+from our C code. For millions of frames; `cantools decode` itself is tested on a shorter log."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import cantools
+import numpy as np
+
+DBC = cantools.database.load_file(Path(__file__).parents[1] / "host_tools" / "comanip" / "comanip.dbc")
+LINE = re.compile(r"^\((\d{10}\.\d{6})\) (\w+) ([0-9A-F]{3})##1([0-9A-F]*)$")
+
+
+class Frames:
+    """All frames of one id: `t_s` (N,) and `data` (N, bytes) uint8."""
+
+    def __init__(self, message, t_s: np.ndarray, data: np.ndarray):
+        self.message, self.t_s, self.data = message, t_s, data
+        self._bits = np.unpackbits(data, axis=1, bitorder="little").astype(np.int64)
+
+    def __len__(self) -> int:
+        return len(self.t_s)
+
+    def raw(self, signal: str) -> np.ndarray:
+        layout = self.message.get_signal_by_name(signal)
+        assert layout.byte_order == "little_endian" and layout.length < 63
+        bits = self._bits[:, layout.start : layout.start + layout.length]
+        value = bits @ (1 << np.arange(layout.length, dtype=np.int64))
+        if layout.is_signed:
+            value -= bits[:, -1] << layout.length
+        return value
+
+    def __getitem__(self, signal: str) -> np.ndarray:
+        return self.raw(signal) * float(self.message.get_signal_by_name(signal).scale)
+
+
+def read(path: Path) -> dict[str, Frames]:
+    """Frames by message name. Raises on a line that is not exactly what candump -L writes, or on an unknown id."""
+    times: dict[int, list[str]] = {}
+    payloads: dict[int, list[str]] = {}
+    last = ""
+    with open(path, encoding="ascii") as lines:
+        for number, line in enumerate(lines, 1):
+            match = LINE.match(line)
+            assert match, f"{path}:{number}: not a candump -L line of a CAN FD frame: {line!r}"
+            assert match[1] >= last, f"{path}:{number}: time goes backwards"
+            last = match[1]
+            frame_id = int(match[3], 16)
+            times.setdefault(frame_id, []).append(match[1])
+            payloads.setdefault(frame_id, []).append(match[4])
+    frames = {}
+    for frame_id, hexadecimal in payloads.items():
+        message = DBC.get_message_by_frame_id(frame_id)
+        data = np.frombuffer(bytes.fromhex("".join(hexadecimal)), np.uint8).reshape(len(hexadecimal), -1)
+        assert data.shape[1] == message.length, f"{message.name}: {data.shape[1]} bytes, the DBC says {message.length}"
+        frames[message.name] = Frames(message, np.array(times[frame_id], float), data)
+    return frames
+
+
+def joint_array(frames: Frames, pattern: str, joints: int) -> np.ndarray:
+    """(N, joints) of a numbered signal, e.g. "velocity_{}_radps"."""
+    return np.stack([frames[pattern.format(i)] for i in range(joints)], axis=1)

@@ -1,0 +1,237 @@
+"""References the firmware is measured against, in double precision and independent of its code: the paper's equations
+in numpy (for arrays) and in dqrobotics (to the letter), and the HOAP-3's right arm from Fujitsu's manual.
+
+Quaternions are (..., 4) as w x y z, dual quaternions (..., 8), as in the paper.
+"""
+
+from __future__ import annotations
+
+import dqrobotics
+import numpy as np
+from dqrobotics import DQ
+from dqrobotics.robot_modeling import DQ_SerialManipulatorDH, DQ_SerialManipulatorMDH
+
+# ---- quaternions and poses
+
+
+def quaternion_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    aw, av, bw, bv = a[..., :1], a[..., 1:], b[..., :1], b[..., 1:]
+    return np.concatenate(
+        [aw * bw - (av * bv).sum(-1, keepdims=True), aw * bv + bw * av + np.cross(av, bv)], axis=-1
+    )
+
+
+def quaternion_conjugate(a: np.ndarray) -> np.ndarray:
+    return a * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def rotation(axis, angle_rad) -> np.ndarray:
+    """The paper's q(axis, angle)."""
+    axis = np.asarray(axis, float)
+    half = np.asarray(angle_rad, float)[..., None] / 2
+    return np.concatenate([np.cos(half), np.sin(half) * axis / np.linalg.norm(axis, axis=-1, keepdims=True)], axis=-1)
+
+
+def rotation_matrix(q: np.ndarray) -> np.ndarray:
+    w, x, y, z = np.moveaxis(np.asarray(q, float), -1, 0)
+    return np.moveaxis(
+        np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        ),
+        (0, 1),
+        (-2, -1),
+    )
+
+
+def rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return (rotation_matrix(q) @ np.asarray(v, float)[..., None])[..., 0]
+
+
+def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    dual = quaternion_multiply(a[..., :4], b[..., 4:]) + quaternion_multiply(a[..., 4:], b[..., :4])
+    return np.concatenate([quaternion_multiply(a[..., :4], b[..., :4]), dual], axis=-1)
+
+
+def conjugate(a: np.ndarray) -> np.ndarray:
+    return np.concatenate([quaternion_conjugate(a[..., :4]), quaternion_conjugate(a[..., 4:])], axis=-1)
+
+
+def pose(r: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """r + eps 1/2 t r."""
+    r, t = np.asarray(r, float), np.asarray(t, float)
+    pure = np.concatenate([np.zeros((*t.shape[:-1], 1)), t], axis=-1)
+    return np.concatenate([r, 0.5 * quaternion_multiply(pure, r)], axis=-1)
+
+
+def translation(x: np.ndarray) -> np.ndarray:
+    x = np.asarray(x, float)
+    return 2 * quaternion_multiply(x[..., 4:], quaternion_conjugate(x[..., :4]))[..., 1:]
+
+
+def random_rotations(rng: np.random.Generator, count: int) -> np.ndarray:
+    q = rng.normal(size=(count, 4))
+    return q / np.linalg.norm(q, axis=1, keepdims=True)
+
+
+def random_poses(rng: np.random.Generator, count: int, reach_m: float = 1.0) -> np.ndarray:
+    """Unit dual quaternions, rounded to float32: what the firmware is given."""
+    return pose(random_rotations(rng, count), rng.uniform(-reach_m, reach_m, (count, 3))).astype(np.float32)
+
+
+def pose_distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Largest difference of components, whatever the signs: x and -x are the same pose."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    return np.minimum(np.abs(a - b).max(-1), np.abs(a + b).max(-1))
+
+
+def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Angle [rad] between the rotations of two poses."""
+    difference = quaternion_multiply(quaternion_conjugate(np.asarray(a, float)[..., :4]), np.asarray(b, float)[..., :4])
+    return 2 * np.arctan2(np.linalg.norm(difference[..., 1:], axis=-1), np.abs(difference[..., 0]))
+
+
+# ---- law (4)
+
+
+def law(
+    jacobian: np.ndarray, hand: np.ndarray, target: np.ndarray, gain, weight, damping: float, error_frame: str
+) -> np.ndarray:
+    """Rows of (J^T W J + lambda I)^-1 J^T W K e; target on the hand's side of the double cover."""
+    gain, weight = np.broadcast_to(gain, 8).astype(float), np.broadcast_to(weight, 8).astype(float)
+    sign = np.where((target[:, :4] * hand[:, :4]).sum(1, keepdims=True) < 0, -1.0, 1.0)
+    target = sign * target
+    if error_frame == "target":
+        back = conjugate(target)
+        error = np.array([1, 0, 0, 0, 0, 0, 0, 0.0]) - multiply(back, hand)
+        jacobian = np.moveaxis(multiply(back[:, None, :], np.moveaxis(jacobian, 1, 2)), 1, 2)
+    else:
+        error = target - hand
+    weighted = np.swapaxes(jacobian, 1, 2) * weight
+    normal = weighted @ jacobian + damping * np.eye(jacobian.shape[2])
+    return np.linalg.solve(normal, weighted @ (gain * error)[..., None])[..., 0]
+
+
+# ---- arms
+
+HOAP3_DH = np.array(  # theta, d, a, alpha: the manual's chain in standard DH form
+    [
+        [0, np.pi / 2, np.pi / 2, 0],
+        [0, 0, 0.111, 0],
+        [0, 0, 0, 0],
+        [np.pi / 2, np.pi / 2, np.pi / 2, -np.pi / 2],
+    ]
+)
+HOAP3_MDH = np.array(  # the manual's own modified DH, from the torso over the chest; the hand lies at 0.171 along y4
+    [
+        [0, 0, 0, np.pi / 2, np.pi / 2, 0],
+        [0.125, -0.111, 0, 0, 0.111, 0],
+        [-0.035, 0, 0, 0, 0, 0],
+        [0, -np.pi / 2, 0, np.pi / 2, np.pi / 2, np.pi / 2],
+    ]
+)
+HOAP3_RANGE_DEG = np.array([[-91, -96, -91, -115], [151, 1, 91, 1]])
+
+
+def unit(x: np.ndarray) -> np.ndarray:
+    """The nearest pose in double precision: dqrobotics refuses what is unit in float32 only."""
+    x = np.asarray(x, float) / np.linalg.norm(np.asarray(x, float)[..., :4], axis=-1, keepdims=True)
+    dual = x[..., 4:] - (x[..., :4] * x[..., 4:]).sum(-1, keepdims=True) * x[..., :4]
+    return np.concatenate([x[..., :4], dual], axis=-1)
+
+
+def dq(x: np.ndarray) -> DQ:
+    x = np.asarray(x, float)
+    return DQ(unit(x) if x.shape[-1] == 8 else x / np.linalg.norm(x))
+
+
+def hoap3() -> DQ_SerialManipulatorDH:
+    arm = DQ_SerialManipulatorDH(np.vstack([HOAP3_DH, np.zeros(4)]))
+    base = dq(pose(rotation([1, 0, 0], -np.pi / 2), [-0.035, -0.111, 0.125]))
+    arm.set_base_frame(base)
+    arm.set_reference_frame(base)
+    arm.set_effector(dq(pose([1.0, 0, 0, 0], [0, 0, 0.171])))
+    return arm
+
+
+def hoap3_from_manual(q: np.ndarray) -> np.ndarray:
+    """Hand pose by the manual's modified DH table; its two fixed rows are joints that stay at 0."""
+    chain = DQ_SerialManipulatorMDH(np.vstack([HOAP3_MDH, np.zeros(6)]))
+    frame4 = chain.fkm(np.concatenate([[0, 0], np.asarray(q, float)]))
+    hand = dq(pose([1.0, 0, 0, 0], [0, 0.171, 0])) * dq(rotation([1, 0, 0], -np.pi / 2))
+    return (frame4 * hand).vec8()
+
+
+def evaluate(arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """dqrobotics' hand poses (N, 8) and Jacobians (N, 8, n)."""
+    hands = np.array([arm.fkm(row).vec8() for row in np.asarray(q, float)])
+    return hands, np.array([arm.pose_jacobian(row) for row in np.asarray(q, float)])
+
+
+def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, np.ndarray]:
+    """Standard DH as fixed transforms (n, 8), each before a turn about z, and the effector behind the last."""
+    one = np.array([1, 0, 0, 0, 0, 0, 0, 0.0])
+    before, fixed = one if base is None else base, []
+    for theta_i, d_i, a_i, alpha_i in zip(theta, d, a, alpha):
+        fixed.append(multiply(before, pose(rotation([0, 0, 1], theta_i), np.zeros(3))))
+        before = pose(rotation([1, 0, 0], alpha_i), [a_i, 0, d_i])
+    return np.array(fixed), multiply(before, one if effector is None else effector)
+
+
+def chain_kinematics(
+    fixed: np.ndarray, axis: np.ndarray, effector: np.ndarray, q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Hand poses (N, 8) and Jacobians (N, 8, n) of an arm given as core.Arm takes it. Column i is the product rule:
+    the i-th turn replaced by its derivative."""
+    count, n = q.shape
+    turn = np.zeros((n, count, 8))
+    slope = np.zeros((n, count, 8))
+    for i in range(n):
+        half = q[:, i, None].astype(float) / 2
+        turn[i, :, :4] = np.concatenate([np.cos(half), np.sin(half) * axis[i]], axis=1)
+        slope[i, :, :4] = 0.5 * np.concatenate([-np.sin(half), np.cos(half) * axis[i]], axis=1)
+
+    def product(factors) -> np.ndarray:
+        x = np.broadcast_to(np.array([1, 0, 0, 0, 0, 0, 0, 0.0]), (count, 8))
+        for i in range(n):
+            x = multiply(multiply(x, np.broadcast_to(fixed[i].astype(float), (count, 8))), factors[i])
+        return multiply(x, np.broadcast_to(effector.astype(float), (count, 8)))
+
+    columns = [product([slope[j] if j == i else turn[j] for j in range(n)]) for i in range(n)]
+    return product(turn), np.stack(columns, axis=2)
+
+
+# ---- Algorithm 1
+
+Q_X_PI = rotation([1, 0, 0], np.pi)
+TABLE_I = {  # t_task [m], q_task, q_inv
+    "pour": ([0.01, 0, -0.05], quaternion_multiply(Q_X_PI, rotation([0, 0, 1], np.pi / 4)), Q_X_PI),
+    "teleop": ([0, 0, 0], np.array([1.0, 0, 0, 0]), np.array([1.0, 0, 0, 0])),
+    "mirror": ([0, 0, 0], Q_X_PI, Q_X_PI),
+}
+EQUATION_9 = rotation([1, 0, 0], -np.pi / 2)
+
+
+class Algorithm1:
+    """The paper's Algorithm 1, line by line, on dqrobotics' own decompositional product; motion scale 1, no offset."""
+
+    def __init__(self, task: str, hand: np.ndarray, robot: np.ndarray, tracker_rotation: np.ndarray = EQUATION_9):
+        self.task = task
+        t_task, q_task, q_inv = TABLE_I[task]
+        self.t_task, self.q_task = np.array(t_task), q_task
+        self.hand_start = dq(hand)
+        self.hand_start_torso = dq(tracker_rotation).conj() * self.hand_start
+        self.virtual_start = self.hand_start_torso.conj() * dq(robot) * dq(q_inv)
+
+    def target(self, hand: np.ndarray) -> np.ndarray:
+        motion = self.hand_start.conj() * dq(hand)
+        virtual = self.hand_start_torso * dqrobotics.dec_mult(self.virtual_start, motion)
+        t_task = self.t_task
+        if self.task == "mirror":
+            moved = self.hand_start_torso * motion
+            forward = moved.translation().vec3()[0] - self.hand_start_torso.translation().vec3()[0]
+            t_task = np.array([0, 0, 2 * forward])
+        return (virtual * dq(pose(self.q_task, t_task)).conj()).vec8()

@@ -1,0 +1,87 @@
+"""The simulator's parts without ODE as a Python library: ``ffi, lib = load()``.
+
+Compiled from the sources with the product's warnings as errors, and with the undefined-behaviour sanitiser, which ends
+the process at the first fault. Needs build/generated, which ``make build`` writes.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import subprocess
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import cffi
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+GENERATED = REPOSITORY / "build" / "generated"
+BUILD = REPOSITORY / "build" / "tests"
+
+PARTS = [
+    REPOSITORY / "sim" / name
+    for name in (
+        "bus", "candump_log", "frame_time", "hand_motion", "random", "recording", "rigid_pose", "rotation",
+        "tracker_node",
+    )
+]  # fmt: skip
+FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]
+SOURCES = [part.with_suffix(".c") for part in PARTS] + sorted(file for file in FIRMWARE if file.name != "main.c")
+HEADERS = [part.with_suffix(".h") for part in PARTS]
+
+COMPILE = [
+    os.environ.get("CC", "gcc"), "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g", "-fPIC",
+    "-fsanitize=undefined,float-cast-overflow", "-fno-sanitize-recover=all",
+    "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror", f"-I{GENERATED}",
+]  # fmt: skip
+
+
+def _run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
+    return done.stdout
+
+
+def _fingerprint() -> str:
+    digest = hashlib.sha256(" ".join(COMPILE).encode())
+    for folder in (REPOSITORY / "sim", REPOSITORY / "firmware", GENERATED):
+        for file in sorted(folder.glob("*.[ch]")):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _declarations(folder: Path) -> str:
+    """The headers as the compiler sees them; cffi knows the standard types by itself."""
+    for name in ("stdint.h", "stdbool.h", "stddef.h"):
+        (folder / name).write_text("")
+    umbrella = folder / "umbrella.h"
+    umbrella.write_text("".join(f'#include "{header}"\n' for header in HEADERS))
+    return _run([COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)])
+
+
+def _compile(library: Path, folder: Path) -> None:
+    def compile_one(source: Path) -> str:
+        target = folder / f"{source.stem}.o"
+        _run([*COMPILE, "-c", str(source), "-o", str(target)])
+        return str(target)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        objects = list(pool.map(compile_one, SOURCES))
+    unfinished = folder / library.name
+    _run([*COMPILE, "-shared", "-Wl,-z,defs", *objects, "-lm", "-o", str(unfinished)])
+    unfinished.replace(library)
+
+
+@functools.cache
+def load() -> tuple[cffi.FFI, object]:
+    BUILD.mkdir(parents=True, exist_ok=True)
+    library = BUILD / f"sim-{_fingerprint()}.so"
+    ffi = cffi.FFI()
+    with tempfile.TemporaryDirectory(dir=BUILD) as folder:
+        ffi.cdef(_declarations(Path(folder)))
+        if not library.exists():
+            _compile(library, Path(folder))
+    return ffi, ffi.dlopen(str(library))

@@ -1,0 +1,60 @@
+"""SLCAN as others read and write it: python-can's own implementation without its serial port, and the dialect's grammar."""
+
+from __future__ import annotations
+
+import re
+from queue import SimpleQueue
+
+import can
+from can.interfaces.slcan import slcanBus
+from can.util import CAN_FD_DLC
+
+
+class _Port:
+    write_timeout = None
+
+    def __init__(self) -> None:
+        self.written = b""
+
+    def write(self, data: bytes) -> None:
+        self.written += data
+
+    def flush(self) -> None:
+        pass
+
+
+class StockSlcan(slcanBus):
+    """python-can's slcan bus on a port that only remembers."""
+
+    def __init__(self) -> None:
+        self.serialPortOrig = _Port()
+        self._queue: SimpleQueue[str] = SimpleQueue()
+        self._is_shutdown = True
+
+    def line(self, message: can.Message) -> bytes:
+        self.serialPortOrig.written = b""
+        self.send(message)
+        return self.serialPortOrig.written
+
+    def message(self, line: bytes) -> can.Message | None:
+        self._queue.put(line.decode())
+        return self._recv_internal(0)[0]
+
+
+# Data length code to digits of data.
+_FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * CAN_FD_DLC[code]}}}" for code in range(16))
+_CLASSIC_FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * code}}}" for code in range(9))
+FRAME = re.compile(rf"(t[0-7][0-9A-F]{{2}}({_CLASSIC_FIELDS})|[db][0-7][0-9A-F]{{2}}({_FIELDS}))\Z", re.IGNORECASE)
+NOT_OF_THIS_BUS = "TDBrROCLSsYyMmAEFVvNZz"
+
+
+def read(stream: bytes) -> tuple[list[tuple[int, bytes]], int]:
+    """The frames (id, data) of a stream of lines, and how many lines are malformed. The unfinished last one is neither."""
+    frames, malformed = [], 0
+    for raw in stream.split(b"\r")[:-1]:
+        line = raw.lstrip(b"\a").decode("latin-1")
+        if line[:1] in ("t", "d", "b") and line.isascii() and FRAME.match(line):
+            frames.append((int(line[1:4], 16), bytes.fromhex(line[5:])))
+        elif line != "" and line[0] not in NOT_OF_THIS_BUS:
+            malformed += 1
+    return frames, malformed

@@ -1,0 +1,292 @@
+"""The simulated CAN FD bus: frame durations against a bit-by-bit construction of the frame, arbitration against a plain
+event model, the log against the tools that read such logs."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+
+import can
+import numpy as np
+import pytest
+from sim_binding import load
+
+ffi, lib = load()
+
+LENGTHS = [*range(9), 12, 16, 20, 24, 32, 48, 64]
+# Worst-case durations by the usual bound, one stuff bit per four bits in either phase.
+WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
+
+
+def make_frame(identifier: int, data: bytes):
+    frame = ffi.new("can_frame_t *", {"id": identifier, "length": len(data)})
+    ffi.memmove(frame.data, data, len(data))
+    return frame
+
+
+# ---- frame durations
+
+
+def bits(value: int, count: int) -> list[int]:
+    return [value >> i & 1 for i in reversed(range(count))]
+
+
+def duration_from_bits_ns(identifier: int, data: bytes) -> int:
+    """Builds the frame as it stands on the wire (ISO 11898-1), each bit with its own duration."""
+    dlc = LENGTHS.index(len(data))
+    nominal = [0, *bits(identifier, 11), 0, 0, 1, 0, 1]  # SOF, id, RRS, IDE, FDF, res, BRS
+    fast = [0, *bits(dlc, 4), *(bit for octet in data for bit in bits(octet, 8))]  # ESI, DLC, data
+    wire = []
+    for position, (bit, bit_ns) in enumerate([*((b, 1000) for b in nominal), *((b, 200) for b in fast)]):
+        wire.append((bit, bit_ns))
+        last = position == len(nominal) + len(fast) - 1
+        if not last and len(wire) >= 5 and len({b for b, _ in wire[-5:]}) == 1:
+            wire.append((1 - bit, bit_ns))
+    crc_field = 4 + (17 if len(data) <= 16 else 21)  # stuff count, CRC
+    fixed_stuff = len(range(0, crc_field, 4))
+    end = 200 * (crc_field + fixed_stuff + 1) + 1000 * (1 + 1 + 7 + 3)  # CRC delimiter; ACK, its delimiter, EOF, IFS
+    return sum(ns for _, ns in wire) + end
+
+
+def random_data(rng: np.random.Generator, length: int) -> bytes:
+    """Half of it rich in runs of equal bits."""
+    if rng.random() < 0.5:
+        return rng.bytes(length)
+    return bytes(rng.choice([0x00, 0xFF, 0x0F, 0xF0, 0x1F, 0xF8, 0x83, 0x7C, 0x10], length).astype(np.uint8))
+
+
+def test_frame_time_equals_bitwise_construction(rng):
+    for i in range(10_000):
+        length = LENGTHS[i % len(LENGTHS)]
+        identifier = int(rng.choice([rng.integers(0x800), 0x000, 0x7FF, 0x010, 0x07F, 0x7E0]))
+        data = random_data(rng, length)
+        duration_ns = lib.frame_time_ns(make_frame(identifier, data))
+        assert duration_ns == duration_from_bits_ns(identifier, data), (hex(identifier), data.hex())
+        if length in WORST_CASE_US:
+            assert duration_ns <= 1000 * WORST_CASE_US[length]
+
+
+@pytest.mark.parametrize("length", WORST_CASE_US)
+def test_worst_frame_comes_near_the_bound(length):
+    """The bound has one nominal stuff bit that IDE, FDF, res and BRS rule out, and up to one at the data's end."""
+    sent = [0, *bits(0x078, 11), 0, 0, 1, 0, 1, 0, *bits(LENGTHS.index(length), 4)]
+    run = next(i for i in range(1, 6) if sent[-1 - i] != sent[-1])
+    last, data_bits = sent[-1], []
+    for _ in range(8 * length):  # always one more equal bit: a stuff bit after each four
+        if run == 5:
+            last, run = 1 - last, 1
+        data_bits.append(last)
+        run += 1
+    data = bytes(int("".join(map(str, data_bits[i : i + 8])), 2) for i in range(0, len(data_bits), 8))
+    duration_us = lib.frame_time_ns(make_frame(0x078, data)) / 1000
+    assert WORST_CASE_US[length] - 1.4 <= duration_us <= WORST_CASE_US[length]
+
+
+@pytest.mark.parametrize(("identifier", "length"), [(0x800, 8), (0x123, 9), (0x123, 63), (0x123, 65)])
+def test_impossible_frames_have_no_duration(identifier, length):
+    assert lib.frame_time_ns(ffi.new("can_frame_t *", {"id": identifier, "length": length})) < 0
+
+
+# ---- bus
+
+
+class Bus:
+    """A bus with nodes that record what they receive, and a listener."""
+
+    def __init__(self, nodes: int):
+        self.bus = ffi.gc(lib.bus_create(), lib.bus_destroy)
+        self.received = [[] for _ in range(nodes)]
+        self.heard = []
+        self.reaction = [None] * nodes
+        self.handlers = []
+        for node in range(nodes):
+            assert lib.bus_attach(self.bus, self._handler(self.received[node], node), ffi.NULL) == node
+        lib.bus_listen(self.bus, self._handler(self.heard, None), ffi.NULL)
+
+    def _handler(self, record, node):
+        def receive(_context, frame, end_ns):
+            record.append((frame.id, bytes(frame.data[0 : frame.length]), end_ns, frame.timestamp_us))
+            if node is not None and self.reaction[node] is not None:
+                self.reaction[node](frame.id, end_ns)
+
+        self.handlers.append(ffi.callback("bus_handler_t", receive))
+        return self.handlers[-1]
+
+    def send(self, node: int, identifier: int, data: bytes = b"", ready_ns: int = 0) -> bool:
+        return lib.bus_send(self.bus, node, make_frame(identifier, data), ready_ns)
+
+    def run_until(self, time_ns: int):
+        lib.bus_run_until(self.bus, time_ns)
+
+    @property
+    def statistics(self):
+        return lib.bus_statistics(self.bus)
+
+
+def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, int]]:
+    """What a bus makes of (node, id, data, ready): at each end of frame the lowest ready id starts."""
+    earliest = {}
+    waiting = []
+    for order, (node, identifier, data, ready_ns) in enumerate(traffic):
+        ready_ns = earliest[node, identifier] = max(ready_ns, earliest.get((node, identifier), 0))
+        waiting.append((identifier, node, order, ready_ns, data))
+    now_ns, played = 0, []
+    while waiting:
+        now_ns = max(now_ns, min(item[3] for item in waiting))
+        winner = min(item for item in waiting if item[3] <= now_ns)
+        waiting.remove(winner)
+        now_ns += duration_from_bits_ns(winner[0], winner[4])
+        played.append((winner[0], winner[4], now_ns))
+    return played
+
+
+@pytest.mark.parametrize("step_ns", [10**9, 1_000_000, 7_919])
+def test_random_traffic_is_played_as_the_model_says(rng, step_ns):
+    bus = Bus(5)
+    traffic = [
+        (int(node), int(identifier), random_data(rng, int(rng.choice(LENGTHS))), int(ready_ns))
+        for node, identifier, ready_ns in rng.integers((5, 40, 10**7), size=(250, 3))
+    ]
+    assert all(bus.send(*item) for item in traffic)
+    for time_ns in range(step_ns, 4 * 10**7 + step_ns, step_ns):
+        bus.run_until(time_ns)
+    assert [heard[:3] for heard in bus.heard] == model(traffic)
+    assert all(timestamp_us == end_ns // 1000 for *_, end_ns, timestamp_us in bus.heard)
+    assert bus.statistics.frames == len(traffic)
+    for node, received in enumerate(bus.received):
+        own = [item for item in traffic if item[0] == node]
+        assert len(received) == len(traffic) - len(own)
+
+
+def test_handler_may_answer_and_arbitration_sees_it():
+    bus = Bus(2)
+    bus.reaction[1] = lambda identifier, end_ns: identifier == 0x50 and bus.send(1, 0x10, b"", end_ns)
+    bus.send(0, 0x50, bytes(64))
+    bus.send(0, 0x51, bytes(64))
+    bus.run_until(10**6)
+    assert [item[0] for item in bus.heard] == [0x50, 0x10, 0x51]
+
+
+def test_frame_on_the_wire_ends_in_the_next_call():
+    bus = Bus(1)
+    bus.send(0, 0x123, bytes(8), 1000)
+    end_ns = 1000 + duration_from_bits_ns(0x123, bytes(8))
+    bus.run_until(1000)
+    bus.run_until(end_ns - 1)
+    assert bus.heard == []
+    bus.send(0, 0x001, b"", 0)  # ready in the past: starts at once, that is when the wire is free
+    bus.run_until(end_ns)
+    assert [item[2] for item in bus.heard] == [end_ns]
+    bus.run_until(10**6)
+    assert bus.heard[1][2] == end_ns + duration_from_bits_ns(0x001, b"")
+
+
+@pytest.mark.parametrize("before", [0x200, None])
+def test_nothing_starts_at_the_very_end_of_a_call(before):
+    """Who sends at that time takes part in the arbitration: whether the wire was busy or idle until then."""
+    bus = Bus(2)
+    time_ns = duration_from_bits_ns(0x200, bytes(8))
+    if before is not None:
+        bus.send(0, before, bytes(8))
+    bus.send(0, 0x300, b"", time_ns)
+    bus.run_until(time_ns)
+    bus.send(1, 0x100, b"", time_ns)
+    bus.run_until(10**6)
+    assert [item[0] for item in bus.heard][-2:] == [0x100, 0x300]
+
+
+def test_frame_from_the_past_starts_now():
+    bus = Bus(1)
+    bus.run_until(5_000_000)
+    bus.send(0, 0x123, b"", 1)
+    bus.run_until(6_000_000)
+    assert bus.heard[0][2] == 5_000_000 + duration_from_bits_ns(0x123, b"")
+
+
+def test_full_queue_drops_and_counts():
+    bus = Bus(2)
+    accepted = [bus.send(0, 0x100 + i % 3, bytes([i])) for i in range(70)]
+    assert accepted == [True] * 64 + [False] * 6
+    assert bus.send(1, 0x200), "queues are per node"
+    bus.run_until(10**8)
+    assert bus.statistics.dropped == 6
+    assert bus.statistics.frames == 65
+    per_id = {i: [item[1][0] for item in bus.heard if item[0] == 0x100 + i] for i in range(3)}
+    assert all(values == sorted(values) for values in per_id.values()), "equal ids keep their order"
+
+
+def test_load_is_the_share_of_time_in_windows_of_10_ms(rng):
+    bus = Bus(1)
+    window_ns = 10_000_000
+    starts_ns = np.sort(rng.choice(400, 180, replace=False)) * 200_000
+    for start_ns in starts_ns:
+        bus.run_until(int(start_ns))
+        bus.send(0, int(rng.integers(0x800)), rng.bytes(64), int(start_ns))
+    bus.run_until(10**8)
+    busy_ns = np.zeros(10)
+    for start_ns, (*_, end_ns, _us) in zip(starts_ns, bus.heard, strict=True):
+        for window in range(10):
+            busy_ns[window] += max(0, min(end_ns, (window + 1) * window_ns) - max(start_ns, window * window_ns))
+    assert bus.statistics.busy_ns == busy_ns.sum()
+    assert bus.statistics.load_percent_peak == pytest.approx(100 * busy_ns.max() / window_ns, abs=1e-9)
+
+
+# ---- log
+
+
+def write_log(path, frames: list[tuple[int, bytes, int]]) -> str:
+    error = ffi.new("char[]", 300)
+    log_path = ffi.new("char[]", str(path).encode())
+    log = lib.candump_log_open(log_path, error, 300)
+    if log == ffi.NULL:
+        return ffi.string(error).decode()
+    for identifier, data, end_ns in frames:
+        lib.candump_log_write(log, make_frame(identifier, data), end_ns)
+    return "" if lib.candump_log_close(log, error, 300) else ffi.string(error).decode()
+
+
+@pytest.fixture
+def log_frames(rng):
+    ends_ns = np.cumsum(rng.integers(50_000, 10**9, 500))
+    return [(int(rng.integers(0x800)), rng.bytes(int(rng.choice(LENGTHS))), int(end_ns)) for end_ns in ends_ns]
+
+
+def test_log_line_is_candumps(tmp_path):
+    path = tmp_path / "bus.log"
+    assert write_log(path, [(0x50, b"\x01\xab", 170_999), (0x7FF, b"", 3_600_000_001_000)]) == ""
+    assert path.read_text() == "(0000000000.000170) vcan0 050##101AB\n(0000003600.000001) vcan0 7FF##1\n"
+
+
+def test_python_can_reads_the_log(tmp_path, log_frames):
+    assert write_log(tmp_path / "bus.log", log_frames) == ""
+    messages = list(can.LogReader(tmp_path / "bus.log"))
+    assert [(m.arbitration_id, bytes(m.data)) for m in messages] == [frame[:2] for frame in log_frames]
+    assert [round(m.timestamp * 1e6) for m in messages] == [frame[2] // 1000 for frame in log_frames]
+    assert all(m.is_fd and m.bitrate_switch and not m.error_state_indicator and m.channel == "vcan0" for m in messages)
+
+
+@pytest.mark.skipif(shutil.which("log2asc") is None, reason="can-utils is not installed")
+def test_can_utils_reads_the_log(tmp_path, log_frames):
+    assert write_log(tmp_path / "bus.log", log_frames) == ""
+    done = subprocess.run(["log2asc", "-I", tmp_path / "bus.log", "vcan0"], capture_output=True, text=True, check=True)
+    (tmp_path / "bus.asc").write_text(done.stdout)
+    messages = [m for m in can.ASCReader(tmp_path / "bus.asc") if isinstance(m, can.Message)]
+    assert [(m.arbitration_id, bytes(m.data)) for m in messages] == [frame[:2] for frame in log_frames]
+
+
+def test_cantools_decodes_the_log(tmp_path, dbc):
+    described = [(m.frame_id, bytes(m.length), 10**6 * i) for i, m in enumerate(dbc.messages)]
+    assert write_log(tmp_path / "bus.log", described) == ""
+    (tmp_path / "comanip.dbc").write_text(dbc.as_dbc_string())
+    with open(tmp_path / "bus.log") as log:
+        command = [sys.executable, "-m", "cantools", "decode", "--single-line", tmp_path / "comanip.dbc"]
+        lines = subprocess.run(command, stdin=log, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert [line.split(":: ")[1].split("(")[0] for line in lines] == [m.name for m in dbc.messages]
+
+
+def test_log_errors_name_file_and_cause(tmp_path, log_frames):
+    for frames in (log_frames, log_frames[:1]):  # found while writing, found at the end
+        assert write_log("/dev/full", frames) == "/dev/full: the log is incomplete: No space left on device"
+    missing = tmp_path / "missing" / "bus.log"
+    assert write_log(missing, []) == f"{missing}: cannot be written: No such file or directory"

@@ -1,0 +1,120 @@
+"""The parameter table against the DBC, and what it refuses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import oracle
+import pytest
+from comanip._core import ffi, lib
+
+COUNT = lib.PARAMETER_COUNT
+ALL = range(COUNT)
+
+
+@pytest.fixture
+def parameters():
+    fresh = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(fresh)
+    return fresh
+
+
+def name(parameter: int) -> str:
+    return ffi.string(lib.parameter_table[parameter].name).decode()
+
+
+@pytest.mark.parametrize("message", ["ParameterValue", "ParameterAccess"])
+def test_names_and_numbers_are_the_dbcs(dbc, message):
+    choices = dbc.get_message_by_name(message).get_signal_by_name("parameter").choices
+    assert {number: str(choice) for number, choice in choices.items()} == {number: name(number) for number in ALL}
+
+
+@pytest.mark.parametrize("parameter", ALL, ids=name)
+def test_range(parameters, parameter):
+    """The default and both ends are taken; what lies beyond, NaN and infinities are refused and change nothing."""
+    row = lib.parameter_table[parameter]
+    assert row.minimum <= row.default_value <= row.maximum
+    assert parameters.value[parameter] == row.default_value
+    for value in (row.minimum, row.maximum):
+        assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_ACCEPTED
+        assert parameters.value[parameter] == value
+    below, above = (np.nextafter(np.float32(end), np.float32(way)) for end, way in ((row.minimum, -1e9), (row.maximum, 1e9)))
+    for value in (below, above, math.nan, math.inf, -math.inf, 3e9, -3e9):
+        assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_OUT_OF_RANGE
+        assert parameters.value[parameter] == row.maximum
+
+
+@pytest.mark.parametrize("parameter", [p for p in ALL if lib.parameter_table[p].integer], ids=name)
+def test_whole_numbers_only(parameters, parameter):
+    assert lib.parameters_set(parameters, parameter, 0.5) == lib.RESULT_OUT_OF_RANGE
+
+
+@pytest.mark.parametrize("parameter", [COUNT, COUNT + 1, 255])
+def test_unknown_parameter(parameters, parameter):
+    before = bytes(ffi.buffer(parameters))
+    assert lib.parameters_set(parameters, parameter, 1.0) == lib.RESULT_UNKNOWN_PARAMETER
+    assert bytes(ffi.buffer(parameters)) == before
+
+
+def test_a_write_changes_one_parameter_only(parameters):
+    for parameter in ALL:
+        before = list(parameters.value)
+        assert lib.parameters_set(parameters, parameter, lib.parameter_table[parameter].maximum) == lib.RESULT_ACCEPTED
+        assert [i for i in ALL if parameters.value[i] != before[i]] in ([parameter], [])
+
+
+def write(parameters, first: int, values) -> None:
+    for offset, value in enumerate(values):
+        assert lib.parameters_set(parameters, first + offset, value) == lib.RESULT_ACCEPTED
+
+
+def test_view_of_the_control_law(parameters):
+    gain, weight = [float(i) for i in range(1, 9)], [float(i) for i in range(11, 19)]
+    write(parameters, lib.PARAMETER_GAIN_PER_S, gain)
+    write(parameters, lib.PARAMETER_WEIGHT, weight)
+    write(parameters, lib.PARAMETER_DAMPING, [0.5])
+    write(parameters, lib.PARAMETER_ERROR_FRAME, [0])
+    config = ffi.new("velocity_control_config_t *")
+    lib.parameters_velocity_control(parameters, config)
+    assert (list(config.gain_per_s), list(config.weight), config.damping) == (gain, weight, 0.5)
+    assert config.error_frame == lib.ERROR_FRAME_TORSO
+    write(parameters, lib.PARAMETER_ERROR_FRAME, [1])
+    lib.parameters_velocity_control(parameters, config)
+    assert config.error_frame == lib.ERROR_FRAME_TARGET
+
+
+def test_view_of_the_joint_limits(parameters):
+    write(parameters, lib.PARAMETER_GAIN_PER_S, [1, 2, 3, 77, 5, 6, 7, 8])
+    write(parameters, lib.PARAMETER_SPEED_FRACTION, [0.5])
+    write(parameters, lib.PARAMETER_ACCELERATION_LIMIT_RADPS2, [12])
+    write(parameters, lib.PARAMETER_COMMAND_DELAY_S, [0.03125])
+    config = ffi.new("joint_limits_config_t *")
+    lib.parameters_joint_limits(parameters, config)
+    assert (config.speed_fraction, config.acceleration_max_radps2, config.command_delay_s) == (0.5, 12, 0.03125)
+    assert config.approach_gain_per_s == 77
+
+
+def test_view_of_the_cooperation(parameters):
+    config = ffi.new("cooperation_config_t *")
+    lib.parameters_cooperation(parameters, config)
+    q = config.tracker_rotation
+    assert np.abs(np.array([q.w, q.x, q.y, q.z]) - oracle.EQUATION_9).max() < 1e-6  # the paper's by default
+    rotation_vector = [0.3, -1.2, 0.7]
+    write(parameters, lib.PARAMETER_TRACKER_ROTATION_RAD, rotation_vector)
+    write(parameters, lib.PARAMETER_START_OFFSET_M, [0.25, 0.5, -0.75])
+    write(parameters, lib.PARAMETER_MOTION_SCALE, [0.5])
+    lib.parameters_cooperation(parameters, config)
+    q, offset = config.tracker_rotation, config.start_offset_m
+    expected = oracle.rotation(rotation_vector, np.linalg.norm(rotation_vector))
+    assert np.abs(np.array([q.w, q.x, q.y, q.z]) - expected).max() < 1e-6
+    assert (offset.x, offset.y, offset.z, config.motion_scale) == (0.25, 0.5, -0.75, 0.5)
+
+
+def test_view_of_the_marker(parameters):
+    rotation_vector, t = [0.3, -1.2, 0.7], [0.25, 0.5, -0.75]
+    write(parameters, lib.PARAMETER_MARKER_TO_HAND_ROTATION_RAD, rotation_vector)
+    write(parameters, lib.PARAMETER_MARKER_TO_HAND_TRANSLATION_M, t)
+    pose = ffi.new("dual_quaternion_t *", lib.parameters_marker_to_hand(parameters))
+    got = np.frombuffer(ffi.buffer(pose), np.float32)
+    assert np.abs(got - oracle.pose(oracle.rotation(rotation_vector, np.linalg.norm(rotation_vector)), t)).max() < 1e-6

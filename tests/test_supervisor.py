@@ -1,0 +1,119 @@
+"""Modes and reasons: every transition the header allows, and no other."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from comanip._core import ffi, lib
+
+MODES = [lib.MODE_IDLE, lib.MODE_READY, lib.MODE_COOPERATING, lib.MODE_HOLD, lib.MODE_FAULT]
+GOOD = {"drives_fresh": True, "drive_error": False, "tracker_fresh": True, "finite": True}
+ALL_INPUTS = [dict(zip(GOOD, values, strict=True)) for values in itertools.product((False, True), repeat=4)]
+
+
+def inputs(**changes):
+    return ffi.new("supervisor_inputs_t *", GOOD | changes)
+
+
+def supervisor(mode: int):
+    made = ffi.new("supervisor_t *")
+    lib.supervisor_init(made)
+    made.mode = mode
+    return made
+
+
+def updated(mode: int, **changes) -> tuple[int, int]:
+    made = supervisor(mode)
+    lib.supervisor_update(made, inputs(**changes))
+    return made.mode, made.reason
+
+
+def test_starts_idle_for_the_reason_boot():
+    made = ffi.new("supervisor_t *")
+    lib.supervisor_init(made)
+    assert (made.mode, made.reason) == (lib.MODE_IDLE, lib.REASON_BOOT)
+
+
+@pytest.mark.parametrize(
+    ("mode", "changes", "after", "reason"),
+    [
+        (lib.MODE_IDLE, {}, lib.MODE_READY, lib.REASON_INPUTS_READY),
+        (lib.MODE_IDLE, {"tracker_fresh": False}, lib.MODE_IDLE, lib.REASON_WAITING_FOR_TRACKER),
+        (lib.MODE_IDLE, {"drives_fresh": False}, lib.MODE_IDLE, lib.REASON_WAITING_FOR_DRIVES),
+        (lib.MODE_READY, {"tracker_fresh": False}, lib.MODE_IDLE, lib.REASON_WAITING_FOR_TRACKER),
+        (lib.MODE_READY, {"drives_fresh": False}, lib.MODE_IDLE, lib.REASON_WAITING_FOR_DRIVES),
+        (lib.MODE_COOPERATING, {"tracker_fresh": False}, lib.MODE_HOLD, lib.REASON_TRACKER_STALE),
+        (lib.MODE_HOLD, {}, lib.MODE_COOPERATING, lib.REASON_TRACKER_RETURNED),
+        (lib.MODE_COOPERATING, {"drives_fresh": False}, lib.MODE_FAULT, lib.REASON_DRIVE_SILENT),
+        (lib.MODE_COOPERATING, {"drive_error": True}, lib.MODE_FAULT, lib.REASON_DRIVE_ERROR),
+        (lib.MODE_COOPERATING, {"finite": False}, lib.MODE_FAULT, lib.REASON_NOT_FINITE),
+        (lib.MODE_HOLD, {"drives_fresh": False, "tracker_fresh": False}, lib.MODE_FAULT, lib.REASON_DRIVE_SILENT),
+        (lib.MODE_HOLD, {"drive_error": True, "tracker_fresh": False}, lib.MODE_FAULT, lib.REASON_DRIVE_ERROR),
+        (lib.MODE_HOLD, {"finite": False}, lib.MODE_FAULT, lib.REASON_NOT_FINITE),
+    ],
+)
+def test_transition(mode, changes, after, reason):
+    assert updated(mode, **changes) == (after, reason)
+
+
+@pytest.mark.parametrize("mode", [lib.MODE_IDLE, lib.MODE_READY])
+@pytest.mark.parametrize("changes", ALL_INPUTS, ids=str)
+def test_only_the_start_command_leads_into_motion(mode, changes):
+    assert updated(mode, **changes)[0] in (lib.MODE_IDLE, lib.MODE_READY)
+
+
+@pytest.mark.parametrize("mode", [lib.MODE_COOPERATING, lib.MODE_HOLD])
+@pytest.mark.parametrize("changes", ALL_INPUTS, ids=str)
+def test_cooperation_goes_on_with_good_inputs_only(mode, changes):
+    bad = changes != GOOD
+    assert (updated(mode, **changes)[0] == lib.MODE_COOPERATING) == (not bad)
+
+
+@pytest.mark.parametrize("changes", ALL_INPUTS, ids=str)
+def test_a_fault_is_latched(changes):
+    made = supervisor(lib.MODE_FAULT)
+    made.reason = lib.REASON_DRIVE_ERROR
+    lib.supervisor_update(made, inputs(**changes))
+    assert (made.mode, made.reason) == (lib.MODE_FAULT, lib.REASON_DRIVE_ERROR)
+    assert lib.supervisor_start(made) == lib.RESULT_WRONG_MODE
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_start_is_taken_in_ready_alone(mode):
+    made = supervisor(mode)
+    if mode == lib.MODE_READY:
+        assert lib.supervisor_start(made) == lib.RESULT_ACCEPTED
+        assert (made.mode, made.reason) == (lib.MODE_COOPERATING, lib.REASON_OPERATOR_START)
+    else:
+        assert lib.supervisor_start(made) == lib.RESULT_WRONG_MODE
+        assert made.mode == mode
+
+
+@pytest.mark.parametrize("mode", [lib.MODE_COOPERATING, lib.MODE_HOLD])
+def test_stop_ends_cooperation(mode):
+    made = supervisor(mode)
+    assert lib.supervisor_stop(made, inputs()) == lib.RESULT_ACCEPTED
+    assert (made.mode, made.reason) == (lib.MODE_READY, lib.REASON_OPERATOR_STOP)
+
+
+@pytest.mark.parametrize("mode", [lib.MODE_IDLE, lib.MODE_READY])
+def test_stop_is_always_accepted_at_rest(mode):
+    made = supervisor(mode)
+    assert lib.supervisor_stop(made, inputs()) == lib.RESULT_ACCEPTED
+    assert made.mode == mode
+
+
+@pytest.mark.parametrize("changes", [{"drives_fresh": False}, {"drive_error": True}, {"finite": False}], ids=str)
+def test_stop_clears_a_fault_whose_cause_is_gone(changes):
+    made = supervisor(lib.MODE_FAULT)
+    assert lib.supervisor_stop(made, inputs(**changes)) == lib.RESULT_FAULT_PRESENT
+    assert made.mode == lib.MODE_FAULT
+    assert lib.supervisor_stop(made, inputs()) == lib.RESULT_ACCEPTED
+    assert (made.mode, made.reason) == (lib.MODE_IDLE, lib.REASON_FAULT_CLEARED)
+
+
+def test_stop_categories():
+    categories = [lib.supervisor_stop_category(supervisor(mode)) for mode in MODES]
+    none = lib.STOP_CATEGORY_NONE
+    assert categories == [none, none, none, lib.STOP_CATEGORY_2, lib.STOP_CATEGORY_1]

@@ -1,0 +1,286 @@
+"""The images for microcontrollers: what is linked into them, and what they do in an emulator.
+
+QEMU counts instructions instead of time (-icount): a second is a second of the emulated machine, whatever this machine's
+load. It shows that the start-up code, drivers and firmware work; cycles, jitter and electrical behaviour it cannot show."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import e2e.p05
+import pytest
+
+from slcan_oracle import StockSlcan
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+# 500 million instructions per second: the software floating point of rv32imac needs more than 125 million for 1 kHz.
+VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
+MACHINES = {
+    "cortex-m4f": ["qemu-system-arm", "-machine", "mps2-an386"],
+    "rv32imac": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
+}
+PREFIXES = {"cortex-m4f": "arm-none-eabi-", "rv32imac": "riscv64-unknown-elf-"}
+SPECS = {"cortex-m4f": "nano.specs", "rv32imac": "picolibc.specs"}
+CPUS = {"cortex-m4f": ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"],
+        "rv32imac": ["-march=rv32imac", "-mabi=ilp32"]}  # fmt: skip
+
+
+def make(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run(["make", "-s", *arguments], cwd=REPOSITORY, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def target_build():
+    missing = make("target-check")
+    if missing.returncode != 0:
+        pytest.skip(missing.stderr.strip())
+    built = make("-j2", "target")
+    assert built.returncode == 0, built.stderr
+    assert built.stderr == ""  # no warning, neither the compiler's nor the linker's
+    return REPOSITORY / "build" / "target"
+
+
+@pytest.fixture(params=MACHINES)
+def image(request):
+    return request.param
+
+
+@pytest.fixture
+def elf(target_build, image):
+    return target_build / image / "comanip.elf"
+
+
+# ---- what is linked
+
+
+HEAP_AND_STDIO = re.compile(r"_*(v?(as|d|f|s|sn)?n?i?printf|[mc]alloc|realloc|free|s?brk)(_r)?|.*(malloc|printf|sbrk).*")
+LIBM = "acos asin atan atan2 cbrt cos cosh erf exp exp2 expm1 fmod hypot ldexp log log10 log1p log2 pow round scalbn sin sincos sinh tan tanh"
+LIBM = re.compile(rf"_*(ieee754_)?({'|'.join(LIBM.split())})[fl]?|sqrtl?|roundf")
+DOUBLE_ARITHMETIC = re.compile(r"__aeabi_(d\w+|cd\w+|\w+2d)|__\w*df\w*")
+
+
+def symbols(elf: Path, image: str) -> list[str]:
+    listing = subprocess.run([PREFIXES[image] + "nm", str(elf)], check=True, capture_output=True, text=True).stdout
+    return [line.split()[-1] for line in listing.splitlines()]
+
+
+def forbidden(names: list[str]) -> list[str]:
+    return [n for n in names if any(p.fullmatch(n) for p in (HEAP_AND_STDIO, LIBM, DOUBLE_ARITHMETIC))]
+
+
+def test_no_heap_no_stdio_no_libm_and_no_double(elf, image):
+    names = symbols(elf, image)
+    assert {"firmware_main", "controller_step", "hal_panic"} <= set(names)
+    assert forbidden(names) == []
+
+
+def test_forbidden_functions_would_be_found(target_build, image, tmp_path):
+    """The same toolchain, flags and check on a program that has all of them."""
+    source = tmp_path / "program.c"
+    source.write_text("""
+        #include <math.h>
+        #include <stdio.h>
+        #include <stdlib.h>
+        volatile float x; volatile double y; void *volatile p;
+        int main(void) { x = sinf(x) + cosf(x); y = sin(y) * cos(y) + 1.0; p = malloc(9); free(p); return printf("%d", 1); }
+        void *sbrk(ptrdiff_t n) { (void)n; return 0; }
+        void *_sbrk(ptrdiff_t n) { (void)n; return 0; }
+    """)
+    program = tmp_path / "program.elf"
+    command = [PREFIXES[image] + "gcc", f"--specs={SPECS[image]}", *CPUS[image], "-O2", "-nostartfiles", "-Wl,-emain",
+               "-Wl,--unresolved-symbols=ignore-all", str(source), "-lm", "-o", str(program)]  # fmt: skip
+    subprocess.run(command, check=True, capture_output=True)
+    found = forbidden(symbols(program, image))
+    assert {"sinf", "cosf", "sin", "cos", "malloc", "free", "printf"} <= set(found)
+    assert {"sbrk", "_sbrk"} & set(found)
+    assert any(DOUBLE_ARITHMETIC.fullmatch(name) for name in found)
+
+
+def test_a_missing_compiler_is_named_with_its_package(image):
+    answer = make("target", f"{image}.prefix=no-such-")
+    assert answer.returncode != 0
+    assert "no-such-gcc" in answer.stderr
+    assert {"cortex-m4f": "gcc-arm-none-eabi", "rv32imac": "gcc-riscv64-unknown-elf"}[image] in answer.stderr
+
+
+# ---- what they do
+
+
+def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monitor: str = "") -> tuple[str, str]:
+    """Boots the image, sends it the commands, and returns what it sent once done(that) holds, and what the monitor said."""
+    if shutil.which(MACHINES[image][0]) is None:
+        pytest.skip(f"{MACHINES[image][0]} is not installed: make target-deps")
+    serial, console, monitor_socket = folder / "serial", folder / "commands", folder / "monitor"
+    console.write_bytes(commands)
+    with console.open("rb") as stdin, serial.open("wb") as stdout:
+        emulator = subprocess.Popen(
+            [*MACHINES[image], *VIRTUAL_TIME, "-display", "none", "-serial", "stdio", "-kernel", str(elf),
+             "-monitor", f"unix:{monitor_socket},server=on,wait=off"],
+            stdin=stdin, stdout=stdout, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+    try:
+        deadline = time.monotonic() + 60
+        while not done(serial.read_bytes().decode()):
+            assert emulator.poll() is None, f"{MACHINES[image][0]} ended: {emulator.stderr.read()}"
+            assert time.monotonic() < deadline, f"not done after 60 s; the last bytes: {serial.read_bytes().decode()[-300:]!r}"
+            time.sleep(0.05)
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.connect(str(monitor_socket))
+            connection.sendall((monitor + "quit\n").encode())
+            answer = connection.makefile().read()
+        emulator.wait(timeout=30)
+        return serial.read_bytes().decode(), answer
+    finally:
+        emulator.kill()
+        emulator.wait()
+
+
+def decoded(dbc, text: str) -> list[tuple[str, dict]]:
+    """Every line as a message: SLCAN by python-can, the frame by cantools, its protection by autosar-e2e."""
+    stock = StockSlcan()
+    messages, counters = [], {}
+    for line in text.split("\r")[:-1]:
+        frame = stock.message(line.encode())
+        assert frame is not None and frame.is_fd and frame.bitrate_switch and not frame.is_extended_id, line
+        assert stock.line(frame) == line.encode() + b"\r"
+        message = dbc.get_message_by_frame_id(frame.arbitration_id)
+        assert len(frame.data) == message.length
+        if "E2EDataId" in message.dbc.attributes:
+            assert e2e.p05.e2e_p05_check(bytes(frame.data), message.dbc.attributes["E2EDataId"].value), line
+            expected = (counters[message.name] + 1) % 256 if message.name in counters else frame.data[2]
+            assert frame.data[2] == expected, f"{message.name}: a frame is missing"
+            counters[message.name] = frame.data[2]
+        messages.append((message.name, message.decode(bytes(frame.data), decode_choices=True)))
+    return messages
+
+
+@pytest.fixture(scope="module")
+def first_second(tmp_path_factory):
+    """What an image sends until its 1000th JointCmd, that is in the first 1000 ticks."""
+    sent = {}
+
+    def boot(image: str, elf: Path) -> str:
+        if image not in sent:
+            text, _ = run(image, elf, tmp_path_factory.mktemp(image), lambda t: t.count("b050") > 1000)
+            ends = [match.end() for match in re.finditer("b050[^\r]*\r", text)]
+            sent[image] = text[: ends[999]]
+        return sent[image]
+
+    return boot
+
+
+def test_boot_announcement(first_second, image, elf, dbc):
+    messages = decoded(dbc, first_second(image, elf))
+    received = {name: [data for n, data in messages if n == name] for name in {n for n, _ in messages}}
+    assert set(received) - {"TickTrace"} == {
+        "FirmwareIdentity", "ParameterValue", "FirmwareStatus", "JointCmd", "FirmwareHeartbeat"
+    }  # fmt: skip
+    (identity,) = received["FirmwareIdentity"]
+    assert str(identity["arm"]) == "hoap3_right" and identity["joint_count"] == 4
+    assert [p["parameter"].value for p in received["ParameterValue"]] == list(range(identity["parameter_count"]))
+    assert len(received["FirmwareStatus"]) == 500  # every 2 ms
+    assert {str(status["mode"]) for status in received["FirmwareStatus"]} == {"idle"}
+    states = [str(heartbeat["state"]) for heartbeat in received["FirmwareHeartbeat"]]
+    assert states[0] == "boot_up" and set(states[1:]) == {"pre_operational"} and 10 <= len(states) <= 11
+    for command in received["JointCmd"]:  # nobody is there: nothing may move
+        assert {str(command[f"mode_{joint}"]) for joint in range(8)} == {"brake"}
+        assert {command[f"velocity_{joint}_radps"] for joint in range(8)} == {0}
+    ticks = [trace["now_us"] for trace in received.get("TickTrace", [])]
+    assert ticks == list(range(1000, 1000 + 1000 * len(ticks), 1000))  # none missed
+
+
+def test_both_images_send_the_same_bytes(first_second, target_build):
+    streams = {image: first_second(image, target_build / image / "comanip.elf") for image in MACHINES}
+    assert streams["cortex-m4f"] == streams["rv32imac"]
+
+
+def protected(dbc, name: str, values: dict) -> bytes:
+    """A frame as the operator sends it, as a line."""
+    message = dbc.get_message_by_name(name)
+    data = bytearray(message.encode({"e2e_crc": 0, "e2e_counter": 0, **values}, padding=False))
+    e2e.p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value)
+    return b"b%03X%X%s\r" % (message.frame_id, {8: 8, 12: 9}[len(data)], data.hex().encode())
+
+
+def test_commands_are_received_between_malformed_lines(image, elf, dbc, tmp_path):
+    write = {"operation": "write", "parameter": "damping", "sequence": 77, "value": 0.125}
+    select = {"command": "select", "sequence": 78, "task": "mirror"}
+    commands = (
+        b"garbage\rb2019" + b"0" * 5 + b"\r\r\xff\x00\x80\r"
+        + protected(dbc, "ParameterAccess", write)
+        + b"b2028" + b"0" * 200 + b"\r"
+        + protected(dbc, "OperatorCommand", select)
+    )  # fmt: skip
+    text, _ = run(image, elf, tmp_path, lambda t: t.count("b011") > 0 and t.count("b050") > 50, commands)
+    messages = decoded(dbc, text[: text.rindex("\r") + 1])
+    (value,) = [data for name, data in messages if name == "ParameterValue" and data["sequence"] == 77]
+    assert (str(value["parameter"]), str(value["result"]), value["value"]) == ("damping", "accepted", 0.125)
+    (ack,) = [data for name, data in messages if name == "CommandAck"]
+    assert (str(ack["command"]), ack["sequence"], str(ack["result"])) == ("select", 78, "accepted")
+    status = [data for name, data in messages if name == "FirmwareStatus"][-1]
+    assert str(status["task"]) == "mirror"
+    assert status["rejected_frames"] == 0  # malformed lines never became frames
+
+
+# ---- what they do when the firmware fails
+
+
+PLANTED = """
+    #include <stddef.h>
+    #include "../../hal/hal.h"
+    #include "../../firmware/main.h"
+    void firmware_main(void) {
+        hal_init();
+        uint32_t now_us;
+        can_frame_t frame = {.id = 0x123, .length = 4};
+        while (hal_wait_tick(&now_us)) {
+            for (int i = 0; i < 4; i++) { frame.data[i] = (uint8_t)(now_us >> 8 * i); }
+            (void)hal_can_send(&frame);
+            hal_watchdog_feed();
+            if (now_us == 50000) { FAULT; }
+        }
+    }
+"""
+FAULTS = {
+    "hang": ("for (;;) { }", {"watchdog: not fed in time"}),
+    "slow tick": ("for (volatile long i = 0; i < 20000000; i++) { }", {"watchdog: not fed in time"}),
+    "invalid address": ("*(volatile int *)0x60000000u = 1", {"bus fault", "access fault"}),
+    "invalid instruction": ("__asm__ volatile(\"udf #0\")", {"usage fault", "illegal instruction"}),
+    "panic": ("hal_panic(\"planted\")", {"planted"}),
+    "loop ended": ("return", {"the firmware's loop ended"}),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_build, fault, tmp_path):
+    statement, causes = FAULTS[fault]
+    if image == "rv32imac":
+        statement = statement.replace("0x60000000u", "0x00200000u").replace("udf #0", "unimp")
+    source = tmp_path / "planted.c"
+    source.write_text(PLANTED.replace("FAULT", statement).replace("../../", f"{REPOSITORY}/"))
+    built = make(f"target-{image}", "CORE_SOURCES=", f"TARGET_MAIN={source}", f"TARGET_BUILD={tmp_path}/build")
+    assert built.returncode == 0, built.stderr
+    lights = "xp /1wx 0x40028000\n" if image == "cortex-m4f" else ""
+    elf = tmp_path / "build" / image / "comanip.elf"
+    text, answer = run(image, elf, tmp_path, lambda t: re.search("#panic: .*\r", t) is not None, monitor=lights)
+    frames, cause = text.split("\r#panic: ")
+    assert cause.removesuffix("\r") in causes
+    ticks = [struct.unpack("<I", bytes.fromhex(line[5:]))[0] for line in frames.split("\r") if len(line) == 13]
+    assert ticks[-1] in (49000, 50000) and ticks[0] == 1000  # the last line may be cut short: the panic does not wait
+    if image == "cortex-m4f":
+        (lit,) = re.findall("40028000: 0x([0-9a-f]+)", answer)
+        assert int(lit, 16) & 1 == 0  # the drives' enable line
+
+
+def test_the_drives_are_enabled_while_the_firmware_runs(target_build, tmp_path):
+    elf = target_build / "cortex-m4f" / "comanip.elf"
+    _, answer = run("cortex-m4f", elf, tmp_path, lambda t: t.count("b050") > 10, monitor="xp /1wx 0x40028000\n")
+    (lit,) = re.findall("40028000: 0x([0-9a-f]+)", answer)
+    assert int(lit, 16) & 1 == 1

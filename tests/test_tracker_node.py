@@ -1,0 +1,209 @@
+"""The simulated tracker, seen from the bus: frames decoded with cantools and autosar-e2e, poses against scipy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from e2e import p05
+from scipy.spatial.transform import Rotation
+from scipy.stats import kstest
+from sim_binding import load
+
+ffi, lib = load()
+
+HAND_POSE, TRACKER_STATUS = 0x120, 0x320
+SECOND_NS = 10**9
+
+
+def rotation(wxyz) -> Rotation:
+    return Rotation.from_quat(np.asarray(wxyz, float), scalar_first=True)
+
+
+def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), duration_s=1.0, start=(0.2, -0.1, 0.1)):
+    first = ffi.new("rigid_pose_t *", {"position_m": start, "rotation": [1, 0, 0, 0]})
+    leg = {"duration_s": duration_s, "displacement_m": displacement_m, "rotation_vector_rad": turn_rad}
+    return ffi.gc(lib.hand_motion_create_legs(first, ffi.new("motion_leg_t[]", [leg]), 1), lib.hand_motion_destroy)
+
+
+def options(**changes):
+    result = ffi.new("tracker_options_t *")
+    lib.tracker_options_set_defaults(result)
+    for name, value in changes.items():
+        setattr(result, name, value)
+    return result
+
+
+def quiet(**changes):
+    return options(**{"noise_position_m": 0, "noise_rotation_rad": 0, **changes})
+
+
+def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=1_000_000):
+    """All frames in their order: (kind, end_ns, decoded signals); and the statistics."""
+    frames = []
+
+    @ffi.callback("bus_handler_t")
+    def receive(_context, frame, end_ns):
+        frames.append((frame.id, end_ns, bytes(frame.data[0 : frame.length])))
+
+    bus = ffi.gc(lib.bus_create(), lib.bus_destroy)
+    lib.bus_listen(bus, receive, ffi.NULL)
+    tracker = ffi.gc(lib.tracker_node_create(bus, motion, tracker_options), lib.tracker_node_destroy)
+    for now_ns in range(0, round(duration_s * SECOND_NS), step_ns):
+        lib.tracker_node_step(tracker, now_ns, now_ns + step_ns)
+        lib.bus_run_until(bus, now_ns + step_ns)
+    lib.bus_run_until(bus, round(duration_s * SECOND_NS) + 1_000_000)
+    messages = {HAND_POSE: [], TRACKER_STATUS: []}
+    for identifier, end_ns, data in frames:
+        data_id = dbc.get_message_by_frame_id(identifier).dbc.attributes["E2EDataId"].value
+        assert p05.e2e_p05_check(data, data_id)
+        messages[identifier].append((end_ns, dbc.decode_message(identifier, data, decode_choices=False)))
+    return messages[HAND_POSE], messages[TRACKER_STATUS], lib.tracker_node_statistics(tracker)
+
+
+def vectors(poses):
+    position = np.array([[pose[f"{axis}_m"] for axis in "xyz"] for _, pose in poses])
+    return position, np.array([[pose[f"q{axis}"] for axis in "wxyz"] for _, pose in poses])
+
+
+def test_marker_is_seen_from_the_mounted_tracker(dbc):
+    mount_m, mount = np.array([1.0, -2.0, 0.5]), Rotation.from_rotvec([0.3, -1.1, 0.7])
+    tracker_options = quiet(rate_hz=100, latency_s=0.007, motion_start_s=0.25, mount_translation_m=list(mount_m),
+                            mount_rotation=list(mount.as_quat(scalar_first=True)))
+    poses, _, statistics = play(dbc, legs(), tracker_options)
+    position_m, quaternion = vectors(poses)
+
+    t = np.arange(len(poses)) / 100
+    x = np.clip(t - 0.25, 0, 1)[:, None]
+    share = 10 * x**3 - 15 * x**4 + 6 * x**5
+    hand_m = np.array([0.2, -0.1, 0.1]) + share * np.array([0.1, -0.2, 0.3])
+    hand = Rotation.from_rotvec(share * np.array([0.5, -0.4, 0.9]))
+    np.testing.assert_allclose(position_m, mount.inv().apply(hand_m - mount_m), atol=1e-6)
+    assert np.max((rotation(quaternion).inv() * (mount.inv() * hand)).magnitude()) < 2e-6
+    assert (statistics.samples, statistics.lost) == (len(poses), 0) == (200, 0)
+
+
+def test_default_mount_is_the_papers(dbc):
+    """(9): q_Tv^E = q(x, -pi/2) takes the tracker's axes back to the torso's."""
+    poses, *_ = play(dbc, legs(), quiet(), duration_s=2)
+    position_m, _ = vectors(poses)
+    moved_m = Rotation.from_euler("x", 90, degrees=True).apply(position_m[-1] - position_m[0])
+    np.testing.assert_allclose(moved_m, [0.1, -0.2, 0.3], atol=2e-6)
+
+
+def test_stamps_latency_and_status(dbc):
+    start_us = 2**32 - 700_000  # wraps in the run
+    poses, status, _ = play(dbc, legs(), quiet(rate_hz=125, latency_s=0.0123, clock_start_us=start_us))
+    measured_us = np.arange(len(poses)) * 8000
+    assert [pose["t_us"] for _, pose in poses] == [(start_us + int(t)) % 2**32 for t in measured_us]
+    after_ready_us = np.array([end_ns for end_ns, _ in poses]) / 1000 - (measured_us + 12_300)
+    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "own duration, at most one more frame before it"
+    assert [round((end_ns - 100_000) / 1e7) for end_ns, _ in status] == [2 * i for i in range(100)], "each 20 ms"
+    assert {(s["period_us"], s["latency_us"], s["fault"]) for _, s in status} == {(8000, 12300, 0)}
+
+
+def test_lost_samples_are_invalid_and_counted(dbc):
+    poses, status, statistics = play(dbc, legs(), quiet(gap_start_s=0.6, gap_duration_s=0.1))
+    invalid_us = [pose["t_us"] for _, pose in poses if not pose["valid"]]
+    assert invalid_us == list(range(600_000, 700_000, 4000))
+    assert (statistics.lost, statistics.range_errors) == (25, 0)
+    assert statistics.longest_gap_s == pytest.approx(0.104)
+    assert status[-1][1]["lost_samples"] == 25
+
+
+def test_gap_of_a_recording_is_invalid(dbc, tmp_path):
+    times_s = [i / 100 for i in range(101) if not 40 < i < 60]
+    lines = ["t_s,x_m,y_m,z_m,qw,qx,qy,qz", *(f"{time_s},0,0,0,1,0,0,0" for time_s in times_s)]
+    (tmp_path / "hand.csv").write_text("\n".join(lines))
+    error = ffi.new("char[]", 300)
+    motion = lib.hand_motion_create_recording(str(tmp_path / "hand.csv").encode(), ffi.NULL, error, 300)
+    motion = ffi.gc(motion, lib.hand_motion_destroy)
+    poses, *_ = play(dbc, motion, quiet(motion_start_s=0.5))
+    invalid_us = [pose["t_us"] for _, pose in poses if not pose["valid"]]
+    assert invalid_us == list(range(904_000, 1_100_000, 4000))
+
+
+def test_dropouts_come_at_their_rate_and_change_no_other_sample(dbc):
+    complete, *_ = play(dbc, legs(), options(seed=5), duration_s=8)
+    poses, _, statistics = play(dbc, legs(), options(seed=5, dropout_probability=0.2), duration_s=8)
+    assert statistics.lost == sum(not pose["valid"] for _, pose in poses)
+    share, deviation = statistics.lost / len(poses), np.sqrt(0.2 * 0.8 / len(poses))
+    assert abs(share - 0.2) < 4 * deviation
+    for (_, pose), (_, other) in zip(poses, complete, strict=True):
+        assert not pose["valid"] or {**pose, "e2e_crc": 0} == {**other, "e2e_crc": 0}
+
+
+def test_out_of_range_is_invalid_and_counted(dbc):
+    """24 bits of micrometres end at 8.388607 m."""
+    motion = legs(displacement_m=(20, 0, 0), turn_rad=(0, 0, 0), start=(0, 0, 0))
+    poses, status, statistics = play(dbc, motion, quiet(motion_start_s=0, mount_translation_m=[0, 0, 0]))
+    x = np.clip(np.arange(len(poses)) / 250, 0, 1)
+    beyond = 20 * (10 * x**3 - 15 * x**4 + 6 * x**5) > 8.3886075
+    assert [not pose["valid"] for _, pose in poses] == beyond.tolist()
+    assert statistics.range_errors == statistics.lost == beyond.sum()
+    # The last status is due at 1.98 s, and so is the pose measured 4 ms before.
+    assert status[-1][1]["range_errors"] == np.count_nonzero(beyond[: 1976 // 4 + 1])
+
+
+def test_noise_has_its_standard_deviation(dbc):
+    still = legs(displacement_m=(0, 0, 0), turn_rad=(0, 0, 0))
+    noise = {"noise_position_m": 1e-3, "noise_rotation_rad": 0.01, "rate_hz": 1000}
+    poses, *_ = play(dbc, still, options(**noise), duration_s=5)
+    position_m, quaternion = vectors(poses)
+    reference = rotation(vectors(play(dbc, still, quiet(), duration_s=0.1)[0])[1][0])
+    turn_rad = (reference.inv() * rotation(quaternion)).as_rotvec()
+    np.testing.assert_allclose(position_m.std(axis=0), 1e-3, rtol=0.05)
+    np.testing.assert_allclose(turn_rad.std(axis=0), 0.01, rtol=0.05)
+    assert abs(np.corrcoef(np.hstack([position_m, turn_rad]).T) - np.eye(6)).max() < 0.06
+
+
+def test_seed_alone_decides_the_run(dbc):
+    lossy = {"dropout_probability": 0.1}
+    first, status, _ = play(dbc, legs(), options(seed=3, **lossy))
+    again, status_again, _ = play(dbc, legs(), options(seed=3, **lossy), step_ns=20_000_000)
+    other, *_ = play(dbc, legs(), options(seed=4, **lossy))
+    assert (first, status) == (again, status_again)
+    assert first != other
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rate_hz": 14.9}, "tracker: rate_hz is 14.9, expected 15 to 1000"),
+        ({"rate_hz": float("nan")}, "tracker: rate_hz is nan, expected 15 to 1000"),
+        ({"latency_s": -1e-3}, "tracker: latency_s is -0.001, expected 0 to 0.5"),
+        ({"dropout_probability": 1.5}, "tracker: dropout_probability is 1.5, expected 0 to 1"),
+        ({"mount_rotation": [2, 0, 0, 0]}, "tracker: norm of mount_rotation is 2, expected 0.999 to 1.001"),
+    ],
+)
+def test_wrong_options_are_named(change, message):
+    error = ffi.new("char[]", 200)
+    assert lib.tracker_options_check(options(), error, 200)
+    assert not lib.tracker_options_check(options(**change), error, 200)
+    assert ffi.string(error).decode() == message
+
+
+# ---- random numbers
+
+
+def test_generator_is_sfc64():
+    """numpy has the same generator; its state is a, b, c, counter."""
+    generator = ffi.new("random_t *")
+    lib.random_init(generator, 42, b"name")
+    reference = np.random.SFC64()
+    reference.state = {**reference.state, "state": {"state": np.array(list(generator.word), np.uint64)}}
+    assert [lib.random_bits(generator) for _ in range(1000)] == reference.random_raw(1000).tolist()
+    expected = np.random.Generator(reference).random(1000)
+    assert [lib.random_uniform(generator) for _ in range(1000)] == expected.tolist()
+
+
+def test_streams_differ_and_gaussians_are_normal():
+    numbers = {}
+    for seed, name in ((1, b"a"), (1, b"b"), (2, b"a")):
+        generator = ffi.new("random_t *")
+        lib.random_init(generator, seed, name)
+        numbers[seed, name] = np.array([lib.random_gaussian(generator) for _ in range(50_000)])
+    for values in numbers.values():
+        assert kstest(values, "norm").pvalue > 1e-3
+        assert abs(values.std() - 1) < 4 / np.sqrt(2 * len(values))
+        assert abs(np.corrcoef(values[:-1], values[1:])[0, 1]) < 0.02
+    assert abs(np.corrcoef(list(numbers.values())) - np.eye(3)).max() < 0.02

@@ -1,0 +1,38 @@
+"""The firmware's own sine and cosine against numpy in double precision."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from comanip._core import ffi, lib
+
+ERROR_BOUND = 1.2e-7  # trigonometry.h
+
+
+def sine_cosine(angle: float) -> tuple[float, float]:
+    sine, cosine = ffi.new("float *"), ffi.new("float *")
+    lib.sine_cosine(angle, sine, cosine)
+    return sine[0], cosine[0]
+
+
+def angles(rng) -> np.ndarray:
+    """Random ones over the whole range, and the neighbours of every octant's border, where the reduction switches."""
+    limit = np.float32(lib.TRIGONOMETRY_MAX_RAD)
+    borders = np.arange(-81, 82) * (np.pi / 4)
+    near = [(borders + offset).astype(np.float32) for offset in (0, 1e-7, -1e-7, 1e-6, -1e-6, 1e-5, -1e-5)]
+    steps = [np.nextafter(near[0], np.float32(direction)) for direction in (-np.inf, np.inf)]
+    tiny = np.float32(10.0) ** -np.arange(1, 38, dtype=np.float32)
+    points = np.concatenate([rng.uniform(-limit, limit, 200_000), *near, *steps, tiny, -tiny, [0, limit, -limit]])
+    return points.astype(np.float32)[np.abs(points) <= limit]
+
+
+def test_error_bound(rng):
+    points = angles(rng)
+    got = np.array([sine_cosine(float(x)) for x in points])
+    expected = np.column_stack([np.sin(points.astype(float)), np.cos(points.astype(float))])
+    assert np.abs(got - expected).max() < ERROR_BOUND
+
+
+@pytest.mark.parametrize("angle", [64.00001, -64.00001, 1e9, -1e30, np.inf, -np.inf, np.nan])
+def test_beyond_the_range_both_are_nan(angle):
+    assert np.isnan(sine_cosine(angle)).all()

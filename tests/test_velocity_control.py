@@ -1,0 +1,174 @@
+"""Law (4) against numpy and dqrobotics in double precision, and what it must do at the double cover and at
+singularities."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from comanip import core
+from dqrobotics.robot_control import ControlObjective, DQ_PseudoinverseController
+
+HOAP3 = "hoap3_right"
+COUNT = 100_000
+WEIGHTED = np.array([0.05] * 4 + [100] * 4, np.float32)
+
+
+def postures(rng, count: int) -> np.ndarray:
+    arm = core.Arm.named(HOAP3)
+    return rng.uniform(arm.position_min_rad, arm.position_max_rad, (count, 4)).astype(np.float32)
+
+
+def tolerance(weight, damping: float) -> float:
+    """What float32 can keep on this arm: the condition of the normal equations grows as 1/lambda."""
+    return max(5e-5, 5e-8 * max(4.0, float(np.max(weight))) / damping)
+
+
+@pytest.mark.parametrize("error_frame", ["torso", "target"])
+@pytest.mark.parametrize(
+    ("gain", "weight"),
+    [
+        (4.0, None),
+        (100.0, 1.0),
+        (np.array([4] * 4 + [400] * 4, np.float32), None),
+        (np.arange(1, 9, dtype=np.float32), np.array([3, 1, 4, 1, 5, 9, 2, 6], np.float32)),
+        (100.0, WEIGHTED),
+    ],
+    ids=["paper", "scalar weight", "gain per component", "both per component", "default"],
+)
+def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
+    q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
+    hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
+    w = 1.0 if weight is None else weight
+    for batch, damping in zip(np.array_split(np.arange(COUNT), 10), np.geomspace(1e-4, 1e-2, 10), strict=True):
+        u = core.joint_velocity(HOAP3, q[batch], target[batch], gain, damping, error_frame, weight)
+        reference = (jacobian[batch], hand[batch], target[batch].astype(float))
+        expected = oracle.law(*reference, gain, w, np.float32(damping), error_frame)
+        scale = np.maximum(max(1.0, np.max(gain) / 10), np.linalg.norm(expected, axis=1))
+        assert (np.abs(u - expected).max(axis=1) / scale).max() < tolerance(w, damping)
+
+
+def test_paper_law_is_dqrobotics_damped_controller(rng):
+    """The paper's lambda is dqrobotics' damping squared."""
+    robot, gain = oracle.hoap3(), 4.0
+    for damping in (1e-4, 1e-3, 1e-2):
+        controller = DQ_PseudoinverseController(robot)
+        controller.set_control_objective(ControlObjective.Pose)
+        controller.set_gain(gain)
+        controller.set_damping(np.sqrt(damping))
+        q, target = postures(rng, 300), oracle.random_poses(rng, 300, 0.3)
+        hand = oracle.evaluate(robot, q)[0]
+        sign = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1)
+        nearest = oracle.unit(sign * target)
+        expected = np.array(
+            [controller.compute_setpoint_control_signal(*pair) for pair in zip(q.astype(float), nearest, strict=True)]
+        )
+        u = core.joint_velocity(HOAP3, q, target, gain, damping)
+        error = np.abs(u - expected).max(axis=1) / np.maximum(1, np.linalg.norm(expected, axis=1))
+        assert error.max() < tolerance(1.0, damping)
+
+
+@pytest.mark.parametrize("error_frame", ["torso", "target"])
+@pytest.mark.parametrize("n", range(1, 9))
+def test_law_for_arms_of_any_number_of_joints(rng, n, error_frame):
+    fixed, effector = oracle.random_poses(rng, n, 0.2), oracle.random_poses(rng, 1, 0.2)[0]
+    axis = np.tile(np.array([0, 0, 1], np.float32), (n, 1))
+    limits = np.full(n, 3, np.float32)
+    arm = core.Arm(fixed, axis, -limits, limits, limits, effector)
+    q, target = rng.uniform(-3, 3, (2000, n)).astype(np.float32), oracle.random_poses(rng, 2000, 0.5)
+    hand, jacobian = oracle.chain_kinematics(fixed, axis, effector, q)
+    expected = oracle.law(jacobian, hand, target.astype(float), 4.0, 1.0, 1e-2, error_frame)
+    u = core.joint_velocity(arm, q, target, 4.0, 0.01, error_frame)
+    assert (np.abs(u - expected).max(axis=1) / np.maximum(1, np.linalg.norm(expected, axis=1))).max() < 2e-4
+
+
+@pytest.mark.parametrize("error_frame", ["torso", "target"])
+def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
+    q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
+    one, other = (core.joint_velocity(HOAP3, q, t, 100.0, 1e-3, error_frame, WEIGHTED) for t in (target, -target))
+    assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("error_frame", ["torso", "target"])
+def test_no_error_no_velocity(rng, error_frame):
+    """Trap 1: on raw vec8s, -q_d at zero true error commands some rad/s."""
+    q = postures(rng, 1000)
+    hand = core.forward_kinematics(HOAP3, q)
+    for target in (hand, -hand):
+        assert np.abs(core.joint_velocity(HOAP3, q, target, 4.0, 1e-3, error_frame)).max() < 1e-3
+
+
+def singular_postures() -> np.ndarray:
+    """Elbow straight, upper arm along the pitch axis (roll -90 deg), both, and all within rounding of them."""
+    base = np.radians([[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]])
+    return np.vstack([base + offset for offset in (0, 1e-7, -1e-7, 1e-6, 1e-5, 1e-4)]).astype(np.float32)
+
+
+@pytest.mark.parametrize("error_frame", ["torso", "target"])
+@pytest.mark.parametrize("weight", [None, WEIGHTED], ids=["paper", "weighted"])
+def test_zero_damping_at_singular_postures(rng, error_frame, weight):
+    """Finite, bounded, and the hand is not asked to move faster than the error says: J u is a projection of K e."""
+    gain = 4.0
+    q = np.repeat(singular_postures(), 50, axis=0)
+    target = oracle.random_poses(rng, len(q), 0.3)
+    u = core.joint_velocity(HOAP3, q, target, gain, 0.0, error_frame, weight)
+    assert np.isfinite(u).all()
+    assert np.abs(u).max() < 2000 * gain  # 1 / sqrt(float32's resolution), the steepest gain it can tell from none
+    root = np.sqrt(np.broadcast_to(1.0 if weight is None else weight, 8))
+    hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
+    target = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1) * target.astype(float)
+    motion, error = (jacobian @ u[..., None])[..., 0], target - hand
+    if error_frame == "target":
+        motion, error = (oracle.multiply(oracle.conjugate(target), x) for x in (motion, error))
+    asked = gain * np.linalg.norm(root * error, axis=1)
+    assert (np.linalg.norm(root * motion, axis=1) < 1.1 * asked).all()
+
+
+def test_zero_damping_with_more_joints_than_freedoms(rng):
+    """8 joints for 6 freedoms: always singular; the hand still goes where it is asked."""
+    fixed, effector = oracle.random_poses(rng, 8, 0.3), oracle.random_poses(rng, 1, 0.3)[0]
+    axis = np.tile(np.array([0, 0, 1], np.float32), (8, 1))
+    limits = np.full(8, 3, np.float32)
+    arm = core.Arm(fixed, axis, -limits, limits, limits, effector)
+    q = rng.uniform(-3, 3, (500, 8)).astype(np.float32)
+    goal = core.forward_kinematics(arm, q + np.float32(0.01))
+    u = core.joint_velocity(arm, q, goal, 4.0, 0.0)
+    hand, jacobian = oracle.chain_kinematics(fixed, axis, effector, q)
+    expected = 4.0 * (goal * np.sign((goal * hand).sum(axis=1, keepdims=True)) - hand)
+    assert np.isfinite(u).all()
+    assert np.abs((jacobian @ u[..., None])[..., 0] - expected).max() < 0.02
+
+
+def test_nothing_weighted_nothing_moves(rng):
+    u = core.joint_velocity(HOAP3, postures(rng, 10), oracle.random_poses(rng, 10, 0.3), 4.0, 0.0, weight=0.0)
+    assert np.array_equal(u, np.zeros((10, 4)))
+
+
+def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tuple[float, float]:
+    """Steady error [mm, deg] of the mirrored target for a hand moved in torso axes and held, without delay."""
+    q = np.radians([start_deg]).astype(np.float32)
+    start = core.forward_kinematics(HOAP3, q)[0]
+    cooperation = core.Cooperation("mirror", tracker_rotation=np.array([1, 0, 0, 0], np.float32))
+    hand = oracle.pose([1, 0, 0, 0], [0, 0, 0]).astype(np.float32)
+    cooperation.start(hand, start)
+    target = cooperation.target(oracle.pose([1, 0, 0, 0], displacement_m).astype(np.float32))[None]
+    step = 0.5 / np.max(gain) / (1 if np.ndim(gain) == 0 else 10)
+    for _ in range(40_000):
+        u = core.joint_velocity(HOAP3, q, target, gain, damping, error_frame, weight)
+        q = (q + np.clip(u * step, -0.05, 0.05)).astype(np.float32)
+        if np.abs(u).max() < 1e-4:
+            break
+    reached = core.forward_kinematics(HOAP3, q)
+    position = np.linalg.norm(oracle.translation(reached) - oracle.translation(target))
+    return 1e3 * position, np.degrees(oracle.rotation_angle(reached, target)[0])
+
+
+@pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
+def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
+    """Trap 6: taken in the torso frame, the orientation that 4 joints cannot reach spoils the position."""
+    start = (90, -5, 0, -90)
+    torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
+    target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)
+    assert target < 0.7
+    assert turned < 10.5
+    assert torso > 3.0 if displacement_m[0] else torso > 25.0
