@@ -238,8 +238,14 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
     }
     self->target = cooperation_target(&self->cooperation, self->hand, blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? TICK_S : 0.0f;
-    velocity_control(&self->velocity_control_config, self->arm->joint_count, self->jacobian, self->robot, self->target,
-                     wanted_radps);
+    const int joint_count = self->arm->joint_count;
+    for (int pass = 0; pass <= joint_count; pass++) { /* once, and once more for each joint that turns out to be blocked */
+        velocity_control(&self->velocity_control_config, joint_count, self->jacobian, self->robot, self->target,
+                         wanted_radps);
+        if (!joint_limits_exclude(self->arm, self->joints.position_rad, wanted_radps, self->jacobian)) {
+            break;
+        }
+    }
 }
 
 /* ---- encode */

@@ -9,6 +9,9 @@
 /* Braking is planned with this part of the acceleration limit: the rest absorbs rounding and the encoder's noise. */
 #define BRAKING_RESERVE 0.9f
 
+/* So near to the end of its range a joint counts as standing there: below it the stopping speed is a crawl. */
+#define AT_LIMIT_RAD 2e-3f
+
 static float smaller(float a, float b) {
     return a < b ? a : b;
 }
@@ -95,6 +98,21 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         }
     }
     return finite;
+}
+
+bool joint_limits_exclude(const arm_t *arm, const float measured_rad[], const float wanted_radps[],
+                          dual_quaternion_t column[]) {
+    bool any = false;
+    for (int i = 0; i < arm->joint_count; i++) {
+        const arm_joint_t *joint = &arm->joints[i];
+        bool above = wanted_radps[i] > 0.0f && joint->position_max_rad - measured_rad[i] < AT_LIMIT_RAD;
+        bool below = wanted_radps[i] < 0.0f && measured_rad[i] - joint->position_min_rad < AT_LIMIT_RAD;
+        if (above || below) {
+            column[i] = (dual_quaternion_t){{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f, 0.0f}};
+            any = true;
+        }
+    }
+    return any;
 }
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm) {

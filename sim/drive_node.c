@@ -32,15 +32,13 @@ struct drive_node {
     int64_t command_ns;
 };
 
-/* The encoder counts whole pulses, in its own direction. */
+/* The encoder counts whole pulses. (The manual's counting directions, + + - -, end in the drive: the bus has radians.) */
 static void sample_encoders(drive_node_t *self, int64_t now_ns) {
     self->newest = (self->newest + 1) % VELOCITY_WINDOW;
     self->samples += self->samples < VELOCITY_WINDOW ? 1 : 0;
     self->sample_ns[self->newest] = now_ns;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        const double position_rad = arm_plant_position_rad(self->plant, i);
-        self->drive[i].pulses[self->newest] =
-            nearbyint(robot_joint_table[i].encoder_sign * position_rad * PULSES_PER_RAD);
+        self->drive[i].pulses[self->newest] = nearbyint(arm_plant_position_rad(self->plant, i) * PULSES_PER_RAD);
     }
 }
 
@@ -49,11 +47,10 @@ static void send_states(drive_node_t *self, int64_t ready_ns) {
     const double window_s = (double)(self->sample_ns[self->newest] - self->sample_ns[oldest]) / NS_PER_S;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const drive_t *drive = &self->drive[i];
-        const double rad_per_pulse = robot_joint_table[i].encoder_sign / PULSES_PER_RAD;
         const double way_pulses = drive->pulses[self->newest] - drive->pulses[oldest];
         const joint_state_t state = {
-            .position_rad = (float)(drive->pulses[self->newest] * rad_per_pulse),
-            .velocity_radps = window_s > 0.0 ? (float)(way_pulses * rad_per_pulse / window_s) : 0.0f,
+            .position_rad = (float)(drive->pulses[self->newest] / PULSES_PER_RAD),
+            .velocity_radps = window_s > 0.0 ? (float)(way_pulses / PULSES_PER_RAD / window_s) : 0.0f,
             .torque_Nm = (float)arm_plant_torque_Nm(self->plant, i),
             .mode = drive->mode,
             .error = self->timed_out ? DRIVE_ERROR_COMMAND_TIMEOUT : DRIVE_ERROR_NONE,

@@ -28,7 +28,7 @@ static const char usage[] =
     "  --gap START:DURATION         one gap [s] without poses\n"
     "  --tracker-clock US           its own clock at the start, e.g. 4294000000 wraps after 1 s (default 0)\n"
     "output\n"
-    "  --out DIR                    gets summary.json, bus.log (candump -L) and trace.csv (default build/sim)\n"
+    "  --out DIR                    gets summary.json, bus.log (candump -L) and trace.csv (default out)\n"
     "  --quiet                      no progress and no table, only what went wrong\n"
     "  --list                       the scenarios\n"
     "  --help                       this text\n"

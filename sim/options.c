@@ -201,7 +201,7 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
     self->scenario = &scenario_table[0];
     self->seed = 1;
     tracker_options_set_defaults(&self->tracker);
-    self->out = "build/sim";
+    self->out = "out";
     opterr = 0; /* messages are ours */
     int option, row = 0;
     while ((option = getopt_long(argc, argv, ":", option_table, &row)) != -1) {

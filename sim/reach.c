@@ -9,6 +9,8 @@
 #define DAMPING_MIN 1e-9
 #define DAMPING_MAX 1e3
 #define STEP_MIN_RAD 1e-6
+#define GRID_STARTS 8
+#define FAR_RESERVE 0.1 /* share of a distance that a search far out of reach may have missed */
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];
@@ -114,31 +116,67 @@ static candidate_t descend(const double start_rad[ROBOT_JOINTS], const double ta
     return best;
 }
 
+static void grid_posture(size_t index, double position_rad[ROBOT_JOINTS]) {
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        const double share = (double)(index % REACH_GRID) / (REACH_GRID - 1);
+        const double minimum_rad = robot_model_position_min_rad(i);
+        position_rad[i] = minimum_rad + share * (robot_model_position_max_rad(i) - minimum_rad);
+        index /= REACH_GRID;
+    }
+}
+
 void reach_init(reach_t *self) {
     memset(self, 0, sizeof *self);
-    for (int i = 0; i < ROBOT_JOINTS; i++) {
-        self->position_rad[i] = 0.5 * (robot_model_position_min_rad(i) + robot_model_position_max_rad(i));
+    for (size_t n = 0; n < REACH_POSTURES; n++) {
+        double position_rad[ROBOT_JOINTS];
+        transform_t hand;
+        grid_posture(n, position_rad);
+        robot_model_forward(position_rad, NULL, &hand);
+        memcpy(self->hand_m[n], hand.position_m, sizeof self->hand_m[n]);
+    }
+    grid_posture(REACH_POSTURES / 2, self->position_rad);
+}
+
+/* The GRID_STARTS postures of the grid that come closest to the target, closest first. */
+static void nearest_postures(const reach_t *self, const double target_m[3], size_t nearest[GRID_STARTS]) {
+    double square[GRID_STARTS];
+    size_t count = 0;
+    for (size_t n = 0; n < REACH_POSTURES; n++) {
+        const double *hand_m = self->hand_m[n];
+        const double dx = hand_m[0] - target_m[0], dy = hand_m[1] - target_m[1], dz = hand_m[2] - target_m[2];
+        const double distance = dx * dx + dy * dy + dz * dz;
+        if (count == GRID_STARTS && distance >= square[count - 1]) {
+            continue;
+        }
+        size_t place = count < GRID_STARTS ? count++ : count - 1;
+        for (; place > 0 && distance < square[place - 1]; place--) {
+            square[place] = square[place - 1];
+            nearest[place] = nearest[place - 1];
+        }
+        square[place] = distance;
+        nearest[place] = n;
+    }
+}
+
+static void improve(candidate_t *best, const double start_rad[ROBOT_JOINTS], const double target_m[3]) {
+    const candidate_t candidate = descend(start_rad, target_m);
+    if (candidate.distance_m < best->distance_m) {
+        *best = candidate;
     }
 }
 
 double reach_distance_m(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]) {
-    /* Shares of each joint's range: the arm to the front, up, down, out and behind, elbow bent and stretched. */
-    static const double spread[][ROBOT_JOINTS] = {
-        {0.50, 0.50, 0.50, 0.50}, {0.20, 0.80, 0.50, 0.20}, {0.80, 0.80, 0.50, 0.20}, {0.20, 0.30, 0.20, 0.80},
-        {0.80, 0.30, 0.80, 0.80}, {0.50, 0.90, 0.20, 0.10}, {0.50, 0.90, 0.80, 0.10}, {0.95, 0.60, 0.50, 0.60},
-    };
-    const size_t spread_count = sizeof spread / sizeof spread[0];
     candidate_t best = descend(self->position_rad, target_m);
-    for (size_t n = 0; n <= spread_count && best.distance_m > REACH_TOLERANCE_M; n++) {
-        double start_rad[ROBOT_JOINTS];
-        for (int i = 0; i < ROBOT_JOINTS; i++) {
-            const double minimum_rad = robot_model_position_min_rad(i), maximum_rad = robot_model_position_max_rad(i);
-            start_rad[i] = n == 0 ? measured_rad[i]
-                                  : minimum_rad + spread[n - 1][i] * (maximum_rad - minimum_rad);
-        }
-        const candidate_t candidate = descend(start_rad, target_m);
-        if (candidate.distance_m < best.distance_m) {
-            best = candidate;
+    if (best.distance_m > REACH_TOLERANCE_M) {
+        improve(&best, measured_rad, target_m);
+    }
+    if (best.distance_m > REACH_TOLERANCE_M) {
+        size_t nearest[GRID_STARTS];
+        nearest_postures(self, target_m, nearest);
+        for (size_t n = 0; n < GRID_STARTS && best.distance_m > REACH_TOLERANCE_M; n++) {
+            double start_rad[ROBOT_JOINTS];
+            grid_posture(nearest[n], start_rad);
+            improve(&best, start_rad, target_m);
         }
     }
     memcpy(self->position_rad, best.position_rad, sizeof self->position_rad);
@@ -156,7 +194,7 @@ bool reach_contains(reach_t *self, const double target_m[3], const double measur
         if (self->distance_m + way_m <= REACH_TOLERANCE_M) {
             return true;
         }
-        if (self->distance_m - way_m > REACH_TOLERANCE_M) {
+        if ((1.0 - FAR_RESERVE) * self->distance_m - way_m > REACH_TOLERANCE_M) {
             return false;
         }
     }

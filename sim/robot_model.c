@@ -16,18 +16,18 @@
  * and the forearm with the hand; rods of 40 mm diameter. */
 const robot_joint_t robot_joint_table[ROBOT_JOINTS] = {
     {.alpha_rad = 0.0, .offset_rad = 0.0,
-     .stop_min_rad = DEG(-91.0), .stop_max_rad = DEG(151.0), .mass_kg = 0.210, .encoder_sign = 1.0,
+     .stop_min_rad = DEG(-91.0), .stop_max_rad = DEG(151.0), .mass_kg = 0.210,
      .shape = LINK_BOX, .length_m = 0.050},
     {.alpha_rad = RIGHT_ANGLE, .offset_rad = RIGHT_ANGLE,
-     .stop_min_rad = DEG(-96.0), .stop_max_rad = DEG(1.0), .mass_kg = 0.234, .encoder_sign = 1.0,
+     .stop_min_rad = DEG(-96.0), .stop_max_rad = DEG(1.0), .mass_kg = 0.234,
      .shape = LINK_ROD_Y, .length_m = ROBOT_UPPER_ARM_M / 2.0, .radius_m = 0.020,
      .centre_m = {0.0, -ROBOT_UPPER_ARM_M / 4.0, 0.0}},
     {.alpha_rad = RIGHT_ANGLE, .d_m = ROBOT_UPPER_ARM_M, .offset_rad = RIGHT_ANGLE,
-     .stop_min_rad = DEG(-91.0), .stop_max_rad = DEG(91.0), .mass_kg = 0.1965, .encoder_sign = -1.0,
+     .stop_min_rad = DEG(-91.0), .stop_max_rad = DEG(91.0), .mass_kg = 0.1965,
      .shape = LINK_ROD_Z, .length_m = ROBOT_UPPER_ARM_M / 2.0, .radius_m = 0.020,
      .centre_m = {0.0, 0.0, -ROBOT_UPPER_ARM_M / 4.0}},
     {.alpha_rad = RIGHT_ANGLE, .offset_rad = 0.0,
-     .stop_min_rad = DEG(-115.0), .stop_max_rad = DEG(1.0), .mass_kg = 0.216, .encoder_sign = -1.0,
+     .stop_min_rad = DEG(-115.0), .stop_max_rad = DEG(1.0), .mass_kg = 0.216,
      .shape = LINK_ROD_Y, .length_m = ROBOT_FOREARM_M, .radius_m = 0.020,
      .centre_m = {0.0, ROBOT_FOREARM_M / 2.0, 0.0}},
 };

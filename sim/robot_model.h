@@ -28,7 +28,6 @@ typedef struct {
     double alpha_rad, a_m, d_m, offset_rad; /* from the previous frame; joint angle = theta - offset */
     double stop_min_rad, stop_max_rad;      /* mechanical */
     double mass_kg;
-    double encoder_sign; /* direction in which the encoder counts */
     link_shape_t shape;  /* the manual gives no inertias: a homogeneous body of these dimensions has them */
     double length_m, radius_m;
     double centre_m[3]; /* of mass, in the link frame */

@@ -18,7 +18,7 @@ class Frames:
 
     def __init__(self, message, t_s: np.ndarray, data: np.ndarray):
         self.message, self.t_s, self.data = message, t_s, data
-        self._bits = np.unpackbits(data, axis=1, bitorder="little").astype(np.int64)
+        self._bits = np.unpackbits(data, axis=1, bitorder="little")
 
     def __len__(self) -> int:
         return len(self.t_s)
@@ -26,7 +26,7 @@ class Frames:
     def raw(self, signal: str) -> np.ndarray:
         layout = self.message.get_signal_by_name(signal)
         assert layout.byte_order == "little_endian" and layout.length < 63
-        bits = self._bits[:, layout.start : layout.start + layout.length]
+        bits = self._bits[:, layout.start : layout.start + layout.length].astype(np.int64)
         value = bits @ (1 << np.arange(layout.length, dtype=np.int64))
         if layout.is_signed:
             value -= bits[:, -1] << layout.length

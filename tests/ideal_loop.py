@@ -4,7 +4,7 @@ are told, no bus, no encoder. Written from the paper and from the headers' descr
 from __future__ import annotations
 
 import numpy as np
-from dqrobotics import DQ, vec8
+from dqrobotics import vec8
 
 import oracle
 
@@ -12,6 +12,7 @@ TICK_S = 1e-3
 VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
+AT_LIMIT_RAD = 2e-3
 
 
 def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
@@ -27,6 +28,19 @@ def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
     return np.clip(v, last - acceleration * TICK_S, last + acceleration * TICK_S)
 
 
+def law_with_blocked_joints(jacobian, hand, target, q, *settings):
+    """Law (4) over the joints that are free to do what it asks: joint_limits_exclude()."""
+    free = np.ones(len(q), bool)
+    while True:
+        wanted = np.zeros(len(q))
+        if free.any():
+            wanted[free] = oracle.law(jacobian[None][:, :, free], hand[None], target[None], *settings)[0]
+        blocked = ((wanted > 0) & (JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD)) | ((wanted < 0) & (q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD))
+        if not blocked.any():
+            return wanted
+        free &= ~blocked
+
+
 def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=100.0, weight=None, damping=1e-3,
         error_frame="target") -> np.ndarray:
     """targets (N, 8), one a tick; cooperating (N,) bool: elsewhere the arm brakes. Returns the hand (N, 8) at each tick,
@@ -40,8 +54,7 @@ def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=100.0
         hands[k] = hand
         wanted = np.zeros(len(q))
         if cooperating[k]:
-            jacobian = arm.pose_jacobian(q)
-            wanted = oracle.law(jacobian[None], hand[None], target[None], gain, weight, damping, error_frame)[0]
+            wanted = law_with_blocked_joints(arm.pose_jacobian(q), hand, target, q, gain, weight, damping, error_frame)
         v = limited(wanted, v, q, float(np.max(gain)))
         q = q + v * TICK_S
     return hands

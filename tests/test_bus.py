@@ -10,11 +10,11 @@ import sys
 import can
 import numpy as np
 import pytest
+from can_fd_bits import LENGTHS, bits, frame_duration_ns
 from sim_binding import load
 
 ffi, lib = load()
 
-LENGTHS = [*range(9), 12, 16, 20, 24, 32, 48, 64]
 # Worst-case durations by the usual bound, one stuff bit per four bits in either phase.
 WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
@@ -26,27 +26,6 @@ def make_frame(identifier: int, data: bytes):
 
 
 # ---- frame durations
-
-
-def bits(value: int, count: int) -> list[int]:
-    return [value >> i & 1 for i in reversed(range(count))]
-
-
-def duration_from_bits_ns(identifier: int, data: bytes) -> int:
-    """Builds the frame as it stands on the wire (ISO 11898-1), each bit with its own duration."""
-    dlc = LENGTHS.index(len(data))
-    nominal = [0, *bits(identifier, 11), 0, 0, 1, 0, 1]  # SOF, id, RRS, IDE, FDF, res, BRS
-    fast = [0, *bits(dlc, 4), *(bit for octet in data for bit in bits(octet, 8))]  # ESI, DLC, data
-    wire = []
-    for position, (bit, bit_ns) in enumerate([*((b, 1000) for b in nominal), *((b, 200) for b in fast)]):
-        wire.append((bit, bit_ns))
-        last = position == len(nominal) + len(fast) - 1
-        if not last and len(wire) >= 5 and len({b for b, _ in wire[-5:]}) == 1:
-            wire.append((1 - bit, bit_ns))
-    crc_field = 4 + (17 if len(data) <= 16 else 21)  # stuff count, CRC
-    fixed_stuff = len(range(0, crc_field, 4))
-    end = 200 * (crc_field + fixed_stuff + 1) + 1000 * (1 + 1 + 7 + 3)  # CRC delimiter; ACK, its delimiter, EOF, IFS
-    return sum(ns for _, ns in wire) + end
 
 
 def random_data(rng: np.random.Generator, length: int) -> bytes:
@@ -62,7 +41,7 @@ def test_frame_time_equals_bitwise_construction(rng):
         identifier = int(rng.choice([rng.integers(0x800), 0x000, 0x7FF, 0x010, 0x07F, 0x7E0]))
         data = random_data(rng, length)
         duration_ns = lib.frame_time_ns(make_frame(identifier, data))
-        assert duration_ns == duration_from_bits_ns(identifier, data), (hex(identifier), data.hex())
+        assert duration_ns == frame_duration_ns(identifier, data), (hex(identifier), data.hex())
         if length in WORST_CASE_US:
             assert duration_ns <= 1000 * WORST_CASE_US[length]
 
@@ -136,7 +115,7 @@ def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, 
         now_ns = max(now_ns, min(item[3] for item in waiting))
         winner = min(item for item in waiting if item[3] <= now_ns)
         waiting.remove(winner)
-        now_ns += duration_from_bits_ns(winner[0], winner[4])
+        now_ns += frame_duration_ns(winner[0], winner[4])
         played.append((winner[0], winner[4], now_ns))
     return played
 
@@ -171,7 +150,7 @@ def test_handler_may_answer_and_arbitration_sees_it():
 def test_frame_on_the_wire_ends_in_the_next_call():
     bus = Bus(1)
     bus.send(0, 0x123, bytes(8), 1000)
-    end_ns = 1000 + duration_from_bits_ns(0x123, bytes(8))
+    end_ns = 1000 + frame_duration_ns(0x123, bytes(8))
     bus.run_until(1000)
     bus.run_until(end_ns - 1)
     assert bus.heard == []
@@ -179,14 +158,14 @@ def test_frame_on_the_wire_ends_in_the_next_call():
     bus.run_until(end_ns)
     assert [item[2] for item in bus.heard] == [end_ns]
     bus.run_until(10**6)
-    assert bus.heard[1][2] == end_ns + duration_from_bits_ns(0x001, b"")
+    assert bus.heard[1][2] == end_ns + frame_duration_ns(0x001, b"")
 
 
 @pytest.mark.parametrize("before", [0x200, None])
 def test_nothing_starts_at_the_very_end_of_a_call(before):
     """Who sends at that time takes part in the arbitration: whether the wire was busy or idle until then."""
     bus = Bus(2)
-    time_ns = duration_from_bits_ns(0x200, bytes(8))
+    time_ns = frame_duration_ns(0x200, bytes(8))
     if before is not None:
         bus.send(0, before, bytes(8))
     bus.send(0, 0x300, b"", time_ns)
@@ -201,7 +180,7 @@ def test_frame_from_the_past_starts_now():
     bus.run_until(5_000_000)
     bus.send(0, 0x123, b"", 1)
     bus.run_until(6_000_000)
-    assert bus.heard[0][2] == 5_000_000 + duration_from_bits_ns(0x123, b"")
+    assert bus.heard[0][2] == 5_000_000 + frame_duration_ns(0x123, b"")
 
 
 def test_full_queue_drops_and_counts():

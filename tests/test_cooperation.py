@@ -336,3 +336,13 @@ def test_select_releases_a_latch(rng):
     assert running.state.latched
     lib.cooperation_select(running.state, ffi.addressof(lib.task_table, lib.TASK_TELEOP))
     assert not running.state.latched
+
+
+def test_select_right_after_a_measured_latch_goes_on_from_the_robots_pose(rng):
+    hands, robot = motion(rng), robot_at_check_posture()
+    running = Running(lib.TASK_MIRROR, hands[0], robot)
+    running.target(hands[10])
+    elsewhere = oracle.random_poses(rng, 1, 0.3)[0]
+    lib.cooperation_latch_measured(running.state, c_pose(elsewhere))
+    lib.cooperation_select(running.state, ffi.addressof(lib.task_table, lib.TASK_TELEOP))
+    assert oracle.pose_distance(running.target(hands[10], 0.0), elsewhere) < 2e-6

@@ -1,52 +1,45 @@
 /* Loops over arrays for the Python harness: see batch.h. */
 #include "batch.h"
 
-void batch_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[], dual_quaternion_t out[])
-{
+void batch_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[], dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
         out[row] = dual_quaternion_multiply(a[row], b[row]);
     }
 }
 
-void batch_conjugate(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[])
-{
+void batch_conjugate(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
         out[row] = dual_quaternion_conjugate(a[row]);
     }
 }
 
-void batch_normalise(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[])
-{
+void batch_normalise(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
         out[row] = dual_quaternion_normalise(a[row]);
     }
 }
 
 void batch_decompositional_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[],
-                                    dual_quaternion_t out[])
-{
+                                    dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
         out[row] = dual_quaternion_decompositional_multiply(a[row], b[row]);
     }
 }
 
 void batch_pose_from_matrix(size_t count, const float matrix[], const vector3_t translation_m[],
-                            dual_quaternion_t out[])
-{
+                            dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
         out[row] = dual_quaternion_from_pose(quaternion_from_matrix(&matrix[9 * row]), translation_m[row]);
     }
 }
 
-void batch_forward_kinematics(const arm_t *arm, size_t count, const float position_rad[], dual_quaternion_t out[])
-{
+void batch_forward_kinematics(const arm_t *arm, size_t count, const float position_rad[], dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
         out[row] = arm_forward_kinematics(arm, &position_rad[row * arm->joint_count]);
     }
 }
 
-void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_rad[], float out[])
-{
+void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_rad[], float out[]) {
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
@@ -67,8 +60,7 @@ void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_ra
 }
 
 void batch_joint_velocity(const arm_t *arm, const velocity_control_config_t *config, size_t count,
-                          const float position_rad[], const dual_quaternion_t target[], float out[])
-{
+                          const float position_rad[], const dual_quaternion_t target[], float out[]) {
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {

@@ -1,0 +1,60 @@
+"""Runs the simulator as a person does: its own process, its own options, its files in a folder of the test's."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
+SCENARIOS = ("pour", "teleop", "mirror")
+FILES = ("bus.log", "summary.json", "trace.csv")
+EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
+TIMEOUT_S = 120
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run."""
+
+    out: Path
+    status: int
+    stdout: str
+    stderr: str
+
+    @property
+    def log(self) -> Path:
+        return self.out / "bus.log"
+
+    @property
+    def trace(self) -> Path:
+        return self.out / "trace.csv"
+
+    @cached_property
+    def summary(self) -> dict:
+        return json.loads((self.out / "summary.json").read_text(), parse_constant=_refuse_constant)
+
+    def require_pass(self) -> Run:
+        assert self.status == EXIT_PASS, f"exit status {self.status}: {self.stderr}{self.stdout}"
+        return self
+
+
+def _refuse_constant(text: str) -> None:
+    raise AssertionError(f"summary.json holds {text}, which JSON does not know")
+
+
+def run(out: Path, *arguments: object, quiet: bool = True, cwd: Path | None = None) -> Run:
+    """`out` becomes --out; arguments are turned into text."""
+    command = [str(SIMULATOR), "--out", str(out), *map(str, arguments), *(["--quiet"] if quiet else [])]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd, env={**os.environ, "LC_ALL": "C"}
+    )
+    return Run(out, done.returncode, done.stdout, done.stderr)
+
+
+def modes(run_: Run) -> list[tuple[str, str]]:
+    return [(change["mode"], change["reason"]) for change in run_.summary["modes"]]

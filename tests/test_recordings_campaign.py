@@ -1,0 +1,247 @@
+"""Every recorded hand motion through the simulator. What the bus carried is judged in numpy: the robot's limits, from the
+manual and to the raw resolution; a hold for each gap of the recording, in time, and none elsewhere; finite numbers; and a
+second run that repeats the first byte for byte."""
+
+from __future__ import annotations
+
+import filecmp
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import bus_log
+import numpy as np
+import pytest
+from hoap3 import PULSES_PER_RAD, STOPS_DEG
+from simulation import REPOSITORY, SCENARIOS, Run, modes, run
+
+RECORDINGS = REPOSITORY.parent / "shared" / "data" / "hand_motion"
+JOINTS = 4
+
+RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # the manual: one degree inside the stops
+VELOCITY_MAX_RAW = 4760  # mrad/s
+VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
+OVERSHOOT_RAD = 5 / PULSES_PER_RAD  # of the measured position past the usable range, a hundredth of the way to the stop
+
+MOTION_START_S = 2.0
+LATENCY_S = 0.004
+PERIOD_S = 0.004  # of the tracker on the bus
+STALE_S = 2.5 * PERIOD_S
+# A pose is on the wire for up to 0.6 ms with what goes before it, a tick takes it up to 1 ms later, and every second tick
+# tells its mode, 0.1 ms after it.
+REACTION_S = 0.004
+
+
+def campaign() -> list:
+    files = sorted(path for path in RECORDINGS.glob("*.csv") if not path.stem.endswith("_wrench"))
+    if not files:
+        missing = pytest.mark.skip(reason=f"no recordings in {RECORDINGS}: the folder shared/ is not beside the repository")
+        return [pytest.param("teleop", None, id="no-recordings", marks=missing)]
+    runs = [("teleop", path) for path in files]
+    runs += [("pour", path) for path in files if path.stem.startswith("kul_")]
+    return [pytest.param(scenario, path, id=f"{scenario}-{path.stem}") for scenario, path in runs]
+
+
+# ---- limits at the bus
+
+
+def raw_array(frames: bus_log.Frames, pattern: str) -> np.ndarray:
+    return np.stack([frames.raw(pattern.format(i)) for i in range(JOINTS)], axis=1)
+
+
+def measured_positions_rad(frames: dict) -> np.ndarray:
+    states = [frames[f"JointState{i}"]["position_rad"] for i in range(JOINTS)]
+    return np.stack([state[: min(map(len, states))] for state in states], axis=1)
+
+
+def assert_limits(frames: dict) -> None:
+    commands = frames["JointCmd"]
+    ticks = np.diff(commands.t_s)
+    assert np.all(np.abs(ticks - 1e-3) < 3e-4), f"a tick without JointCmd at {commands.t_s[np.argmax(ticks)]} s"
+
+    position = raw_array(commands, "position_{}_rad")
+    lowest, highest = np.ceil(RANGE_RAD[:, 0] * 1e6), np.floor(RANGE_RAD[:, 1] * 1e6)
+    assert np.all(position >= lowest) and np.all(position <= highest), (position.min(axis=0), position.max(axis=0))
+
+    velocity = raw_array(commands, "velocity_{}_radps")
+    assert np.abs(velocity).max() <= VELOCITY_MAX_RAW
+    assert np.abs(np.diff(velocity, axis=0, prepend=0)).max() <= VELOCITY_STEP_RAW
+
+    drive_mode = raw_array(commands, "mode_{}")
+    assert set(np.unique(drive_mode)) <= {0, 1}
+    assert not np.any(velocity[drive_mode == 0]), "a brake closes on a joint that is to move"
+    for joint in range(JOINTS, 8):
+        for signal in ("mode_{}", "velocity_{}_radps", "torque_{}_Nm"):
+            assert not np.any(commands.raw(signal.format(joint))), f"joint {joint}, which the arm does not have"
+
+    measured = measured_positions_rad(frames)
+    assert np.all(measured > RANGE_RAD[:, 0] - OVERSHOOT_RAD) and np.all(measured < RANGE_RAD[:, 1] + OVERSHOOT_RAD)
+
+
+# ---- gaps and modes
+
+
+def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) -> np.ndarray:
+    """Which samples of the bus must carry a pose. On a gap's very edge, where rounding decides, the log does."""
+    t_s = np.loadtxt(recording, delimiter=",", skiprows=1, usecols=0)
+    t_s -= t_s[0]
+    interval_s = np.diff(t_s)
+    starts = np.flatnonzero(interval_s > 1.5 * np.median(interval_s))
+    played_s = measured_s - MOTION_START_S
+    valid = np.ones(len(measured_s), bool)
+    for start_s, end_s in zip(t_s[starts], t_s[starts + 1], strict=True):
+        valid[(played_s > start_s) & (played_s < end_s)] = False
+        edge = (np.abs(played_s - start_s) < 1e-7) | (np.abs(played_s - end_s) < 1e-7)
+        valid[edge] = logged[edge]
+    return valid
+
+
+@dataclass(frozen=True)
+class Hold:
+    last_pose_s: float  # measured
+    next_pose_s: float
+
+
+def expected_holds(measured_s: np.ndarray, valid: np.ndarray) -> list[Hold]:
+    """Poses that reach the firmware further apart than the time after which they are stale."""
+    seen_s = measured_s[valid]
+    return [Hold(a, b) for a, b in zip(seen_s[:-1], seen_s[1:], strict=True) if b - a > STALE_S + 1e-6]
+
+
+def mode_changes(frames: dict) -> list[tuple[float, str, str]]:
+    """(time, mode, reason) as FirmwareStatus tells them, by the names of the DBC."""
+    status = frames["FirmwareStatus"]
+    names = {name: status.message.get_signal_by_name(name).choices for name in ("mode", "reason")}
+    mode, reason = status.raw("mode"), status.raw("reason")
+    changed = np.flatnonzero((np.diff(mode, prepend=-1) != 0) | (np.diff(reason, prepend=-1) != 0))
+    return [(status.t_s[i], str(names["mode"][mode[i]]), str(names["reason"][reason[i]])) for i in changed]
+
+
+def assert_modes(frames: dict, recording: Path, summary: dict) -> None:
+    poses = frames["HandPose"]
+    measured_s = poses.raw("t_us") * 1e-6
+    assert np.allclose(measured_s, np.arange(len(poses)) * PERIOD_S, atol=1e-6)
+    logged = poses.raw("valid") == 1
+    valid = bus_validity(recording, measured_s, logged)
+    assert np.array_equal(logged, valid), f"validity differs at {measured_s[logged != valid]} s"
+    assert summary["tracker"]["lost"] == np.sum(~valid)
+
+    changes = mode_changes(frames)
+    holds = expected_holds(measured_s, valid)
+    expected = [*BOOT_TO_COOPERATION, *[HOLD, RETURN] * len(holds), ("ready", "operator_stop")]
+    assert [change[1:] for change in changes] == expected
+    assert [(change["mode"], change["reason"]) for change in summary["modes"]] == expected
+
+    entries_s = [t_s for t_s, *change in changes if tuple(change) == HOLD]
+    returns_s = [t_s for t_s, *change in changes if tuple(change) == RETURN]
+    for hold, entered_s, returned_s in zip(holds, entries_s, returns_s, strict=True):
+        stale_s, back_s = hold.last_pose_s + LATENCY_S + STALE_S, hold.next_pose_s + LATENCY_S
+        assert stale_s < entered_s < stale_s + REACTION_S, f"hold entered at {entered_s} s, stale at {stale_s} s"
+        assert back_s < returned_s < back_s + REACTION_S, f"returned at {returned_s} s, poses at {back_s} s"
+        assert_braking(frames, entered_s, back_s)
+
+
+BOOT_TO_COOPERATION = [
+    ("idle", "waiting_for_drives"),
+    ("idle", "waiting_for_tracker"),
+    ("ready", "inputs_ready"),
+    ("cooperating", "operator_start"),
+]
+HOLD, RETURN = ("hold", "tracker_stale"), ("cooperating", "tracker_returned")
+
+
+def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
+    """Each command in the hold takes the whole step that the acceleration limit allows, less one of rounding, towards
+    rest, and stays there; the arm itself then stands."""
+    commands = frames["JointCmd"]
+    first, end = np.searchsorted(commands.t_s, [from_s, until_s])
+    speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])
+    before, after = speed[:-1], speed[1:]
+    assert np.all(after <= np.maximum(0, before - (VELOCITY_STEP_RAW - 1)))
+    at_rest = np.flatnonzero(~speed.any(axis=1))
+    if len(at_rest) > 60:
+        position = measured_positions_rad(frames)[first + at_rest[0] + 50 : end - 1]  # 50 ms for the drives to settle
+        assert np.ptp(position, axis=0).max() < 1.5 / PULSES_PER_RAD
+
+
+# ---- numbers and repetition
+
+
+def assert_finite(trace: Path, ticks: int) -> None:
+    text = trace.read_bytes()
+    header, body = text.split(b"\n", 1)
+    columns = header.decode().split(",")
+    assert b"nan" not in body.lower() and b"inf" not in body.lower()
+    for _ in range(2):  # an empty cell may have an empty one beside it
+        body = body.replace(b",,", b",nan,")
+    body = body.replace(b",\n", b",nan\n")
+    numeric = [i for i, name in enumerate(columns) if name != "mode"]
+    table = np.loadtxt(io.BytesIO(body), delimiter=",", usecols=numeric, ndmin=2)
+    value = dict(zip([columns[i] for i in numeric], table.T, strict=True))
+    assert len(table) == ticks
+    assert np.array_equal(np.round(1e3 * value.pop("t_s")), np.arange(ticks))
+
+    target = np.array([value.pop(name) for name in columns if name.startswith("target_")])
+    empty = np.isnan(target)
+    assert np.array_equal(empty.all(axis=0), empty.any(axis=0)), "half a target"
+    for name, column in value.items():
+        missing = np.flatnonzero(np.isnan(column))
+        assert len(missing) == 0 or (name.startswith("dq") and list(missing) == [0]), f"{name}: empty at {missing[:3]}"
+    hand = np.array([value[name] for name in ("hand_qw", "hand_qx", "hand_qy", "hand_qz")])
+    for rotation in (hand, target[3:, ~empty[0]]):
+        assert np.allclose((rotation**2).sum(axis=0), 1.0, atol=1e-5)
+    reach = np.array([value[name] for name in ("hand_x_m", "hand_y_m", "hand_z_m")])
+    assert np.linalg.norm(reach - [[-0.035], [-0.111], [0.125]], axis=0).max() < 0.111 + 0.171 + 1e-3
+
+
+def assert_finite_summary(value: object, path: str = "summary") -> None:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            assert_finite_summary(item, f"{path}.{key}")
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            assert_finite_summary(item, f"{path}[{i}]")
+    else:
+        assert value is not None, f"{path} is null"
+        assert isinstance(value, str) or np.isfinite(value), f"{path} is {value}"
+
+
+def assert_equal_runs(a: Run, b: Run) -> None:
+    for name in ("bus.log", "trace.csv"):
+        assert filecmp.cmp(a.out / name, b.out / name, shallow=False), f"{name} differs between two runs"
+    assert {**a.summary, "wall_s": 0} == {**b.summary, "wall_s": 0}
+
+
+# ---- the campaign
+
+
+@pytest.mark.parametrize(("scenario", "recording"), campaign())
+def test_recording(tmp_path, scenario, recording):
+    arguments = ("--scenario", scenario, "--tracker", recording)
+    first = run(tmp_path / "first", *arguments).require_pass()
+    assert_equal_runs(first, run(tmp_path / "second", *arguments).require_pass())
+    assert first.summary["limits"]["violations"] == 0
+    assert first.summary["bus"]["dropped"] == 0
+    assert_finite_summary(first.summary)
+    assert_finite(first.trace, first.summary["ticks"])
+    frames = bus_log.read(first.log)
+    assert_limits(frames)
+    assert_modes(frames, recording, first.summary)
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_built_in_motion(tmp_path, scenario):
+    """Within the limits; the seed repeats it, another seed is another run."""
+    first = run(tmp_path / "first", "--scenario", scenario, "--seed", 7).require_pass()
+    assert_equal_runs(first, run(tmp_path / "second", "--scenario", scenario, "--seed", 7).require_pass())
+    other = run(tmp_path / "other", "--scenario", scenario, "--seed", 8).require_pass()
+    assert not filecmp.cmp(first.log, other.log, shallow=False)
+    assert_limits(bus_log.read(first.log))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 99, 2**64 - 1])
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_built_in_motion_passes_with_any_seed(tmp_path, scenario, seed):
+    done = run(tmp_path / "out", "--scenario", scenario, "--seed", seed).require_pass()
+    assert done.summary["seed"] == seed
+    assert modes(done) == [*BOOT_TO_COOPERATION, ("ready", "operator_stop")]
