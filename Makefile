@@ -63,7 +63,7 @@ $(BUILD)/host/%.o: %.c $(GENERATED)/.generated
 	@mkdir -p $(@D)
 	$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@
 
-$(BUILD)/python/.built: host_tools/comanip/build_core.py $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
+$(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/comanip/_binding/*) $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
 	$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python
 	@touch $@
 

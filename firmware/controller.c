@@ -242,7 +242,8 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
     for (int pass = 0; pass <= joint_count; pass++) { /* once, and once more for each joint that turns out to be blocked */
         velocity_control(&self->velocity_control_config, joint_count, self->jacobian, self->robot, self->target,
                          wanted_radps);
-        if (!joint_limits_exclude(self->arm, self->joints.position_rad, wanted_radps, self->jacobian)) {
+        if (!joint_limits_exclude(self->arm, &self->joint_limits_config, TICK_S, self->joints.position_rad, wanted_radps,
+                                  self->jacobian)) {
             break;
         }
     }

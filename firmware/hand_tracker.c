@@ -6,6 +6,9 @@
  * follows the drift and an old minimum is not kept for ever. */
 #define CLOCK_CREEP_PERIOD_US 5000u
 
+/* A tracker that was silent for so long is met anew: it may have restarted its clock, and times of 32 bits come round. */
+#define SILENCE_US 1000000u
+
 void hand_tracker_init(hand_tracker_t *self) {
     *self = (hand_tracker_t){.period_us = 1000u * frame_table[FRAME_HAND_POSE].period_ms};
 }
@@ -22,10 +25,12 @@ static uint32_t lateness_us(hand_tracker_t *self, uint32_t stamp_us, uint32_t re
     if (!self->has_clock) {
         self->has_clock = true;
         self->clock_offset_us = offset_us;
+        self->creep_stamp_us = stamp_us;
         return 0u;
     }
-    uint32_t elapsed_us = stamp_us - self->last_stamp_us;
-    uint32_t least_us = self->clock_offset_us + elapsed_us / CLOCK_CREEP_PERIOD_US;
+    uint32_t creep_us = (stamp_us - self->creep_stamp_us) / CLOCK_CREEP_PERIOD_US;
+    self->creep_stamp_us += creep_us * CLOCK_CREEP_PERIOD_US; /* the rest counts next time */
+    uint32_t least_us = self->clock_offset_us + creep_us;
     int32_t above_least_us = (int32_t)(offset_us - least_us);
     self->clock_offset_us = above_least_us < 0 ? offset_us : least_us;
     return above_least_us < 0 ? 0u : (uint32_t)above_least_us;
@@ -61,8 +66,14 @@ uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us) {
     return now_us - self->received_us + self->age_at_reception_us;
 }
 
-bool hand_tracker_is_stale(const hand_tracker_t *self, uint32_t now_us, float stale_periods) {
-    return !self->has_pose || (float)hand_tracker_age_us(self, now_us) > stale_periods * (float)self->period_us;
+bool hand_tracker_is_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods) {
+    uint32_t age_us = hand_tracker_age_us(self, now_us);
+    bool stale = !self->has_pose || (float)age_us > stale_periods * (float)self->period_us;
+    if (stale && age_us > SILENCE_US) {
+        self->has_pose = false;
+        self->has_clock = false;
+    }
+    return stale;
 }
 
 dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us) {

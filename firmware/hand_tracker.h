@@ -9,6 +9,7 @@ typedef struct {
     bool has_pose;
     bool has_clock;
     uint32_t clock_offset_us; /* least (reception - stamp) seen, modulo 2^32: the fastest way a frame ever took */
+    uint32_t creep_stamp_us;  /* tracker's clock, up to which the least offset has been let creep */
     uint32_t last_stamp_us;   /* tracker's clock, of the newest pose */
     uint32_t received_us;     /* of the newest valid pose */
     uint32_t age_at_reception_us; /* how much later it came than the fastest frame */
@@ -28,8 +29,10 @@ bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_
  * without a pose. */
 uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
 
-/* No valid pose for stale_periods of the tracker's own periods. */
-bool hand_tracker_is_stale(const hand_tracker_t *self, uint32_t now_us, float stale_periods);
+/* No valid pose for stale_periods of the tracker's own periods. Call it once per tick: what has been stale for a second
+ * is forgotten, and with it the tracker's clock, so that neither a restarted tracker nor a clock that comes round in
+ * 71 minutes is taken for an old or a fresh one. */
+bool hand_tracker_is_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods);
 
 /* The marker's pose in the tracker frame, moved from the last sample to the newest over one tracker period: a
  * continuous path from samples slower than the tick, at the cost of that period as latency. Needs has_pose. */

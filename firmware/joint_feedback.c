@@ -11,14 +11,16 @@ void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state
     self->received[joint] = true;
 }
 
-bool joint_feedback_is_fresh(const joint_feedback_t *self, int joint_count, uint32_t now_us) {
+bool joint_feedback_is_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us) {
+    bool fresh = true;
     for (int i = 0; i < joint_count; i++) {
         uint32_t timeout_us = 1000u * frame_table[FRAME_JOINT_STATE0 + i].timeout_ms;
-        if (!self->received[i] || now_us - self->received_us[i] > timeout_us) {
-            return false;
+        if (now_us - self->received_us[i] > timeout_us) {
+            self->received[i] = false;
         }
+        fresh = fresh && self->received[i];
     }
-    return true;
+    return fresh;
 }
 
 bool joint_feedback_has_error(const joint_feedback_t *self, int joint_count) {

@@ -6,10 +6,13 @@
 #define VELOCITY_RESOLUTION_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_RESOLUTION
 #define POSITION_RESOLUTION_RAD COMANIP_JOINT_CMD_POSITION_0_RAD_RESOLUTION
 
+/* A quotient that is a whole number but for float32's rounding counts as that number. */
+#define ROUNDING_STEPS 1e-3f
+
 /* Braking is planned with this part of the acceleration limit: the rest absorbs rounding and the encoder's noise. */
 #define BRAKING_RESERVE 0.9f
 
-/* So near to the end of its range a joint counts as standing there: below it the stopping speed is a crawl. */
+/* A joint counts as standing at the end of its range so near to where the stopping speed becomes 0: there it crawls. */
 #define AT_LIMIT_RAD 2e-3f
 
 static float smaller(float a, float b) {
@@ -28,35 +31,50 @@ static bool is_finite(float x) {
     return x - x == 0.0f;
 }
 
-/* Largest speed from which a joint still stops within the distance, having travelled on for the delay first:
- * v delay + v^2 / (2 a) = distance. */
+/* Largest speed from which a joint still stops within the distance. Until a command acts, the joint travels on with the
+ * commands under way, which while it brakes are the faster the older they are: (v + a delay)^2 / (2 a) = distance. */
 static float stopping_speed(float distance_rad, float acceleration_radps2, float delay_s) {
     if (distance_rad <= 0.0f) {
         return 0.0f;
     }
-    float a = acceleration_radps2;
-    return a * (__builtin_sqrtf(delay_s * delay_s + 2.0f * distance_rad / a) - delay_s);
+    float speed = __builtin_sqrtf(2.0f * acceleration_radps2 * distance_rad) - acceleration_radps2 * delay_s;
+    return speed > 0.0f ? speed : 0.0f;
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
  * when the speed is above a / K. Above it the speed is held to the one that stops on the way to go; below, the law's own. */
-static float approach_speed(float wanted_speed_radps, const joint_limits_config_t *config) {
-    float gain = config->approach_gain_per_s;
-    float a = BRAKING_RESERVE * config->acceleration_max_radps2;
-    float linear_speed = a / gain;
-    if (!(gain > 0.0f) || wanted_speed_radps <= linear_speed) {
+static float approach_speed(float wanted_speed_radps, float gain_per_s, float acceleration_radps2) {
+    float linear_speed = acceleration_radps2 / gain_per_s;
+    if (!(gain_per_s > 0.0f) || wanted_speed_radps <= linear_speed) {
         return wanted_speed_radps;
     }
     /* tangent to the line u = K x at u = a / K, then v^2 = 2 a (x - a / (2 K^2)) */
     return __builtin_sqrtf(linear_speed * (2.0f * wanted_speed_radps - linear_speed));
 }
 
-/* Nearest multiple of the bus's resolution from `wanted` towards `last`, which is one: never past either. */
-static float on_grid_towards(float wanted, float last) {
-    float steps = (wanted - last) / VELOCITY_RESOLUTION_RADPS;
-    float last_steps = last / VELOCITY_RESOLUTION_RADPS;
-    int32_t grid = (int32_t)(last_steps + (last_steps < 0.0f ? -0.5f : 0.5f)) + (int32_t)steps;
-    return (float)grid * VELOCITY_RESOLUTION_RADPS;
+/* In steps of the bus's resolution, which every command is a whole number of. */
+static int32_t nearest_step(float velocity_radps) {
+    float steps = velocity_radps / VELOCITY_RESOLUTION_RADPS;
+    return (int32_t)(steps + (steps < 0.0f ? -0.5f : 0.5f));
+}
+
+/* The speed that is not above this one. */
+static int32_t steps_below(float speed_radps) {
+    return (int32_t)(speed_radps / VELOCITY_RESOLUTION_RADPS + ROUNDING_STEPS);
+}
+
+static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
+    return x < low ? low : (x > high ? high : x);
+}
+
+/* What a tick can change. */
+static int32_t change_max_steps(const joint_limits_config_t *config, float tick_s) {
+    return steps_below(config->acceleration_max_radps2 * tick_s);
+}
+
+/* The deceleration to plan with. */
+static float braking(const joint_limits_config_t *config, float tick_s) {
+    return BRAKING_RESERVE * (float)change_max_steps(config, tick_s) * VELOCITY_RESOLUTION_RADPS / tick_s;
 }
 
 void joint_limits_init(joint_limits_t *self) {
@@ -65,34 +83,35 @@ void joint_limits_init(joint_limits_t *self) {
 
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
                         const float measured_rad[], const float wanted_radps[]) {
-    const float a_max = config->acceleration_max_radps2;
+    const int32_t change_max = change_max_steps(config, tick_s);
+    const float braking_radps2 = braking(config, tick_s);
+    const float delay_s = config->command_delay_s + tick_s; /* a command stays for a tick */
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
         finite = finite && is_finite(measured_rad[i]) && is_finite(wanted_radps[i]);
         float speed = magnitude(wanted_radps[i]);
         float allowed = smaller(config->speed_fraction * arm->joints[i].velocity_max_radps,
-                                approach_speed(speed, config));
+                                approach_speed(speed, config->approach_gain_per_s, braking_radps2));
         if (speed > allowed) {
             scale = smaller(scale, allowed / speed);
         }
     }
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        float last = self->velocity_radps[i];
-        float velocity = finite ? scale * wanted_radps[i] : 0.0f;
+        int32_t last = nearest_step(self->velocity_radps[i]);
+        int32_t velocity = 0;
         if (finite) {
-            float up = stopping_speed(joint->position_max_rad - measured_rad[i], BRAKING_RESERVE * a_max,
-                                      config->command_delay_s);
-            float down = stopping_speed(measured_rad[i] - joint->position_min_rad, BRAKING_RESERVE * a_max,
-                                        config->command_delay_s);
-            velocity = clamp(velocity, -down, up);
+            float speed_max = config->speed_fraction * joint->velocity_max_radps;
+            float up = stopping_speed(joint->position_max_rad - measured_rad[i], braking_radps2, delay_s);
+            float down = stopping_speed(measured_rad[i] - joint->position_min_rad, braking_radps2, delay_s);
+            velocity = clamp_steps(nearest_step(scale * wanted_radps[i]), -steps_below(smaller(down, speed_max)),
+                                   steps_below(smaller(up, speed_max)));
         }
-        velocity = clamp(velocity, last - a_max * tick_s, last + a_max * tick_s);
-        velocity = on_grid_towards(velocity, last);
-        self->velocity_radps[i] = velocity;
+        velocity = clamp_steps(velocity, last - change_max, last + change_max);
+        self->velocity_radps[i] = (float)velocity * VELOCITY_RESOLUTION_RADPS;
         if (finite) {
-            self->position_rad[i] = clamp(measured_rad[i] + velocity * tick_s,
+            self->position_rad[i] = clamp(measured_rad[i] + self->velocity_radps[i] * tick_s,
                                           joint->position_min_rad + POSITION_RESOLUTION_RAD,
                                           joint->position_max_rad - POSITION_RESOLUTION_RAD);
         }
@@ -100,13 +119,15 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
     return finite;
 }
 
-bool joint_limits_exclude(const arm_t *arm, const float measured_rad[], const float wanted_radps[],
-                          dual_quaternion_t column[]) {
+bool joint_limits_exclude(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
+                          const float measured_rad[], const float wanted_radps[], dual_quaternion_t column[]) {
+    const float delay_s = config->command_delay_s + tick_s;
+    const float near_rad = AT_LIMIT_RAD + 0.5f * braking(config, tick_s) * delay_s * delay_s;
     bool any = false;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        bool above = wanted_radps[i] > 0.0f && joint->position_max_rad - measured_rad[i] < AT_LIMIT_RAD;
-        bool below = wanted_radps[i] < 0.0f && measured_rad[i] - joint->position_min_rad < AT_LIMIT_RAD;
+        bool above = wanted_radps[i] > 0.0f && joint->position_max_rad - measured_rad[i] < near_rad;
+        bool below = wanted_radps[i] < 0.0f && measured_rad[i] - joint->position_min_rad < near_rad;
         if (above || below) {
             column[i] = (dual_quaternion_t){{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f, 0.0f}};
             any = true;

@@ -32,8 +32,8 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
 /* Takes joints that stand at an end of their range, and are asked to go beyond it, out of the Jacobian (their columns
  * become 0), so that the law, solved again, lets the other joints do what they can instead of counting on these. True if
  * there was one: then solve again, at most joint_count times. */
-bool joint_limits_exclude(const arm_t *arm, const float measured_rad[], const float wanted_radps[],
-                          dual_quaternion_t column[]);
+bool joint_limits_exclude(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
+                          const float measured_rad[], const float wanted_radps[], dual_quaternion_t column[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

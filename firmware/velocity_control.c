@@ -2,21 +2,25 @@
 
 #include <string.h>
 
-/* Pivots below this part of the largest diagonal are float32's rounding, not information. */
-#define RELATIVE_PIVOT_FLOOR 2.5e-7f
+/* The least damping, as a part of the largest diagonal of J^T W J: below it, float32's rounding would decide what happens
+ * at a singularity. */
+#define RELATIVE_DAMPING_MIN 2e-6f
 
 static void to_vec8(dual_quaternion_t x, float vec8[8]) {
     memcpy(vec8, &x, sizeof x);
 }
 
-/* Solves A u = b in place by LDL^T; A symmetric positive semidefinite, lower triangle used. A direction without
- * information (possible with lambda = 0 only) gets the value 0. */
-static void solve_semidefinite(int n, float a[ARM_MAX_JOINTS][ARM_MAX_JOINTS], float b[]) {
+/* Solves (A + damping I) u = b in place by LDL^T; A symmetric positive semidefinite, lower triangle used. A = 0 without
+ * damping gives 0. */
+static void solve_damped(int n, float a[ARM_MAX_JOINTS][ARM_MAX_JOINTS], float b[], float damping) {
     float largest = 0.0f;
     for (int i = 0; i < n; i++) {
         largest = a[i][i] > largest ? a[i][i] : largest;
     }
-    const float pivot_floor = RELATIVE_PIVOT_FLOOR * largest;
+    const float damping_min = RELATIVE_DAMPING_MIN * largest;
+    for (int i = 0; i < n; i++) {
+        a[i][i] += damping > damping_min ? damping : damping_min;
+    }
     float inverse_pivot[ARM_MAX_JOINTS];
 
     /* below the diagonal, row i: first L D (the products), then L */
@@ -34,7 +38,7 @@ static void solve_semidefinite(int n, float a[ARM_MAX_JOINTS][ARM_MAX_JOINTS], f
             pivot -= a[i][j] * factor;
             a[i][j] = factor;
         }
-        inverse_pivot[i] = pivot > pivot_floor ? 1.0f / pivot : 0.0f;
+        inverse_pivot[i] = pivot > 0.0f ? 1.0f / pivot : 0.0f;
         for (int j = 0; j < i; j++) {
             b[i] -= a[i][j] * b[j];
         }
@@ -82,7 +86,6 @@ void velocity_control(const velocity_control_config_t *config, int joint_count, 
             }
             normal[i][j] = product;
         }
-        normal[i][i] += config->damping;
     }
-    solve_semidefinite(joint_count, normal, velocity_radps);
+    solve_damped(joint_count, normal, velocity_radps, config->damping);
 }

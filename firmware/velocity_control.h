@@ -17,7 +17,8 @@ typedef enum {
 typedef struct {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
-    float damping;       /* lambda >= 0; may be 0: directions the Jacobian does not span then get no velocity */
+    float damping;       /* lambda >= 0; not less than 2e-6 of the largest diagonal of J^T W J is used, so that the
+                               velocity stays bounded at singularities even for 0 */
     error_frame_t error_frame;
 } velocity_control_config_t;
 

@@ -1,4 +1,5 @@
 /* comanip-sim: reads the command line, builds the world, runs the firmware in it, and reports. */
+#include <ctype.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,8 +24,13 @@ static void on_interrupt(int signal_number) {
     interrupted = 1;
 }
 
+/* Always one line: what came from the command line must not reach a terminal as a command. */
 static int complain(const char *error, int status) {
-    (void)fprintf(stderr, "comanip-sim: %s\n", error);
+    (void)fputs("comanip-sim: ", stderr);
+    for (const char *character = error; *character != '\0'; character++) {
+        (void)fputc(iscntrl((unsigned char)*character) ? '?' : *character, stderr);
+    }
+    (void)fputc('\n', stderr);
     return status;
 }
 

@@ -60,7 +60,7 @@ static const struct {
 };
 
 static bool wrong(char error[], const char *option, const char *value, const char *expected) {
-    (void)snprintf(error, OPTIONS_ERROR_BYTES, "--%s '%s': expected %s", option, value, expected);
+    (void)snprintf(error, OPTIONS_ERROR_BYTES, "--%s '%.200s': expected %s", option, value, expected);
     return false;
 }
 
@@ -214,7 +214,8 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
             self->quiet = true;
             break;
         case '?':
-            (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': no such option; --help lists them", argv[optind - 1]);
+            (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': %s; --help lists them", argv[optind - 1],
+                           optopt >= OPTION_SCENARIO ? "this option takes no value" : "no such option");
             return OPTIONS_WRONG;
         case ':':
             (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': expected a value after it", argv[optind - 1]);

@@ -45,12 +45,22 @@ static bool make_folders(char *path, char error[], size_t error_size) {
             break;
         }
     }
-    struct stat status;
-    if (stat(path, &status) != 0 || !S_ISDIR(status.st_mode)) {
-        errno = ENOTDIR;
-        return fail(error, error_size, path, "cannot be used");
-    }
     return true;
+}
+
+static bool is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/* Both names can be written. */
+static bool try_file(const char *path, const char *partial_path, char error[], size_t error_size) {
+    if (is_folder(path)) {
+        errno = EISDIR;
+        return fail(error, error_size, path, "cannot be replaced by a file");
+    }
+    FILE *file = fopen(partial_path, "w");
+    return file != NULL ? fclose(file) == 0 : fail(error, error_size, partial_path, "cannot be written");
 }
 
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size) {
@@ -61,12 +71,24 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
     if (!made) {
         return false;
     }
+    if (!is_folder(folder)) {
+        errno = ENOTDIR;
+        return fail(error, error_size, folder, "cannot be used as a folder");
+    }
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         self->path[i] = join(folder, file_name[i], "");
         self->partial_path[i] = join(folder, file_name[i], ".partial");
         if (self->path[i] == NULL || self->partial_path[i] == NULL) {
             return fail(error, error_size, folder, "no memory");
         }
+    }
+    /* All that can be refused is refused before anything of a former run goes. */
+    for (int i = 0; i < OUTPUT_COUNT; i++) {
+        if (!try_file(self->path[i], self->partial_path[i], error, error_size)) {
+            return false;
+        }
+    }
+    for (int i = 0; i < OUTPUT_COUNT; i++) {
         if (unlink(self->path[i]) != 0 && errno != ENOENT) {
             return fail(error, error_size, self->path[i], "cannot be replaced");
         }

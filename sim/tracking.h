@@ -37,7 +37,6 @@ typedef struct {
     size_t pending_first, pending_count;
 } tracking_t;
 
-
 void tracking_init(tracking_t *self);
 
 /* One finished tick. parameter: in force (PARAMETER_COUNT values). */

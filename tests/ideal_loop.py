@@ -12,7 +12,7 @@ TICK_S = 1e-3
 VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
-AT_LIMIT_RAD = 2e-3
+AT_LIMIT_RAD = 2e-3 + 0.5 * 0.9 * 25 * 0.006**2  # and where the stopping speed is 0
 
 
 def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
@@ -23,7 +23,8 @@ def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
     approach = np.where(speed <= linear, speed, np.sqrt(np.maximum(linear * (2 * speed - linear), 0)))
     allowed = np.minimum(VELOCITY_MAX, approach)
     scale = np.min(np.where(speed > allowed, allowed / np.maximum(speed, 1e-12), 1.0))
-    up, down = ((np.sqrt(delay_s**2 + 2 * np.maximum(d, 0) / a) - delay_s) * a for d in (JOINT_RANGE[:, 1] - q, q - JOINT_RANGE[:, 0]))
+    room = np.maximum([JOINT_RANGE[:, 1] - q, q - JOINT_RANGE[:, 0]], 0)
+    up, down = np.maximum(np.sqrt(2 * a * room) - a * (delay_s + TICK_S), 0)
     v = np.clip(scale * wanted, -down, up)
     return np.clip(v, last - acceleration * TICK_S, last + acceleration * TICK_S)
 

@@ -40,7 +40,7 @@ void uart_rx_handler(void) {
             UART_STATE = UART_STATE_RX_OVERRUN;
             slcan_link_overrun(&slcan_hal_link);
         }
-        (void)UART_DATA;
+        slcan_link_put_byte(&slcan_hal_link, (uint8_t)UART_DATA, clock_us());
         state = UART_STATE;
     }
 }
