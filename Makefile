@@ -73,7 +73,7 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 
 # Only what is set is passed on.
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
-	@$(SIMULATOR) --out $(or $(OUT),out/$(or $(SCENARIO),pour)) $(if $(SCENARIO),--scenario '$(SCENARIO)') $(if $(TRACKER),--tracker '$(TRACKER)') $(if $(SEED),--seed '$(SEED)') $(ARGS)
+	@$(SIMULATOR) --out '$(or $(OUT),out/$(or $(SCENARIO),pour))' $(if $(SCENARIO),--scenario '$(SCENARIO)') $(if $(TRACKER),--tracker '$(TRACKER)') $(if $(SEED),--seed '$(SEED)') $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
 	$(PYTHON) -m pytest tests $(PYTEST_ARGS)

@@ -3,17 +3,19 @@
 #define PI 3.14159265358979324f
 
 /* In the order of parameter_id_t. Gains and weights: the defaults give a 4-joint arm equal rates in all directions and
- * near-exact position, at the cost of orientation; 4/s and 1, in the torso frame, is the paper. */
+ * near-exact position, at the cost of orientation; weights of 1 in the torso frame are the paper. Gains of 100/s would
+ * halve the lag of 20 ms, but turn a tracker's noise of 0.05 mm into accelerations at the limit in 40 % of the ticks
+ * (2 % with 50/s). */
 const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     /* name, minimum, maximum, default, whole numbers only */
-    {"gain_w_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_x_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_y_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_z_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_dual_w_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_dual_x_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_dual_y_per_s", 0.0f, 500.0f, 100.0f, false},
-    {"gain_dual_z_per_s", 0.0f, 500.0f, 100.0f, false},
+    {"gain_w_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_x_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_y_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_z_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_dual_w_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_dual_x_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_dual_y_per_s", 0.0f, 500.0f, 50.0f, false},
+    {"gain_dual_z_per_s", 0.0f, 500.0f, 50.0f, false},
     {"weight_w", 0.0f, 10000.0f, 0.05f, false},
     {"weight_x", 0.0f, 10000.0f, 0.05f, false},
     {"weight_y", 0.0f, 10000.0f, 0.05f, false},

@@ -111,8 +111,10 @@ int main(int argc, char *argv[]) {
     output_folder_t folder;
     int status = EXIT_WRONG_USE;
     if (output_folder_open(&folder, options.out, error, sizeof error)) {
-        (void)signal(SIGINT, on_interrupt);
-        (void)signal(SIGTERM, on_interrupt);
+        /* Not signal(), after which a second signal would kill: `timeout` and some shells send two. */
+        const struct sigaction action = {.sa_handler = on_interrupt};
+        (void)sigaction(SIGINT, &action, NULL);
+        (void)sigaction(SIGTERM, &action, NULL);
         status = run(&options, motion, &folder);
     } else {
         (void)complain(error, EXIT_WRONG_USE);

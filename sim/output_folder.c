@@ -60,7 +60,10 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
         return fail(error, error_size, path, "cannot be replaced by a file");
     }
     FILE *file = fopen(partial_path, "w");
-    return file != NULL ? fclose(file) == 0 : fail(error, error_size, partial_path, "cannot be written");
+    if (file == NULL || fclose(file) != 0) {
+        return fail(error, error_size, partial_path, "cannot be written");
+    }
+    return true;
 }
 
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size) {

@@ -42,7 +42,7 @@ def law_with_blocked_joints(jacobian, hand, target, q, *settings):
         free &= ~blocked
 
 
-def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=100.0, weight=None, damping=1e-3,
+def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=50.0, weight=None, damping=1e-3,
         error_frame="target") -> np.ndarray:
     """targets (N, 8), one a tick; cooperating (N,) bool: elsewhere the arm brakes. Returns the hand (N, 8) at each tick,
     before that tick's command acts."""

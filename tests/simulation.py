@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 from dataclasses import dataclass
 from functools import cached_property
@@ -47,12 +46,15 @@ def _refuse_constant(text: str) -> None:
     raise AssertionError(f"summary.json holds {text}, which JSON does not know")
 
 
-def run(out: Path, *arguments: object, quiet: bool = True, cwd: Path | None = None) -> Run:
-    """`out` becomes --out; arguments are turned into text."""
-    command = [str(SIMULATOR), "--out", str(out), *map(str, arguments), *(["--quiet"] if quiet else [])]
-    done = subprocess.run(
-        command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd, env={**os.environ, "LC_ALL": "C"}
-    )
+def call(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
+    """The simulator with just these arguments, turned into text."""
+    command = [str(SIMULATOR), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd)
+
+
+def run(out: Path, *arguments: object, cwd: Path | None = None) -> Run:
+    """A quiet run into the folder `out`."""
+    done = call("--out", out, "--quiet", *arguments, cwd=cwd)
     return Run(out, done.returncode, done.stdout, done.stderr)
 
 
