@@ -2,9 +2,16 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
+
+#define WRITTEN_MAX 1e9
 
 char *text_number_write(char *out, double value, int decimals) {
     static const double power[] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+    if (!(fabs(value) < WRITTEN_MAX)) { /* not a number, or beyond what the digits below hold */
+        memcpy(out, "nan", 3);
+        return out + 3;
+    }
     const int64_t scaled = (int64_t)nearbyint(value * power[decimals]);
     uint64_t rest = scaled < 0 ? (uint64_t)-scaled : (uint64_t)scaled;
     char digit[24];

@@ -14,6 +14,7 @@ import time
 import bus_log
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from simulation import (
     EXIT_CHECK_FAILED,
     EXIT_INTERRUPTED,
@@ -352,11 +353,18 @@ PLACES = [
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_motion_does_not_depend_on_where_the_tracker_stands(tmp_path, scenario):
-    hands = []
+    hands, markers = [], []
     for i, (translation, rotation, tracker_rotation) in enumerate(PLACES):
         turned = [f"--param=tracker_rotation_{axis}_rad={v:.6f}" for axis, v in zip("xyz", tracker_rotation, strict=True)]
         mount = ("--mount-translation", translation, "--mount-rotation", rotation)
-        hands.append(hand_of(run(tmp_path / str(i), "--scenario", scenario, *SILENT, *mount, *turned).require_pass()))
+        done = run(tmp_path / str(i), "--scenario", scenario, *SILENT, *mount, *turned).require_pass()
+        hands.append(hand_of(done))
+        w, x, y, z = map(float, rotation.split(","))
+        seen_m = bus_log.read(done.log)["HandPose"]
+        seen_m = np.stack([seen_m[f"{axis}_m"] for axis in "xyz"], axis=1)
+        markers.append(Rotation.from_quat([x, y, z, w]).apply(seen_m) + np.array(translation.split(","), float))
+    for marker in markers[1:]:
+        assert np.abs(marker - markers[0]).max() < 5e-6, "the trackers do not stand where they should"
     assert np.ptp(hands[0][:, :3], axis=0).max() > 0.02, "the arm has moved"
     for hand in hands[1:]:
         assert np.linalg.norm(hand[:, :3] - hands[0][:, :3], axis=1).max() < 1e-4

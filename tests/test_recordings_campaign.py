@@ -187,6 +187,7 @@ def assert_finite(trace: Path, ticks: int) -> None:
     for name, column in value.items():
         missing = np.flatnonzero(np.isnan(column))
         assert len(missing) == 0 or (name.startswith("dq") and list(missing) == [0]), f"{name}: empty at {missing[:3]}"
+        assert np.nanmax(np.abs(column)) < 10.0, f"{name}: up to {np.nanmax(np.abs(column))}"
     hand = np.array([value[name] for name in ("hand_qw", "hand_qx", "hand_qy", "hand_qz")])
     for rotation in (hand, target[3:, ~empty[0]]):
         assert np.allclose((rotation**2).sum(axis=0), 1.0, atol=1e-5)

@@ -1,0 +1,185 @@
+"""controller_step() on a bench: drives that do at once what they are told, a tracker and an operator, all by frames."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import oracle
+from comanip._core import ffi, lib
+
+TICK_US = 1000
+TRACKER_PERIOD_TICKS = 4
+JOINTS = 4
+FRAME_ID = {name: lib.frame_table[getattr(lib, f"FRAME_{name}")].id for name in (
+    "FIRMWARE_STATUS", "COMMAND_ACK", "PARAMETER_VALUE", "FIRMWARE_IDENTITY", "JOINT_CMD", "TICK_TRACE", "FIRMWARE_HEARTBEAT")}
+Q_X_MINUS_90 = oracle.rotation([1, 0, 0], -np.pi / 2)  # the paper's (9)
+
+
+class Bench:
+    """position_rad: where the arm stands. hand: pose (8,) of the person's hand in torso axes, or None for no frames."""
+
+    def __init__(self, position_deg=(90, -5, 0, -90), now_us: int = 0):
+        self.position_rad = np.radians(np.array(position_deg, float))
+        self.hand = oracle.pose(oracle.rotation([0, 1, 0], np.pi / 2), [0.4, 0.2, 0.1])
+        self.hand_valid = True
+        self.drives_answer = True
+        self.drive_error = lib.DRIVE_ERROR_NONE
+        self.now_us = now_us
+        self.ticks = 0
+        self.sequence = 0
+        self.requests: list = []
+        self.sent: list[tuple[int, bytes]] = []  # (id, data) of this tick
+        self.controller = ffi.new("controller_t *")
+        self.sender = ffi.new("protocol_sender_t *")
+        self.inbox = ffi.new("controller_inbox_t *")
+        self.outbox = ffi.new("controller_outbox_t *")
+        lib.controller_init(self.controller, ffi.addressof(lib.arm_hoap3_right))
+
+    # ---- frames in
+
+    def _receive(self, frame) -> None:
+        lib.protocol_protect(self.sender, frame)
+        frame.timestamp_us = self.now_us % 2**32
+        self.inbox.frame[self.inbox.count] = frame[0]
+        self.inbox.count += 1
+
+    def _tracker_frame(self):
+        """The hand as the tracker sees it: (9) turned back."""
+        tracker = oracle.pose(Q_X_MINUS_90, [0, 0, 0])
+        seen = oracle.multiply(tracker, self.hand)
+        message = ffi.new("hand_pose_t *", {"t_us": self.now_us % 2**32, "valid": self.hand_valid})
+        t, r = oracle.translation(seen), seen[:4]
+        message.position_m = {"x": t[0], "y": t[1], "z": t[2]}
+        message.rotation = {"w": r[0], "x": r[1], "y": r[2], "z": r[3]}
+        frame = ffi.new("can_frame_t *")
+        assert lib.hand_pose_pack(message, frame) == lib.PROTOCOL_OK
+        return frame
+
+    def _drive_frame(self, joint: int):
+        message = ffi.new("joint_state_t *", {"position_rad": self.position_rad[joint], "error": self.drive_error})
+        frame = ffi.new("can_frame_t *")
+        assert lib.joint_state_pack(joint, message, frame) == lib.PROTOCOL_OK
+        return frame
+
+    # ---- requests of the operator; each is answered in the next tick
+
+    def _ask(self, pack, message) -> int:
+        frame = ffi.new("can_frame_t *")
+        assert pack(message, frame) == lib.PROTOCOL_OK
+        self.requests.append(frame)
+        self.tick()
+        return self.answer()
+
+    def _next_sequence(self) -> int:
+        self.sequence = (self.sequence + 1) % 256
+        return self.sequence
+
+    def command(self, command: int, task: int = 0) -> int:
+        """The result_t that came back."""
+        message = ffi.new("operator_command_t *", {"command": command, "sequence": self._next_sequence(), "task": task})
+        return self._ask(lib.operator_command_pack, message)
+
+    def define(self, t_task=(0, 0, 0), q_task=(1, 0, 0, 0), q_inv=(1, 0, 0, 0), form=0, blend_s=0.0) -> int:
+        message = ffi.new("task_define_t *", {"sequence": self._next_sequence(), "form": form, "blend_s": blend_s})
+        message.t_task_m = dict(zip("xyz", t_task))
+        message.q_task = dict(zip("wxyz", q_task))
+        message.q_inv = dict(zip("wxyz", q_inv))
+        return self._ask(lib.task_define_pack, message)
+
+    def write(self, parameter: int, value: float) -> int:
+        message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": parameter})
+        message.sequence, message.value = self._next_sequence(), value
+        return self._ask(lib.parameter_access_pack, message)
+
+    # ---- one tick
+
+    def tick(self, count: int = 1) -> None:
+        for _ in range(count):
+            self.now_us += TICK_US
+            self.inbox.count = 0
+            if self.hand is not None and self.ticks % TRACKER_PERIOD_TICKS == 0:
+                self._receive(self._tracker_frame())
+            if self.drives_answer:
+                for joint in range(JOINTS):
+                    self._receive(self._drive_frame(joint))
+            for frame in self.requests:
+                self._receive(frame)
+            self.requests.clear()
+            lib.controller_step(self.controller, self.now_us % 2**32, self.inbox, self.outbox)
+            frames = [self.outbox.frame[i] for i in range(self.outbox.count)]
+            self.sent = [(f.id, bytes(f.data[0 : f.length])) for f in frames]
+            for frame in frames:
+                if frame.id == FRAME_ID["JOINT_CMD"]:
+                    self.command_sent = ffi.new("joint_command_t *")
+                    lib.joint_command_unpack(ffi.addressof(frame), self.command_sent)
+            self.position_rad = self.position_rad + self.velocity_radps * TICK_US * 1e-6
+            self.ticks += 1
+
+    # ---- frames out
+
+    def answer(self) -> int:
+        """Result of the one CommandAck or ParameterValue with the last request's sequence."""
+        results = []
+        for i in range(self.outbox.count):
+            frame = ffi.addressof(self.outbox.frame[i])
+            if frame.id == FRAME_ID["COMMAND_ACK"]:
+                message = ffi.new("command_ack_t *")
+                lib.command_ack_unpack(frame, message)
+            elif frame.id == FRAME_ID["PARAMETER_VALUE"]:
+                message = ffi.new("parameter_value_t *")
+                lib.parameter_value_unpack(frame, message)
+            else:
+                continue
+            if message.sequence == self.sequence:
+                results.append(message.result)
+        assert len(results) == 1, f"one answer expected, got {results}"
+        return results[0]
+
+    @property
+    def mode(self) -> int:
+        return self.controller.supervisor.mode
+
+    @property
+    def reason(self) -> int:
+        return self.controller.supervisor.reason
+
+    @property
+    def velocity_radps(self) -> np.ndarray:
+        return np.array([self.command_sent.velocity_radps[i] for i in range(JOINTS)])
+
+    @property
+    def drive_modes(self) -> list[int]:
+        return [self.command_sent.mode[i] for i in range(JOINTS)]
+
+    @property
+    def target(self) -> np.ndarray | None:
+        """(8,) as TickTrace published it in this tick; None when it said there is none."""
+        for i in range(self.outbox.count):
+            frame = ffi.addressof(self.outbox.frame[i])
+            if frame.id == FRAME_ID["TICK_TRACE"]:
+                message = ffi.new("tick_trace_t *")
+                lib.tick_trace_unpack(frame, message)
+                if not message.target_valid:
+                    return None
+                return np.frombuffer(bytes(ffi.buffer(ffi.addressof(message, "target"))), np.float32)
+        return None
+
+    @property
+    def robot(self) -> np.ndarray:
+        return oracle.hoap3().fkm(self.position_rad).vec8()
+
+    # ---- usual beginnings
+
+    def until_ready(self) -> Bench:
+        self.tick(60)  # past the boot announcement too
+        assert self.mode == lib.MODE_READY
+        return self
+
+    def start(self, task: int, blend_s: float = 0.0) -> Bench:
+        assert self.write(lib.PARAMETER_TASK_BLEND_S, blend_s) == lib.RESULT_ACCEPTED
+        assert self.command(lib.COMMAND_SELECT, task) == lib.RESULT_ACCEPTED
+        assert self.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
+        return self
+
+    def move_hand(self, displacement_m) -> None:
+        self.hand = oracle.pose(self.hand[:4], oracle.translation(self.hand) + np.asarray(displacement_m, float))
