@@ -5,14 +5,11 @@
 
 #include "trigonometry.h"
 
-static bool is_unit(quaternion_t q) {
-    float norm_squared = quaternion_dot(q, q);
-    return norm_squared > 0.9999f && norm_squared < 1.0001f;
-}
+#define UNIT_TOLERANCE 1e-4f
 
 static bool is_pose(dual_quaternion_t pose) {
     float product = quaternion_dot(pose.primary, pose.dual);
-    return is_unit(pose.primary) && product > -1e-4f && product < 1e-4f;
+    return quaternion_is_unit(pose.primary, UNIT_TOLERANCE) && product > -UNIT_TOLERANCE && product < UNIT_TOLERANCE;
 }
 
 const char *arm_check(const arm_t *arm) {
@@ -27,7 +24,8 @@ const char *arm_check(const arm_t *arm) {
         if (!is_pose(joint->fixed)) {
             return "arm table: a joint's fixed transform is not a unit dual quaternion";
         }
-        if (!is_unit((quaternion_t){0.0f, joint->axis.x, joint->axis.y, joint->axis.z})) {
+        quaternion_t axis = {0.0f, joint->axis.x, joint->axis.y, joint->axis.z};
+        if (!quaternion_is_unit(axis, UNIT_TOLERANCE)) {
             return "arm table: a joint's axis is not a unit vector";
         }
         if (!(joint->position_min_rad >= -8.0f && joint->position_max_rad <= 8.0f &&

@@ -6,12 +6,21 @@
 #include "comanip_dbc.h"
 #include "comanip_schema.h"
 
-#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms) {id, bytes, data_id, period_ms, timeout_ms},
+#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms)                                                   \
+    [FRAME_##name] = {id, bytes, data_id, period_ms, timeout_ms},
 const frame_description_t frame_table[FRAME_KIND_COUNT] = {COMANIP_FRAMES(FRAME_ROW)};
 
-/* The enum in can_protocol.h follows the DBC's order. */
 #define COUNT_ROW(name, id, bytes, data_id, period_ms, timeout_ms) +1
 _Static_assert(FRAME_KIND_COUNT == 0 COMANIP_FRAMES(COUNT_ROW), "the DBC has other frames than frame_kind_t");
+
+static bool is_authentic(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind) {
+    const frame_description_t *description = &frame_table[kind];
+    if (description->data_id == 0u) {
+        return true;
+    }
+    e2e_status_t status = e2e_check(&self->e2e[kind], frame->data, frame->length, description->data_id);
+    return status >= 0 || (status == E2E_WRONG_SEQUENCE && description->period_ms == 0u);
+}
 
 static bool find_kind(uint16_t id, frame_kind_t *kind) {
     for (int i = 0; i < FRAME_KIND_COUNT; i++) {
@@ -35,11 +44,9 @@ protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *f
     if (!find_kind(frame->id, kind)) {
         return PROTOCOL_UNKNOWN_ID; /* another system's frame on the same bus: none of our business */
     }
-    const frame_description_t *description = &frame_table[*kind];
-    if (frame->length != description->length) {
+    if (frame->length != frame_table[*kind].length) {
         status = PROTOCOL_WRONG_LENGTH;
-    } else if (description->data_id != 0u &&
-               e2e_check(&self->e2e[*kind], frame->data, frame->length, description->data_id) < 0) {
+    } else if (!is_authentic(self, frame, *kind)) {
         status = PROTOCOL_NOT_AUTHENTIC;
     }
     self->rejected += status != PROTOCOL_OK;
@@ -352,18 +359,18 @@ void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *mes
                                      .parameter_count = raw.parameter_count};
 }
 
-/* Received kinds and their counters in TickTrace. */
+/* Received kinds and their counters in TickTrace; TickTrace.received has a bit for each, in this order. */
 #define FOR_EACH_RECEIVED(X)                                                                                         \
     X(FRAME_HAND_POSE, hand_pose)                                                                                    \
     X(FRAME_TRACKER_STATUS, tracker_status)                                                                          \
-    X(FRAME_JOINT_STATE0 + 0, joint_state_0)                                                                         \
-    X(FRAME_JOINT_STATE0 + 1, joint_state_1)                                                                         \
-    X(FRAME_JOINT_STATE0 + 2, joint_state_2)                                                                         \
-    X(FRAME_JOINT_STATE0 + 3, joint_state_3)                                                                         \
-    X(FRAME_JOINT_STATE0 + 4, joint_state_4)                                                                         \
-    X(FRAME_JOINT_STATE0 + 5, joint_state_5)                                                                         \
-    X(FRAME_JOINT_STATE0 + 6, joint_state_6)                                                                         \
-    X(FRAME_JOINT_STATE0 + 7, joint_state_7)                                                                         \
+    X(FRAME_JOINT_STATE0, joint_state_0)                                                                             \
+    X(FRAME_JOINT_STATE1, joint_state_1)                                                                             \
+    X(FRAME_JOINT_STATE2, joint_state_2)                                                                             \
+    X(FRAME_JOINT_STATE3, joint_state_3)                                                                             \
+    X(FRAME_JOINT_STATE4, joint_state_4)                                                                             \
+    X(FRAME_JOINT_STATE5, joint_state_5)                                                                             \
+    X(FRAME_JOINT_STATE6, joint_state_6)                                                                             \
+    X(FRAME_JOINT_STATE7, joint_state_7)                                                                             \
     X(FRAME_OPERATOR_COMMAND, operator_command)                                                                      \
     X(FRAME_TASK_DEFINE, task_define)                                                                                \
     X(FRAME_PARAMETER_ACCESS, parameter_access)
@@ -373,7 +380,11 @@ void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *mes
 protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *frame) {
     struct comanip_tick_trace_t raw = {.now_us = message->now_us};
     raw.hand_age_us = message->hand_age_us < HAND_AGE_MAX_US ? message->hand_age_us : HAND_AGE_MAX_US;
-#define PACK_COUNTER(kind, signal) raw.signal##_counter = message->last_counter[kind];
+    uint16_t bit = 1;
+#define PACK_COUNTER(kind, signal)                                                                                   \
+    raw.signal##_counter = message->last_counter[kind];                                                              \
+    raw.received = (uint16_t)(raw.received | (message->received[kind] ? bit : 0u));                                  \
+    bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(PACK_COUNTER)
     bool fits = true;
     if (message->target_valid) {
@@ -406,7 +417,11 @@ void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message) {
         .target = dual_quaternion_from_pose(quaternion_normalise(r), t),
         .hand_age_us = raw.hand_age_us,
     };
-#define UNPACK_COUNTER(kind, signal) message->last_counter[kind] = raw.signal##_counter;
+    uint16_t bit = 1;
+#define UNPACK_COUNTER(kind, signal)                                                                                 \
+    message->last_counter[kind] = raw.signal##_counter;                                                              \
+    message->received[kind] = (raw.received & bit) != 0u;                                                            \
+    bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(UNPACK_COUNTER)
 }
 

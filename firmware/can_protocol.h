@@ -18,7 +18,7 @@
 #include "e2e.h"
 #include "task.h"
 
-/* In the order of the ids. FRAME_JOINT_STATE0 + i is joint i. */
+/* FRAME_JOINT_STATE0 + i is joint i. */
 typedef enum {
     FRAME_FIRMWARE_STATUS,
     FRAME_COMMAND_ACK,
@@ -28,7 +28,13 @@ typedef enum {
     FRAME_TICK_TRACE,
     FRAME_HAND_POSE,
     FRAME_JOINT_STATE0,
-    FRAME_JOINT_STATE7 = FRAME_JOINT_STATE0 + ARM_MAX_JOINTS - 1,
+    FRAME_JOINT_STATE1,
+    FRAME_JOINT_STATE2,
+    FRAME_JOINT_STATE3,
+    FRAME_JOINT_STATE4,
+    FRAME_JOINT_STATE5,
+    FRAME_JOINT_STATE6,
+    FRAME_JOINT_STATE7,
     FRAME_OPERATOR_COMMAND,
     FRAME_TASK_DEFINE,
     FRAME_PARAMETER_ACCESS,
@@ -68,6 +74,9 @@ typedef struct {
 } protocol_receiver_t;
 
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
+
+/* Sets *kind unless the id is unknown. Frames sent on events are accepted whatever number of them was lost, for a sender
+ * that was restarted must be heard; only a repetition is refused. Every refusal but that of an unknown id is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind);
 
 /* ---- tracker -> firmware */
@@ -251,7 +260,9 @@ typedef struct {
 
 typedef struct {
     uint32_t now_us;
-    uint8_t last_counter[FRAME_KIND_COUNT]; /* E2E counter of the last frame consumed; used for received kinds only */
+    /* For received kinds: the E2E counter of the last frame whose CRC was right, and whether there has been one. */
+    uint8_t last_counter[FRAME_KIND_COUNT];
+    bool received[FRAME_KIND_COUNT];
     bool target_valid;
     dual_quaternion_t target; /* robot hand in the torso frame */
     uint32_t hand_age_us;     /* limited to 24 bits */

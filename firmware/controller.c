@@ -25,10 +25,13 @@ static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t
         if (protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
             continue;
         }
+        bool after_now = (int32_t)(now_us - frame->timestamp_us) < 0;
+        uint32_t received_us = after_now ? now_us : frame->timestamp_us;
         if (kind == FRAME_HAND_POSE) {
             hand_pose_t pose;
             hand_pose_unpack(frame, &pose);
-            (void)hand_tracker_receive(&self->hand_tracker, &pose, frame->timestamp_us, now_us);
+            bool taken = hand_tracker_receive(&self->hand_tracker, &pose, received_us, now_us);
+            self->receiver.rejected += pose.valid && !taken;
         } else if (kind == FRAME_TRACKER_STATUS) {
             tracker_status_t status;
             tracker_status_unpack(frame, &status);
@@ -36,9 +39,10 @@ static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t
         } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
             joint_state_t state;
             joint_state_unpack(frame, &state);
-            joint_feedback_receive(&self->joints, (int)kind - (int)FRAME_JOINT_STATE0, &state, frame->timestamp_us);
+            joint_feedback_receive(&self->joints, (int)kind - (int)FRAME_JOINT_STATE0, &state, received_us);
         } else if (kind == FRAME_OPERATOR_COMMAND || kind == FRAME_TASK_DEFINE || kind == FRAME_PARAMETER_ACCESS) {
-            self->request[self->request_count++] = i;
+            self->request[self->request_count].kind = kind;
+            self->request[self->request_count++].place = i;
         }
     }
 }
@@ -52,10 +56,10 @@ static void sense(controller_t *self, uint32_t now_us) {
 
 static void supervise(controller_t *self, uint32_t now_us) {
     self->supervisor_inputs = (supervisor_inputs_t){
-        .drives_fresh = joint_feedback_is_fresh(&self->joints, self->arm->joint_count, now_us),
+        .drives_fresh = joint_feedback_check_fresh(&self->joints, self->arm->joint_count, now_us),
         .drive_error = joint_feedback_has_error(&self->joints, self->arm->joint_count),
-        .tracker_fresh = !hand_tracker_is_stale(&self->hand_tracker, now_us,
-                                                self->parameters.value[PARAMETER_STALE_PERIODS]),
+        .tracker_fresh = !hand_tracker_check_stale(&self->hand_tracker, now_us,
+                                                   self->parameters.value[PARAMETER_STALE_PERIODS]),
         .finite = self->finite,
     };
     supervisor_update(&self->supervisor, &self->supervisor_inputs);
@@ -142,16 +146,11 @@ static result_t command_result(controller_t *self, const operator_command_t *com
     }
 }
 
-static bool is_unit(quaternion_t q) {
-    float excess = quaternion_dot(q, q) - 1.0f;
-    return excess > -2.0f * UNIT_TOLERANCE && excess < 2.0f * UNIT_TOLERANCE;
-}
-
 static result_t define_result(controller_t *self, const task_define_t *define) {
     if (define->form > TASK_FORM_MIRRORED) {
         return RESULT_OUT_OF_RANGE;
     }
-    if (!is_unit(define->q_task) || !is_unit(define->q_inv)) {
+    if (!quaternion_is_unit(define->q_task, UNIT_TOLERANCE) || !quaternion_is_unit(define->q_inv, UNIT_TOLERANCE)) {
         return RESULT_NOT_A_UNIT_QUATERNION;
     }
     task_t task = {
@@ -211,12 +210,12 @@ static void send_parameter(controller_t *self, controller_outbox_t *outbox, uint
 /* Each request is answered in the tick that takes it. */
 static void obey(controller_t *self, const controller_inbox_t *inbox, controller_outbox_t *outbox) {
     for (uint8_t i = 0; i < self->request_count; i++) {
-        const can_frame_t *frame = &inbox->frame[self->request[i]];
-        if (frame->id == frame_table[FRAME_OPERATOR_COMMAND].id) {
+        const can_frame_t *frame = &inbox->frame[self->request[i].place];
+        if (self->request[i].kind == FRAME_OPERATOR_COMMAND) {
             operator_command_t command;
             operator_command_unpack(frame, &command);
             send_ack(self, outbox, command.command, command.sequence, command_result(self, &command));
-        } else if (frame->id == frame_table[FRAME_TASK_DEFINE].id) {
+        } else if (self->request[i].kind == FRAME_TASK_DEFINE) {
             task_define_t define;
             task_define_unpack(frame, &define);
             send_ack(self, outbox, COMMAND_DEFINE, define.sequence, define_result(self, &define));
@@ -276,8 +275,8 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
         .hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us),
     };
     for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        const e2e_receiver_t *receiver = &self->receiver.e2e[kind];
-        trace.last_counter[kind] = receiver->started ? receiver->counter : UINT8_MAX;
+        trace.last_counter[kind] = self->receiver.e2e[kind].counter;
+        trace.received[kind] = self->receiver.e2e[kind].started;
     }
     can_frame_t frame;
     (void)tick_trace_pack(&trace, &frame);

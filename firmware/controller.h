@@ -17,7 +17,7 @@
 
 #define CONTROLLER_TICK_US 1000u
 #define CONTROLLER_INBOX_FRAMES 16 /* all drives, tracker and operator in one tick; more wait for the next */
-#define CONTROLLER_CYCLIC_FRAMES 6
+#define CONTROLLER_CYCLIC_FRAMES 5
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + CONTROLLER_INBOX_FRAMES) /* an answer to each frame */
 
 typedef struct {
@@ -40,7 +40,10 @@ typedef struct {
 
     protocol_receiver_t receiver;
     protocol_sender_t sender;
-    uint8_t request[CONTROLLER_INBOX_FRAMES]; /* this tick's operator frames: their places in the inbox */
+    struct {
+        frame_kind_t kind;
+        uint8_t place; /* in the inbox */
+    } request[CONTROLLER_INBOX_FRAMES]; /* this tick's operator frames */
     uint8_t request_count;
 
     hand_tracker_t hand_tracker;
@@ -69,6 +72,7 @@ typedef struct {
 void controller_init(controller_t *self, const arm_t *arm);
 
 /* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first.
+ * A frame stamped after now_us, as one that came while the inbox was filled, counts as received at now_us.
  * outbox: filled with the frames to send, in that order. */
 void controller_step(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox,
                      controller_outbox_t *outbox);

@@ -1,14 +1,10 @@
 #include "cooperation.h"
 
-static vector3_t scaled(vector3_t v, float factor) {
-    return (vector3_t){factor * v.x, factor * v.y, factor * v.z};
-}
-
 /* q_R0^T moved by the person's start offset, seen by a person who stands as q_inv says: q_Rv0^Tv q_inv. */
-static dual_quaternion_t virtual_hand_at_start(const cooperation_t *self) {
+static dual_quaternion_t virtual_hand_at_start(const cooperation_t *self, dual_quaternion_t robot) {
     dual_quaternion_t offset = dual_quaternion_from_pose(quaternion_identity, self->config.start_offset_m);
     dual_quaternion_t q_inv = {self->task.q_inv, {0.0f, 0.0f, 0.0f, 0.0f}};
-    return dual_quaternion_multiply(dual_quaternion_multiply(offset, self->robot_start), q_inv);
+    return dual_quaternion_multiply(dual_quaternion_multiply(offset, robot), q_inv);
 }
 
 /* q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, the last line of Algorithm 1's initialisation. */
@@ -28,16 +24,9 @@ static void set_hand_start(cooperation_t *self, dual_quaternion_t hand) {
 /* q_H^H0, its translation scaled. */
 static dual_quaternion_t hand_motion(const cooperation_t *self, dual_quaternion_t hand) {
     dual_quaternion_t motion = dual_quaternion_multiply(dual_quaternion_conjugate(self->hand_start), hand);
-    vector3_t displacement_m = scaled(dual_quaternion_translation(motion), self->config.motion_scale);
-    return dual_quaternion_from_pose(motion.primary, displacement_m);
-}
-
-/* Interpolates two relations: rotation along the shorter way, translation in a straight line. */
-static dual_quaternion_t blended(dual_quaternion_t from, dual_quaternion_t to, float s) {
-    vector3_t a = scaled(dual_quaternion_translation(from), 1.0f - s);
-    vector3_t b = scaled(dual_quaternion_translation(to), s);
-    return dual_quaternion_from_pose(quaternion_interpolate(from.primary, to.primary, s),
-                                     (vector3_t){a.x + b.x, a.y + b.y, a.z + b.z});
+    vector3_t t = dual_quaternion_translation(motion);
+    float scale = self->config.motion_scale;
+    return dual_quaternion_from_pose(motion.primary, (vector3_t){scale * t.x, scale * t.y, scale * t.z});
 }
 
 static dual_quaternion_t relation_in_force(const cooperation_t *self, float blend) {
@@ -45,17 +34,16 @@ static dual_quaternion_t relation_in_force(const cooperation_t *self, float blen
         return self->latched_relation;
     }
     dual_quaternion_t relation = task_relation(&self->task, self->forward_displacement_m);
-    return blend < 1.0f ? blended(self->blend_from, relation, blend) : relation;
+    return blend < 1.0f ? dual_quaternion_interpolate(self->blend_from, relation, blend) : relation;
 }
 
 void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task,
                        dual_quaternion_t hand, dual_quaternion_t robot) {
     self->config = *config;
     self->task = *task;
-    self->robot_start = robot;
     self->latched = false;
     set_hand_start(self, hand);
-    place_virtual_hand(self, virtual_hand_at_start(self));
+    place_virtual_hand(self, virtual_hand_at_start(self, robot));
     /* equation (1) for the robot as it stands */
     self->blend_from = dual_quaternion_multiply(dual_quaternion_conjugate(robot), self->virtual_hand);
     self->relation = self->blend_from;
@@ -78,7 +66,6 @@ void cooperation_select(cooperation_t *self, const task_t *task) {
 
 void cooperation_clutch(cooperation_t *self, dual_quaternion_t hand, dual_quaternion_t robot, float blend) {
     set_hand_start(self, hand);
-    self->robot_start = robot;
     self->relation = relation_in_force(self, blend);
     place_virtual_hand(self, dual_quaternion_multiply(robot, self->relation));
 }

@@ -21,7 +21,6 @@ typedef struct {
     task_t task;
     dual_quaternion_t hand_start;            /* q_H0^E */
     dual_quaternion_t hand_start_in_torso;   /* q_H0^Tv, equation (8) */
-    dual_quaternion_t robot_start;           /* q_Rv0^Tv, without q_inv */
     dual_quaternion_t virtual_hand_start;    /* q_Hv0^H0 */
     dual_quaternion_t virtual_hand;          /* q_Hv^Tv of the latest hand, equation (7) */
     dual_quaternion_t relation;              /* the q_task in force at the latest hand */

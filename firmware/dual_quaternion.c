@@ -40,9 +40,14 @@ float quaternion_dot(quaternion_t a, quaternion_t b) {
     return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+bool quaternion_is_unit(quaternion_t a, float tolerance) {
+    float excess = quaternion_dot(a, a) - 1.0f; /* |a|^2 - 1 = 2 (|a| - 1) + ... */
+    return excess > -2.0f * tolerance && excess < 2.0f * tolerance;
+}
+
 quaternion_t quaternion_normalise(quaternion_t a) {
     float norm_squared = quaternion_dot(a, a);
-    if (!(norm_squared > 0.0f)) {
+    if (norm_squared == 0.0f) {
         return quaternion_identity;
     }
     return quaternion_scale(a, 1.0f / square_root(norm_squared));
@@ -111,7 +116,7 @@ dual_quaternion_t dual_quaternion_conjugate(dual_quaternion_t a) {
 
 dual_quaternion_t dual_quaternion_normalise(dual_quaternion_t a) {
     float norm_squared = quaternion_dot(a.primary, a.primary);
-    if (!(norm_squared > 0.0f)) {
+    if (norm_squared == 0.0f) {
         return dual_quaternion_identity;
     }
     float inverse_norm = 1.0f / square_root(norm_squared);
@@ -140,6 +145,13 @@ dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, 
     vector3_t t_b = dual_quaternion_translation(b);
     return dual_quaternion_from_pose(quaternion_multiply(b.primary, a.primary),
                                      (vector3_t){t_a.x + t_b.x, t_a.y + t_b.y, t_a.z + t_b.z});
+}
+
+dual_quaternion_t dual_quaternion_interpolate(dual_quaternion_t a, dual_quaternion_t b, float s) {
+    vector3_t t_a = dual_quaternion_translation(a);
+    vector3_t t_b = dual_quaternion_translation(b);
+    vector3_t t = {t_a.x + s * (t_b.x - t_a.x), t_a.y + s * (t_b.y - t_a.y), t_a.z + s * (t_b.z - t_a.z)};
+    return dual_quaternion_from_pose(quaternion_interpolate(a.primary, b.primary, s), t);
 }
 
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference) {

@@ -4,10 +4,12 @@
  * x = r + eps * 1/2 * t * r with rotation r and translation t [m] (equation (2)); its 8 floats lie in memory as
  * [rw rx ry rz dw dx dy dz], the paper's vec8. x and -x are the same pose.
  *
- * Everything is by value, total and branch-free unless said otherwise; nothing here normalises but the two functions
- * named so: unit inputs give results that are unit within rounding. */
+ * Everything is by value and total; NaN goes in and comes out. Unit inputs give results that are unit within rounding; only
+ * the functions that say so normalise. */
 #ifndef COMANIP_DUAL_QUATERNION_H
 #define COMANIP_DUAL_QUATERNION_H
+
+#include <stdbool.h>
 
 typedef struct {
     float x, y, z;
@@ -30,6 +32,9 @@ quaternion_t quaternion_scale(quaternion_t a, float factor);
 quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b);
 quaternion_t quaternion_conjugate(quaternion_t a);
 float quaternion_dot(quaternion_t a, quaternion_t b);
+
+/* | |a| - 1 | is below the tolerance, to first order. False for NaN. */
+bool quaternion_is_unit(quaternion_t a, float tolerance);
 
 /* a / |a|. The zero quaternion comes back as the identity. */
 quaternion_t quaternion_normalise(quaternion_t a);
@@ -68,6 +73,9 @@ dual_quaternion_t dual_quaternion_translation_part(dual_quaternion_t pose);
 
 /* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a): translations add, rotations compose as P(b) P(a). */
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);
+
+/* From a (s = 0) to b (s = 1): translation in a straight line, rotation by quaternion_interpolate. */
+dual_quaternion_t dual_quaternion_interpolate(dual_quaternion_t a, dual_quaternion_t b, float s);
 
 /* Whichever of pose and -pose lies on the reference's side, <P(pose), P(reference)> >= 0: the double cover's answer. */
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference);

@@ -24,8 +24,11 @@ void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t count
 }
 
 e2e_status_t e2e_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id) {
+    if (length < E2E_HEADER_BYTES) {
+        return E2E_WRONG_CRC;
+    }
     uint16_t received_crc = (uint16_t)(data[0] | (data[1] << 8));
-    if (length < E2E_HEADER_BYTES || received_crc != frame_crc(data, length, data_id)) {
+    if (received_crc != frame_crc(data, length, data_id)) {
         return E2E_WRONG_CRC;
     }
     uint8_t delta = (uint8_t)(data[2] - self->counter);

@@ -6,15 +6,22 @@
  * follows the drift and an old minimum is not kept for ever. */
 #define CLOCK_CREEP_PERIOD_US 5000u
 
-/* A tracker that was silent for so long is met anew: it may have restarted its clock, and times of 32 bits come round. */
-#define SILENCE_US 1000000u
+/* A tracker that was stale for so long is met anew. */
+#define FORGET_US 1000000u
+
+#define PERIOD_MIN_US 1000u
+#define PERIOD_MAX_US 100000u
 
 void hand_tracker_init(hand_tracker_t *self) {
-    *self = (hand_tracker_t){.period_us = 1000u * frame_table[FRAME_HAND_POSE].period_ms};
+    *self = (hand_tracker_t){
+        .period_us = 1000u * frame_table[FRAME_HAND_POSE].period_ms,
+        .from = dual_quaternion_identity,
+        .to = dual_quaternion_identity,
+    };
 }
 
 void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status) {
-    if (status->period_us > 0u) {
+    if (status->period_us >= PERIOD_MIN_US && status->period_us <= PERIOD_MAX_US) {
         self->period_us = status->period_us;
     }
 }
@@ -37,10 +44,7 @@ static uint32_t lateness_us(hand_tracker_t *self, uint32_t stamp_us, uint32_t re
 }
 
 bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
-    float norm_squared = quaternion_dot(pose->rotation, pose->rotation);
-    bool is_unit = norm_squared > (1.0f - UNIT_TOLERANCE) * (1.0f - UNIT_TOLERANCE) &&
-                   norm_squared < (1.0f + UNIT_TOLERANCE) * (1.0f + UNIT_TOLERANCE);
-    if (!pose->valid || !is_unit) {
+    if (!pose->valid || !quaternion_is_unit(pose->rotation, UNIT_TOLERANCE)) {
         return false;
     }
     if (self->has_pose && (int32_t)(pose->t_us - self->last_stamp_us) <= 0) {
@@ -66,10 +70,14 @@ uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us) {
     return now_us - self->received_us + self->age_at_reception_us;
 }
 
-bool hand_tracker_is_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods) {
-    uint32_t age_us = hand_tracker_age_us(self, now_us);
-    bool stale = !self->has_pose || (float)age_us > stale_periods * (float)self->period_us;
-    if (stale && age_us > SILENCE_US) {
+bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods) {
+    float age_limit_us = stale_periods * (float)self->period_us * (self->stale ? 0.5f : 1.0f);
+    bool stale = !self->has_pose || (float)hand_tracker_age_us(self, now_us) > age_limit_us;
+    if (stale && !self->stale) {
+        self->stale_since_us = now_us;
+    }
+    self->stale = stale;
+    if (stale && self->has_pose && now_us - self->stale_since_us > FORGET_US) {
         self->has_pose = false;
         self->has_clock = false;
     }
@@ -81,9 +89,5 @@ dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us)
     if (elapsed_us >= self->period_us) {
         return self->to;
     }
-    float s = (float)elapsed_us / (float)self->period_us;
-    vector3_t a = dual_quaternion_translation(self->from);
-    vector3_t b = dual_quaternion_translation(self->to);
-    vector3_t t = {a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.z + s * (b.z - a.z)};
-    return dual_quaternion_from_pose(quaternion_interpolate(self->from.primary, self->to.primary, s), t);
+    return dual_quaternion_interpolate(self->from, self->to, (float)elapsed_us / (float)self->period_us);
 }

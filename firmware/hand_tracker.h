@@ -8,6 +8,8 @@ typedef struct {
     uint32_t period_us; /* as announced by TrackerStatus; HandPose's own period until then */
     bool has_pose;
     bool has_clock;
+    bool stale;
+    uint32_t stale_since_us;
     uint32_t clock_offset_us; /* least (reception - stamp) seen, modulo 2^32: the fastest way a frame ever took */
     uint32_t creep_stamp_us;  /* tracker's clock, up to which the least offset has been let creep */
     uint32_t last_stamp_us;   /* tracker's clock, of the newest pose */
@@ -18,9 +20,11 @@ typedef struct {
 } hand_tracker_t;
 
 void hand_tracker_init(hand_tracker_t *self);
+
+/* Takes over the announced period, if it is within 1 and 100 ms: with a longer one, blind cooperation could last long. */
 void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status);
 
-/* A HandPose received at received_us, taken over at now_us. Refused, and false, if it is marked invalid, is not a unit
+/* A HandPose received at received_us (not after now_us), taken over at now_us. Refused, and false, if it is marked invalid, is not a unit
  * quaternion within 1e-3, or is older by its stamp than one already taken. */
 bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us);
 
@@ -29,13 +33,14 @@ bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_
  * without a pose. */
 uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
 
-/* No valid pose for stale_periods of the tracker's own periods. Call it once per tick: what has been stale for a second
- * is forgotten, and with it the tracker's clock, so that neither a restarted tracker nor a clock that comes round in
- * 71 minutes is taken for an old or a fresh one. */
-bool hand_tracker_is_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods);
+/* No valid pose for stale_periods of the tracker's own periods; and, once stale, until one comes with at most half that
+ * age, so that a pose that is late again and again does not flap. Call it once per tick: what has been stale for a second is
+ * forgotten, and with it the tracker's clock, so that neither a restarted or stepped tracker clock nor our own that comes
+ * round in 71 minutes keeps the arm in hold or passes for fresh. */
+bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods);
 
 /* The marker's pose in the tracker frame, moved from the last sample to the newest over one tracker period: a
- * continuous path from samples slower than the tick, at the cost of that period as latency. Needs has_pose. */
+ * continuous path from samples slower than the tick, at the cost of that period as latency. The identity at first. */
 dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us);
 
 #endif

@@ -11,7 +11,7 @@ void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state
     self->received[joint] = true;
 }
 
-bool joint_feedback_is_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us) {
+bool joint_feedback_check_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us) {
     bool fresh = true;
     for (int i = 0; i < joint_count; i++) {
         uint32_t timeout_us = 1000u * frame_table[FRAME_JOINT_STATE0 + i].timeout_ms;

@@ -12,11 +12,13 @@ typedef struct {
 } joint_feedback_t;
 
 void joint_feedback_init(joint_feedback_t *self);
+
+/* joint: 0..ARM_MAX_JOINTS - 1. received_us: not after the time of the next check. */
 void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us);
 
 /* Every joint has answered within JointState's timeout. Call it once per tick: an answer that has timed out is forgotten,
  * or it would look fresh again when the clock comes round in 71 minutes. */
-bool joint_feedback_is_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us);
+bool joint_feedback_check_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us);
 
 /* Some drive reports an error. */
 bool joint_feedback_has_error(const joint_feedback_t *self, int joint_count);

@@ -9,12 +9,6 @@
 /* A quotient that is a whole number but for float32's rounding counts as that number. */
 #define ROUNDING_STEPS 1e-3f
 
-/* Braking is planned with this part of the acceleration limit: the rest absorbs rounding and the encoder's noise. */
-#define BRAKING_RESERVE 0.9f
-
-/* A joint counts as standing at the end of its range so near to where the stopping speed becomes 0: there it crawls. */
-#define AT_LIMIT_RAD 2e-3f
-
 static float smaller(float a, float b) {
     return a < b ? a : b;
 }
@@ -74,7 +68,7 @@ static int32_t change_max_steps(const joint_limits_config_t *config, float tick_
 
 /* The deceleration to plan with. */
 static float braking(const joint_limits_config_t *config, float tick_s) {
-    return BRAKING_RESERVE * (float)change_max_steps(config, tick_s) * VELOCITY_RESOLUTION_RADPS / tick_s;
+    return JOINT_LIMITS_BRAKING_RESERVE * (float)change_max_steps(config, tick_s) * VELOCITY_RESOLUTION_RADPS / tick_s;
 }
 
 void joint_limits_init(joint_limits_t *self) {
@@ -122,7 +116,7 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
 bool joint_limits_exclude(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
                           const float measured_rad[], const float wanted_radps[], dual_quaternion_t column[]) {
     const float delay_s = config->command_delay_s + tick_s;
-    const float near_rad = AT_LIMIT_RAD + 0.5f * braking(config, tick_s) * delay_s * delay_s;
+    const float near_rad = JOINT_LIMITS_AT_LIMIT_RAD + 0.5f * braking(config, tick_s) * delay_s * delay_s;
     bool any = false;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];

@@ -6,6 +6,12 @@
 
 #include "arm.h"
 
+/* Braking is planned with this part of the acceleration limit: the rest absorbs rounding and the encoder's noise. */
+#define JOINT_LIMITS_BRAKING_RESERVE 0.9f
+
+/* A joint counts as standing at the end of its range so near to where its stopping speed becomes 0: there it crawls. */
+#define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
+
 typedef struct {
     float speed_fraction;           /* 0..1 of each joint's velocity_max_radps */
     float acceleration_max_radps2;  /* > 0 */

@@ -4,11 +4,11 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WRITTEN_MAX 1e9
+#define WRITTEN_MAX 1e9 /* times 1e9 still fits 64 bits */
 
 char *text_number_write(char *out, double value, int decimals) {
     static const double power[] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
-    if (!(fabs(value) < WRITTEN_MAX)) { /* not a number, or beyond what the digits below hold */
+    if (!(fabs(value) < WRITTEN_MAX)) {
         memcpy(out, "nan", 3);
         return out + 3;
     }

@@ -2,7 +2,8 @@
 #ifndef COMANIP_SIM_TEXT_NUMBER_H
 #define COMANIP_SIM_TEXT_NUMBER_H
 
-/* Writes value, rounded to `decimals` (0..9) places; no terminator. |value| below 1e9. Gives the end of the text. */
+/* Writes value, rounded to `decimals` (0..9) places; no terminator. From 1e9 on, and if it is no number: "nan".
+ * Gives the end of the text. */
 char *text_number_write(char *out, double value, int decimals);
 
 #endif

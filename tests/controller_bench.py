@@ -25,6 +25,8 @@ class Bench:
         self.drives_answer = True
         self.drive_error = lib.DRIVE_ERROR_NONE
         self.now_us = now_us
+        self.stamp_offset_us = 0  # of the firmware's own reception times
+        self.tracker_clock_offset_us = 0
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
@@ -39,7 +41,7 @@ class Bench:
 
     def _receive(self, frame) -> None:
         lib.protocol_protect(self.sender, frame)
-        frame.timestamp_us = self.now_us % 2**32
+        frame.timestamp_us = (self.now_us + self.stamp_offset_us) % 2**32
         self.inbox.frame[self.inbox.count] = frame[0]
         self.inbox.count += 1
 
@@ -47,7 +49,7 @@ class Bench:
         """The hand as the tracker sees it: (9) turned back."""
         tracker = oracle.pose(Q_X_MINUS_90, [0, 0, 0])
         seen = oracle.multiply(tracker, self.hand)
-        message = ffi.new("hand_pose_t *", {"t_us": self.now_us % 2**32, "valid": self.hand_valid})
+        message = ffi.new("hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid})
         t, r = oracle.translation(seen), seen[:4]
         message.position_m = {"x": t[0], "y": t[1], "z": t[2]}
         message.rotation = {"w": r[0], "x": r[1], "y": r[2], "z": r[3]}

@@ -233,14 +233,21 @@ def test_each_parameter_write_is_answered_with_the_value_in_force(frames):
 # ---- replay
 
 
-def trace_counters(frame: LoggedFrame) -> dict[int, int]:
-    """By id, the counter of the last frame that this tick had consumed; 255 before the first."""
-    signals = DBC.get_message_by_name("TickTrace").decode(frame.data, decode_choices=False)
-    return {
-        message.frame_id: signals[re.sub(r"(?<=[a-z])(?=[A-Z0-9])", "_", message.name).lower() + "_counter"]
-        for message in DBC.messages
-        if "Firmware" in message.receivers
+def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
+    """By id, the counter of the last frame that this tick had consumed; None before the first. `received` has a bit for
+    each counter, in the order of the counters."""
+    trace = DBC.get_message_by_name("TickTrace")
+    signals = trace.decode(frame.data, decode_choices=False)
+    received = {
+        signal.name: bool(int(signals["received"]) >> bit & 1)
+        for bit, signal in enumerate(s for s in trace.signals if s.name.endswith("_counter") and s.name != "e2e_counter")
     }
+    counters = {}
+    for message in DBC.messages:
+        if "Firmware" in message.receivers:
+            name = re.sub(r"(?<=[a-z])(?=[A-Z0-9])", "_", message.name).lower() + "_counter"
+            counters[message.frame_id] = int(signals[name]) if received[name] else None
+    return counters
 
 
 def consumed(queue: deque[LoggedFrame], counters: dict[int, int], wanted: dict[int, int]) -> list[LoggedFrame]:
@@ -264,7 +271,7 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
         if tick.frame_id != trace.frame_id:
             continue
         wanted = trace_counters(tick)
-        counters = dict.fromkeys(wanted, 255) if counters is None else counters
+        counters = dict.fromkeys(wanted) if counters is None else counters
         now_us = int(trace.decode(tick.data)["now_us"])
         taken = consumed(queue, counters, wanted)
         assert all(frame.t_us <= now_us for frame in taken), "consumed before it was received"

@@ -343,3 +343,38 @@ def test_double_cover_in_mid_stream_changes_nothing():
             rows[flip].append(bench.velocity_radps)
     assert np.abs(rows[False]).max() > 0.05
     assert (np.array(rows[False]) == np.array(rows[True])).all()
+
+
+# ---- clocks
+
+
+@pytest.mark.parametrize("late_us", [3, 900])
+def test_frames_stamped_after_the_tick_count_as_just_received(late_us):
+    """A frame that comes while the inbox is filled carries a time after the tick's: no reason to stop."""
+    bench = Bench()
+    bench.stamp_offset_us = late_us
+    bench.until_ready().start(lib.TASK_TELEOP)
+    bench.tick(100)
+    assert (bench.mode, bench.reason) == (lib.MODE_COOPERATING, lib.REASON_OPERATOR_START)
+
+
+def test_tracker_clock_that_steps_back_holds_the_arm_for_a_second_only():
+    bench = Bench().until_ready().start(lib.TASK_TELEOP)
+    bench.tick(500)
+    bench.tracker_clock_offset_us -= 50_000
+    modes = []
+    for _ in range(3000):
+        bench.tick()
+        modes.append(bench.mode)
+    changes = np.flatnonzero(np.diff(modes))
+    assert modes[100] == lib.MODE_HOLD and modes[-1] == lib.MODE_COOPERATING
+    assert len(changes) == 2 and changes[1] - changes[0] < 1200
+
+
+def test_restarted_operator_is_heard():
+    bench = Bench().until_ready()
+    for _ in range(30):
+        assert bench.command(lib.COMMAND_STOP) == ACCEPTED
+    bench.sender = ffi.new("protocol_sender_t *")  # the drives and the tracker restart with it
+    bench.tick(3)
+    assert bench.command(lib.COMMAND_STOP) == ACCEPTED

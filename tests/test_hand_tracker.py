@@ -45,7 +45,7 @@ class Tracker:
         return lib.hand_tracker_age_us(self.state, self.now(t_us))
 
     def is_stale(self, t_us: int, periods: float = 2.5) -> bool:
-        return lib.hand_tracker_is_stale(self.state, self.now(t_us), periods)
+        return lib.hand_tracker_check_stale(self.state, self.now(t_us), periods)
 
     def pose(self, t_us: int) -> np.ndarray:
         result = ffi.new("dual_quaternion_t *", lib.hand_tracker_pose(self.state, self.now(t_us)))
@@ -164,13 +164,14 @@ def test_a_person_who_comes_back_after_a_break_is_seen(absence_min):
 
 
 def test_a_tracker_that_restarts_its_clock_is_seen_again():
-    """After a restart its stamps count from 0; once the old pose is stale, the new stream is taken."""
+    """After a restart its stamps count from 0; once the old pose has been stale for a second, the new stream is taken."""
     tracker = Tracker((100_000_000, 0))
     assert tracker.receive(0, 0)
-    assert tracker.is_stale(5_000_000)
-    restarted = [tracker.receive(i * PERIOD_US - 100_000_000, 5_000_000 + i * PERIOD_US) for i in range(20)]
-    assert restarted[-1]
-    assert not tracker.is_stale(5_000_000 + 19 * PERIOD_US + 1000)
+    for t_us in range(0, 1_100_000, 1000):  # once per tick
+        assert tracker.is_stale(t_us) == (t_us > 2.5 * PERIOD_US)
+    restarted = [tracker.receive(i * PERIOD_US - 100_000_000, 1_100_000 + i * PERIOD_US) for i in range(20)]
+    assert all(restarted)
+    assert not tracker.is_stale(1_100_000 + 19 * PERIOD_US + 1000)
 
 
 # ---- what is refused

@@ -19,7 +19,7 @@ def feedback(times_us, **state):
 
 
 def is_fresh(made, count: int, now_us: int) -> bool:
-    return lib.joint_feedback_is_fresh(made, count, now_us % WRAP)
+    return lib.joint_feedback_check_fresh(made, count, now_us % WRAP)
 
 
 @pytest.mark.parametrize("zero", [0, WRAP - 1000, WRAP - TIMEOUT_US])
