@@ -5,6 +5,8 @@ GENERATED := $(BUILD)/generated
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 CC := gcc
+# V=1 shows the commands in full.
+Q := $(if $(V),,@)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
 # No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
@@ -13,12 +15,13 @@ SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
 
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c)) $(wildcard firmware/arms/*.c) $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(wildcard sim/*.c)
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c)
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
 # What a machine needs beside git and make, as Debian and Ubuntu name it.
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev python3 python3-dev python3-venv
+INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -34,56 +37,68 @@ help: ## this text
 
 # ---- what is needed
 
-# Present: the tools answer and ODE's header is there. Then nothing is installed and no network is used.
+# Runs before every build, and does nothing, in a fraction of a second, where nothing is missing.
 deps: ## install what is missing: system packages through apt, Python packages into .venv/
-	@host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
+	@$(INSTALL_DEPS)
 
-$(VENV)/.installed: host_tools/requirements.txt host_tools/install-deps.sh
-	@host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) $<
-
-$(VENV)/.installed-tests: tests/requirements.txt $(VENV)/.installed
-	$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
+$(VENV)/.installed-tests: tests/requirements.txt | deps
+	@echo "comanip: installing the tests' Python packages into $(VENV)/"
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
 # ---- build
 
-build: $(SIMULATOR) $(BUILD)/python/.built ## the simulator and the Python binding
+build: deps $(SIMULATOR) $(BUILD)/python/.built ## the simulator and the Python binding
 
-$(GENERATED)/.generated: host_tools/comanip/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | $(VENV)/.installed
-	$(PYTHON) $< $(GENERATED)
+$(GENERATED)/.generated: host_tools/comanip/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | deps
+	@echo "  GENERATE $(GENERATED)/"
+	$(Q)$(PYTHON) $< $(GENERATED)
 	@touch $@
 
 $(GENERATED)/comanip_dbc.c: $(GENERATED)/.generated ;
 
 $(SIMULATOR): $(HOST_OBJECTS)
-	$(CC) $^ -lode -lm -o $@
+	@echo "  LINK $@"
+	$(Q)$(CC) $^ -lode -lm -o $@
 
 $(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
 $(BUILD)/host/%.o: %.c $(GENERATED)/.generated
 	@mkdir -p $(@D)
-	$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@
+	@echo "  CC $<"
+	$(Q)$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@
 
 $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/comanip/_binding/*) $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
-	$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python
+	@echo "  BIND host_tools/comanip/_core"
+	$(Q)$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python --cflags "$(CORE_CFLAGS)"
 	@touch $@
 
 -include $(HOST_OBJECTS:.o=.d)
 
 # ---- use
 
-# Only what is set is passed on.
+# Through the environment, so that names with quotes and spaces come through whole; only what is set is passed on.
+sim: export RUN_SCENARIO := $(SCENARIO)
+sim: export RUN_TRACKER := $(TRACKER)
+sim: export RUN_SEED := $(SEED)
+sim: export RUN_OUT := $(OUT)
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
-	@$(SIMULATOR) --out '$(or $(OUT),out/$(or $(SCENARIO),pour))' $(if $(SCENARIO),--scenario '$(SCENARIO)') $(if $(TRACKER),--tracker '$(TRACKER)') $(if $(SEED),--seed '$(SEED)') $(ARGS)
+	@set --; \
+	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
+	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
+	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
+	[ -z "$$RUN_OUT" ] || set -- "$$@" --out "$$RUN_OUT"; \
+	$(SIMULATOR) "$$@" $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
-	$(PYTHON) -m pytest tests $(PYTEST_ARGS)
+	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)
 
 bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
-	$(PYTHON) tests/bench_simulator.py
+	@$(PYTHON) tests/bench_simulator.py
 
-check-c: $(GENERATED)/.generated ## compile the core with clang as well, warnings as errors
+check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings as errors
+	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
 	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
-	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"
 
 include hal/target.mk

@@ -39,14 +39,17 @@ $(1).objects := $$(addprefix $$(TARGET_BUILD)/$(1)/, \
 
 $$(TARGET_BUILD)/$(1)/%.o: %.c hal/target.mk $$(GENERATED)/.generated | target-check
 	@mkdir -p $$(@D)
-	$$($(1).compile) $$(TARGET_CFLAGS) -MMD -MP -c $$< -o $$@
+	@echo "  CC [$(1)] $$<"
+	$$(Q)$$($(1).compile) $$(TARGET_CFLAGS) -MMD -MP -c $$< -o $$@
 
 $$(TARGET_BUILD)/$(1)/%.o: %.S hal/target.mk | target-check
 	@mkdir -p $$(@D)
-	$$($(1).compile) -g -MMD -MP -c $$< -o $$@
+	@echo "  AS [$(1)] $$<"
+	$$(Q)$$($(1).compile) -g -MMD -MP -c $$< -o $$@
 
 $$(TARGET_BUILD)/$(1)/comanip.elf: $$($(1).objects) $$($(1).script)
-	$$($(1).compile) $$(TARGET_CFLAGS) $$(TARGET_LDFLAGS) -T $$($(1).script) -Wl,-Map=$$(@:.elf=.map) \
+	@echo "  LINK $$@"
+	$$(Q)$$($(1).compile) $$(TARGET_CFLAGS) $$(TARGET_LDFLAGS) -T $$($(1).script) -Wl,-Map=$$(@:.elf=.map) \
 	    $$($(1).objects) -lm -o $$@
 
 target-$(1): $$(TARGET_BUILD)/$(1)/comanip.elf
@@ -77,6 +80,8 @@ target-deps: ## install the cross compilers and QEMU (apt)
 	fi; \
 	if [ "$$(id -u)" = 0 ]; then sudo=; \
 	elif command -v sudo >/dev/null; then sudo=sudo; \
-	else echo "make target-deps: needs root or sudo to install: $(TARGET_PACKAGES)" >&2; exit 1; \
+	else echo "make target-deps: needs root or sudo. Ask for: apt-get install $(TARGET_PACKAGES)" >&2; exit 1; \
 	fi; \
-	$$sudo apt-get update -q && $$sudo apt-get install -y -q --no-install-recommends $(TARGET_PACKAGES)
+	echo "comanip: installing $(TARGET_PACKAGES)"; \
+	export DEBIAN_FRONTEND=noninteractive; \
+	$$sudo apt-get update -qq && $$sudo apt-get install -y -qq --no-install-recommends $(TARGET_PACKAGES) >/dev/null

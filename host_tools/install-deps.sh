@@ -6,6 +6,11 @@ set -eu
 packages=$1 venv=$2 requirements=$3
 here=$(cd "$(dirname "$0")" && pwd)
 
+fail() {
+    printf 'comanip: %s\n' "$@" >&2
+    exit 1
+}
+
 system_is_complete() {
     command -v gcc >/dev/null && command -v python3 >/dev/null &&
         printf '#include <ode/ode.h>\n' | gcc -E - >/dev/null 2>&1 &&
@@ -13,29 +18,39 @@ system_is_complete() {
 sys.exit(sys.version_info < (3, 11) or not pathlib.Path(sysconfig.get_path("include"), "Python.h").exists())' 2>/dev/null
 }
 
-as_root() {
-    if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
-}
-
-if ! system_is_complete; then
-    if ! command -v apt-get >/dev/null || { [ "$(id -u)" != 0 ] && ! command -v sudo >/dev/null; }; then
-        echo "comanip: missing system packages, and this is no machine where I may run apt-get." >&2
-        echo "Please install (Debian's names; Python 3.11 or newer): $packages" >&2
-        exit 1
+install_system_packages() {
+    if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
+    if ! command -v apt-get >/dev/null; then
+        fail "missing system packages, and this machine has no apt-get." \
+            "Please install, under their names here, then try again: $packages (Python 3.11 or newer)"
+    fi
+    if [ -n "$sudo" ] && ! command -v sudo >/dev/null; then
+        fail "missing system packages, and you are neither root nor have sudo. Ask for:" \
+            "    apt-get install $packages" "then try again."
     fi
     echo "comanip: installing system packages: $packages"
-    as_root apt-get update -qq
+    $sudo apt-get update -qq
     # shellcheck disable=SC2086
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >/dev/null
-    system_is_complete || { echo "comanip: still incomplete after installing: $packages (Python 3.11 or newer?)" >&2; exit 1; }
-fi
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >/dev/null
+    system_is_complete || fail "still incomplete after installing $packages: is Python older than 3.11?"
+}
 
-if ! cmp -s "$requirements" "$venv/.installed"; then
-    echo "comanip: installing Python packages into $venv/"
-    [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$requirements"
+# Of this folder (a moved or copied one has paths of the old place in it), finished, and with these requirements.
+venv_is_complete() {
+    [ "$(cat "$venv/.folder" 2>/dev/null)" = "$here" ] && cmp -s "$requirements" "$venv/.installed"
+}
+
+install_python_packages() {
+    echo "comanip: installing Python packages into $venv/ (needs the network, once)"
+    rm -f "$venv/.installed" "$venv/.installed-tests"
+    python3 -m venv --clear "$venv"
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$requirements" ||
+        fail "the Python packages could not be installed: is PyPI within reach (proxy, PIP_INDEX_URL)?"
     site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
     echo "$here" >"$site/comanip.pth"
-    cp "$requirements" "$venv/.installed"
-fi
-touch "$venv/.installed" # newer than the requirements, so that make is content
+    echo "$here" >"$venv/.folder"
+    cp "$requirements" "$venv/.installed" # last: an interrupted run starts over
+}
+
+system_is_complete || install_system_packages
+venv_is_complete || install_python_packages

@@ -250,10 +250,11 @@ def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
     return counters
 
 
-def consumed(queue: deque[LoggedFrame], counters: dict[int, int], wanted: dict[int, int]) -> list[LoggedFrame]:
+def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[LoggedFrame]:
     """Takes from the queue, in the order of the bus, what this tick had taken."""
     taken = []
     while counters != wanted:
+        assert queue, f"the trace tells of frames that are not in the log: {wanted}"
         frame = queue.popleft()
         counters[frame.frame_id] = frame.data[2]
         taken.append(frame)

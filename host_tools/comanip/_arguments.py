@@ -34,13 +34,14 @@ def same_length(first_name: str, first: np.ndarray, second_name: str, second: np
 
 
 def scalar(name: str, value: object, minimum: float = -math.inf, *, above: bool = False) -> float:
-    """A finite number, at least (or, with `above`, greater than) the minimum."""
+    """A number that is finite in float32, and there at least (or, with `above`, greater than) the minimum."""
     bound = "" if minimum == -math.inf else f" {'above' if above else 'of at least'} {minimum:g}"
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, np.floating)):
         raise ValueError(f"{name}: expected a number{bound}, got {type(value).__name__}")
-    number = float(value)
+    with np.errstate(over="ignore"):
+        number = float(np.float32(value))
     if not math.isfinite(number) or number < minimum or (above and number == minimum):
-        raise ValueError(f"{name}: expected a finite number{bound}, got {number:g}")
+        raise ValueError(f"{name}: expected a number{bound} that is finite in float32, got {float(value):g}")
     return number
 
 

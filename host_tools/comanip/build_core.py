@@ -1,6 +1,6 @@
 """Compiles the firmware into the extension module ``comanip._core``.
 
-Run as ``python build_core.py --generated DIR --build-dir DIR``, after codegen.py has written the generated CAN sources.
+Run as ``python build_core.py --generated DIR --build-dir DIR --cflags FLAGS``, after codegen.py has written the generated CAN sources.
 The declarations that Python sees come out of the preprocessor run over the real headers, so they cannot drift; cffi
 compares every struct's layout with the compiler's when the module is used.
 """
@@ -23,9 +23,7 @@ PACKAGE = Path(__file__).resolve().parent
 FIRMWARE = PACKAGE.parents[1] / "firmware"
 BATCH = PACKAGE / "_binding" / "batch.c"
 
-# No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
-COMPILE = "-std=c11 -O2 -g -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno"
-WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
+SHARED = ["-g", "-fPIC", "-fvisibility=hidden"]
 
 
 def compiler() -> list[str]:
@@ -69,7 +67,7 @@ def declarations(includes: str, build_dir: Path) -> str:
     )
 
 
-def build(generated: Path, build_dir: Path) -> Path:
+def build(generated: Path, build_dir: Path, core_flags: list[str]) -> Path:
     if not (generated / "comanip_dbc.c").is_file():
         raise SystemExit(f"build_core: {generated}/comanip_dbc.c is missing: run codegen.py {generated} first")
     build_dir.mkdir(parents=True, exist_ok=True)
@@ -83,8 +81,8 @@ def build(generated: Path, build_dir: Path) -> Path:
     with contextlib.redirect_stdout(None):
         ffi.emit_c_code(str(module))
 
-    common = [*compiler(), *COMPILE.split(), f"-I{generated}"]
-    strict = [*common, *WARNINGS.split()]
+    strict = [*compiler(), *core_flags, *SHARED, f"-I{generated}"]
+    common = [flag for flag in strict if not flag.startswith("-W")]  # generated code is not ours to mend
     python_headers = {f"-I{sysconfig.get_path(key)}" for key in ("include", "platinclude")}
     jobs = [(strict, source) for source in [*sources, BATCH]]
     jobs += [(common, generated / "comanip_dbc.c"), ([*common, *sorted(python_headers)], module)]
@@ -112,8 +110,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Compiles the firmware into the Python module comanip._core.")
     parser.add_argument("--generated", type=Path, required=True, help="where codegen.py wrote its sources")
     parser.add_argument("--build-dir", type=Path, required=True, help="for objects and intermediate files")
+    parser.add_argument("--cflags", required=True, help="how the firmware is compiled: standard, optimisation, warnings")
     arguments = parser.parse_args()
-    print(build(arguments.generated.resolve(), arguments.build_dir.resolve()))
+    build(arguments.generated.resolve(), arguments.build_dir.resolve(), shlex.split(arguments.cflags))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ Run as ``python codegen.py OUT_DIR``. Writes:
     convert out-of-range floats (undefined behaviour in C) and pull in double arithmetic; ``firmware/can_protocol.c``
     scales and range-checks instead. The generation date is dropped, so that a build is reproducible.
 ``comanip_schema.h``
-    what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, and one X-macro row per frame.
+    what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
+    one X-macro row per frame.
 ``comanip_build_hash.h``
     64 bits of SHA-256 over the firmware's sources and the DBC. The same sources have the same hash on the host and on
     every target, so a log of one can be replayed on another.
@@ -44,6 +45,11 @@ def raw_limits(signal) -> tuple[int, int]:
     return 0, 2**signal.length - 1
 
 
+def names_by_value(signal) -> str:
+    """Designated initialisers of an array of strings: the value table of an enumerated signal."""
+    return ", ".join(f'[{value}] = "{name}"' for value, name in sorted(signal.choices.items()))
+
+
 def attribute(message: Message, name: str) -> int:
     found = message.dbc.attributes.get(name) if message.dbc else None
     return int(found.value) if found else 0
@@ -76,13 +82,15 @@ def schema_header(database) -> str:
         f"0x{attribute(m, 'E2EDataId'):04X}u, {m.cycle_time or 0}u, {attribute(m, 'TimeoutMs')}u)"
         for m in database.messages
     ]
-    lines += [row + " \\" for row in rows[:-1]] + [rows[-1], "", "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Signals in plain counts have none. */"]
+    lines += [row + " \\" for row in rows[:-1]] + [rows[-1], "", "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Signals in plain counts have none.", " * NAMES: initialisers of an array of an enumerated signal's names. */"]
     for message in database.messages:
         for signal in message.signals:
             if signal.name.startswith("e2e_") or signal.is_float:
                 continue
             prefix = f"COMANIP_{camel_to_snake_case(message.name).upper()}_{signal.name.upper()}"
             low, high = raw_limits(signal)
+            if signal.choices:
+                lines.append(f"#define {prefix}_NAMES {names_by_value(signal)}")
             if float(signal.scale) == 1.0:
                 continue
             lines.append(f"#define {prefix}_RESOLUTION {float(signal.scale)!r}f")
