@@ -39,45 +39,50 @@ const char *arm_check(const arm_t *arm) {
     return NULL;
 }
 
-/* One step down the chain: the frame in which the joint's axis is fixed becomes the joint's moving frame. */
-static dual_quaternion_t turn_joint(dual_quaternion_t frame, vector3_t axis, float angle_rad) {
+static dual_quaternion_t turned(vector3_t axis, float angle_rad, dual_quaternion_t pose) {
     float sine, cosine;
     sine_cosine(0.5f * angle_rad, &sine, &cosine);
     quaternion_t turn = {cosine, sine * axis.x, sine * axis.y, sine * axis.z};
-    return (dual_quaternion_t){quaternion_multiply(frame.primary, turn), quaternion_multiply(frame.dual, turn)};
+    return (dual_quaternion_t){quaternion_multiply(turn, pose.primary), quaternion_multiply(turn, pose.dual)};
 }
 
-/* The joint's axis as a line in the torso frame, halved: 1/2 (l + eps p x l). */
-static dual_quaternion_t half_line(dual_quaternion_t frame, vector3_t axis) {
-    vector3_t l = quaternion_rotate(frame.primary, axis);
-    vector3_t p = dual_quaternion_translation(frame);
-    return (dual_quaternion_t){
-        {0.0f, 0.5f * l.x, 0.5f * l.y, 0.5f * l.z},
-        {0.0f, 0.5f * (p.y * l.z - p.z * l.y), 0.5f * (p.z * l.x - p.x * l.z), 0.5f * (p.x * l.y - p.y * l.x)},
-    };
+/* The joint's axis, a line through the origin, seen from the hand, whose pose is seen from the joint: conj(x) l x, halved. */
+static dual_quaternion_t half_line_from_hand(dual_quaternion_t hand, vector3_t axis) {
+    const quaternion_t half_axis = {0.0f, 0.5f * axis.x, 0.5f * axis.y, 0.5f * axis.z};
+    dual_quaternion_t turned_axis = {quaternion_multiply(half_axis, hand.primary),
+                                     quaternion_multiply(half_axis, hand.dual)};
+    dual_quaternion_t line = dual_quaternion_multiply(dual_quaternion_conjugate(hand), turned_axis);
+    line.primary.w = 0.0f; /* but for rounding, it is pure */
+    line.dual.w = 0.0f;
+    return line;
+}
+
+/* From the hand towards the torso, so that the axes come out as seen from the hand: small numbers, near the hand. */
+dual_quaternion_t arm_hand_and_axes(const arm_t *arm, const float position_rad[],
+                                    dual_quaternion_t half_line[ARM_MAX_JOINTS]) {
+    dual_quaternion_t hand = arm->effector; /* seen from the frame reached so far */
+    for (int i = arm->joint_count - 1; i >= 0; i--) {
+        const arm_joint_t *joint = &arm->joints[i];
+        half_line[i] = half_line_from_hand(hand, joint->axis);
+        hand = dual_quaternion_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
+    }
+    return hand;
 }
 
 dual_quaternion_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
-    dual_quaternion_t frame = dual_quaternion_identity;
-    for (int i = 0; i < arm->joint_count; i++) {
+    dual_quaternion_t hand = arm->effector;
+    for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
-        frame = turn_joint(dual_quaternion_multiply(frame, joint->fixed), joint->axis, position_rad[i]);
+        hand = dual_quaternion_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
     }
-    return dual_quaternion_multiply(frame, arm->effector);
+    return hand;
 }
 
 dual_quaternion_t arm_pose_jacobian(const arm_t *arm, const float position_rad[],
                                     dual_quaternion_t column[ARM_MAX_JOINTS]) {
-    dual_quaternion_t frame = dual_quaternion_identity;
+    dual_quaternion_t hand = arm_hand_and_axes(arm, position_rad, column);
     for (int i = 0; i < arm->joint_count; i++) {
-        const arm_joint_t *joint = &arm->joints[i];
-        frame = dual_quaternion_multiply(frame, joint->fixed);
-        column[i] = half_line(frame, joint->axis);
-        frame = turn_joint(frame, joint->axis, position_rad[i]);
-    }
-    dual_quaternion_t hand = dual_quaternion_multiply(frame, arm->effector);
-    for (int i = 0; i < arm->joint_count; i++) {
-        column[i] = dual_quaternion_multiply(column[i], hand);
+        column[i] = dual_quaternion_multiply(hand, column[i]);
     }
     return hand;
 }

@@ -34,8 +34,13 @@ const char *arm_check(const arm_t *arm);
 /* Hand pose seen from the torso. position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
 dual_quaternion_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
+/* Forward kinematics, and each joint's axis as a line seen from the hand, halved: 1/2 (l + eps p x l), with l the axis and p
+ * a point on it; pure dual quaternions. hand * half_line[i] is column i of the Jacobian, seen from wherever the hand is. */
+dual_quaternion_t arm_hand_and_axes(const arm_t *arm, const float position_rad[],
+                                    dual_quaternion_t half_line[ARM_MAX_JOINTS]);
+
 /* Forward kinematics and the analytic 8 x n Jacobian: column i is d(vec8 hand)/d(position i). The columns have the sign
- * of the returned hand. Column i = 1/2 (l + eps p x l) hand, with l the joint's axis and p a point on it. */
+ * of the returned hand. */
 dual_quaternion_t arm_pose_jacobian(const arm_t *arm, const float position_rad[],
                                     dual_quaternion_t column[ARM_MAX_JOINTS]);
 

@@ -51,7 +51,7 @@ static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t
 
 static void sense(controller_t *self, uint32_t now_us) {
     self->hand = dual_quaternion_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
-    self->robot = arm_pose_jacobian(self->arm, self->joints.position_rad, self->jacobian);
+    self->robot = arm_hand_and_axes(self->arm, self->joints.position_rad, self->half_line);
 }
 
 static void supervise(controller_t *self, uint32_t now_us) {
@@ -239,10 +239,10 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? TICK_S : 0.0f;
     const int joint_count = self->arm->joint_count;
     for (int pass = 0; pass <= joint_count; pass++) { /* once, and once more for each joint that turns out to be blocked */
-        velocity_control(&self->velocity_control_config, joint_count, self->jacobian, self->robot, self->target,
+        velocity_control(&self->velocity_control_config, joint_count, self->robot, self->half_line, self->target,
                          wanted_radps);
         if (!joint_limits_exclude(self->arm, &self->joint_limits_config, TICK_S, self->joints.position_rad, wanted_radps,
-                                  self->jacobian)) {
+                                  self->half_line)) {
             break;
         }
     }

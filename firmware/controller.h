@@ -50,7 +50,7 @@ typedef struct {
     joint_feedback_t joints;
     dual_quaternion_t hand;  /* human's hand in the tracker frame, this tick */
     dual_quaternion_t robot; /* robot's measured hand in the torso frame, this tick */
-    dual_quaternion_t jacobian[ARM_MAX_JOINTS];
+    dual_quaternion_t half_line[ARM_MAX_JOINTS]; /* its joints, seen from it */
 
     supervisor_t supervisor;
     supervisor_inputs_t supervisor_inputs;

@@ -1,4 +1,10 @@
-/* The only way out to a command: position, velocity and acceleration of each joint stay within limits, whatever is asked. */
+/* The only way out to a command: position, velocity and acceleration of each joint stay within limits, whatever is asked.
+ *
+ * With a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit (in whole steps of the bus's resolution per tick):
+ *   approach  above a/K, the asked speed u is lowered to sqrt(a/K (2 u - a/K)), from which a joint stops on the way to go;
+ *   range     towards an end at distance d, at most sqrt(2 a d) - a (command_delay_s + tick_s);
+ *   speed     all joints in proportion, so that the hand keeps its direction;
+ *   change    per tick at most the acceleration limit times the tick. */
 #ifndef COMANIP_JOINT_LIMITS_H
 #define COMANIP_JOINT_LIMITS_H
 
@@ -28,18 +34,17 @@ typedef struct {
 
 void joint_limits_init(joint_limits_t *self);
 
-/* measured_rad, wanted_radps: joint_count values. Both vectors' joints keep their proportion where the speed limits act,
- * so that the hand keeps its direction. Velocities come out as whole multiples of the bus's resolution (1 mrad/s),
- * so that what is limited is what is sent. The command is left in self. Returns false, and
- * brakes, if a value is not finite. */
+/* measured_rad, wanted_radps: joint_count values. The command is left in self; its velocities are whole multiples of the
+ * bus's resolution (1 mrad/s), so that what is limited is what is sent. Returns false, and brakes, if a value is not
+ * finite. */
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
                         const float measured_rad[], const float wanted_radps[]);
 
-/* Takes joints that stand at an end of their range, and are asked to go beyond it, out of the Jacobian (their columns
- * become 0), so that the law, solved again, lets the other joints do what they can instead of counting on these. True if
+/* Takes joints that stand at an end of their range, and are asked to go beyond it, out of the Jacobian (their axes of
+ * arm_hand_and_axes() become 0), so that the law, solved again, lets the other joints do what they can instead of counting on these. True if
  * there was one: then solve again, at most joint_count times. */
 bool joint_limits_exclude(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                          const float measured_rad[], const float wanted_radps[], dual_quaternion_t column[]);
+                          const float measured_rad[], const float wanted_radps[], dual_quaternion_t half_line[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

@@ -4,8 +4,8 @@
 
 /* In the order of parameter_id_t. Gains and weights: the defaults give a 4-joint arm equal rates in all directions and
  * near-exact position, at the cost of orientation; weights of 1 in the torso frame are the paper. Gains of 100/s would
- * halve the lag of 20 ms, but turn a tracker's noise of 0.05 mm into accelerations at the limit in 40 % of the ticks
- * (2 % with 50/s). */
+ * halve the lag of 20 ms, but turn a tracker's noise of 0.05 mm into accelerations at the limit in 34 to 44 % of the ticks
+ * of the built-in scenarios (2 to 7 % with 50/s). */
 const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     /* name, minimum, maximum, default, whole numbers only */
     {"gain_w_per_s", 0.0f, 500.0f, 50.0f, false},

@@ -6,86 +6,106 @@
  * at a singularity. */
 #define RELATIVE_DAMPING_MIN 2e-6f
 
+/* L D L^T of a symmetric positive definite matrix. */
+typedef struct {
+    float lower[ARM_MAX_JOINTS][ARM_MAX_JOINTS]; /* below the diagonal: L */
+    float inverse_pivot[ARM_MAX_JOINTS];         /* 1 / D */
+} factors_t;
+
 static void to_vec8(dual_quaternion_t x, float vec8[8]) {
     memcpy(vec8, &x, sizeof x);
 }
 
-/* Solves (A + damping I) u = b in place by LDL^T; A symmetric positive semidefinite, lower triangle used. A = 0 without
- * damping gives 0. */
-static void solve_damped(int n, float a[ARM_MAX_JOINTS][ARM_MAX_JOINTS], float b[], float damping) {
-    float largest = 0.0f;
-    for (int i = 0; i < n; i++) {
-        largest = a[i][i] > largest ? a[i][i] : largest;
-    }
-    const float damping_min = RELATIVE_DAMPING_MIN * largest;
-    for (int i = 0; i < n; i++) {
-        a[i][i] += damping > damping_min ? damping : damping_min;
-    }
-    float inverse_pivot[ARM_MAX_JOINTS];
+/* Summed in pairs: three roundings deep instead of seven. */
+static float dot8(const float a[8], const float b[8]) {
+    return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
+           ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
+}
 
-    /* below the diagonal, row i: first L D (the products), then L */
+/* In place: the matrix stands in self->lower, its lower triangle and diagonal. A zero pivot gets the inverse 0. */
+static void factorise(factors_t *self, int n) {
     for (int i = 0; i < n; i++) {
-        float pivot = a[i][i];
-        for (int j = 0; j < i; j++) {
-            float product = a[i][j];
+        float *row = self->lower[i];
+        for (int j = 0; j < i; j++) { /* first L D ... */
             for (int k = 0; k < j; k++) {
-                product -= a[i][k] * a[j][k];
+                row[j] -= row[k] * self->lower[j][k];
             }
-            a[i][j] = product;
         }
-        for (int j = 0; j < i; j++) {
-            float factor = a[i][j] * inverse_pivot[j];
-            pivot -= a[i][j] * factor;
-            a[i][j] = factor;
+        float pivot = row[i];
+        for (int j = 0; j < i; j++) { /* ... then L */
+            float factor = row[j] * self->inverse_pivot[j];
+            pivot -= row[j] * factor;
+            row[j] = factor;
         }
-        inverse_pivot[i] = pivot > 0.0f ? 1.0f / pivot : 0.0f;
+        self->inverse_pivot[i] = pivot > 0.0f ? 1.0f / pivot : 0.0f;
+    }
+}
+
+/* x: the right-hand side, then the solution. */
+static void solve(const factors_t *self, int n, float x[]) {
+    for (int i = 0; i < n; i++) {
         for (int j = 0; j < i; j++) {
-            b[i] -= a[i][j] * b[j];
+            x[i] -= self->lower[i][j] * x[j];
         }
     }
     for (int i = n - 1; i >= 0; i--) {
-        b[i] *= inverse_pivot[i];
+        x[i] *= self->inverse_pivot[i];
         for (int k = i + 1; k < n; k++) {
-            b[i] -= a[k][i] * b[k];
+            x[i] -= self->lower[k][i] * x[k];
         }
     }
 }
 
-void velocity_control(const velocity_control_config_t *config, int joint_count, const dual_quaternion_t column[],
-                      dual_quaternion_t hand, dual_quaternion_t target, float velocity_radps[]) {
+void velocity_control(const velocity_control_config_t *config, int joint_count, dual_quaternion_t hand,
+                      const dual_quaternion_t half_line[], dual_quaternion_t target, float velocity_radps[]) {
     target = dual_quaternion_align(target, hand);
-    dual_quaternion_t error = dual_quaternion_add(target, dual_quaternion_negate(hand));
-    float e[8];
-    float jacobian[ARM_MAX_JOINTS][8]; /* transposed: one joint a row */
-    if (config->error_frame == ERROR_FRAME_TARGET) {
-        dual_quaternion_t to_target = dual_quaternion_conjugate(target);
-        to_vec8(dual_quaternion_multiply(to_target, error), e); /* = 1 - conj(q_d) q */
-        for (int i = 0; i < joint_count; i++) {
-            to_vec8(dual_quaternion_multiply(to_target, column[i]), jacobian[i]);
-        }
-    } else {
-        to_vec8(error, e);
-        for (int i = 0; i < joint_count; i++) {
-            to_vec8(column[i], jacobian[i]);
-        }
+    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same law with all poses seen from the target */
+        hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), hand);
+        target = dual_quaternion_identity;
+    }
+    float wanted[8]; /* K e */
+    to_vec8(dual_quaternion_add(target, dual_quaternion_negate(hand)), wanted);
+    for (int k = 0; k < 8; k++) {
+        wanted[k] *= config->gain_per_s[k];
     }
 
-    float normal[ARM_MAX_JOINTS][ARM_MAX_JOINTS];
+    /* (J^T W J + lambda I) u = J^T W K e; matrices by joint, so transposed */
+    float jacobian[ARM_MAX_JOINTS][8];
+    float weighted[ARM_MAX_JOINTS][8];
+    factors_t normal = {0};
+    float largest = 0.0f;
     for (int i = 0; i < joint_count; i++) {
-        float weighted[8];
-        float right = 0.0f;
+        to_vec8(dual_quaternion_multiply(hand, half_line[i]), jacobian[i]);
         for (int k = 0; k < 8; k++) {
-            weighted[k] = jacobian[i][k] * config->weight[k];
-            right += weighted[k] * (config->gain_per_s[k] * e[k]);
+            weighted[i][k] = jacobian[i][k] * config->weight[k];
         }
-        velocity_radps[i] = right;
         for (int j = 0; j <= i; j++) {
-            float product = 0.0f;
-            for (int k = 0; k < 8; k++) {
-                product += weighted[k] * jacobian[j][k];
-            }
-            normal[i][j] = product;
+            normal.lower[i][j] = dot8(weighted[i], jacobian[j]);
+        }
+        largest = normal.lower[i][i] > largest ? normal.lower[i][i] : largest;
+        velocity_radps[i] = dot8(weighted[i], wanted);
+    }
+    float damping_min = RELATIVE_DAMPING_MIN * largest;
+    float damping = config->damping > damping_min ? config->damping : damping_min;
+    for (int i = 0; i < joint_count; i++) {
+        normal.lower[i][i] += damping;
+    }
+    factorise(&normal, joint_count);
+    solve(&normal, joint_count, velocity_radps);
+
+    /* One step of refinement, with the residual from J itself: J^T W J has lost half of the digits where J is nearly
+     * singular. */
+    float correction[ARM_MAX_JOINTS];
+    for (int i = 0; i < joint_count; i++) {
+        for (int k = 0; k < 8; k++) {
+            wanted[k] -= jacobian[i][k] * velocity_radps[i]; /* K e - J u */
         }
     }
-    solve_damped(joint_count, normal, velocity_radps, config->damping);
+    for (int i = 0; i < joint_count; i++) {
+        correction[i] = dot8(weighted[i], wanted) - damping * velocity_radps[i];
+    }
+    solve(&normal, joint_count, correction);
+    for (int i = 0; i < joint_count; i++) {
+        velocity_radps[i] += correction[i];
+    }
 }

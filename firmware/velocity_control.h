@@ -22,9 +22,9 @@ typedef struct {
     error_frame_t error_frame;
 } velocity_control_config_t;
 
-/* column: the Jacobian at `hand` (arm_pose_jacobian), joint_count columns. target: unit, either sign.
+/* hand, half_line: as arm_hand_and_axes() gives them; a half_line of 0 takes its joint out. target: unit, either sign.
  * velocity_radps: joint_count values, without limits. Cost is fixed for a given joint_count. */
-void velocity_control(const velocity_control_config_t *config, int joint_count, const dual_quaternion_t column[],
-                      dual_quaternion_t hand, dual_quaternion_t target, float velocity_radps[]);
+void velocity_control(const velocity_control_config_t *config, int joint_count, dual_quaternion_t hand,
+                      const dual_quaternion_t half_line[], dual_quaternion_t target, float velocity_radps[]);
 
 #endif

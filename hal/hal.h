@@ -15,7 +15,7 @@ void hal_init(void);
  * which only a simulated one does. A tick that was missed is not made up for. */
 bool hal_wait_tick(uint32_t *now_us);
 
-/* Next received frame, oldest first, with its time of reception. False: none left. */
+/* Next received frame, oldest first, with its time of reception, which may be after that of the tick. False: none left. */
 bool hal_can_receive(can_frame_t *frame);
 
 /* Queues a frame. False: the queue is full and the frame is dropped (the port counts it). Never blocks. */

@@ -64,9 +64,9 @@ void batch_joint_velocity(const arm_t *arm, const velocity_control_config_t *con
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
-        dual_quaternion_t column[ARM_MAX_JOINTS];
-        const dual_quaternion_t hand = arm_pose_jacobian(arm, &position_rad[row * n], column);
+        dual_quaternion_t half_line[ARM_MAX_JOINTS];
+        const dual_quaternion_t hand = arm_hand_and_axes(arm, &position_rad[row * n], half_line);
 
-        velocity_control(config, arm->joint_count, column, hand, target[row], &out[row * n]);
+        velocity_control(config, arm->joint_count, hand, half_line, target[row], &out[row * n]);
     }
 }
