@@ -166,11 +166,17 @@ def test_numbers(name, call, bad):
         call(bad)
 
 
+@pytest.mark.parametrize("number", [1e39, 1e-50])
+def test_numbers_that_float32_does_not_hold(number):
+    with pytest.raises(ValueError, match="^scale: .*float32"):
+        core.Cooperation("pour", scale=number)
+
+
 def test_negative_components():
     negative = np.array([1, 1, 1, -2, 1, 1, 1, 1], F)
     with pytest.raises(ValueError, match="^gain: component 3 is negative: -2"):
         core.joint_velocity(HOAP3, q, poses(), negative, 1e-3)
-    with pytest.raises(ValueError, match="^scale: .*above 0, got 0"):
+    with pytest.raises(ValueError, match="^scale: .*above 0 .*got 0"):
         core.Cooperation("pour", scale=0)
 
 
