@@ -43,6 +43,7 @@ venv_is_complete() {
 install_python_packages() {
     echo "comanip: installing Python packages into $venv/ (needs the network, once)"
     rm -f "$venv/.installed" "$venv/.installed-tests"
+    [ ! -L "$venv" ] || rm "$venv" # clearing would follow the link and empty another folder's environment
     python3 -m venv --clear "$venv"
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$requirements" ||
         fail "the Python packages could not be installed: is PyPI within reach (proxy, PIP_INDEX_URL)?"
