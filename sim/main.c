@@ -6,11 +6,11 @@
 #include <time.h>
 
 #include "../hal/host/hal_host.h"
-#include "checks.h"
-#include "help.h"
-#include "options.h"
-#include "output_folder.h"
-#include "report.h"
+#include "monitors/checks.h"
+#include "options/help.h"
+#include "options/options.h"
+#include "output/output_folder.h"
+#include "output/report.h"
 #include "world.h"
 
 #define EXIT_CHECK_FAILED 1
@@ -51,11 +51,12 @@ static hand_motion_t *load_motion(const options_t *options, char error[], size_t
 
 static void print_result(const world_t *world, const checks_t *checks, const output_folder_t *folder, double wall_s) {
     if (!world->options->quiet) {
+        report_end_progress(world);
         report_print_table(world, checks, wall_s);
         for (int i = 0; i < OUTPUT_COUNT; i++) {
             (void)printf("%s\n", folder->path[i]);
         }
-        (void)printf("%s: %s: %s\n", world->options->scenario->name, checks->pass ? "PASS" : "FAIL", checks->reason);
+        (void)printf("%s: %s: %s\n", world->options->scenario->name, report_verdict(checks->pass), checks->reason);
     } else if (!checks->pass) {
         (void)fprintf(stderr, "%s: FAIL: %s\n", world->options->scenario->name, checks->reason);
     }
@@ -110,6 +111,13 @@ int main(int argc, char *argv[]) {
     }
     output_folder_t folder;
     int status = EXIT_WRONG_USE;
+    const double stop_s = world_duration_s(&options, motion) - SCENARIO_STOP_BEFORE_END_S;
+    if (options.operator.clutch_s >= stop_s) {
+        (void)snprintf(error, sizeof error, "--clutch '%g': expected less than %g s, where the operator stops",
+                       options.operator.clutch_s, stop_s);
+        hand_motion_destroy(motion);
+        return complain(error, EXIT_WRONG_USE);
+    }
     if (output_folder_open(&folder, options.out, error, sizeof error)) {
         /* Not signal(), after which a second signal would kill: `timeout` and some shells send two. */
         const struct sigaction action = {.sa_handler = on_interrupt};

@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define LEG(seconds, ...) {.duration_s = (seconds), .displacement_m = {__VA_ARGS__}}
 
@@ -67,7 +66,7 @@ const scenario_t scenario_table[] = {
         .hand_start = {{0.40, -0.20, 0.05}, FACING_THE_ROBOT},
         .legs = pour_legs, .leg_count = COUNT(pour_legs),
         .checks = pour_checks, .check_count = COUNT(pour_checks),
-        .tracking_rms_limit_mm = 2.0, .tracking_max_limit_mm = 4.0,
+        .tracking_rms_limit_mm = 2.0, .tracking_max_limit_mm = 4.0, .followable_min_percent = 60.0,
     },
     {
         .name = "teleop", .summary = "the robot's hand does what the person's hand does",
@@ -76,7 +75,7 @@ const scenario_t scenario_table[] = {
         .hand_start = {{0.30, 0.40, 0.05}, BESIDE_THE_ROBOT},
         .legs = teleop_legs, .leg_count = COUNT(teleop_legs),
         .checks = teleop_checks, .check_count = COUNT(teleop_checks),
-        .tracking_rms_limit_mm = 1.0, .tracking_max_limit_mm = 2.5,
+        .tracking_rms_limit_mm = 1.0, .tracking_max_limit_mm = 2.5, .followable_min_percent = 60.0,
     },
     {
         .name = "mirror", .summary = "robot and person move face to face like mirror images, then carry together",
@@ -85,7 +84,7 @@ const scenario_t scenario_table[] = {
         .hand_start = {{0.50, -0.11, 0.05}, FACING_THE_ROBOT},
         .legs = mirror_legs, .leg_count = COUNT(mirror_legs),
         .checks = mirror_checks, .check_count = COUNT(mirror_checks),
-        .tracking_rms_limit_mm = 1.0, .tracking_max_limit_mm = 2.5,
+        .tracking_rms_limit_mm = 1.0, .tracking_max_limit_mm = 2.5, .followable_min_percent = 60.0,
     },
 };
 const size_t scenario_count = COUNT(scenario_table);
@@ -99,25 +98,41 @@ const scenario_t *scenario_find(const char *name) {
     return NULL;
 }
 
-size_t scenario_script(const scenario_t *self, double duration_s, const bool written[], const float value[],
+/* A person grasps, or takes a new reference, while the robot follows and not while it waits for the tracker. */
+static size_t add_in_cooperation(operator_step_t steps[], size_t count, command_t command, double at_s, double stop_s) {
+    if (at_s > 0.0 && at_s < stop_s) {
+        steps[count++] = (operator_step_t){OPERATOR_AWAIT_MODE, .not_before_s = at_s, .mode = MODE_COOPERATING,
+                                           .patience_s = stop_s - at_s};
+        steps[count++] = (operator_step_t){OPERATOR_COMMAND, .command = command};
+    }
+    return count;
+}
+
+size_t scenario_script(const scenario_t *self, double duration_s, const operator_wishes_t *wishes,
                        operator_step_t steps[]) {
     const double stop_s = duration_s - SCENARIO_STOP_BEFORE_END_S;
     size_t count = 0;
     for (int i = 0; i < PARAMETER_COUNT; i++) {
-        if (written[i]) {
+        if (wishes->parameter_written[i]) {
             steps[count++] = (operator_step_t){OPERATOR_WRITE_PARAMETER, .not_before_s = 0.01,
-                                               .parameter = (uint8_t)i, .value = value[i]};
+                                               .parameter = (uint8_t)i, .value = wishes->parameter_value[i]};
         }
     }
     steps[count++] = (operator_step_t){OPERATOR_AWAIT_MODE, .mode = MODE_READY, .patience_s = 3.0};
-    steps[count++] = (operator_step_t){OPERATOR_COMMAND, .command = COMMAND_SELECT, .task = self->task};
+    if (wishes->defines_task) {
+        steps[count++] = (operator_step_t){OPERATOR_DEFINE_TASK, .command = COMMAND_DEFINE, .define = wishes->task};
+    } else {
+        steps[count++] = (operator_step_t){OPERATOR_COMMAND, .command = COMMAND_SELECT, .task = self->task};
+    }
     steps[count++] = (operator_step_t){OPERATOR_COMMAND, .not_before_s = self->command_start_s,
                                        .command = COMMAND_START};
-    if (self->latch_s > 0.0 && self->latch_s < stop_s) {
-        /* A person grasps while the robot follows, not while it waits for the tracker. */
-        steps[count++] = (operator_step_t){OPERATOR_AWAIT_MODE, .not_before_s = self->latch_s,
-                                           .mode = MODE_COOPERATING, .patience_s = stop_s - self->latch_s};
-        steps[count++] = (operator_step_t){OPERATOR_COMMAND, .command = COMMAND_LATCH};
+    const bool clutch_first = wishes->clutch_s <= self->latch_s;
+    if (clutch_first) {
+        count = add_in_cooperation(steps, count, COMMAND_CLUTCH, wishes->clutch_s, stop_s);
+    }
+    count = add_in_cooperation(steps, count, COMMAND_LATCH, self->latch_s, stop_s);
+    if (!clutch_first) {
+        count = add_in_cooperation(steps, count, COMMAND_CLUTCH, wishes->clutch_s, stop_s);
     }
     steps[count++] = (operator_step_t){OPERATOR_COMMAND, .not_before_s = stop_s, .command = COMMAND_STOP};
     steps[count++] = (operator_step_t){OPERATOR_AWAIT_MODE, .mode = MODE_READY,

@@ -8,9 +8,9 @@
 
 #include "../firmware/parameters.h"
 #include "../firmware/task.h"
-#include "hand_motion.h"
-#include "operator_node.h"
-#include "robot_model.h"
+#include "hand/hand_motion.h"
+#include "nodes/operator_node.h"
+#include "robot/robot_model.h"
 
 typedef enum {
     /* Largest distance between ODE's hand and the target in [from_s, until_s]. */
@@ -47,6 +47,7 @@ typedef struct {
     const scenario_check_t *checks; /* with the built-in motion only */
     size_t check_count;
     double tracking_rms_limit_mm, tracking_max_limit_mm; /* ODE's hand against the target where it can be followed */
+    double followable_min_percent; /* of the cooperation; no move of a script comes near the arm's limits for long */
 } scenario_t;
 
 extern const scenario_t scenario_table[];
@@ -56,11 +57,20 @@ extern const size_t scenario_count;
 const scenario_t *scenario_find(const char *name);
 
 #define SCENARIO_STOP_BEFORE_END_S 0.5 /* the operator's stop */
-#define SCENARIO_MAX_STEPS (PARAMETER_COUNT + 8)
+#define SCENARIO_CLUTCH_MIN_S 1.0      /* no clutch before: the cooperation has begun */
+#define SCENARIO_MAX_STEPS (PARAMETER_COUNT + 10)
 
-/* What the operator does in a run of this duration; written[i] tells whether parameter i is set to value[i] first. Fills
- * `steps` (SCENARIO_MAX_STEPS) and gives their number. */
-size_t scenario_script(const scenario_t *self, double duration_s, const bool written[], const float value[],
+/* What the operator shall do beside the scenario's script. */
+typedef struct {
+    bool parameter_written[PARAMETER_COUNT]; /* before all else */
+    float parameter_value[PARAMETER_COUNT];
+    bool defines_task; /* in place of the scenario's task */
+    task_define_t task;
+    double clutch_s; /* 0: no clutch */
+} operator_wishes_t;
+
+/* What the operator does in a run of this duration. Fills `steps` (SCENARIO_MAX_STEPS) and gives their number. */
+size_t scenario_script(const scenario_t *self, double duration_s, const operator_wishes_t *wishes,
                        operator_step_t steps[]);
 
 #endif

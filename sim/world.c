@@ -1,5 +1,6 @@
 #include "world.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@ static void log_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     candump_log_write(context, frame, end_ns);
 }
 
-static double duration_s(const options_t *options, const hand_motion_t *motion) {
+double world_duration_s(const options_t *options, const hand_motion_t *motion) {
     if (options->duration_s > 0.0) {
         return options->duration_s;
     }
@@ -28,7 +29,7 @@ static bool create_nodes(world_t *self, const hand_motion_t *motion, double run_
     }
     operator_step_t steps[SCENARIO_MAX_STEPS];
     const size_t step_count =
-        scenario_script(options->scenario, run_s, options->parameter_written, options->parameter_value, steps);
+        scenario_script(options->scenario, run_s, &options->operator, steps);
     self->bus = bus_create();
     self->plant = arm_plant_create(start_rad);
     if (self->bus == NULL || self->plant == NULL) {
@@ -45,18 +46,19 @@ bool world_init(world_t *self, const options_t *options, const hand_motion_t *mo
     memset(self, 0, sizeof *self);
     self->options = options;
     self->interrupted = interrupted;
-    const double run_s = duration_s(options, motion);
+    const double run_s = world_duration_s(options, motion);
     self->end_ns = (int64_t)(run_s / TICK_S + 0.5) * WORLD_TICK_NS;
     if (!create_nodes(self, motion, run_s)) {
         (void)snprintf(error, error_size, "no memory for the simulated world");
         return false;
     }
     observer_init(&self->observer, self->bus);
+    for (int i = 0; i < ROBOT_JOINTS; i++) { /* in the first tick the drives have not yet been asked */
+        self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
+    }
     tracking_init(&self->tracking);
-    /* What a recorded hand does is not known beforehand: then only the common checks are left. */
-    const bool built_in = options->tracker_path == NULL;
     scenario_monitor_init(&self->scenario_monitor, options->scenario->checks,
-                          built_in ? options->scenario->check_count : 0);
+                          world_is_scripted(self) ? options->scenario->check_count : 0);
     self->log = candump_log_open(log_path, error, error_size);
     if (self->log == NULL || !trace_csv_open(&self->trace, trace_path, error, error_size)) {
         return false;
@@ -65,15 +67,43 @@ bool world_init(world_t *self, const options_t *options, const hand_motion_t *mo
     return true;
 }
 
+bool world_is_scripted(const world_t *self) {
+    return self->options->tracker_path == NULL && !self->options->operator.defines_task;
+}
+
 void world_fail(world_t *self, const char *reason) {
     if (self->failure[0] == '\0') {
         (void)snprintf(self->failure, sizeof self->failure, "%s", reason);
     }
 }
 
+/* An operator who waits in vain, and a tracker that never told a pose: the cause may be the file. */
+static void fail_as_operator(world_t *self) {
+    const char *reason = operator_node_failure(self->operator);
+    const tracker_statistics_t tracker = tracker_node_statistics(self->tracker);
+    char text[WORLD_TEXT_BYTES];
+    if (tracker.samples == 0 || tracker.lost < tracker.samples) {
+        world_fail(self, reason);
+        return;
+    }
+    if (tracker.range_errors == 0) {
+        (void)snprintf(text, sizeof text, "%s; the tracker lost all %" PRIu64 " samples", reason, tracker.samples);
+    } else {
+        (void)snprintf(text, sizeof text,
+                       "%s; %s%" PRIu64 " samples are beyond the %.3f m a frame can carry: is the file in mm, or the "
+                       "tracker mounted too far away?",
+                       reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors,
+                       TRACKER_RANGE_M);
+    }
+    world_fail(self, text);
+}
+
 static bool is_over(world_t *self) {
     if (operator_node_failure(self->operator) != NULL) {
-        world_fail(self, operator_node_failure(self->operator));
+        fail_as_operator(self);
+    }
+    if (self->observer.out_of_memory) {
+        world_fail(self, "no memory for the list of modes");
     }
     if (*self->interrupted != 0) {
         world_fail(self, "interrupted");

@@ -8,20 +8,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "arm_plant.h"
-#include "bus.h"
-#include "candump_log.h"
-#include "drive_node.h"
-#include "observer.h"
-#include "operator_node.h"
-#include "options.h"
-#include "scenario_monitor.h"
-#include "trace_csv.h"
-#include "tracker_node.h"
-#include "tracking.h"
+#include "bus/bus.h"
+#include "bus/candump_log.h"
+#include "monitors/observer.h"
+#include "monitors/scenario_monitor.h"
+#include "monitors/tracking.h"
+#include "nodes/drive_node.h"
+#include "nodes/operator_node.h"
+#include "nodes/tracker_node.h"
+#include "options/options.h"
+#include "output/trace_csv.h"
+#include "robot/arm_plant.h"
 
 #define WORLD_TICK_NS 1000000
-#define WORLD_TEXT_BYTES 300
+#define WORLD_TEXT_BYTES 500
 
 typedef struct world world_t;
 
@@ -46,6 +46,9 @@ struct world {
     char failure[WORLD_TEXT_BYTES]; /* why the run ended early; "" */
 };
 
+/* How long the run of these options will be. */
+double world_duration_s(const options_t *options, const hand_motion_t *motion);
+
 /* options and motion must outlive the world. The files at log_path and trace_path are created. On failure false, and one
  * line in `error`. */
 bool world_init(world_t *self, const options_t *options, const hand_motion_t *motion, const char *log_path,
@@ -53,6 +56,9 @@ bool world_init(world_t *self, const options_t *options, const hand_motion_t *mo
 
 /* One tick of 1 ms. False when the run is over. */
 bool world_advance(world_t *self);
+
+/* The scenario's own motion and task: then what must come out is known beforehand. */
+bool world_is_scripted(const world_t *self);
 
 /* Ends the run with a reason; the first one counts. */
 void world_fail(world_t *self, const char *reason);

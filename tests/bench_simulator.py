@@ -1,5 +1,5 @@
-"""Simulated time over wall time, for each scenario (`make bench`). The whole process counts, with its start and the files
-it writes. Exits 1 if a median is below what was asked for."""
+"""Simulated time over wall time, for each scenario (`make bench`). The whole process counts, with its start and the
+files it writes. Exits 1 if a median is below what was asked for."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ def main() -> int:
         measured = ratios(scenario)
         median = statistics.median(measured)
         slow = slow or median < LEAST
-        print(f"{scenario:<10} {median:8.1f} {min(measured):8.1f} {max(measured):8.1f}  {'' if median >= LEAST else 'SLOW'}")
+        verdict = "" if median >= LEAST else "  too slow"
+        print(f"{scenario:<10} {median:8.1f} {min(measured):8.1f} {max(measured):8.1f}{verdict}")
     return int(slow)
 
 

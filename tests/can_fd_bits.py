@@ -26,5 +26,5 @@ def frame_duration_ns(identifier: int, data: bytes) -> int:
             last, run = 1 - bit, 1
     crc_field = 4 + (17 if len(data) <= 16 else 21)  # stuff count, CRC
     fixed_stuff = len(range(0, crc_field, 4))
-    end_ns = DATA_NS * (crc_field + fixed_stuff + 1) + NOMINAL_NS * (1 + 1 + 7 + 3)  # CRC delimiter; ACK, its delimiter,
-    return total_ns + end_ns  # end of frame, interframe space
+    total_ns += DATA_NS * (crc_field + fixed_stuff + 1)  # with the CRC delimiter
+    return total_ns + NOMINAL_NS * (1 + 1 + 7 + 3)  # ACK, its delimiter, end of frame, interframe space

@@ -11,7 +11,8 @@ import cffi
 from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
 
 PARTS = (
-    "arm_plant", "bus", "drive_node", "frame_time", "limit_monitor", "names", "reach", "robot_model", "rotation",
+    "bus/bus", "bus/frame_time", "common/names", "common/rigid_pose", "monitors/limit_monitor", "monitors/reach",
+    "nodes/drive_node", "robot/arm_plant", "robot/robot_model",
 )  # fmt: skip
 
 

@@ -23,8 +23,8 @@ BUILD = REPOSITORY / "build" / "tests"
 PARTS = [
     REPOSITORY / "sim" / name
     for name in (
-        "bus", "candump_log", "frame_time", "hand_motion", "random", "recording", "rigid_pose", "rotation",
-        "tracker_node",
+        "bus/bus", "bus/candump_log", "bus/frame_time", "common/random", "common/rigid_pose", "hand/hand_motion",
+        "hand/recording", "nodes/tracker_node",
     )
 ]  # fmt: skip
 FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]
@@ -48,7 +48,7 @@ def _run(command: list[str]) -> str:
 def _fingerprint() -> str:
     digest = hashlib.sha256(" ".join(COMPILE).encode())
     for folder in (REPOSITORY / "sim", REPOSITORY / "firmware", GENERATED):
-        for file in sorted(folder.glob("*.[ch]")):
+        for file in sorted(folder.rglob("*.[ch]")):
             digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 

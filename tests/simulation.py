@@ -14,6 +14,7 @@ SCENARIOS = ("pour", "teleop", "mirror")
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
 TIMEOUT_S = 120
+RECORDING_HEADER = "t_s,x_m,y_m,z_m,qw,qx,qy,qz"
 
 
 @dataclass(frozen=True)
@@ -60,3 +61,8 @@ def run(out: Path, *arguments: object, cwd: Path | None = None) -> Run:
 
 def modes(run_: Run) -> list[tuple[str, str]]:
     return [(change["mode"], change["reason"]) for change in run_.summary["modes"]]
+
+
+def recording_csv(*rows: str) -> str:
+    """The text of a recording."""
+    return "\n".join([RECORDING_HEADER, *rows]) + "\n"

@@ -3,7 +3,6 @@ event model, the log against the tools that read such logs."""
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 
@@ -243,15 +242,6 @@ def test_python_can_reads_the_log(tmp_path, log_frames):
     assert [(m.arbitration_id, bytes(m.data)) for m in messages] == [frame[:2] for frame in log_frames]
     assert [round(m.timestamp * 1e6) for m in messages] == [frame[2] // 1000 for frame in log_frames]
     assert all(m.is_fd and m.bitrate_switch and not m.error_state_indicator and m.channel == "vcan0" for m in messages)
-
-
-@pytest.mark.skipif(shutil.which("log2asc") is None, reason="can-utils is not installed")
-def test_can_utils_reads_the_log(tmp_path, log_frames):
-    assert write_log(tmp_path / "bus.log", log_frames) == ""
-    done = subprocess.run(["log2asc", "-I", tmp_path / "bus.log", "vcan0"], capture_output=True, text=True, check=True)
-    (tmp_path / "bus.asc").write_text(done.stdout)
-    messages = [m for m in can.ASCReader(tmp_path / "bus.asc") if isinstance(m, can.Message)]
-    assert [(m.arbitration_id, bytes(m.data)) for m in messages] == [frame[:2] for frame in log_frames]
 
 
 def test_cantools_decodes_the_log(tmp_path, dbc):

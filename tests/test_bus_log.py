@@ -4,7 +4,6 @@ replay the firmware byte for byte."""
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from collections import deque
 from dataclasses import dataclass
@@ -53,8 +52,8 @@ def by_id(frames: list[LoggedFrame]) -> dict[int, list[LoggedFrame]]:
 
 @pytest.fixture(scope="module")
 def eventful(tmp_path_factory) -> Run:
-    """All modes and commands: writes, select, start, latch, stop; a gap and lost samples; a tracker clock that wraps."""
-    arguments = "--scenario mirror --duration 13 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
+    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
     arguments += [f"--param={name}={value}" for name, value in WRITTEN.items()]
     return run(tmp_path_factory.mktemp("eventful"), *arguments).require_pass()
 
@@ -94,16 +93,6 @@ def test_python_can_reads_the_same_frames(short):
     messages = list(can.io.CanutilsLogReader(short.log))
     assert [(round(m.timestamp * 1e6), m.arbitration_id, bytes(m.data)) for m in messages] == expected
     assert all(m.is_fd and m.bitrate_switch and not m.is_extended_id for m in messages)
-
-
-@pytest.mark.skipif(shutil.which("log2asc") is None, reason="log2asc is missing: can-utils is not installed")
-def test_log2asc_reads_the_same_frames(short, tmp_path):
-    done = subprocess.run(["log2asc", "-I", short.log, "vcan0"], capture_output=True, text=True, check=True)
-    (tmp_path / "bus.asc").write_text(done.stdout)
-    messages = [m for m in can.ASCReader(tmp_path / "bus.asc") if isinstance(m, can.Message)]
-    assert [(m.arbitration_id, bytes(m.data)) for m in messages] == [
-        (f.frame_id, f.data) for f in logged_frames(short.log)
-    ]
 
 
 def test_bulk_decoder_agrees_with_cantools(frames, decoded):
@@ -148,7 +137,8 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
         t_us = np.array([frame.t_us for frame in logged[message.frame_id]])
         period_us = 1000 * message.cycle_time
         assert abs(len(t_us) - duration_us / period_us) <= 1, message.name
-        assert np.abs(np.diff(t_us) - period_us).max() < TICK_US, message.name  # the last one of a tick waits for the rest
+        # within a tick a frame may wait for those before it
+        assert np.abs(np.diff(t_us) - period_us).max() < TICK_US, message.name
 
 
 def test_nothing_is_lost_and_the_load_is_the_frames_own(short):
@@ -206,7 +196,7 @@ def test_each_command_is_acknowledged(frames):
     command, ack = (DBC.get_message_by_name(name) for name in ("OperatorCommand", "CommandAck"))
     sent = [(f.t_us, command.decode(f.data)) for f in frames if f.frame_id == command.frame_id]
     answers = [(f.t_us, ack.decode(f.data)) for f in frames if f.frame_id == ack.frame_id]
-    assert [str(request["command"]) for _, request in sent] == ["select", "start", "latch", "stop"]
+    assert [str(request["command"]) for _, request in sent] == ["select", "start", "clutch", "latch", "stop"]
     for (sent_us, request), (answered_us, answer) in zip(sent, answers, strict=True):
         assert (answer["command"], answer["sequence"]) == (request["command"], request["sequence"])
         assert answer["result"] == "accepted"
@@ -240,7 +230,7 @@ def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
     signals = trace.decode(frame.data, decode_choices=False)
     received = {
         signal.name: bool(int(signals["received"]) >> bit & 1)
-        for bit, signal in enumerate(s for s in trace.signals if s.name.endswith("_counter") and s.name != "e2e_counter")
+        for bit, signal in enumerate(s for s in trace.signals if s.name.endswith("_counter") and s.name[:3] != "e2e")
     }
     counters = {}
     for message in DBC.messages:
@@ -262,7 +252,7 @@ def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """The frames that the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
+    """What the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
     controller, inbox, outbox = (ffi.new(f"controller{part}_t *") for part in ("", "_inbox", "_outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_hoap3_right))
     queue = deque(frame for frame in frames if frame.frame_id not in SENT_BY_FIRMWARE)

@@ -13,7 +13,8 @@ ACCELERATION = 25.0
 
 
 class Watch:
-    def __init__(self):
+    def __init__(self, speed_fraction=1.0):
+        self.speed_fraction = speed_fraction
         self.monitor = ffi.new("limit_monitor_t *")
         lib.limit_monitor_init(self.monitor)
         self.now_ns = 0
@@ -25,7 +26,7 @@ class Watch:
             message.mode[i], message.position_rad[i], message.velocity_radps[i] = mode[i], position[i], velocity[i]
         if extra is not None:
             message.velocity_radps[6] = extra
-        lib.limit_monitor_command(self.monitor, message, self.now_ns, ACCELERATION)
+        lib.limit_monitor_command(self.monitor, message, self.now_ns, self.speed_fraction, ACCELERATION)
         return self.monitor.violations
 
 
@@ -52,6 +53,24 @@ def test_velocity_and_its_change():
     assert watch.command([0, 0.026, 0, 0]) == 1
     assert watch.command([0, 0.001, 0, 0]) == 1  # back within the limit
     assert watch.command([0, float("nan"), 0, 0]) > 1
+
+
+def test_speed_fraction_in_force():
+    watch = Watch(speed_fraction=0.1)
+    for step in range(1, 20):
+        assert watch.command([0.025 * step, 0, 0, 0]) == 0
+    assert watch.command([0.476, 0, 0, 0]) == 0
+    assert watch.command([0.478, 0, 0, 0]) == 1
+
+
+def test_speed_fraction_lowered_in_motion_leaves_time_to_brake():
+    watch = Watch()
+    for step in range(1, 41):
+        assert watch.command([0, -0.025 * step, 0, 0]) == 0
+    watch.speed_fraction = 0.1
+    for step in range(39, 19, -1):
+        assert watch.command([0, -0.025 * step, 0, 0]) == 0
+    assert watch.command([0, -0.5, 0, 0]) == 1, "stays above the new limit"
 
 
 def test_a_brake_closed_in_motion():

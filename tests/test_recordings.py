@@ -155,6 +155,14 @@ def test_crlf_blank_end_and_unfinished_line_are_accepted(tmp_path):
         assert lib.hand_motion_duration_s(open_recording(path)) == 2.5
 
 
+@pytest.mark.parametrize("header", [QUATERNION_HEADER, MATRIX_HEADER])
+def test_byte_order_mark_is_accepted_in_front_of_the_header_only(tmp_path, header):
+    row = ROW if header == QUATERNION_HEADER else "{},0,0,0,1,0,0,0,1,0,0,0,1"
+    path = write_text(tmp_path / "spreadsheet.csv", "\ufeff" + header, row.format(0), row.format(1))
+    assert path.read_bytes().startswith(b"\xef\xbb\xbf")
+    assert lib.hand_motion_duration_s(open_recording(path)) == 1
+
+
 BAD_MATRIX = "{},0,0,0,1,0,0,0,1,0,0,0,{}"
 
 
@@ -167,6 +175,7 @@ BAD_MATRIX = "{},0,0,0,1,0,0,0,1,0,0,0,{}"
         ([ROW.format(0), ROW.format(1)], ":1: header is '0,0.1,0.2,0.3,1,0,0,0', expected t_s,x_m"),
         ([QUATERNION_HEADER + ",e", ROW.format(0)], ":1: header is "),
         (["\x1b[2J\x07"], ":1: header is '?[2J?', expected "),
+        ([QUATERNION_HEADER, "7"], ":2: has 1 column, expected 8"),
         ([QUATERNION_HEADER, ROW.format(0), "1,2,3"], f":3: has 3 columns, expected 8: {QUATERNION_HEADER}"),
         ([QUATERNION_HEADER, ROW.format(0) + ",5"], ":2: has 9 columns, expected 8"),
         ([MATRIX_HEADER, ROW.format(0)], ":2: has 8 columns, expected 13"),

@@ -1,6 +1,6 @@
-"""Every recorded hand motion through the simulator. What the bus carried is judged in numpy: the robot's limits, from the
-manual and to the raw resolution; a hold for each gap of the recording, in time, and none elsewhere; finite numbers; and a
-second run that repeats the first byte for byte."""
+"""Every recorded hand motion through the simulator. What the bus carried is judged in numpy: the robot's limits, from
+the manual and to the raw resolution; a hold for each gap of the recording, in time, and none elsewhere; finite numbers;
+and a second run that repeats the first byte for byte."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ MOTION_START_S = 2.0
 LATENCY_S = 0.004
 PERIOD_S = 0.004  # of the tracker on the bus
 STALE_S = 2.5 * PERIOD_S
-# A pose is on the wire for up to 0.6 ms with what goes before it, a tick takes it up to 1 ms later, and every second tick
-# tells its mode, 0.1 ms after it.
+# A pose is on the wire for up to 0.6 ms with what goes before it, a tick takes it up to 1 ms later, and every second
+# tick tells its mode, 0.1 ms after it.
 REACTION_S = 0.004
 
 
 def campaign() -> list:
     files = sorted(path for path in RECORDINGS.glob("*.csv") if not path.stem.endswith("_wrench"))
     if not files:
-        missing = pytest.mark.skip(reason=f"no recordings in {RECORDINGS}: the folder shared/ is not beside the repository")
-        return [pytest.param("teleop", None, id="no-recordings", marks=missing)]
+        reason = f"no recordings in {RECORDINGS}: the folder shared/ is not beside the repository"
+        return [pytest.param("teleop", None, id="no-recordings", marks=pytest.mark.skip(reason=reason))]
     runs = [("teleop", path) for path in files]
     runs += [("pour", path) for path in files if path.stem.startswith("kul_")]
     return [pytest.param(scenario, path, id=f"{scenario}-{path.stem}") for scenario, path in runs]

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../firmware/can_frame.h"
+#include "../../firmware/can_frame.h"
 
 #define BUS_MAX_NODES 16
 #define BUS_QUEUE_FRAMES 64

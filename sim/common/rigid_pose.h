@@ -1,13 +1,17 @@
-/* Poses of the simulated world in double precision, and what their rotations need beyond rotation.h. */
+/* Poses and rotations of the simulated world in double precision: unit quaternions w x y z, Hamilton product. */
 #ifndef COMANIP_SIM_RIGID_POSE_H
 #define COMANIP_SIM_RIGID_POSE_H
-
-#include "rotation.h"
 
 typedef struct {
     double position_m[3];
     double rotation[4]; /* unit quaternion w x y z */
 } rigid_pose_t;
+
+void rotation_multiply(const double a[4], const double b[4], double product[4]);
+void rotation_apply(const double rotation[4], const double v[3], double rotated[3]);
+
+/* Angle [rad] of the rotation from a to b, 0..pi; the double cover does not matter. */
+double rotation_angle_between(const double a[4], const double b[4]);
 
 double rotation_dot(const double a[4], const double b[4]);
 

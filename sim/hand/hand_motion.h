@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "rigid_pose.h"
+#include "../common/rigid_pose.h"
 
 /* One leg of a built-in motion: minimum jerk from where the last one ended to this displacement from the start. */
 typedef struct {

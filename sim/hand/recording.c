@@ -14,6 +14,7 @@
 #define MAX_COLUMNS 13
 #define QUATERNION_COLUMNS 8
 
+static const char byte_order_mark[] = "\xEF\xBB\xBF"; /* of UTF-8 */
 static const char quaternion_header[] = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 static const char matrix_header[] = "t_s,x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31,r32,r33";
 
@@ -78,14 +79,18 @@ static bool read_header(reader_t *self) {
         self->line = 0;
         return fail(self, "is empty, expected the header %s", quaternion_header);
     }
-    if (strcmp(self->text, quaternion_header) == 0) {
+    const char *text = self->text;
+    if (strncmp(text, byte_order_mark, strlen(byte_order_mark)) == 0) { /* spreadsheets write one */
+        text += strlen(byte_order_mark);
+    }
+    if (strcmp(text, quaternion_header) == 0) {
         self->header = quaternion_header;
         self->columns = QUATERNION_COLUMNS;
-    } else if (strcmp(self->text, matrix_header) == 0) {
+    } else if (strcmp(text, matrix_header) == 0) {
         self->header = matrix_header;
         self->columns = MAX_COLUMNS;
     } else {
-        return fail(self, "header is '%.60s', expected %s or %s", self->text, quaternion_header, matrix_header);
+        return fail(self, "header is '%.60s', expected %s or %s", text, quaternion_header, matrix_header);
     }
     return true;
 }
@@ -113,7 +118,8 @@ static bool read_row(reader_t *self, double value[MAX_COLUMNS]) {
         columns += *character == ',';
     }
     if (columns != self->columns) {
-        return fail(self, "has %d columns, expected %d: %s", columns, self->columns, self->header);
+        return fail(self, "has %d column%s, expected %d: %s", columns, columns == 1 ? "" : "s", self->columns,
+                    self->header);
     }
     const char *text = self->text;
     const char *name = self->header;

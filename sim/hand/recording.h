@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "rigid_pose.h"
+#include "../common/rigid_pose.h"
 
 #define RECORDING_MAX_SAMPLES 4000000
 #define RECORDING_MAX_DURATION_S 86400.0

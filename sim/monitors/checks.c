@@ -1,15 +1,20 @@
 #include "checks.h"
 
-#include <stdio.h>
 #include <string.h>
 
+#include "reason.h"
+
 #define COOPERATION_MIN_S 0.1
-#define FOLLOWABLE_MIN_S 1.0       /* less is no basis for a judgement */
 #define RECORDING_RMS_LIMIT_MM 3.0 /* wrists turn as they like, and what the arm cannot turn pulls at its position */
+#define HALF_A_TICK_S (0.5e-9 * WORLD_TICK_NS) /* of slack makes comparisons of tick times exact */
 
 static void add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound, const char *unit) {
     const bool pass = is_lower_bound ? value >= limit : value <= limit;
-    self->check[self->count++] = (check_t){name, value, limit, is_lower_bound, unit, pass};
+    self->check[self->count++] = (check_t){name, true, value, limit, is_lower_bound, unit, pass};
+}
+
+static void add_not_measured(checks_t *self, const char *name, double limit, bool is_lower_bound, const char *unit) {
+    self->check[self->count++] = (check_t){name, false, 0.0, limit, is_lower_bound, unit, false};
 }
 
 static double fault_modes(const observer_t *observer) {
@@ -41,54 +46,86 @@ bool checks_tracking_measured(const world_t *world) {
     return world->tracking.all.ticks > 0;
 }
 
-static void add_tracking(checks_t *self, const world_t *world) {
-    const tracking_sums_t *sums = &world->tracking.followable;
+static bool is_trace_off(const world_t *world) {
+    return world->observer.parameter[PARAMETER_TRACE] <= 0.0f && !checks_tracking_measured(world);
+}
+
+/* When the operator stops the arm; in a run that ended early, when it would have had to. */
+static double stop_s(const world_t *world) {
+    return (double)world->now_ns * 1e-9 - SCENARIO_STOP_BEFORE_END_S + HALF_A_TICK_S;
+}
+
+static void add_rms(checks_t *self, const world_t *world, double limit_mm) {
+    add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable), limit_mm, false, "mm");
+}
+
+/* What a recorded hand or a task of the operator's asks for is not known beforehand. */
+static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
+    if (is_enough) {
+        add_rms(self, world, RECORDING_RMS_LIMIT_MM);
+    } else {
+        self->tracking_not_judged = checks_tracking_measured(world);
+    }
+}
+
+/* A law that keeps the arm at its limits is not to escape its judge: hence the least share. */
+static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
     const scenario_t *scenario = world->options->scenario;
-    const double followable_s = (double)sums->ticks * WORLD_TICK_NS * 1e-9;
-    if (followable_s < FOLLOWABLE_MIN_S) {
+    const tracking_t *tracking = &world->tracking;
+    if (is_trace_off(world)) {
+        self->left_out_by_trace += 3;
         return;
     }
-    if (world->options->tracker_path == NULL) {
-        add(self, "followable_rms_position", tracking_rms_position_mm(sums), scenario->tracking_rms_limit_mm, false,
-            "mm");
-        add(self, "followable_max_position", sums->max_position_mm, scenario->tracking_max_limit_mm, false, "mm");
+    const bool is_shortened = stop_s(world) < scenario->duration_s - SCENARIO_STOP_BEFORE_END_S;
+    if (is_shortened) {
+        self->left_out_by_end++;
+    } else if (tracking->cooperating_ticks == 0) {
+        add_not_measured(self, "followable_share", scenario->followable_min_percent, true, "%");
     } else {
-        add(self, "followable_rms_position", tracking_rms_position_mm(sums), RECORDING_RMS_LIMIT_MM, false, "mm");
+        add(self, "followable_share",
+            100.0 * (double)tracking->followable.ticks / (double)tracking->cooperating_ticks,
+            scenario->followable_min_percent, true, "%");
+    }
+    if (is_enough) {
+        add_rms(self, world, scenario->tracking_rms_limit_mm);
+        add(self, "followable_max_position", tracking->followable.max_position_mm, scenario->tracking_max_limit_mm,
+            false, "mm");
+    } else if (is_shortened) {
+        self->left_out_by_end += 2;
+    } else {
+        add_not_measured(self, "followable_rms_position", scenario->tracking_rms_limit_mm, false, "mm");
+        add_not_measured(self, "followable_max_position", scenario->tracking_max_limit_mm, false, "mm");
+    }
+}
+
+static void add_tracking(checks_t *self, const world_t *world) {
+    const double followable_s = (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9;
+    const bool is_enough = followable_s >= CHECKS_FOLLOWABLE_MIN_S;
+    if (world_is_scripted(world)) {
+        add_tracking_of_script(self, world, is_enough);
+    } else {
+        add_tracking_of_any_motion(self, world, is_enough);
     }
 }
 
 static void add_scenario(checks_t *self, const world_t *world) {
     const scenario_monitor_t *monitor = &world->scenario_monitor;
+    const double clutch_s = world->options->operator.clutch_s;
     for (size_t i = 0; i < monitor->count; i++) {
-        if (monitor->measured[i]) {
-            const scenario_check_t *check = &monitor->checks[i];
-            add(self, check->name, monitor->value[i], check->limit, scenario_check_is_lower_bound(check),
-                scenario_check_unit(check));
+        const scenario_check_t *check = &monitor->checks[i];
+        const char *unit = scenario_check_unit(check);
+        const bool is_lower_bound = scenario_check_is_lower_bound(check);
+        if (check->until_s > stop_s(world)) {
+            self->left_out_by_end++;
+        } else if (scenario_check_needs_start(check) && clutch_s > 0.0 && clutch_s <= check->until_s) {
+            self->left_out_by_clutch++;
+        } else if (scenario_check_needs_target(check) && is_trace_off(world)) {
+            self->left_out_by_trace++;
+        } else if (scenario_monitor_has_measured(monitor, i)) {
+            add(self, check->name, monitor->value[i], check->limit, is_lower_bound, unit);
+        } else {
+            add_not_measured(self, check->name, check->limit, is_lower_bound, unit);
         }
-    }
-}
-
-static void explain(checks_t *self, const world_t *world) {
-    const check_t *first = NULL;
-    size_t failed = 0;
-    for (size_t i = 0; i < self->count; i++) {
-        if (!self->check[i].pass) {
-            failed++;
-            first = first == NULL ? &self->check[i] : first;
-        }
-    }
-    self->pass = failed == 0 && world->failure[0] == '\0';
-    if (world->failure[0] != '\0') {
-        (void)snprintf(self->reason, sizeof self->reason, "%s", world->failure);
-    } else if (first != NULL) {
-        const bool by_limits = world->observer.limits.first[0] != '\0';
-        (void)snprintf(self->reason, sizeof self->reason, "%zu of %zu checks failed; first: %s is %.6g%s%s, %s %.6g%s%s",
-                       failed, self->count, first->name, first->value, first->unit[0] != '\0' ? " " : "", first->unit,
-                       first->is_lower_bound ? "expected at least" : "expected at most", first->limit,
-                       by_limits ? "; " : "", world->observer.limits.first);
-    } else {
-        (void)snprintf(self->reason, sizeof self->reason, "all %zu checks passed%s", self->count,
-                       checks_tracking_measured(world) ? "" : "; tracking was not measured: the trace is switched off");
     }
 }
 
@@ -97,5 +134,9 @@ void checks_evaluate(checks_t *self, const world_t *world) {
     add_common(self, world);
     add_tracking(self, world);
     add_scenario(self, world);
-    explain(self, world);
+    self->pass = world->failure[0] == '\0';
+    for (size_t i = 0; i < self->count; i++) {
+        self->pass = self->pass && self->check[i].pass;
+    }
+    reason_write(self, world);
 }

@@ -2,12 +2,14 @@
 #ifndef COMANIP_SIM_CHECKS_H
 #define COMANIP_SIM_CHECKS_H
 
-#include "world.h"
+#include "../world.h"
 
 #define CHECKS_MAX (16 + SCENARIO_MAX_CHECKS)
+#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* less is no basis for a judgement */
 
 typedef struct {
     const char *name;
+    bool measured; /* false: there is no value, though the run should have given one: a failure */
     double value;
     double limit;
     bool is_lower_bound; /* value must be at least the limit; else at most */
@@ -18,8 +20,12 @@ typedef struct {
 typedef struct {
     check_t check[CHECKS_MAX];
     size_t count;
-    bool pass;         /* all of them, and the run came to its end */
-    char reason[400];  /* of the result, one line */
+    size_t left_out_by_end;   /* of the scenario's: they lie beyond the end of a shortened run */
+    size_t left_out_by_clutch; /* they count from the start, and the operator took a new reference */
+    size_t left_out_by_trace; /* they need the target, and the trace is switched off */
+    bool tracking_not_judged; /* of a recording: there was too little that the arm could follow */
+    bool pass;                /* all of them, and the run came to its end */
+    char reason[1200];        /* of the result, one line */
 } checks_t;
 
 void checks_evaluate(checks_t *self, const world_t *world);

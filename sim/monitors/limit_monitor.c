@@ -34,7 +34,7 @@ static double ticks_since_last(const limit_monitor_t *self, int64_t end_ns) {
 }
 
 static void check_joint(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, int joint,
-                        double velocity_step_max_radps) {
+                        double velocity_max_radps, double velocity_step_max_radps) {
     const double position_rad = (double)command->position_rad[joint];
     const double velocity_radps = (double)command->velocity_radps[joint];
     const double minimum_rad = robot_model_position_min_rad(joint), maximum_rad = robot_model_position_max_rad(joint);
@@ -45,8 +45,10 @@ static void check_joint(limit_monitor_t *self, const joint_command_t *command, i
     if (!(position_rad <= maximum_rad + POSITION_TOLERANCE_RAD)) {
         violated(self, end_ns, joint, "position [rad]", position_rad, maximum_rad);
     }
-    if (!(fabs(velocity_radps) <= ROBOT_VELOCITY_MAX_RADPS + VELOCITY_TOLERANCE_RADPS)) {
-        violated(self, end_ns, joint, "velocity [rad/s]", velocity_radps, ROBOT_VELOCITY_MAX_RADPS);
+    const double braking_radps = fabs(self->last_velocity_radps[joint]) - velocity_step_max_radps;
+    const double allowed_radps = fmin(fmax(velocity_max_radps, braking_radps), ROBOT_VELOCITY_MAX_RADPS);
+    if (!(fabs(velocity_radps) <= allowed_radps + VELOCITY_TOLERANCE_RADPS)) {
+        violated(self, end_ns, joint, "velocity [rad/s]", velocity_radps, allowed_radps);
     }
     if (command->mode[joint] != DRIVE_MODE_BRAKE && command->mode[joint] != DRIVE_MODE_VELOCITY) {
         violated(self, end_ns, joint, "mode", (double)command->mode[joint], (double)DRIVE_MODE_VELOCITY);
@@ -60,11 +62,11 @@ static void check_joint(limit_monitor_t *self, const joint_command_t *command, i
     self->last_velocity_radps[joint] = commanded_radps;
 }
 
-void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns,
+void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2) {
     const double step_max_radps = acceleration_max_radps2 * ticks_since_last(self, end_ns) * TICK_NS * 1e-9;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        check_joint(self, command, end_ns, i, step_max_radps);
+        check_joint(self, command, end_ns, i, speed_fraction * ROBOT_VELOCITY_MAX_RADPS, step_max_radps);
     }
     for (int i = ROBOT_JOINTS; i < ARM_MAX_JOINTS; i++) { /* joints that this arm does not have */
         if (command->mode[i] != DRIVE_MODE_BRAKE || !(command->velocity_radps[i] == 0.0f)) {

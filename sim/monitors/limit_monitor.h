@@ -1,13 +1,14 @@
-/* Watches every JointCmd on the bus for position, velocity and acceleration limits. Shares no code and no tables with
- * what it watches: the limits are the manual's (robot_model.h), the acceleration limit is the parameter's value. */
+/* Watches every JointCmd on the bus for position, velocity and acceleration limits: the manual's (robot_model.h), and the
+ * parameters' values. Shares with the firmware the unpacking of the frame (firmware/can_protocol.h), and neither the arm's
+ * table nor the code that keeps the limits. */
 #ifndef COMANIP_SIM_LIMIT_MONITOR_H
 #define COMANIP_SIM_LIMIT_MONITOR_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../firmware/can_protocol.h"
-#include "robot_model.h"
+#include "../../firmware/can_protocol.h"
+#include "../robot/robot_model.h"
 
 typedef struct {
     bool has_last;
@@ -19,7 +20,9 @@ typedef struct {
 
 void limit_monitor_init(limit_monitor_t *self);
 
-void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns,
+/* The parameters speed_fraction and acceleration_limit_radps2 in force. After a smaller speed_fraction a joint may still
+ * brake down to it at its acceleration limit. */
+void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2);
 
 /* A JointCmd that its receivers refuse. */

@@ -67,6 +67,7 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
         joint_command_unpack(frame, &self->tick.command);
         self->tick.has_command = true;
         limit_monitor_command(&self->limits, &self->tick.command, end_ns,
+                              (double)self->parameter[PARAMETER_SPEED_FRACTION],
                               (double)self->parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2]);
     } else if (kind >= FRAME_JOINT_STATE0 && kind < FRAME_JOINT_STATE0 + ROBOT_JOINTS) {
         joint_state_t state;

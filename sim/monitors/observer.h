@@ -1,5 +1,6 @@
 /* A listener on the bus that keeps what the frames say: modes, parameters, and one record per tick. The monitors know
- * the firmware through it alone; it shares with the firmware the frames' layout and nothing else. */
+ * the firmware through it alone. It shares code with the firmware: checking and unpacking of frames (can_protocol.h), the
+ * parameters' numbers and defaults, and the translation of a dual quaternion. The tests decode the same logs without it. */
 #ifndef COMANIP_SIM_OBSERVER_H
 #define COMANIP_SIM_OBSERVER_H
 
@@ -7,12 +8,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../firmware/can_protocol.h"
-#include "../firmware/parameters.h"
-#include "bus.h"
+#include "../../firmware/can_protocol.h"
+#include "../../firmware/parameters.h"
+#include "../bus/bus.h"
+#include "../common/rigid_pose.h"
+#include "../robot/robot_model.h"
 #include "limit_monitor.h"
-#include "rigid_pose.h"
-#include "robot_model.h"
 
 typedef struct {
     double t_s;

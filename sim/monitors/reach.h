@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "robot_model.h"
+#include "../robot/robot_model.h"
 
 #define REACH_TOLERANCE_M 0.001 /* a position is in reach if some posture within the limits puts the hand this close */
 

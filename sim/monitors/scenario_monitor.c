@@ -3,13 +3,32 @@
 #include <math.h>
 #include <string.h>
 
-#include "rotation.h"
+#include "../common/rigid_pose.h"
 #include "tracking.h"
+
+#define TICK_S 0.001
 
 void scenario_monitor_init(scenario_monitor_t *self, const scenario_check_t checks[], size_t count) {
     memset(self, 0, sizeof *self);
     self->checks = checks;
     self->count = count;
+}
+
+bool scenario_check_needs_target(const scenario_check_t *check) {
+    return check->kind == CHECK_SETTLED_POSITION;
+}
+
+bool scenario_check_needs_start(const scenario_check_t *check) {
+    return check->kind == CHECK_DISPLACEMENT || check->kind == CHECK_TURN;
+}
+
+static double check_start_s(const scenario_check_t *check) {
+    return check->from_s > 0.0 ? check->from_s : check->until_s; /* of a single instant */
+}
+
+bool scenario_monitor_has_measured(const scenario_monitor_t *self, size_t check) {
+    const double window_s = self->checks[check].until_s - check_start_s(&self->checks[check]);
+    return self->ticks[check] > 0 && (double)self->ticks[check] * TICK_S >= 0.5 * window_s;
 }
 
 bool scenario_check_is_lower_bound(const scenario_check_t *check) {
@@ -67,17 +86,17 @@ void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick
     const double t_s = (double)tick->time_ns * 1e-9;
     for (size_t i = 0; i < self->count; i++) {
         const scenario_check_t *check = &self->checks[i];
-        const double from_s = check->from_s > 0.0 ? check->from_s : check->until_s;
+        const double from_s = check_start_s(check);
         /* A tick's time is a multiple of 1 ms: half a tick of slack makes the comparison exact. */
         if (t_s < from_s - 0.0005 || t_s > check->until_s + 0.0005 ||
-            (check->kind == CHECK_SETTLED_POSITION && !tick->has_target)) {
+            (scenario_check_needs_target(check) && !tick->has_target)) {
             continue;
         }
         const double value = measure(check, &self->start, tick, motion_scale);
         const bool worse = scenario_check_is_lower_bound(check) ? value < self->value[i] : value > self->value[i];
-        if (!self->measured[i] || worse) {
+        if (self->ticks[i] == 0 || worse) {
             self->value[i] = value;
-            self->measured[i] = true;
         }
+        self->ticks[i]++;
     }
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "rotation.h"
+#include "../common/rigid_pose.h"
 
 #define POSITION_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* so close to its range a joint counts as at its limit */
 #define LIMIT_SHARE 0.9                               /* of a limit counts as at the limit */
@@ -20,21 +20,13 @@ double tracking_distance_mm(const tick_record_t *tick) {
     return 1e3 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-/* From which speed on a joint cannot follow the law's exponential approach, whose deceleration is gain times speed. */
-static double braking_speed_radps(const float parameter[]) {
-    float gain_per_s = 0.0f;
-    for (int i = PARAMETER_GAIN_PER_S; i < PARAMETER_GAIN_PER_S + 8; i++) {
-        gain_per_s = parameter[i] > gain_per_s ? parameter[i] : gain_per_s;
-    }
-    const double acceleration_radps2 = (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2];
-    return gain_per_s > 0.0f ? acceleration_radps2 / (double)gain_per_s : (double)INFINITY;
-}
-
-/* Some joint cannot do what the law asks: it is at its range, or on the whole so fast that it is limited in speed or
- * acceleration. Single ticks at those limits do not count: the tracker's noise alone causes them, with a hand at rest. */
+/* Some joint cannot do what a law may ask of it: it is at its range, at its speed limit, or so fast that within its
+ * acceleration limit it could not stop in TRACKING_STOP_S. Speeds are averaged: the tracker's noise alone causes single fast
+ * ticks, with a hand at rest. The law's own parameters do not enter, for a law must not choose what it is judged by. */
 static bool is_limited(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
     const double speed_max_radps =
-        fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS, braking_speed_radps(parameter));
+        fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS,
+             (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2] * TRACKING_STOP_S);
     bool limited = false;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         double *mean_radps = &self->mean_velocity_radps[i];

@@ -9,6 +9,7 @@
 #define TRACKING_SETTLE_S 0.2    /* so long after a limit, and ... */
 #define TRACKING_LOOK_AHEAD 50   /* ... so many ticks before one, the arm could not follow */
 #define TRACKING_MEAN_TICKS 20   /* over which a joint's commanded speed is averaged */
+#define TRACKING_STOP_S 0.02     /* a joint that needs longer to stop cannot follow a hand's changes */
 #define TRACKING_REACH_TICKS 10  /* reach is searched once in so many ticks */
 
 typedef struct {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../firmware/can_protocol.h"
+#include "../../firmware/can_protocol.h"
 
 #define PULSES_PER_RAD (ROBOT_PULSES_PER_DEGREE / ROBOT_RAD_PER_DEG)
 #define VELOCITY_WINDOW 8 /* the reported velocity is the encoder's way over so many samples: 10 mrad/s resolution */
@@ -33,12 +33,16 @@ struct drive_node {
 };
 
 /* The encoder counts whole pulses. (The manual's counting directions, + + - -, end in the drive: the bus has radians.) */
+static double encoder_pulses(const drive_node_t *self, int joint) {
+    return nearbyint(arm_plant_position_rad(self->plant, joint) * PULSES_PER_RAD);
+}
+
 static void sample_encoders(drive_node_t *self, int64_t now_ns) {
     self->newest = (self->newest + 1) % VELOCITY_WINDOW;
     self->samples += self->samples < VELOCITY_WINDOW ? 1 : 0;
     self->sample_ns[self->newest] = now_ns;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        self->drive[i].pulses[self->newest] = nearbyint(arm_plant_position_rad(self->plant, i) * PULSES_PER_RAD);
+        self->drive[i].pulses[self->newest] = encoder_pulses(self, i);
     }
 }
 
@@ -119,6 +123,10 @@ void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s) {
         }
         arm_plant_set_velocity(self->plant, i, drive->servo_radps);
     }
+}
+
+double drive_node_encoder_rad(const drive_node_t *self, int joint) {
+    return encoder_pulses(self, joint) / PULSES_PER_RAD;
 }
 
 uint32_t drive_node_rejected(const drive_node_t *self) {

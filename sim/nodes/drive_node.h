@@ -9,8 +9,8 @@
 
 #include <stdint.h>
 
-#include "arm_plant.h"
-#include "bus.h"
+#include "../bus/bus.h"
+#include "../robot/arm_plant.h"
 
 #define DRIVE_SERVO_TIME_CONSTANT_S 0.003
 #define DRIVE_RESPONSE_NS 20000 /* from the end of JointCmd to a JointState ready to be sent */
@@ -23,6 +23,9 @@ void drive_node_destroy(drive_node_t *self);
 
 /* Drives the plant's motors over the next step, from now_ns on. */
 void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s);
+
+/* What the joint's encoder reads now. */
+double drive_node_encoder_rad(const drive_node_t *self, int joint);
 
 /* JointCmd frames refused so far. */
 uint32_t drive_node_rejected(const drive_node_t *self);

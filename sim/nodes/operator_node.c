@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../firmware/parameters.h"
-#include "names.h"
+#include "../../firmware/parameters.h"
+#include "../common/names.h"
 
 #define TEXT_BYTES 96
 
@@ -32,18 +32,15 @@ static int64_t ns_from_s(double seconds) {
     return (int64_t)(seconds * 1e9 + 0.5);
 }
 
-void operator_node_describe(const operator_node_t *self, char text[], size_t size) {
+static void describe(const operator_step_t *step, char text[], size_t size) {
     text[0] = '\0';
-    if (self->current == self->count) {
-        return;
-    }
-    const operator_step_t *step = &self->steps[self->current];
     switch (step->action) {
     case OPERATOR_WRITE_PARAMETER:
         (void)snprintf(text, size, "writing parameter %s = %g", parameter_table[step->parameter].name,
                        (double)step->value);
         break;
     case OPERATOR_COMMAND:
+    case OPERATOR_DEFINE_TASK:
         (void)snprintf(text, size, "command %s%s%s", command_name((uint8_t)step->command),
                        step->command == COMMAND_SELECT ? " " : "",
                        step->command == COMMAND_SELECT ? task_name((uint8_t)step->task) : "");
@@ -56,7 +53,7 @@ void operator_node_describe(const operator_node_t *self, char text[], size_t siz
 
 static void fail(operator_node_t *self, int64_t now_ns, const char *what) {
     char step[TEXT_BYTES];
-    operator_node_describe(self, step, sizeof step);
+    describe(&self->steps[self->current], step, sizeof step);
     self->failed = true;
     (void)snprintf(self->failure, sizeof self->failure, "operator: %s at %.3f s: %s", step, (double)now_ns * 1e-9,
                    what);
@@ -101,7 +98,8 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
         firmware_status_unpack(frame, &status);
         self->mode = status.mode;
         self->reason = status.reason;
-    } else if (kind == FRAME_COMMAND_ACK && awaits(self, OPERATOR_COMMAND)) {
+    } else if (kind == FRAME_COMMAND_ACK &&
+               (awaits(self, OPERATOR_COMMAND) || awaits(self, OPERATOR_DEFINE_TASK))) {
         command_ack_t ack;
         command_ack_unpack(frame, &ack);
         if (ack.command == (uint8_t)self->steps[self->current].command) {
@@ -139,6 +137,22 @@ void operator_node_destroy(operator_node_t *self) {
     }
 }
 
+static protocol_status_t pack_step(const operator_step_t *step, uint8_t sequence, can_frame_t *frame) {
+    if (step->action == OPERATOR_WRITE_PARAMETER) {
+        const parameter_access_t access = {.operation = PARAMETER_WRITE, .parameter = step->parameter,
+                                           .sequence = sequence, .value = step->value};
+        return parameter_access_pack(&access, frame);
+    }
+    if (step->action == OPERATOR_DEFINE_TASK) {
+        task_define_t define = step->define;
+        define.sequence = sequence;
+        return task_define_pack(&define, frame);
+    }
+    const operator_command_t command = {.command = (uint8_t)step->command, .sequence = sequence,
+                                        .task = (uint8_t)step->task};
+    return operator_command_pack(&command, frame);
+}
+
 /* Sends the current step's frame; a repetition carries the same sequence number, so that a late answer counts. */
 static void send_step(operator_node_t *self, int64_t ready_ns) {
     const operator_step_t *step = &self->steps[self->current];
@@ -146,17 +160,7 @@ static void send_step(operator_node_t *self, int64_t ready_ns) {
         self->sequence = self->sequence == UINT8_MAX ? 1 : (uint8_t)(self->sequence + 1);
     }
     can_frame_t frame;
-    protocol_status_t status;
-    if (step->action == OPERATOR_WRITE_PARAMETER) {
-        const parameter_access_t access = {.operation = PARAMETER_WRITE, .parameter = step->parameter,
-                                           .sequence = self->sequence, .value = step->value};
-        status = parameter_access_pack(&access, &frame);
-    } else {
-        const operator_command_t command = {.command = (uint8_t)step->command, .sequence = self->sequence,
-                                            .task = (uint8_t)step->task};
-        status = operator_command_pack(&command, &frame);
-    }
-    if (status != PROTOCOL_OK) {
+    if (pack_step(step, self->sequence, &frame) != PROTOCOL_OK) {
         fail(self, ready_ns, "the frame cannot carry it");
         return;
     }

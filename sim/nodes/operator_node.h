@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../firmware/can_protocol.h"
-#include "bus.h"
+#include "../../firmware/can_protocol.h"
+#include "../bus/bus.h"
 
 #define OPERATOR_ACK_TIMEOUT_S 0.050
 #define OPERATOR_RETRIES 3
@@ -16,6 +16,7 @@
 typedef enum {
     OPERATOR_WRITE_PARAMETER,
     OPERATOR_COMMAND,
+    OPERATOR_DEFINE_TASK,
     OPERATOR_AWAIT_MODE,
 } operator_action_t;
 
@@ -24,8 +25,9 @@ typedef struct {
     double not_before_s; /* and after the step before */
     uint8_t parameter;   /* OPERATOR_WRITE_PARAMETER */
     float value;
-    command_t command; /* OPERATOR_COMMAND */
+    command_t command; /* OPERATOR_COMMAND; OPERATOR_DEFINE_TASK: COMMAND_DEFINE, as it is acknowledged */
     task_id_t task;
+    task_define_t define; /* OPERATOR_DEFINE_TASK; its sequence is the node's */
     control_mode_t mode; /* OPERATOR_AWAIT_MODE */
     double patience_s;   /* how long to wait for it */
 } operator_step_t;
@@ -43,8 +45,5 @@ bool operator_node_finished(const operator_node_t *self);
 
 /* NULL, or one line that names the command, its time and what went wrong. */
 const char *operator_node_failure(const operator_node_t *self);
-
-/* One line for the step that is due next, for messages; "" when finished. */
-void operator_node_describe(const operator_node_t *self, char text[], size_t size);
 
 #endif

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../firmware/can_protocol.h"
-#include "random.h"
+#include "../../firmware/can_protocol.h"
+#include "../common/random.h"
 
 struct tracker_node {
     bus_t *bus;
@@ -21,7 +21,6 @@ struct tracker_node {
     protocol_sender_t sender;
     uint64_t next_sample;
     uint64_t next_status;
-    bool had_valid;
     int64_t last_valid_ns;
     tracker_statistics_t statistics;
 };
@@ -142,16 +141,16 @@ static void send_hand_pose(tracker_node_t *self, int64_t measured_ns, int64_t re
         self->statistics.range_errors++;
         pose.valid = false;
     }
-    self->statistics.samples++;
-    self->statistics.lost += !pose.valid;
+    if (self->statistics.samples == 0) {
+        self->last_valid_ns = measured_ns; /* a gap at the beginning counts from the first sample */
+    }
+    self->statistics.longest_gap_s =
+        fmax(self->statistics.longest_gap_s, (double)(measured_ns - self->last_valid_ns) * 1e-9);
     if (pose.valid) {
-        const double since_valid_s = (double)(measured_ns - self->last_valid_ns) * 1e-9;
-        if (self->had_valid && since_valid_s > self->statistics.longest_gap_s) {
-            self->statistics.longest_gap_s = since_valid_s;
-        }
-        self->had_valid = true;
         self->last_valid_ns = measured_ns;
     }
+    self->statistics.samples++;
+    self->statistics.lost += !pose.valid;
     protocol_protect(&self->sender, &frame);
     (void)bus_send(self->bus, self->bus_node, &frame, ready_ns); /* the bus counts what it drops */
 }

@@ -6,8 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "bus.h"
-#include "hand_motion.h"
+#include "../bus/bus.h"
+#include "../hand/hand_motion.h"
+
+#define TRACKER_RANGE_M 8.388 /* of a marker's coordinates: HandPose has 24 bits of um */
 
 /* Times are those of the simulation unless said otherwise. */
 typedef struct {
@@ -28,7 +30,7 @@ typedef struct {
     uint64_t samples;      /* sent */
     uint64_t lost;         /* of these, sent as invalid */
     uint64_t range_errors; /* of these, measurements that no frame can carry */
-    double longest_gap_s;  /* longest time between two valid samples */
+    double longest_gap_s;  /* longest time without a valid sample, those before the first and after the last included */
 } tracker_statistics_t;
 
 typedef struct tracker_node tracker_node_t;

@@ -6,6 +6,11 @@
 #include <string.h>
 
 #define NUMBER_BYTES 64
+#define TASK_PARTS 5
+#define TASK_BYTES 256
+#define TASK_DISTANCE_MAX_M 8.388 /* 24 bits of um */
+#define TASK_BLEND_MAX_S 65.535
+#define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
 
 /* Digits as a person writes them: strtod() would also take blanks, "inf", "nan" and hexadecimal. */
 static bool is_decimal(const char *text) {
@@ -47,4 +52,42 @@ bool option_numbers(const char *text, char separator, double minimum, double max
         text = is_last ? end : end + 1;
     }
     return true;
+}
+
+static bool unit_quaternion(const char *text, quaternion_t *quaternion) {
+    double q[4];
+    if (!option_numbers(text, ',', -1.0 - UNIT_TOLERANCE, 1.0 + UNIT_TOLERANCE, 4, q)) {
+        return false;
+    }
+    const double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    *quaternion = (quaternion_t){(float)(q[0] / norm), (float)(q[1] / norm), (float)(q[2] / norm), (float)(q[3] / norm)};
+    return fabs(norm - 1.0) <= UNIT_TOLERANCE;
+}
+
+bool option_task(const char *text, task_define_t *task) {
+    char copy[TASK_BYTES];
+    char *part[TASK_PARTS] = {copy};
+    if (strlen(text) >= sizeof copy) {
+        return false;
+    }
+    memcpy(copy, text, strlen(text) + 1);
+    for (size_t i = 1; i < TASK_PARTS; i++) {
+        char *colon = strchr(part[i - 1], ':');
+        if (colon == NULL) {
+            return false;
+        }
+        *colon = '\0';
+        part[i] = colon + 1;
+    }
+    double t_m[3], blend_s;
+    const bool mirrored = strcmp(part[0], "mirrored") == 0;
+    if (!(mirrored || strcmp(part[0], "constant") == 0) ||
+        !option_numbers(part[1], ',', -TASK_DISTANCE_MAX_M, TASK_DISTANCE_MAX_M, 3, t_m) ||
+        !option_number(part[4], 0.0, TASK_BLEND_MAX_S, &blend_s)) {
+        return false;
+    }
+    task->form = mirrored ? TASK_FORM_MIRRORED : TASK_FORM_CONSTANT;
+    task->t_task_m = (vector3_t){(float)t_m[0], (float)t_m[1], (float)t_m[2]};
+    task->blend_s = (float)blend_s;
+    return unit_quaternion(part[2], &task->q_task) && unit_quaternion(part[3], &task->q_inv);
 }

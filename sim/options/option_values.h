@@ -6,10 +6,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "../../firmware/can_protocol.h"
+
 bool option_number(const char *text, double minimum, double maximum, double *value);
 bool option_unsigned(const char *text, uint64_t maximum, uint64_t *value);
 
 /* count numbers, separated by `separator`. */
 bool option_numbers(const char *text, char separator, double minimum, double maximum, size_t count, double value[]);
+
+/* FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND as a TaskDefine can carry it. */
+bool option_task(const char *text, task_define_t *task);
 
 #endif

@@ -10,12 +10,13 @@
 
 #define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
 #define MOUNT_MAX_M 1e3
+#define PAPER_GAIN_PER_S 4.0f /* the paper gives none: one for all, as its law has it */
 
 enum {
     OPTION_SCENARIO = 256, OPTION_TRACKER, OPTION_AXES, OPTION_SEED, OPTION_OUT, OPTION_DURATION, OPTION_RATE,
     OPTION_NOISE_MM, OPTION_NOISE_DEG, OPTION_LATENCY_MS, OPTION_MOUNT_TRANSLATION, OPTION_MOUNT_ROTATION,
-    OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_QUIET, OPTION_LIST,
-    OPTION_HELP,
+    OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_PAPER_LAW, OPTION_DEFINE,
+    OPTION_CLUTCH, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
 };
 
 static const struct option option_table[] = {
@@ -36,6 +37,9 @@ static const struct option option_table[] = {
     {"tracker-clock", required_argument, NULL, OPTION_TRACKER_CLOCK},
     {"scale", required_argument, NULL, OPTION_SCALE},
     {"param", required_argument, NULL, OPTION_PARAM},
+    {"paper-law", no_argument, NULL, OPTION_PAPER_LAW},
+    {"define", required_argument, NULL, OPTION_DEFINE},
+    {"clutch", required_argument, NULL, OPTION_CLUTCH},
     {"quiet", no_argument, NULL, OPTION_QUIET},
     {"list", no_argument, NULL, OPTION_LIST},
     {"help", no_argument, NULL, OPTION_HELP},
@@ -56,6 +60,8 @@ static const struct {
     {OPTION_NOISE_DEG, offsetof(options_t, tracker.noise_rotation_rad), ROBOT_RAD_PER_DEG, 0.0, 57.0,
      "a standard deviation in degrees from 0 to 57"},
     {OPTION_LATENCY_MS, offsetof(options_t, tracker.latency_s), 1e-3, 0.0, 500.0, "a number of ms from 0 to 500"},
+    {OPTION_CLUTCH, offsetof(options_t, operator.clutch_s), 1.0, SCENARIO_CLUTCH_MIN_S, 86400.0,
+     "a number of seconds from 1 to 86400"},
     {OPTION_DROPOUT, offsetof(options_t, tracker.dropout_probability), 1.0, 0.0, 1.0, "a probability from 0 to 1"},
 };
 
@@ -96,9 +102,21 @@ static bool set_parameter(options_t *self, int parameter, const char *option, co
                        (double)description->maximum, description->name);
         return wrong(error, option, argument, expected);
     }
-    self->parameter_written[parameter] = true;
-    self->parameter_value[parameter] = (float)value;
+    self->operator.parameter_written[parameter] = true;
+    self->operator.parameter_value[parameter] = (float)value;
     return true;
+}
+
+/* The law as the paper has it, where --param does not say otherwise. */
+static void set_paper_law(operator_wishes_t *operator) {
+    for (int i = 0; i < PARAMETER_COUNT; i++) {
+        const bool is_gain = i >= PARAMETER_GAIN_PER_S && i < PARAMETER_GAIN_PER_S + 8;
+        const bool is_weight = i >= PARAMETER_WEIGHT && i < PARAMETER_WEIGHT + 8;
+        if ((is_gain || is_weight || i == PARAMETER_ERROR_FRAME) && !operator->parameter_written[i]) {
+            operator->parameter_written[i] = true;
+            operator->parameter_value[i] = is_gain ? PAPER_GAIN_PER_S : is_weight ? 1.0f : (float)ERROR_FRAME_TORSO;
+        }
+    }
 }
 
 static bool parse_parameter(options_t *self, const char *argument, char error[]) {
@@ -189,6 +207,12 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
         return parse_mount_rotation(self->tracker.mount_rotation, value, error);
     case OPTION_GAP:
         return parse_gap(&self->tracker, value, error);
+    case OPTION_DEFINE:
+        self->operator.defines_task = true;
+        return option_task(value, &self->operator.task) ||
+               wrong(error, name, value,
+                     "FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND: constant or mirrored, m within 8.388, two "
+                     "quaternions of norm 1 within 0.001, s from 0 to 65.535");
     case OPTION_SCALE:
         return set_parameter(self, PARAMETER_MOTION_SCALE, name, value, value, error);
     default: /* OPTION_PARAM */
@@ -201,17 +225,21 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
     self->scenario = &scenario_table[0];
     self->seed = 1;
     tracker_options_set_defaults(&self->tracker);
-    self->out = "out";
     opterr = 0; /* messages are ours */
+    bool paper_law = false;
     int option, row = 0;
-    while ((option = getopt_long(argc, argv, ":", option_table, &row)) != -1) {
+    while ((option = getopt_long(argc, argv, ":h", option_table, &row)) != -1) {
         switch (option) {
         case OPTION_HELP:
+        case 'h':
             return OPTIONS_SHOW_HELP;
         case OPTION_LIST:
             return OPTIONS_SHOW_SCENARIOS;
         case OPTION_QUIET:
             self->quiet = true;
+            break;
+        case OPTION_PAPER_LAW:
+            paper_law = true;
             break;
         case '?':
             (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': %s; --help lists them", argv[optind - 1],
@@ -233,6 +261,13 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
     if (self->axes != NULL && self->tracker_path == NULL) {
         (void)wrong(error, "axes", self->axes, "a recording to apply it to: --tracker FILE.csv");
         return OPTIONS_WRONG;
+    }
+    if (paper_law) {
+        set_paper_law(&self->operator);
+    }
+    if (self->out == NULL) {
+        (void)snprintf(self->default_out, sizeof self->default_out, "out/%s", self->scenario->name);
+        self->out = self->default_out;
     }
     self->tracker.seed = self->seed;
     self->tracker.motion_start_s = self->scenario->motion_start_s;

@@ -5,9 +5,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../firmware/parameters.h"
-#include "scenario.h"
-#include "tracker_node.h"
+#include "../../firmware/parameters.h"
+#include "../nodes/tracker_node.h"
+#include "../scenario.h"
 
 #define OPTIONS_ERROR_BYTES 2048
 
@@ -16,11 +16,11 @@ typedef struct {
     const char *tracker_path; /* NULL: the scenario's built-in motion */
     const char *axes;         /* NULL: by the file's name */
     const char *out;
+    char default_out[40];
     double duration_s; /* 0: the scenario's, or the recording's */
     uint64_t seed;
     tracker_options_t tracker;
-    bool parameter_written[PARAMETER_COUNT];
-    float parameter_value[PARAMETER_COUNT];
+    operator_wishes_t operator;
     bool quiet;
 } options_t;
 

@@ -1,9 +1,11 @@
 #include "output_folder.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -66,8 +68,19 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
     return true;
 }
 
+/* The lock goes with the process, whatever its end. A file system without locks is used without. */
+static bool lock_folder(output_folder_t *self, const char *folder, char error[], size_t error_size) {
+    self->lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (self->lock >= 0 && flock(self->lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        (void)snprintf(error, error_size, "%s: is in use by another run", folder);
+        return false;
+    }
+    return true;
+}
+
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     memset(self, 0, sizeof *self);
+    self->lock = -1;
     char *path = join(folder, "", "");
     const bool made = path != NULL && make_folders(path, error, error_size);
     free(path);
@@ -77,6 +90,9 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
     if (!is_folder(folder)) {
         errno = ENOTDIR;
         return fail(error, error_size, folder, "cannot be used as a folder");
+    }
+    if (!lock_folder(self, folder, error, error_size)) {
+        return false; /* with no names yet: the other run's files stay */
     }
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         self->path[i] = join(folder, file_name[i], "");
@@ -116,5 +132,8 @@ void output_folder_free(output_folder_t *self) {
         }
         free(self->path[i]);
         free(self->partial_path[i]);
+    }
+    if (self->lock >= 0) {
+        (void)close(self->lock);
     }
 }

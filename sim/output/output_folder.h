@@ -16,9 +16,11 @@ typedef enum {
 typedef struct {
     char *path[OUTPUT_COUNT];
     char *partial_path[OUTPUT_COUNT]; /* where to write */
+    int lock; /* the open folder, locked against other runs; -1: none */
 } output_folder_t;
 
-/* Creates the folder and its parents and removes a former run's files. On failure false, and one line in `error`. */
+/* Creates the folder and its parents, locks it and removes a former run's files. On failure, another run in the same
+ * folder included, false, and one line in `error`. */
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size);
 
 /* Gives the files their names. */

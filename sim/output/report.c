@@ -3,11 +3,12 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "../common/names.h"
 #include "json_writer.h"
-#include "names.h"
 
 #define PROGRESS_TERMINAL_TICKS 500
 #define PROGRESS_LINES 4 /* elsewhere */
@@ -50,6 +51,7 @@ static void write_traffic(json_writer_t *json, const world_t *world) {
     json_begin(json, "tracker", '{');
     json_unsigned(json, "samples", tracker.samples);
     json_unsigned(json, "lost", tracker.lost);
+    json_unsigned(json, "range_errors", tracker.range_errors);
     json_number(json, "longest_gap_ms", 1e3 * tracker.longest_gap_s);
     json_end(json, '}');
 }
@@ -73,7 +75,7 @@ static void write_checks(json_writer_t *json, const checks_t *checks) {
         const check_t *check = &checks->check[i];
         json_begin(json, NULL, '{');
         json_text(json, "name", check->name);
-        json_number(json, "value", check->value);
+        json_number(json, "value", check->measured ? check->value : (double)NAN);
         json_number(json, "limit", check->limit);
         json_text(json, "unit", check->unit);
         json_bool(json, "pass", check->pass);
@@ -111,12 +113,36 @@ bool report_write_summary(const world_t *world, const checks_t *checks, double w
     return true;
 }
 
+static bool is_terminal(void) {
+    return isatty(STDOUT_FILENO) != 0;
+}
+
+const char *report_verdict(bool pass) {
+    const char *no_colour = getenv("NO_COLOR"); /* no-color.org: present and not empty */
+    if (!is_terminal() || (no_colour != NULL && no_colour[0] != '\0')) {
+        return pass ? "PASS" : "FAIL";
+    }
+    return pass ? "\033[32mPASS\033[0m" : "\033[31mFAIL\033[0m";
+}
+
+static void print_row(const check_t *check) {
+    const int decimals = check->unit[0] == '\0' ? 0 : 2; /* counts have no unit */
+    char value[32] = "not measured";
+    if (check->measured) {
+        (void)snprintf(value, sizeof value, "%.*f", decimals, check->value);
+    }
+    (void)printf("%-28s %14s %s %9.*f %-4s %s\n", check->name, value, check->is_lower_bound ? ">=" : "<=", decimals,
+                 check->limit, check->unit, report_verdict(check->pass));
+}
+
 void report_print_table(const world_t *world, const checks_t *checks, double wall_s) {
-    (void)printf("%-32s %12s    %12s %-5s\n", "check", "value", "limit", "unit");
+    (void)printf("%-28s %14s    %9s %-4s\n", "check", "value", "limit", "unit");
     for (size_t i = 0; i < checks->count; i++) {
-        const check_t *check = &checks->check[i];
-        (void)printf("%-32s %12.4g %s %12.4g %-5s %s\n", check->name, check->value, check->is_lower_bound ? ">=" : "<=",
-                     check->limit, check->unit, check->pass ? "PASS" : "FAIL");
+        print_row(&checks->check[i]);
+    }
+    if (checks->tracking_not_judged) {
+        (void)printf("%-28s %14s    not judged (%.2f s followable, needs %g s)\n", "followable_rms_position", "-",
+                     (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9, CHECKS_FOLLOWABLE_MIN_S);
     }
     if (checks_tracking_measured(world)) {
         const tracking_sums_t *sums = &world->tracking.all;
@@ -136,7 +162,7 @@ void report_progress(const world_t *world) {
     const size_t changes = world->observer.mode_count;
     const char *mode = changes > 0 ? mode_name((uint8_t)world->observer.modes[changes - 1].mode) : "boot";
     const double share = 100.0 * (double)world->ticks / (double)total;
-    if (isatty(STDOUT_FILENO) != 0) {
+    if (is_terminal()) {
         if (world->ticks % PROGRESS_TERMINAL_TICKS == 0 || world->ticks == total) {
             (void)printf("\r%s %3.0f %%  %.1f s  %-12s%s", world->options->scenario->name, share, simulated_s(world),
                          mode, world->ticks == total ? "\n" : "");
@@ -145,5 +171,12 @@ void report_progress(const world_t *world) {
     } else if (world->ticks * PROGRESS_LINES % total < PROGRESS_LINES) {
         (void)printf("%s %3.0f %%  %.1f s  %s\n", world->options->scenario->name, share, simulated_s(world), mode);
         (void)fflush(stdout);
+    }
+}
+
+void report_end_progress(const world_t *world) {
+    const bool is_line_open = world->ticks >= PROGRESS_TERMINAL_TICKS && world->now_ns < world->end_ns;
+    if (is_terminal() && is_line_open) {
+        (void)putchar('\n');
     }
 }

@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "names.h"
+#include "../common/names.h"
 #include "text_number.h"
 
 #define LINE_BYTES 1024

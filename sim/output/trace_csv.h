@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "observer.h"
+#include "../monitors/observer.h"
 
 typedef struct {
     FILE *file;

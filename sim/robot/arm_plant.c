@@ -3,7 +3,7 @@
 #include <ode/ode.h>
 #include <stdlib.h>
 
-#include "rotation.h"
+#include "../common/rigid_pose.h"
 
 /* Share of a hinge's drift that ODE takes back per step: with 1 ms steps the joints' gaps stay below 1 um. */
 #define ERROR_REDUCTION 0.8

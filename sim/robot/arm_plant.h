@@ -4,7 +4,7 @@
 #ifndef COMANIP_SIM_ARM_PLANT_H
 #define COMANIP_SIM_ARM_PLANT_H
 
-#include "hand_motion.h"
+#include "../hand/hand_motion.h"
 #include "robot_model.h"
 
 typedef struct arm_plant arm_plant_t;
