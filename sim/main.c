@@ -6,7 +6,7 @@
 #include <time.h>
 
 #include "../hal/host/hal_host.h"
-#include "monitors/checks.h"
+#include "output/checks.h"
 #include "options/help.h"
 #include "options/options.h"
 #include "output/output_folder.h"
@@ -123,6 +123,9 @@ int main(int argc, char *argv[]) {
         const struct sigaction action = {.sa_handler = on_interrupt};
         (void)sigaction(SIGINT, &action, NULL);
         (void)sigaction(SIGTERM, &action, NULL);
+        if (!options.quiet && options.tracker_path != NULL) {
+            (void)printf("%s\n", hand_motion_description(motion));
+        }
         status = run(&options, motion, &folder);
     } else {
         (void)complain(error, EXIT_WRONG_USE);

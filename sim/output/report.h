@@ -2,7 +2,7 @@
 #ifndef COMANIP_SIM_REPORT_H
 #define COMANIP_SIM_REPORT_H
 
-#include "../monitors/checks.h"
+#include "checks.h"
 
 /* On failure false, and one line in `error`. */
 bool report_write_summary(const world_t *world, const checks_t *checks, double wall_s, const char *path, char error[],
