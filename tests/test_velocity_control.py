@@ -32,9 +32,12 @@ def tolerance(weight, damping: float) -> float:
         (100.0, 1.0),
         (np.array([4] * 4 + [400] * 4, np.float32), None),
         (np.arange(1, 9, dtype=np.float32), np.array([3, 1, 4, 1, 5, 9, 2, 6], np.float32)),
+        (100.0, 10.0),
+        (np.array([1] * 4 + [100] * 4, np.float32), 100.0),
         (100.0, WEIGHTED),
+        (np.array([1] * 4 + [100] * 4, np.float32), WEIGHTED),
     ],
-    ids=["paper", "scalar weight", "gain per component", "both per component", "default"],
+    ids=["paper", "scalar weight", "gain", "both", "weight 10", "weight 100", "position weighted", "default weight, gain"],
 )
 def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
