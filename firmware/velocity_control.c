@@ -1,10 +1,12 @@
 #include "velocity_control.h"
 
+#include <stdbool.h>
 #include <string.h>
 
-/* The least damping, as a part of the largest diagonal of J^T W J: below it, float32's rounding would decide what happens
- * at a singularity. */
-#define RELATIVE_DAMPING_MIN 2e-6f
+/* As parts of the largest diagonal of J^T W J: with less damping than the first, float32's rounding would decide what
+ * happens at a singularity, and the second is used. */
+#define RELATIVE_DAMPING_MIN 1e-7f
+#define RELATIVE_DAMPING_SAFE 2e-6f
 
 /* L D L^T of a symmetric positive definite matrix. */
 typedef struct {
@@ -116,8 +118,8 @@ void velocity_control(const velocity_control_config_t *config, int joint_count, 
         }
         largest = normal.lower[i][i] > largest ? normal.lower[i][i] : largest;
     }
-    float damping_min = RELATIVE_DAMPING_MIN * largest;
-    float damping = config->damping > damping_min ? config->damping : damping_min;
+    bool too_little = config->damping < RELATIVE_DAMPING_MIN * largest;
+    float damping = too_little ? RELATIVE_DAMPING_SAFE * largest : config->damping;
     for (int i = 0; i < joint_count; i++) {
         normal.lower[i][i] += damping;
     }

@@ -21,6 +21,8 @@ static const scenario_check_t pour_checks[] = {
     {CHECK_TILT, "glass_tilt_at_spot_1", .from_s = 2.5, .until_s = 3.5, .limit = 30.0},
     {CHECK_SETTLED_POSITION, "settled_at_spot_2", .from_s = 5.5, .until_s = 6.5, .limit = 3.0},
     {CHECK_SETTLED_POSITION, "settled_at_spot_3", .from_s = 8.5, .until_s = 9.5, .limit = 3.0},
+    {CHECK_DISPLACEMENT, "way_to_spot_2", .since_s = 3.4, .until_s = 6.4, .expected_m = {0.020, 0.0, 0.020}, .limit = 3.0},
+    {CHECK_DISPLACEMENT, "way_to_spot_3", .since_s = 6.4, .until_s = 9.4, .expected_m = {-0.010, -0.020, -0.010}, .limit = 3.0},
 };
 
 /* ---- teleop: smooth moves of 30 mm, and a turn of the wrist about the forearm. */

@@ -15,7 +15,7 @@
 typedef enum {
     /* Largest distance between ODE's hand and the target in [from_s, until_s]. */
     CHECK_SETTLED_POSITION,
-    /* Distance between the way of ODE's hand since the start command, at until_s, and `expected_m` times motion_scale. */
+    /* Distance between the way of ODE's hand since since_s, at until_s, and `expected_m` times motion_scale. */
     CHECK_DISPLACEMENT,
     /* Least angle in [from_s, until_s] between torso z and the axis of the hand that was along torso z at the start. */
     CHECK_TILT,
@@ -27,6 +27,7 @@ typedef struct {
     scenario_check_kind_t kind;
     const char *name;
     double from_s, until_s;
+    double since_s;       /* CHECK_DISPLACEMENT; 0: since the start command */
     double expected_m[3]; /* CHECK_DISPLACEMENT, torso axes */
     double expected_deg;  /* CHECK_TURN */
     double limit;         /* mm or deg: at most so much; CHECK_TILT: at least so much */

@@ -87,12 +87,16 @@ void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick
     for (size_t i = 0; i < self->count; i++) {
         const scenario_check_t *check = &self->checks[i];
         const double from_s = check_start_s(check);
+        if (check->since_s > 0.0 && fabs(t_s - check->since_s) < 0.0005) {
+            self->since[i] = tick->hand;
+            self->has_since[i] = true;
+        }
         /* A tick's time is a multiple of 1 ms: half a tick of slack makes the comparison exact. */
         if (t_s < from_s - 0.0005 || t_s > check->until_s + 0.0005 ||
-            (scenario_check_needs_target(check) && !tick->has_target)) {
+            (scenario_check_needs_target(check) && !tick->has_target) || (check->since_s > 0.0 && !self->has_since[i])) {
             continue;
         }
-        const double value = measure(check, &self->start, tick, motion_scale);
+        const double value = measure(check, check->since_s > 0.0 ? &self->since[i] : &self->start, tick, motion_scale);
         const bool worse = scenario_check_is_lower_bound(check) ? value < self->value[i] : value > self->value[i];
         if (self->ticks[i] == 0 || worse) {
             self->value[i] = value;

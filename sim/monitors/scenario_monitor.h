@@ -12,6 +12,8 @@ typedef struct {
     size_t count;
     bool has_start;
     rigid_pose_t start; /* ODE's hand at the first tick in cooperation */
+    rigid_pose_t since[SCENARIO_MAX_CHECKS]; /* and at the time since which a displacement counts */
+    bool has_since[SCENARIO_MAX_CHECKS];
     double value[SCENARIO_MAX_CHECKS];
     uint64_t ticks[SCENARIO_MAX_CHECKS]; /* in which it was measured */
 } scenario_monitor_t;

@@ -12,6 +12,7 @@ void tracking_init(tracking_t *self) {
     memset(self, 0, sizeof *self);
     reach_init(&self->reach);
     self->limited_ns = INT64_MIN / 2;
+    self->no_target_ns = INT64_MIN / 2;
 }
 
 double tracking_distance_mm(const tick_record_t *tick) {
@@ -67,14 +68,18 @@ static bool is_target_in_reach(tracking_t *self, const tick_record_t *tick) {
 }
 
 void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
-    if ((tick->has_command && is_limited(self, tick, parameter)) || !tick->has_target) {
+    const int64_t settle_ns = (int64_t)(TRACKING_SETTLE_S * 1e9);
+    if (tick->has_command && is_limited(self, tick, parameter)) {
         self->limited_ns = tick->time_ns;
         self->pending_count = 0;
     }
     self->cooperating_ticks += tick->mode == MODE_COOPERATING;
     if (!tick->has_target) {
+        self->no_target_ns = tick->time_ns;
         return;
     }
+    const bool settled = tick->time_ns - self->no_target_ns > settle_ns;
+    self->settled_ticks += settled;
     const bool in_reach = is_target_in_reach(self, tick);
     const tracking_error_t error = {
         .position_mm = tracking_distance_mm(tick),
@@ -82,7 +87,7 @@ void tracking_sample(tracking_t *self, const tick_record_t *tick, const float pa
     };
     add(&self->all, error);
     self->out_of_reach_ticks += !in_reach;
-    if (in_reach && tick->time_ns - self->limited_ns > (int64_t)(TRACKING_SETTLE_S * 1e9)) {
+    if (in_reach && settled && tick->time_ns - self->limited_ns > settle_ns) {
         add_followable(self, error);
     }
 }

@@ -30,7 +30,9 @@ typedef struct {
     bool in_reach;
     uint64_t out_of_reach_ticks;
     uint64_t cooperating_ticks;
-    int64_t limited_ns; /* when a joint was last at one of its limits, or the target came (back) */
+    uint64_t settled_ticks; /* of these, later than TRACKING_SETTLE_S after the start and after each return of the target */
+    int64_t no_target_ns;   /* when there was last none */
+    int64_t limited_ns;     /* when a joint was last at one of its limits */
     double mean_velocity_radps[ROBOT_JOINTS]; /* commanded, over about TRACKING_MEAN_TICKS */
     tracking_sums_t all;        /* every tick in cooperation */
     tracking_sums_t followable; /* in reach, and no joint at a limit shortly before or after */

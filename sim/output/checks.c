@@ -79,11 +79,11 @@ static void add_tracking_of_script(checks_t *self, const world_t *world, bool is
     const bool is_shortened = stop_s(world) < scenario->duration_s - SCENARIO_STOP_BEFORE_END_S;
     if (is_shortened) {
         self->left_out_by_end++;
-    } else if (tracking->cooperating_ticks == 0) {
+    } else if (tracking->settled_ticks == 0) {
         add_not_measured(self, "followable_share", scenario->followable_min_percent, true, "%");
     } else {
         add(self, "followable_share",
-            100.0 * (double)tracking->followable.ticks / (double)tracking->cooperating_ticks,
+            100.0 * (double)tracking->followable.ticks / (double)tracking->settled_ticks,
             scenario->followable_min_percent, true, "%");
     }
     if (is_enough) {
