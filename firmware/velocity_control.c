@@ -5,7 +5,7 @@
 
 /* As parts of the largest diagonal of J^T W J: with less damping than the first, float32's rounding would decide what
  * happens at a singularity, and the second is used. */
-#define RELATIVE_DAMPING_MIN 1e-7f
+#define RELATIVE_DAMPING_MIN 2.5e-7f
 #define RELATIVE_DAMPING_SAFE 2e-6f
 
 /* L D L^T of a symmetric positive definite matrix. */

@@ -17,7 +17,7 @@ typedef enum {
 typedef struct {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
-    float damping;       /* lambda >= 0. Below 1e-7 of the largest diagonal of J^T W J, which float32 does not carry
+    float damping;       /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, which float32 does not carry
                                through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
     error_frame_t error_frame;
 } velocity_control_config_t;

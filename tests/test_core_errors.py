@@ -118,7 +118,7 @@ def test_a_pose_has_a_row_number_in_the_message():
 
 
 def test_normalise_needs_a_primary_part():
-    with pytest.raises(ValueError, match="^a: row 1 has a zero primary part"):
+    with pytest.raises(ValueError, match="^a: row 1 has a primary part of norm 0"):
         core.normalise(np.array([[1, 0, 0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0, 0, 0]], F))
 
 

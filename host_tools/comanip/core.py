@@ -65,11 +65,14 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def normalise(a: np.ndarray) -> np.ndarray:
-    """Back to unit dual quaternions, |P| = 1 and P . D = 0: (N, 8) -> (N, 8)."""
+    """Back to unit dual quaternions, |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| within 1e-12..1e12, so that its square
+    stays in float32."""
     a = check.array("a", a, ("N", 8))
-    zero = ~a[:, :4].any(axis=1)
-    if zero.any():
-        raise ValueError(f"a: row {int(zero.argmax())} has a zero primary part, which is no pose's multiple")
+    norm = np.linalg.norm(a[:, :4].astype(float), axis=1)
+    bad = (norm < 1e-12) | (norm > 1e12)
+    if bad.any():
+        row = int(bad.argmax())
+        raise ValueError(f"a: row {row} has a primary part of norm {norm[row]:.3g}, expected 1e-12 to 1e12")
     out = np.empty_like(a)
     lib.batch_normalise(len(a), _dual_quaternions(a), _dual_quaternions(out))
     return out
