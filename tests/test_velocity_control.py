@@ -51,6 +51,21 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
         assert (np.abs(u - expected).max(axis=1) / scale).max() < tolerance(w, damping)
 
 
+@pytest.mark.parametrize("error_frame", ["torso", "target"])
+@pytest.mark.parametrize("weight", [10.0, 100.0])
+def test_law_where_the_normal_equations_lose_most(rng, error_frame, weight):
+    """A uniform weight scales the condition, but not the tolerance's least value: without the step of refinement the error is
+    beyond it. All inputs at each lambda, and |u| as the largest component."""
+    gain = np.array([1] * 4 + [100] * 4, np.float32)
+    q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
+    hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
+    for damping in (1e-4, 1e-3, 1e-2):
+        u = core.joint_velocity(HOAP3, q, target, gain, damping, error_frame, weight)
+        expected = oracle.law(jacobian, hand, target.astype(float), gain, weight, np.float32(damping), error_frame)
+        scale = np.maximum(np.max(gain) / 10, np.abs(expected).max(axis=1))
+        assert (np.abs(u - expected).max(axis=1) / scale).max() < tolerance(weight, damping)
+
+
 def test_paper_law_is_dqrobotics_damped_controller(rng):
     """The paper's lambda is dqrobotics' damping squared."""
     robot, gain = oracle.hoap3(), 4.0
