@@ -20,20 +20,21 @@ SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
 # What a machine needs beside git and make, as Debian and Ubuntu name it.
-DEBIAN_PACKAGES := gcc libc6-dev libode-dev python3 python3-dev python3-venv
+DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim test bench check-c target target-deps clean
+.PHONY: help deps build sim experiments gain-search test bench check-c target target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
 	@echo
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## ?/  make \1\t/' | expand -t 22
 	@echo
-	@echo "  make sim SCENARIO=pour|teleop|mirror TRACKER=file.csv SEED=n OUT=dir ARGS='...'"
-	@echo "      ARGS are the simulator's own options: make sim ARGS=--help"
+	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
+	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
+	@echo "  make experiments SEEDS=20 OUT=dir"
 
 # ---- what is needed
 
@@ -59,7 +60,7 @@ $(GENERATED)/comanip_dbc.c: $(GENERATED)/.generated ;
 
 $(SIMULATOR): $(HOST_OBJECTS)
 	@echo "  LINK $@"
-	$(Q)$(CC) $^ -lode -lm -o $@
+	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
 
 $(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
 $(BUILD)/host/%.o: %.c $(GENERATED)/.generated
@@ -80,14 +81,25 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 sim: export RUN_SCENARIO := $(SCENARIO)
 sim: export RUN_TRACKER := $(TRACKER)
 sim: export RUN_SEED := $(SEED)
-sim: export RUN_OUT := $(OUT)
+sim: export RUN_OUT := $(if $(OUT),$(OUT),$(if $(PLOT),out/$(basename $(notdir $(or $(SCENARIO),pour)))))
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
 	@set --; \
 	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
 	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
 	[ -z "$$RUN_OUT" ] || set -- "$$@" --out "$$RUN_OUT"; \
-	$(SIMULATOR) "$$@" $(ARGS)
+	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
+	[ -z "$(PLOT)" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
+	exit $$status
+
+SEEDS := 20
+experiments: export RUN_OUT := $(or $(OUT),out/experiments)
+experiments: build ## the five experiments for SEEDS seeds and on recordings, and the paper's law beside ours
+	@$(PYTHON) -m comanip.experiments --seeds "$(SEEDS)" --out "$$RUN_OUT" $(ARGS)
+
+gain-search: export RUN_OUT := $(or $(OUT),out/gain-search)
+gain-search: build ## search for the gains of docs/gains.md anew (takes an hour)
+	@$(PYTHON) -m comanip.gain_search --out "$$RUN_OUT" $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
 	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)

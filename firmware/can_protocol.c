@@ -431,3 +431,71 @@ protocol_status_t firmware_heartbeat_pack(heartbeat_state_t state, can_frame_t *
     (void)comanip_firmware_heartbeat_pack(frame->data, &raw, frame->length);
     return PROTOCOL_OK;
 }
+
+protocol_status_t gripper_command_pack(const gripper_command_t *message, can_frame_t *frame) {
+    struct comanip_gripper_command_t raw = {.action = message->action, .sequence = message->sequence};
+    begin(frame, FRAME_GRIPPER_COMMAND);
+    (void)comanip_gripper_command_pack(frame->data, &raw, frame->length);
+    return PROTOCOL_OK;
+}
+
+void gripper_command_unpack(const can_frame_t *frame, gripper_command_t *message) {
+    struct comanip_gripper_command_t raw;
+    (void)comanip_gripper_command_unpack(&raw, frame->data, frame->length);
+    *message = (gripper_command_t){.action = raw.action, .sequence = raw.sequence};
+}
+
+protocol_status_t gripper_state_pack(const gripper_state_t *message, can_frame_t *frame) {
+    struct comanip_gripper_state_t raw = {.sequence = message->sequence, .state = (uint8_t)message->state};
+    bool fits = true;
+    PACK(fits, message->opening_percent, GRIPPER_STATE_OPENING_PERCENT, uint8_t, raw.opening_percent);
+    PACK(fits, message->force_N, GRIPPER_STATE_FORCE_N, uint16_t, raw.force_n);
+    begin(frame, FRAME_GRIPPER_STATE);
+    (void)comanip_gripper_state_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void gripper_state_unpack(const can_frame_t *frame, gripper_state_t *message) {
+    struct comanip_gripper_state_t raw;
+    (void)comanip_gripper_state_unpack(&raw, frame->data, frame->length);
+    *message = (gripper_state_t){
+        .sequence = raw.sequence,
+        .state = (gripper_status_t)raw.state,
+        .opening_percent = UNPACK(GRIPPER_STATE_OPENING_PERCENT, raw.opening_percent),
+        .force_N = UNPACK(GRIPPER_STATE_FORCE_N, raw.force_n),
+    };
+}
+
+protocol_status_t clearance_report_pack(const clearance_report_t *message, can_frame_t *frame) {
+    struct comanip_clearance_t raw = {
+        .person_valid = message->person_valid,
+        .self_valid = message->self_valid,
+        .person = message->person,
+        .person_part = message->person_part,
+        .robot_part = message->robot_part,
+        .arm_part = message->arm_part,
+        .body_part = message->body_part,
+    };
+    bool fits = true;
+    PACK(fits, message->person_m, CLEARANCE_PERSON_M, uint16_t, raw.person_m);
+    PACK(fits, message->self_m, CLEARANCE_SELF_M, uint16_t, raw.self_m);
+    begin(frame, FRAME_CLEARANCE);
+    (void)comanip_clearance_pack(frame->data, &raw, frame->length);
+    return status_of(fits);
+}
+
+void clearance_report_unpack(const can_frame_t *frame, clearance_report_t *message) {
+    struct comanip_clearance_t raw;
+    (void)comanip_clearance_unpack(&raw, frame->data, frame->length);
+    *message = (clearance_report_t){
+        .person_m = UNPACK(CLEARANCE_PERSON_M, raw.person_m),
+        .self_m = UNPACK(CLEARANCE_SELF_M, raw.self_m),
+        .person_valid = raw.person_valid != 0u,
+        .self_valid = raw.self_valid != 0u,
+        .person = raw.person,
+        .person_part = raw.person_part,
+        .robot_part = raw.robot_part,
+        .arm_part = raw.arm_part,
+        .body_part = raw.body_part,
+    };
+}

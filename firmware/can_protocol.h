@@ -26,6 +26,7 @@ typedef enum {
     FRAME_FIRMWARE_IDENTITY,
     FRAME_JOINT_CMD,
     FRAME_TICK_TRACE,
+    FRAME_CLEARANCE,
     FRAME_HAND_POSE,
     FRAME_JOINT_STATE0,
     FRAME_JOINT_STATE1,
@@ -35,9 +36,11 @@ typedef enum {
     FRAME_JOINT_STATE5,
     FRAME_JOINT_STATE6,
     FRAME_JOINT_STATE7,
+    FRAME_GRIPPER_STATE,
     FRAME_OPERATOR_COMMAND,
     FRAME_TASK_DEFINE,
     FRAME_PARAMETER_ACCESS,
+    FRAME_GRIPPER_COMMAND,
     FRAME_TRACKER_STATUS,
     FRAME_FIRMWARE_HEARTBEAT,
     FRAME_KIND_COUNT
@@ -287,5 +290,69 @@ void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *mes
 protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *frame);
 void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message);
 protocol_status_t firmware_heartbeat_pack(heartbeat_state_t state, can_frame_t *frame);
+
+/* ---- operator <-> gripper: past the firmware, which does not use it */
+
+typedef enum {
+    GRIPPER_OPEN = 0,
+    GRIPPER_CLOSE = 1,
+} gripper_action_t;
+
+typedef enum {
+    GRIPPER_STATUS_MOVING = 0,
+    GRIPPER_STATUS_OPEN = 1,
+    GRIPPER_STATUS_CLOSED = 2,  /* on nothing */
+    GRIPPER_STATUS_HOLDING = 3, /* an object is between the jaws */
+} gripper_status_t;
+
+typedef struct {
+    uint8_t action;   /* gripper_action_t */
+    uint8_t sequence; /* comes back in GripperState */
+} gripper_command_t;
+
+typedef struct {
+    uint8_t sequence; /* of the last command; 0: there was none */
+    gripper_status_t state;
+    float opening_percent; /* 0 closed .. 100 */
+    float force_N;         /* between jaws and object */
+} gripper_state_t;
+
+protocol_status_t gripper_command_pack(const gripper_command_t *message, can_frame_t *frame);
+void gripper_command_unpack(const can_frame_t *frame, gripper_command_t *message);
+protocol_status_t gripper_state_pack(const gripper_state_t *message, can_frame_t *frame);
+void gripper_state_unpack(const can_frame_t *frame, gripper_state_t *message);
+
+/* ---- proximity sensor -> operator */
+
+typedef enum {
+    PERSON_PART_HAND = 0,
+    PERSON_PART_FOREARM = 1,
+    PERSON_PART_CUP = 2,
+    PERSON_PART_HELD = 3, /* the rod in the hand */
+} person_part_t;
+
+typedef enum { /* the arm with what it carries, then the rest */
+    ROBOT_PART_FOREARM = 0,
+    ROBOT_PART_GRIPPER = 1,
+    ROBOT_PART_CUP = 2,
+    ROBOT_PART_HELD = 3, /* the rod in the gripper */
+    ROBOT_PART_UPPER_ARM = 4,
+    ROBOT_PART_SHOULDER = 5,
+    ROBOT_PART_TORSO = 6,
+    ROBOT_PART_HEAD = 7,
+} robot_part_t;
+
+typedef struct {
+    float person_m, self_m; /* least distance, 0..1.6383 */
+    bool person_valid, self_valid;
+    uint8_t person;      /* of the nearest person: number, 0 or 1 */
+    uint8_t person_part; /* person_part_t */
+    uint8_t robot_part;  /* robot_part_t, nearest to the person */
+    uint8_t arm_part;    /* robot_part_t, FOREARM to HELD */
+    uint8_t body_part;   /* what it is nearest to, as robot_part_t less ROBOT_PART_UPPER_ARM */
+} clearance_report_t;
+
+protocol_status_t clearance_report_pack(const clearance_report_t *message, can_frame_t *frame);
+void clearance_report_unpack(const can_frame_t *frame, clearance_report_t *message);
 
 #endif

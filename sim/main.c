@@ -3,7 +3,9 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "../hal/host/hal_host.h"
 #include "output/checks.h"
@@ -11,11 +13,15 @@
 #include "options/options.h"
 #include "output/output_folder.h"
 #include "output/report.h"
+#include "scenario/scenario_file.h"
+#include "scenario/scenario_geometry.h"
 #include "world.h"
 
 #define EXIT_CHECK_FAILED 1
 #define EXIT_WRONG_USE 2
 #define EXIT_INTERRUPTED 130 /* 128 + SIGINT, as shells expect */
+#define PATH_BYTES 4096
+#define SCENARIO_FOLDER "/../../sim/scenarios" /* from build/host/, where the program lies */
 
 static volatile sig_atomic_t interrupted;
 
@@ -40,13 +46,36 @@ static double wall_clock_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static hand_motion_t *load_motion(const options_t *options, char error[], size_t error_size) {
-    if (options->tracker_path != NULL) {
-        return hand_motion_create_recording(options->tracker_path, options->axes, error, error_size);
+/* Where the project's own scenarios are, wherever the program is called from. */
+static void find_scenario_folder(char folder[PATH_BYTES]) {
+    const ssize_t bytes = readlink("/proc/self/exe", folder, PATH_BYTES - sizeof SCENARIO_FOLDER);
+    folder[bytes > 0 ? bytes : 0] = '\0';
+    char *slash = strrchr(folder, '/');
+    (void)strcpy(slash != NULL ? slash : folder, SCENARIO_FOLDER);
+}
+
+static bool load_scenario(scenario_t *scenario, const options_t *options, const char *folder, char error[],
+                          size_t error_size) {
+    if (!scenario_load(scenario, options->scenario, folder, error, error_size)) {
+        return false;
     }
-    const scenario_t *scenario = options->scenario;
-    (void)snprintf(error, error_size, "no memory for the motion");
-    return hand_motion_create_legs(&scenario->hand_start, scenario->legs, scenario->leg_count);
+    scenario_vary(scenario, options->seed);
+    if (!scenario_check_geometry(scenario, error, error_size)) {
+        return false;
+    }
+    const double longest_s = options->duration_s > 0.0 ? options->duration_s : scenario->duration_s;
+    const double stop_s = longest_s - SCENARIO_STOP_BEFORE_END_S;
+    if (options->operator.clutch_s >= stop_s) {
+        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, where the operator stops",
+                       options->operator.clutch_s, stop_s);
+        return false;
+    }
+    if (options->second_path != NULL && scenario->person_count < 2) {
+        (void)snprintf(error, error_size, "--tracker-second '%.200s': expected a scenario with two people; %s has one",
+                       options->second_path, scenario->name);
+        return false;
+    }
+    return true;
 }
 
 static void print_result(const world_t *world, const checks_t *checks, const output_folder_t *folder, double wall_s) {
@@ -56,81 +85,83 @@ static void print_result(const world_t *world, const checks_t *checks, const out
         for (int i = 0; i < OUTPUT_COUNT; i++) {
             (void)printf("%s\n", folder->path[i]);
         }
-        (void)printf("%s: %s: %s\n", world->options->scenario->name, report_verdict(checks->pass), checks->reason);
+        (void)printf("%s: %s: %s\n", world->scenario->name, report_verdict(checks->pass), checks->reason);
     } else if (!checks->pass) {
-        (void)fprintf(stderr, "%s: FAIL: %s\n", world->options->scenario->name, checks->reason);
+        (void)fprintf(stderr, "%s: FAIL: %s\n", world->scenario->name, checks->reason);
     }
 }
 
 /* Runs the world to its end and writes its files. Gives the exit status. */
-static int run(const options_t *options, const hand_motion_t *motion, output_folder_t *folder) {
+static int run(world_t *world, output_folder_t *folder) {
     char error[OPTIONS_ERROR_BYTES];
-    static world_t world;
     static checks_t checks;
-    if (!world_init(&world, options, motion, folder->partial_path[OUTPUT_BUS_LOG], folder->partial_path[OUTPUT_TRACE],
-                    &interrupted, error, sizeof error)) {
+    if (!world_open_files(world, folder->partial_path[OUTPUT_BUS_LOG], folder->partial_path[OUTPUT_TRACE], error,
+                          sizeof error)) {
         return complain(error, EXIT_CHECK_FAILED);
     }
-    world.on_tick = options->quiet ? NULL : report_progress;
+    world->on_tick = world->options->quiet ? NULL : report_progress;
     const double start_s = wall_clock_s();
-    hal_host_run(&world);
+    hal_host_run(world);
     const double wall_s = wall_clock_s() - start_s;
-    checks_evaluate(&checks, &world);
-    const bool written =
-        world_close_files(&world, folder->partial_path[OUTPUT_TRACE], error, sizeof error) &&
-        report_write_summary(&world, &checks, wall_s, folder->partial_path[OUTPUT_SUMMARY], error, sizeof error) &&
-        output_folder_commit(folder, error, sizeof error);
-    if (written) {
-        print_result(&world, &checks, folder, wall_s);
-    }
-    world_free(&world);
-    if (!written) {
+    checks_evaluate(&checks, world);
+    if (!world_close_files(world, folder->partial_path[OUTPUT_TRACE], error, sizeof error) ||
+        !report_write_summary(world, &checks, wall_s, folder->partial_path[OUTPUT_SUMMARY], error, sizeof error) ||
+        !output_folder_commit(folder, error, sizeof error)) {
         return complain(error, EXIT_CHECK_FAILED);
     }
+    print_result(world, &checks, folder, wall_s);
     return interrupted != 0 ? EXIT_INTERRUPTED : checks.pass ? EXIT_SUCCESS : EXIT_CHECK_FAILED;
+}
+
+/* The folder is touched last, when nothing of what was asked for is wrong. */
+static int open_folder_and_run(world_t *world) {
+    char error[OPTIONS_ERROR_BYTES];
+    char default_out[sizeof "out/" + SCENARIO_NAME_BYTES];
+    (void)snprintf(default_out, sizeof default_out, "out/%s", world->scenario->name);
+    const char *out = world->options->out != NULL ? world->options->out : default_out;
+    output_folder_t folder;
+    int status = EXIT_WRONG_USE;
+    if (output_folder_open(&folder, out, error, sizeof error)) {
+        /* Not signal(), after which a second signal would kill: `timeout` and some shells send two. */
+        const struct sigaction action = {.sa_handler = on_interrupt};
+        (void)sigaction(SIGINT, &action, NULL);
+        (void)sigaction(SIGTERM, &action, NULL);
+        for (size_t i = 0; i < world->scenario->person_count && !world->options->quiet; i++) {
+            const char *description = person_program_description(world->program[i]);
+            (void)printf("%s%s", description, description[0] != '\0' ? "\n" : "");
+        }
+        status = run(world, &folder);
+    } else {
+        (void)complain(error, EXIT_WRONG_USE);
+    }
+    output_folder_free(&folder);
+    return status;
 }
 
 int main(int argc, char *argv[]) {
     char error[OPTIONS_ERROR_BYTES];
+    char scenario_folder[PATH_BYTES];
     static options_t options;
+    static scenario_t scenario;
+    static world_t world;
+    find_scenario_folder(scenario_folder);
     switch (options_parse(&options, argc, argv, error)) {
     case OPTIONS_SHOW_HELP:
         help_print();
         return EXIT_SUCCESS;
     case OPTIONS_SHOW_SCENARIOS:
-        help_print_scenarios();
-        return EXIT_SUCCESS;
+        return help_print_scenarios(scenario_folder, error, sizeof error) ? EXIT_SUCCESS
+                                                                          : complain(error, EXIT_WRONG_USE);
     case OPTIONS_WRONG:
         return complain(error, EXIT_WRONG_USE);
     case OPTIONS_RUN:
         break;
     }
-    hand_motion_t *motion = load_motion(&options, error, sizeof error);
-    if (motion == NULL) {
+    if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
         return complain(error, EXIT_WRONG_USE);
     }
-    output_folder_t folder;
-    int status = EXIT_WRONG_USE;
-    const double stop_s = world_duration_s(&options, motion) - SCENARIO_STOP_BEFORE_END_S;
-    if (options.operator.clutch_s >= stop_s) {
-        (void)snprintf(error, sizeof error, "--clutch '%g': expected less than %g s, where the operator stops",
-                       options.operator.clutch_s, stop_s);
-        hand_motion_destroy(motion);
-        return complain(error, EXIT_WRONG_USE);
-    }
-    if (output_folder_open(&folder, options.out, error, sizeof error)) {
-        /* Not signal(), after which a second signal would kill: `timeout` and some shells send two. */
-        const struct sigaction action = {.sa_handler = on_interrupt};
-        (void)sigaction(SIGINT, &action, NULL);
-        (void)sigaction(SIGTERM, &action, NULL);
-        if (!options.quiet && options.tracker_path != NULL) {
-            (void)printf("%s\n", hand_motion_description(motion));
-        }
-        status = run(&options, motion, &folder);
-    } else {
-        (void)complain(error, EXIT_WRONG_USE);
-    }
-    output_folder_free(&folder);
-    hand_motion_destroy(motion);
+    const bool is_ready = world_init(&world, &options, &scenario, &interrupted, error, sizeof error);
+    const int status = is_ready ? open_folder_and_run(&world) : complain(error, EXIT_WRONG_USE);
+    world_free(&world);
     return status;
 }

@@ -5,50 +5,66 @@
 #include <string.h>
 
 #define TICK_S (WORLD_TICK_NS * 1e-9)
-#define RECORDING_REST_S 1.0 /* a recording's run goes on for so long after its end */
 
 static void log_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     candump_log_write(context, frame, end_ns);
 }
 
-double world_duration_s(const options_t *options, const hand_motion_t *motion) {
-    if (options->duration_s > 0.0) {
-        return options->duration_s;
-    }
-    if (options->tracker_path != NULL) {
-        return options->tracker.motion_start_s + hand_motion_duration_s(motion) + RECORDING_REST_S;
-    }
-    return options->scenario->duration_s;
+static int64_t ns_from_s(double seconds) {
+    return (int64_t)(seconds / TICK_S + 0.5) * WORLD_TICK_NS;
 }
 
-static bool create_nodes(world_t *self, const hand_motion_t *motion, double run_s) {
+static bool create_people(world_t *self, char error[], size_t error_size) {
     const options_t *options = self->options;
-    double start_rad[ROBOT_JOINTS];
-    for (int i = 0; i < ROBOT_JOINTS; i++) {
-        start_rad[i] = options->scenario->start_deg[i] * ROBOT_RAD_PER_DEG;
+    for (size_t i = 0; i < self->scenario->person_count; i++) {
+        const char *recording = i == self->scenario->tracked ? options->tracker_path : options->second_path;
+        self->program[i] = person_program_create(self->scenario, i, self->scene, &self->events, recording,
+                                                 options->axes, options->seed, error, error_size);
+        if (self->program[i] == NULL) {
+            return false;
+        }
     }
-    operator_step_t steps[SCENARIO_MAX_STEPS];
-    const size_t step_count =
-        scenario_script(options->scenario, run_s, &options->operator, steps);
+    return true;
+}
+
+static bool create_nodes(world_t *self) {
+    operator_step_t steps[OPERATOR_SCRIPT_MAX_STEPS];
+    const size_t step_count = operator_script(self->scenario, &self->options->operator, steps);
     self->bus = bus_create();
-    self->plant = arm_plant_create(start_rad);
-    if (self->bus == NULL || self->plant == NULL) {
+    if (self->bus == NULL) {
         return false;
     }
-    self->drives = drive_node_create(self->bus, self->plant);
-    self->tracker = tracker_node_create(self->bus, motion, &options->tracker);
-    self->operator = operator_node_create(self->bus, steps, step_count);
-    return self->drives != NULL && self->tracker != NULL && self->operator != NULL;
+    self->drives = drive_node_create(self->bus, scene_arm(self->scene));
+    self->gripper = gripper_node_create(self->bus, self->scene);
+    self->tracker = tracker_node_create(self->bus, self->hand_history, &self->options->tracker);
+    self->proximity_sensor = proximity_node_create(self->bus);
+    self->operator = operator_node_create(self->bus, &self->events, steps, step_count);
+    return self->drives != NULL && self->gripper != NULL && self->tracker != NULL && self->proximity_sensor != NULL &&
+           self->operator != NULL;
 }
 
-bool world_init(world_t *self, const options_t *options, const hand_motion_t *motion, const char *log_path,
-                const char *trace_path, const volatile sig_atomic_t *interrupted, char error[], size_t error_size) {
+bool world_init(world_t *self, const options_t *options, const scenario_t *scenario,
+                const volatile sig_atomic_t *interrupted, char error[], size_t error_size) {
     memset(self, 0, sizeof *self);
     self->options = options;
+    self->scenario = scenario;
     self->interrupted = interrupted;
-    const double run_s = world_duration_s(options, motion);
-    self->end_ns = (int64_t)(run_s / TICK_S + 0.5) * WORLD_TICK_NS;
-    if (!create_nodes(self, motion, run_s)) {
+    self->events = scenario->events;
+    self->stop_s = -1.0;
+    self->is_shortened = options->duration_s > 0.0;
+    self->has_recording = options->tracker_path != NULL || options->second_path != NULL;
+    self->end_ns = ns_from_s(self->is_shortened ? options->duration_s : scenario->duration_s);
+    self->scene = scene_create(scenario, &self->events);
+    self->hand_history = hand_history_create();
+    if (self->scene == NULL || self->hand_history == NULL) {
+        (void)snprintf(error, error_size, "no memory for the simulated world");
+        return false;
+    }
+    if (!create_people(self, error, error_size)) {
+        return false;
+    }
+    self->proximity = proximity_create(scenario, self->scene);
+    if (self->proximity == NULL || !create_nodes(self)) {
         (void)snprintf(error, error_size, "no memory for the simulated world");
         return false;
     }
@@ -57,8 +73,12 @@ bool world_init(world_t *self, const options_t *options, const hand_motion_t *mo
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);
-    scenario_monitor_init(&self->scenario_monitor, options->scenario->checks,
-                          world_is_scripted(self) ? options->scenario->check_count : 0);
+    scenario_monitor_init(&self->scenario_monitor, scenario);
+    contact_monitor_init(&self->contact_monitor);
+    return true;
+}
+
+bool world_open_files(world_t *self, const char *log_path, const char *trace_path, char error[], size_t error_size) {
     self->log = candump_log_open(log_path, error, error_size);
     if (self->log == NULL || !trace_csv_open(&self->trace, trace_path, error, error_size)) {
         return false;
@@ -68,7 +88,7 @@ bool world_init(world_t *self, const options_t *options, const hand_motion_t *mo
 }
 
 bool world_is_scripted(const world_t *self) {
-    return self->options->tracker_path == NULL && !self->options->operator.defines_task;
+    return !self->has_recording && !self->options->operator.defines_task;
 }
 
 void world_fail(world_t *self, const char *reason) {
@@ -98,9 +118,43 @@ static void fail_as_operator(world_t *self) {
     world_fail(self, text);
 }
 
+static bool everybody_is_done(const world_t *self) {
+    bool done = operator_node_script_done(self->operator);
+    for (size_t i = 0; i < self->scenario->person_count; i++) {
+        done = done && person_program_is_done(self->program[i]);
+    }
+    return done;
+}
+
+/* The operator stops the arm when there is nothing more to do, or half a second before the time is over. */
+static void stop_when_due(world_t *self) {
+    const int64_t closing_ns = ns_from_s(SCENARIO_STOP_BEFORE_END_S);
+    const bool is_late = self->now_ns >= self->end_ns - closing_ns;
+    const bool is_done = everybody_is_done(self);
+    if (self->stop_s >= 0.0 || !(is_late || (is_done && !self->is_shortened))) {
+        return;
+    }
+    if (!is_done && !self->is_shortened) {
+        char text[WORLD_TEXT_BYTES];
+        (void)snprintf(text, sizeof text, "not everything was done in the scenario's %g s: the operator and the people "
+                       "wait for each other", self->scenario->duration_s);
+        world_fail(self, text);
+    }
+    self->stop_s = (double)self->now_ns * 1e-9;
+    operator_node_stop(self->operator);
+    if (!self->is_shortened) {
+        self->end_ns = self->now_ns + closing_ns;
+    }
+}
+
 static bool is_over(world_t *self) {
     if (operator_node_failure(self->operator) != NULL) {
         fail_as_operator(self);
+    }
+    for (size_t i = 0; i < self->scenario->person_count; i++) {
+        if (person_program_failure(self->program[i]) != NULL) {
+            world_fail(self, person_program_failure(self->program[i]));
+        }
     }
     if (self->observer.out_of_memory) {
         world_fail(self, "no memory for the list of modes");
@@ -111,26 +165,70 @@ static bool is_over(world_t *self) {
     return self->failure[0] != '\0' || self->now_ns >= self->end_ns;
 }
 
+/* What there is to see at now_ns: for the monitors, the trace, and the sensors. */
+static void look(world_t *self) {
+    self->clearance = proximity_measure(self->proximity);
+    physical_state_read(&self->state, self->scenario, self->scene, &self->clearance);
+    hand_history_push(self->hand_history, self->now_ns, &self->state.hand[self->scenario->tracked],
+                      !person_program_is_hidden(self->program[self->scenario->tracked]));
+    rigid_pose_t hand;
+    arm_plant_hand(scene_arm(self->scene), &hand);
+    observer_begin_tick(&self->observer, self->now_ns, &hand);
+}
+
+/* How the robot's hand goes along with a displacement of the person's. */
+static void robot_follows(const world_t *self, double scale[3]) {
+    const double motion_scale = (double)self->observer.parameter[PARAMETER_MOTION_SCALE];
+    for (int k = 0; k < 3; k++) {
+        scale[k] = motion_scale;
+    }
+    scale[0] *= operator_node_mirrors(self->operator) ? -1.0 : 1.0;
+}
+
+/* Motors and people -> motion, from now_ns on. A step longer than a tick is made in the first of its ticks. */
+static void move(world_t *self) {
+    const int64_t step_ns = (int64_t)self->options->physics_step_us * 1000;
+    const double step_s = (double)step_ns * 1e-9;
+    double follows[3];
+    robot_follows(self, follows);
+    for (int64_t from_ns = self->now_ns; from_ns < self->now_ns + WORLD_TICK_NS; from_ns += step_ns) {
+        if (from_ns % step_ns != 0) {
+            return;
+        }
+        const double from_s = (double)from_ns * 1e-9;
+        for (size_t i = 0; i < self->scenario->person_count; i++) {
+            person_program_step(self->program[i], from_s, from_s + step_s, follows);
+        }
+        scene_step(self->scene, from_s, step_s);
+    }
+}
+
+static void watch(world_t *self) {
+    const tick_record_t *tick = &self->observer.tick;
+    tracking_sample(&self->tracking, tick, self->observer.parameter);
+    scenario_monitor_sample(&self->scenario_monitor, tick, &self->state, &self->events,
+                            (double)self->observer.parameter[PARAMETER_MOTION_SCALE]);
+    contact_monitor_sample(&self->contact_monitor, tick, &self->state);
+    trace_csv_write(&self->trace, tick, &self->state);
+}
+
 bool world_advance(world_t *self) {
+    stop_when_due(self);
     if (is_over(self)) {
         return false;
     }
     const int64_t now_ns = self->now_ns, next_ns = now_ns + WORLD_TICK_NS;
-    rigid_pose_t hand;
-    arm_plant_hand(self->plant, &hand);
-    observer_begin_tick(&self->observer, now_ns, &hand);
+    look(self);
 
     tracker_node_step(self->tracker, now_ns, next_ns);   /* queue what falls due in this tick */
+    proximity_node_step(self->proximity_sensor, &self->clearance, now_ns, next_ns);
+    gripper_node_step(self->gripper, now_ns, next_ns);
     operator_node_step(self->operator, now_ns, next_ns);
     bus_run_until(self->bus, next_ns);                   /* drives latch their commands and sample their encoders */
     drive_node_step(self->drives, next_ns, TICK_S);      /* commands -> motors */
-    arm_plant_step(self->plant, TICK_S);                 /* motors -> motion */
+    move(self);
 
-    const tick_record_t *tick = &self->observer.tick;
-    tracking_sample(&self->tracking, tick, self->observer.parameter);
-    scenario_monitor_sample(&self->scenario_monitor, tick,
-                            (double)self->observer.parameter[PARAMETER_MOTION_SCALE]);
-    trace_csv_write(&self->trace, tick);
+    watch(self);
     self->now_ns = next_ns;
     self->ticks++;
     if (self->on_tick != NULL) {
@@ -148,9 +246,16 @@ bool world_close_files(world_t *self, const char *trace_path, char error[], size
 
 void world_free(world_t *self) {
     operator_node_destroy(self->operator);
+    proximity_node_destroy(self->proximity_sensor);
     tracker_node_destroy(self->tracker);
+    gripper_node_destroy(self->gripper);
     drive_node_destroy(self->drives);
-    arm_plant_destroy(self->plant);
     bus_destroy(self->bus);
+    proximity_destroy(self->proximity);
+    for (size_t i = 0; i < SCENARIO_MAX_PEOPLE; i++) {
+        person_program_destroy(self->program[i]);
+    }
+    hand_history_destroy(self->hand_history);
+    scene_destroy(self->scene);
     observer_free(&self->observer);
 }

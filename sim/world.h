@@ -1,5 +1,6 @@
-/* The simulated world: arm, drives, tracker and operator on one bus, in virtual time and lockstep, watched by monitors
- * that see the bus and ODE and nothing of the firmware. The firmware joins through the host port (hal/host). */
+/* The simulated world: a physical scene with robot and people, and on one bus its drives, gripper, tracker, proximity
+ * sensor and operator, in virtual time and lockstep, watched by monitors that see the bus and the physics and nothing of
+ * the firmware. The firmware joins through the host port (hal/host). */
 #ifndef COMANIP_SIM_WORLD_H
 #define COMANIP_SIM_WORLD_H
 
@@ -13,12 +14,20 @@
 #include "monitors/observer.h"
 #include "monitors/scenario_monitor.h"
 #include "monitors/tracking.h"
+#include "monitors/contact_monitor.h"
+#include "monitors/physical_state.h"
 #include "nodes/drive_node.h"
+#include "nodes/gripper_node.h"
 #include "nodes/operator_node.h"
+#include "nodes/proximity_node.h"
 #include "nodes/tracker_node.h"
 #include "options/options.h"
 #include "output/trace_csv.h"
-#include "robot/arm_plant.h"
+#include "proximity/proximity.h"
+#include "scenario/scenario.h"
+#include "hand/hand_history.h"
+#include "scene/person_program.h"
+#include "scene/scene.h"
 
 #define WORLD_TICK_NS 1000000
 #define WORLD_TEXT_BYTES 500
@@ -27,32 +36,49 @@ typedef struct world world_t;
 
 struct world {
     const options_t *options;
-    int64_t end_ns;
+    const scenario_t *scenario; /* as the seed varied it */
+    events_t events;
     int64_t now_ns;
+    int64_t end_ns;    /* an upper bound until everybody is done */
+    double stop_s;     /* when the operator's stop was due; negative: not yet */
+    bool is_shortened; /* --duration cut it: what was not done by then is nobody's failure */
+    bool has_recording;
     uint64_t ticks;
+
+    scene_t *scene;
+    person_program_t *program[SCENARIO_MAX_PEOPLE];
+    hand_history_t *hand_history; /* of the tracked person */
+    proximity_t *proximity;
+    clearance_t clearance;
+    physical_state_t state; /* of the scene, at now_ns */
+
     bus_t *bus;
-    arm_plant_t *plant;
     drive_node_t *drives;
+    gripper_node_t *gripper;
     tracker_node_t *tracker;
+    proximity_node_t *proximity_sensor;
     operator_node_t *operator;
+
     observer_t observer;
     tracking_t tracking;
     scenario_monitor_t scenario_monitor;
+    contact_monitor_t contact_monitor;
     candump_log_t *log;
     trace_csv_t trace;
+
     const volatile sig_atomic_t *interrupted; /* set from outside to end the run */
     uint64_t firmware_overflows; /* frames lost in the firmware's receive queue: counted by the host port */
     void (*on_tick)(const world_t *world); /* NULL, or called after each tick: it watches and changes nothing */
     char failure[WORLD_TEXT_BYTES]; /* why the run ended early; "" */
 };
 
-/* How long the run of these options will be. */
-double world_duration_s(const options_t *options, const hand_motion_t *motion);
+/* options and scenario must outlive the world. Reads the recordings and writes nothing. On failure false, and one line in
+ * `error`. */
+bool world_init(world_t *self, const options_t *options, const scenario_t *scenario,
+                const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
 
-/* options and motion must outlive the world. The files at log_path and trace_path are created. On failure false, and one
- * line in `error`. */
-bool world_init(world_t *self, const options_t *options, const hand_motion_t *motion, const char *log_path,
-                const char *trace_path, const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
+/* The files that the run fills. On failure false, and one line in `error`. */
+bool world_open_files(world_t *self, const char *log_path, const char *trace_path, char error[], size_t error_size);
 
 /* One tick of 1 ms. False when the run is over. */
 bool world_advance(world_t *self);

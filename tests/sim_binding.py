@@ -1,4 +1,4 @@
-"""The simulator's parts without ODE as a Python library: ``ffi, lib = load()``.
+"""The simulator's parts without ODE, and fake_scene.c in its place, as a Python library: ``ffi, lib = load()``.
 
 Compiled from the sources with the product's warnings as errors, and with the undefined-behaviour sanitiser, which ends
 the process at the first fault. Needs build/generated, which ``make build`` writes.
@@ -23,10 +23,13 @@ BUILD = REPOSITORY / "build" / "tests"
 PARTS = [
     REPOSITORY / "sim" / name
     for name in (
-        "bus/bus", "bus/candump_log", "bus/frame_time", "common/random", "common/rigid_pose", "hand/hand_motion",
-        "hand/recording", "nodes/tracker_node",
+        "bus/bus", "bus/candump_log", "bus/frame_time", "common/events", "common/names", "common/random",
+        "common/rigid_pose", "hand/approach", "hand/crank_turn", "hand/hand_history", "hand/hand_path",
+        "hand/minimum_jerk", "hand/playback", "hand/playlist", "hand/recorded_motion", "hand/recording", "hand/sight",
+        "hand/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
+        "scene/person_program",
     )
-]  # fmt: skip
+] + [REPOSITORY / "tests" / "fake_scene"]  # fmt: skip
 FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]
 SOURCES = [part.with_suffix(".c") for part in PARTS] + sorted(file for file in FIRMWARE if file.name != "main.c")
 HEADERS = [part.with_suffix(".h") for part in PARTS]
@@ -47,7 +50,7 @@ def _run(command: list[str]) -> str:
 
 def _fingerprint() -> str:
     digest = hashlib.sha256(" ".join(COMPILE).encode())
-    for folder in (REPOSITORY / "sim", REPOSITORY / "firmware", GENERATED):
+    for folder in (REPOSITORY / "sim", REPOSITORY / "firmware", REPOSITORY / "tests", GENERATED):
         for file in sorted(folder.rglob("*.[ch]")):
             digest.update(file.read_bytes())
     return digest.hexdigest()[:16]

@@ -10,7 +10,8 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
-SCENARIOS = ("pour", "teleop", "mirror")
+SCENARIOS = ("pour", "teleop", "mirror")  # of tests/scenarios: the tasks without objects
+EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # of sim/scenarios
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
 TIMEOUT_S = 120
@@ -47,9 +48,24 @@ def _refuse_constant(text: str) -> None:
     raise AssertionError(f"summary.json holds {text}, which JSON does not know")
 
 
+def _plain(arguments: list[str]) -> list[str]:
+    """After ``--scenario``, one of SCENARIOS is the file of this name in tests/scenarios: plain motions of the hand, with
+    nothing in it, so that a test sees the bus and the tracking alone. The experiments go by ``experiment()``."""
+    places = [i + 1 for i, argument in enumerate(arguments[:-1]) if argument == "--scenario"]
+    for place in places:
+        if arguments[place] in SCENARIOS:
+            arguments[place] = str(REPOSITORY / "tests" / "scenarios" / f"{arguments[place]}_moves.yaml")
+    return arguments
+
+
+def experiment(name: str) -> Path:
+    """The file of one of the EXPERIMENTS."""
+    return REPOSITORY / "sim" / "scenarios" / f"{name}.yaml"
+
+
 def call(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
-    """The simulator with just these arguments, turned into text."""
-    command = [str(SIMULATOR), *map(str, arguments)]
+    """The simulator with these arguments, turned into text."""
+    command = [str(SIMULATOR), *_plain([str(argument) for argument in arguments])]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd)
 
 

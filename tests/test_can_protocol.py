@@ -28,6 +28,9 @@ MESSAGES = {  # DBC name: C message, name of its pack and unpack functions
     "CommandAck": ("command_ack_t", "command_ack"),
     "ParameterValue": ("parameter_value_t", "parameter_value"),
     "FirmwareIdentity": ("firmware_identity_t", "firmware_identity"),
+    "GripperCommand": ("gripper_command_t", "gripper_command"),
+    "GripperState": ("gripper_state_t", "gripper_state"),
+    "Clearance": ("clearance_report_t", "clearance_report"),
 } | {f"JointState{i}": ("joint_state_t", "joint_state") for i in range(8)}
 
 
@@ -136,6 +139,8 @@ SCALED = [
         "JointCmd": ["position_0_rad", "velocity_0_radps", "torque_0_Nm", "position_7_rad", "velocity_7_radps"],
         "JointState3": ["position_rad", "velocity_radps", "torque_Nm"],
         "FirmwareStatus": ["speed_limit_percent"],
+        "GripperState": ["opening_percent", "force_N"],
+        "Clearance": ["person_m", "self_m"],
     }.items()
     for signal in signals
 ]
@@ -275,6 +280,10 @@ def test_data_ids_differ(dbc):
         ("TASK_FORM_", "TaskDefine", "form"),
         ("PARAMETER_", "ParameterAccess", "operation"),
         ("HEARTBEAT_", "FirmwareHeartbeat", "state"),
+        ("GRIPPER_", "GripperCommand", "action"),
+        ("GRIPPER_STATUS_", "GripperState", "state"),
+        ("PERSON_PART_", "Clearance", "person_part"),
+        ("ROBOT_PART_", "Clearance", "robot_part"),
     ],
 )
 def test_enumerations_are_the_dbcs(dbc, prefix, message, signal):
@@ -282,12 +291,24 @@ def test_enumerations_are_the_dbcs(dbc, prefix, message, signal):
         "MODE_": "control_mode_t", "REASON_": "reason_t", "STOP_CATEGORY_": "stop_category_t", "TASK_": "task_id_t",
         "COMMAND_": "command_t", "RESULT_": "result_t", "DRIVE_MODE_": "drive_mode_t", "DRIVE_ERROR_": "drive_error_t",
         "TASK_FORM_": "task_form_t", "PARAMETER_": "parameter_operation_t", "HEARTBEAT_": "heartbeat_state_t",
+        "GRIPPER_": "gripper_action_t", "GRIPPER_STATUS_": "gripper_status_t",
+        "PERSON_PART_": "person_part_t", "ROBOT_PART_": "robot_part_t",
     }  # fmt: skip
     ours = {number: name.removeprefix(prefix).lower() for number, name in ffi.typeof(kinds[prefix]).elements.items()}
     choices = dbc.get_message_by_name(message).get_signal_by_name(signal).choices
     # "category_1" stands where C says STOP_CATEGORY_1
     theirs = {number: str(choice).removeprefix("category_") for number, choice in choices.items()}
     assert ours == theirs
+
+
+def test_clearance_names_the_two_halves_of_the_robot_alike(dbc):
+    """arm_part and body_part number the same parts as robot_part, so that one enumeration serves all three."""
+    signal = dbc.get_message_by_name("Clearance").get_signal_by_name
+    robot, arm, body = (
+        [str(name) for _, name in sorted(signal(f"{part}_part").choices.items())] for part in ("robot", "arm", "body")
+    )
+    assert robot == arm + body
+    assert len(arm) == lib.ROBOT_PART_UPPER_ARM
 
 
 # ---- protection

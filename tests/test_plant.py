@@ -21,12 +21,15 @@ def sim():
 
 @contextlib.contextmanager
 def plant_at(sim, q):
+    """The arm in a world of its own, and what steps it by one tick."""
     ffi, lib = sim
-    plant = lib.arm_plant_create(ffi.new("double[4]", list(q)))
+    world = lib.physics_create()
+    plant = lib.arm_plant_create(world, ffi.new("double[4]", list(q)))
     try:
-        yield plant
+        yield plant, lambda: lib.physics_step(world, TICK_S)
     finally:
         lib.arm_plant_destroy(plant)
+        lib.physics_destroy(world)
 
 
 def hand_of(sim, plant):
@@ -58,7 +61,7 @@ def assert_hand(sim, plant, q, position_m, angle_rad):
 
 
 def test_check_pose_of_the_manual(sim):
-    with plant_at(sim, np.radians([90, 0, 0, -90])) as plant:
+    with plant_at(sim, np.radians([90, 0, 0, -90])) as (plant, _):
         at, rotation = hand_of(sim, plant)
         assert np.allclose(at, [0.136, -0.111, 0.014], atol=1e-9)
         assert np.allclose(rotation.apply([[1, 0, 0], [0, 0, 1]]), [[0, 0, 1], [1, 0, 0]], atol=1e-9)
@@ -67,7 +70,7 @@ def test_check_pose_of_the_manual(sim):
 def test_hand_at_random_postures(sim, rng):
     for _ in range(50):
         q = hoap3.random_posture(rng)
-        with plant_at(sim, q) as plant:
+        with plant_at(sim, q) as (plant, _):
             assert np.allclose(position(sim, plant), q, atol=1e-9)
             assert_hand(sim, plant, q, 1e-9, 1e-7)
 
@@ -75,12 +78,12 @@ def test_hand_at_random_postures(sim, rng):
 def test_joints_keep_together_while_moving(sim, rng):
     """After a second of hard motion, ODE's bodies are still where ODE's joint angles say."""
     for _ in range(5):
-        with plant_at(sim, hoap3.random_posture(rng, 30.0)) as plant:
+        with plant_at(sim, hoap3.random_posture(rng, 30.0)) as (plant, step):
             start = position(sim, plant)
             for tick in range(1000):
                 if tick % 50 == 0:
                     command(sim, plant, rng.uniform(-2, 2, 4))
-                sim[1].arm_plant_step(plant, TICK_S)
+                step()
                 if tick % 10 == 0:
                     assert_hand(sim, plant, position(sim, plant), 20e-6, 2e-4)
             assert np.abs(position(sim, plant) - start).max() > 0.05
@@ -89,9 +92,9 @@ def test_joints_keep_together_while_moving(sim, rng):
 def test_holding_torque_is_gravitys(sim, rng):
     for _ in range(20):
         q = hoap3.random_posture(rng)
-        with plant_at(sim, q) as plant:
+        with plant_at(sim, q) as (plant, step):
             for _ in range(20):
-                sim[1].arm_plant_step(plant, TICK_S)
+                step()
             assert np.abs(position(sim, plant) - q).max() < 1e-5
             assert np.allclose(torque(sim, plant), hoap3.holding_torque(q), atol=2e-4)
 
@@ -100,18 +103,18 @@ def test_torque_of_a_velocity_step_is_inertia_times_it(sim, rng):
     """From rest: torque = M(q) dv / dt + gravity's."""
     for _ in range(20):
         q, velocity = hoap3.random_posture(rng), rng.uniform(-0.03, 0.03, 4)
-        with plant_at(sim, q) as plant:
+        with plant_at(sim, q) as (plant, step):
             command(sim, plant, velocity)
-            sim[1].arm_plant_step(plant, TICK_S)
+            step()
             expected = hoap3.inertia_matrix(q) @ velocity / TICK_S + hoap3.holding_torque(q)
             assert np.abs(expected).max() < 3.0
             assert np.allclose(torque(sim, plant), expected, atol=5e-5)  # ODE's joints give way a little
 
 
 def test_motors_have_a_torque_limit(sim):
-    with plant_at(sim, np.radians([90, -40, 0, -60])) as plant:
+    with plant_at(sim, np.radians([90, -40, 0, -60])) as (plant, step):
         command(sim, plant, [50.0, 0, 0, 0])
-        sim[1].arm_plant_step(plant, TICK_S)
+        step()
         assert torque(sim, plant)[0] == pytest.approx(3.0, abs=1e-9)
         assert sim[1].arm_plant_velocity_radps(plant, 0) < 2.0
 
@@ -120,12 +123,12 @@ def test_motors_have_a_torque_limit(sim):
 @pytest.mark.parametrize("side", [0, 1])
 def test_mechanical_stops(sim, joint, side):
     start = np.radians([30, -45, 0, -60])
-    with plant_at(sim, start) as plant:
+    with plant_at(sim, start) as (plant, step):
         velocity = np.zeros(4)
         velocity[joint] = 2.0 if side else -2.0
         command(sim, plant, velocity)
         for _ in range(3000):
-            sim[1].arm_plant_step(plant, TICK_S)
+            step()
         assert position(sim, plant)[joint] == pytest.approx(np.radians(hoap3.STOPS_DEG[joint, side]), abs=2e-3)
 
 
@@ -133,10 +136,10 @@ def test_same_commands_same_bits(sim, rng):
     velocity = rng.uniform(-1, 1, (300, 4))
     runs = []
     for _ in range(2):
-        with plant_at(sim, np.radians([90, -5, 0, -90])) as plant:
+        with plant_at(sim, np.radians([90, -5, 0, -90])) as (plant, step):
             for row in velocity:
                 command(sim, plant, row)
-                sim[1].arm_plant_step(plant, TICK_S)
+                step()
             runs.append((position(sim, plant).tobytes(), hand_of(sim, plant)[0].tobytes()))
     assert runs[0] == runs[1]
 
@@ -144,9 +147,9 @@ def test_same_commands_same_bits(sim, rng):
 class Drives:
     """Plant and drives on a bus; JointCmd sent from here, JointState decoded with cantools."""
 
-    def __init__(self, sim, dbc, plant):
+    def __init__(self, sim, dbc, plant, step):
         self.ffi, self.lib = sim
-        self.dbc, self.plant = dbc, plant
+        self.dbc, self.plant, self.step = dbc, plant, step
         self.bus = self.lib.bus_create()
         self.drives = self.lib.drive_node_create(self.bus, plant)
         self.node = self.lib.bus_attach(self.bus, self._hear(lambda frame: None), self.ffi.NULL)
@@ -181,7 +184,7 @@ class Drives:
         self.states = {}
         self.lib.bus_run_until(self.bus, self.now_ns)
         self.lib.drive_node_step(self.drives, self.now_ns, TICK_S)
-        self.lib.arm_plant_step(self.plant, TICK_S)
+        self.step()
 
     def close(self):
         self.lib.drive_node_destroy(self.drives)
@@ -190,8 +193,8 @@ class Drives:
 
 @pytest.fixture
 def drives(sim, dbc):
-    with plant_at(sim, np.radians([60, -30, 10, -80])) as plant:
-        rig = Drives(sim, dbc, plant)
+    with plant_at(sim, np.radians([60, -30, 10, -80])) as (plant, step):
+        rig = Drives(sim, dbc, plant, step)
         yield rig
         rig.close()
 

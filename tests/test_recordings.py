@@ -21,10 +21,10 @@ def open_recording(path, axes: str | None = None):
     """The motion, or the error's text."""
     error = ffi.new("char[]", 400)
     axes_text = ffi.NULL if axes is None else ffi.new("char[]", axes.encode())
-    motion = lib.hand_motion_create_recording(str(path).encode(), axes_text, error, 400)
+    motion = lib.recorded_motion_create(str(path).encode(), axes_text, error, 400)
     if motion == ffi.NULL:
         return ffi.string(error).decode()
-    return ffi.gc(motion, lib.hand_motion_destroy)
+    return ffi.gc(motion, lib.recorded_motion_destroy)
 
 
 def sample(motion, times_s):
@@ -32,7 +32,7 @@ def sample(motion, times_s):
     pose = ffi.new("rigid_pose_t *")
     valid, position, quaternion = [], [], []
     for time_s in times_s:
-        valid.append(lib.hand_motion_sample(motion, time_s, pose))
+        valid.append(lib.recorded_motion_sample(motion, time_s, pose))
         position.append(list(pose.position_m))
         quaternion.append(list(pose.rotation))
     return np.array(valid), np.array(position), np.array(quaternion)
@@ -66,7 +66,7 @@ def test_resampling_is_linear_and_spherical(tmp_path, rng, matrix):
     times_s, positions_m, rotations = random_motion(rng)
     sign = rng.choice([-1.0, 1.0], len(times_s))  # a recorder's signs may be anything
     motion = open_recording(write(tmp_path / "a.csv", times_s, positions_m, rotations, matrix, sign))
-    assert lib.hand_motion_duration_s(motion) == pytest.approx(times_s[-1] - times_s[0], abs=1e-12)
+    assert lib.recorded_motion_duration_s(motion) == pytest.approx(times_s[-1] - times_s[0], abs=1e-12)
 
     at_s = np.sort(rng.uniform(times_s[0], times_s[-1], 3000))
     valid, position_m, quaternion = sample(motion, at_s - times_s[0])
@@ -99,11 +99,12 @@ def test_gap_is_an_interval_above_one_and_a_half_medians(tmp_path):
     """Nothing inside, open at both ends."""
     times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000  # 14 is within, 16 above 1.5 times 10
     still = Rotation.identity(len(times_s))
-    motion = open_recording(write(tmp_path / "a.csv", times_s, np.zeros((len(times_s), 3)), still))
+    motion = open_recording(write(tmp_path / "a.csv", times_s, times_s[:, None] * [1, 0, 0], still))
     at_s = np.arange(0, 101) / 1000
-    valid, _, _ = sample(motion, at_s)
+    valid, position_m, _ = sample(motion, at_s)
     assert at_s[~valid].tolist() == pytest.approx(np.arange(55, 70) / 1000)
-    assert b"gaps 1 (longest 16 ms)" in ffi.string(lib.hand_motion_description(motion))
+    np.testing.assert_allclose(position_m[:, 0], at_s, atol=1e-12)  # a guess between its ends
+    assert b"gaps 1 (longest 16 ms)" in ffi.string(lib.recorded_motion_description(motion))
 
 
 # ---- axes
@@ -152,7 +153,7 @@ def test_crlf_blank_end_and_unfinished_line_are_accepted(tmp_path):
         write_text(tmp_path / "blank.csv", *lines, "", "  ", ""),
         write_text(tmp_path / "unfinished.csv", "\n".join(lines), end=""),
     ):
-        assert lib.hand_motion_duration_s(open_recording(path)) == 2.5
+        assert lib.recorded_motion_duration_s(open_recording(path)) == 2.5
 
 
 @pytest.mark.parametrize("header", [QUATERNION_HEADER, MATRIX_HEADER])
@@ -160,7 +161,7 @@ def test_byte_order_mark_is_accepted_in_front_of_the_header_only(tmp_path, heade
     row = ROW if header == QUATERNION_HEADER else "{},0,0,0,1,0,0,0,1,0,0,0,1"
     path = write_text(tmp_path / "spreadsheet.csv", "\ufeff" + header, row.format(0), row.format(1))
     assert path.read_bytes().startswith(b"\xef\xbb\xbf")
-    assert lib.hand_motion_duration_s(open_recording(path)) == 1
+    assert lib.recorded_motion_duration_s(open_recording(path)) == 1
 
 
 BAD_MATRIX = "{},0,0,0,1,0,0,0,1,0,0,0,{}"
@@ -224,34 +225,30 @@ def test_files_that_cannot_be_read(tmp_path):
     assert open_recording(tmp_path / "pipe") == f"{tmp_path / 'pipe'}: is not a regular file, expected a CSV file"
 
 
-# ---- built-in motions
+# ---- played from where the hand is
 
 
-def test_legs_are_minimum_jerk_from_end_to_end():
-    start = {"position_m": [0.3, -0.1, 0.2], "rotation": [np.sqrt(0.5), 0, np.sqrt(0.5), 0]}
-    ends_m = np.array([[0, 0, 0], [0.03, 0, 0.02], [0.03, 0, 0.02], [-0.05, 0.1, 0]])
-    ends_rad = np.array([[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0], [0.2, -0.8, 0.4]])
-    durations_s = [1.0, 0.5, 2.0]
-    legs = [
-        {"duration_s": d, "displacement_m": m.tolist(), "rotation_vector_rad": r.tolist()}
-        for d, m, r in zip(durations_s, ends_m[1:], ends_rad[1:], strict=True)
-    ]
-    motion = lib.hand_motion_create_legs(ffi.new("rigid_pose_t *", start), ffi.new("motion_leg_t[]", legs), 3)
-    motion = ffi.gc(motion, lib.hand_motion_destroy)
-    assert lib.hand_motion_duration_s(motion) == 3.5
+def test_playback_moves_the_hand_as_the_recorded_one_moved(tmp_path, rng):
+    """From a pose that is not the recording's, scaled; the recorded hand turns by nearly a turn about a tilted axis,
+    played at half the angle: through pi, where a rotation vector of its own would jump."""
+    times_s = np.arange(201) / 100
+    positions_m = np.cumsum(rng.normal(scale=0.001, size=(201, 3)), axis=0)
+    turns = Rotation.from_rotvec(np.outer(2.2 * np.pi * times_s / 2, [0.6, 0.0, 0.8])) * Rotation.random(rng=rng)
+    sign = rng.choice([-1.0, 1.0], 201)
+    motion = open_recording(write(tmp_path / "a.csv", times_s, positions_m, turns, sign=sign))
+    here_m, here = np.array([0.3, -0.2, 0.1]), Rotation.random(rng=rng)
 
-    first = Rotation.from_quat(start["rotation"], scalar_first=True)
-    orientation = Rotation.from_rotvec(ends_rad) * first
-    begin_s = 0.0
-    for n, duration_s in enumerate(durations_s):
-        x = np.linspace(0, 1, 101)
-        valid, position_m, quaternion = sample(motion, begin_s + duration_s * x)
-        share = 10 * x**3 - 15 * x**4 + 6 * x**5
-        assert valid.all()
-        np.testing.assert_allclose(
-            position_m - start["position_m"], ends_m[n] + share[:, None] * (ends_m[n + 1] - ends_m[n]), atol=1e-12
-        )
-        expected = Slerp([0, 1], orientation[[n, n + 1]])(share.clip(0, 1))
-        assert (Rotation.from_quat(quaternion, scalar_first=True).inv() * expected).magnitude().max() < 1e-7
-        begin_s += duration_s
-    np.testing.assert_allclose(sample(motion, [-5.0, 99.0])[1], start["position_m"] + ends_m[[0, 3]], atol=1e-15)
+    playback = ffi.new("playback_t *")
+    lib.playback_init(playback, motion, 0.2, 1.9, 0.25, 0.5)
+    here_wxyz = here.as_quat(scalar_first=True).tolist()
+    pose = ffi.new("rigid_pose_t *", {"position_m": here_m.tolist(), "rotation": here_wxyz})
+    lib.playback_begin(playback, 7.0, pose)
+    assert lib.playback_duration_s(playback) == pytest.approx(1.7)
+    for since_s in (-1.0, 0.0, 0.33, 0.9, 1.3, 1.7, 5.0):
+        assert lib.playback_sample(playback, 7.0 + since_s, pose)
+        n = 20 + round(100 * np.clip(since_s, 0, 1.7))
+        expected_m = here_m + 0.25 * (positions_m[n] - positions_m[20])
+        np.testing.assert_allclose(list(pose.position_m), expected_m, atol=1e-12)
+        angle = 0.5 * 2.2 * np.pi * (times_s[n] - times_s[20]) / 2
+        expected = Rotation.from_rotvec(angle * np.array([0.6, 0.0, 0.8])) * here
+        assert (Rotation.from_quat(list(pose.rotation), scalar_first=True).inv() * expected).magnitude() < 1e-7

@@ -13,16 +13,26 @@ ffi, lib = load()
 
 HAND_POSE, TRACKER_STATUS = 0x120, 0x320
 SECOND_NS = 10**9
+TICK_NS = 10**6
 
 
 def rotation(wxyz) -> Rotation:
     return Rotation.from_quat(np.asarray(wxyz, float), scalar_first=True)
 
 
-def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), duration_s=1.0, start=(0.2, -0.1, 0.1)):
+def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), start_s=0.5, start=(0.2, -0.1, 0.1)):
+    """A move of 1 s: the pose at a time, and whether the tracker can see it."""
+    path = ffi.new("hand_path_t *")
+    turn = Rotation.from_rotvec(turn_rad).as_quat(scalar_first=True).tolist()
     first = ffi.new("rigid_pose_t *", {"position_m": start, "rotation": [1, 0, 0, 0]})
-    leg = {"duration_s": duration_s, "displacement_m": displacement_m, "rotation_vector_rad": turn_rad}
-    return ffi.gc(lib.hand_motion_create_legs(first, ffi.new("motion_leg_t[]", [leg]), 1), lib.hand_motion_destroy)
+    last = ffi.new("rigid_pose_t *", {"position_m": np.add(start, displacement_m).tolist(), "rotation": turn})
+    lib.hand_path_init(path, first, last, ffi.NULL, start_s, 1.0)
+
+    def motion(time_s, pose):
+        lib.hand_path_sample(path, time_s, pose)
+        return True
+
+    return motion
 
 
 def options(**changes):
@@ -37,8 +47,9 @@ def quiet(**changes):
     return options(**{"noise_position_m": 0, "noise_rotation_rad": 0, **changes})
 
 
-def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=1_000_000):
-    """All frames in their order: (kind, end_ns, decoded signals); and the statistics."""
+def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
+    """All frames in their order: (kind, end_ns, decoded signals); and the statistics. The hand's pose is known at each
+    tick that has begun."""
     frames = []
 
     @ffi.callback("bus_handler_t")
@@ -47,8 +58,13 @@ def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=1_000_000):
 
     bus = ffi.gc(lib.bus_create(), lib.bus_destroy)
     lib.bus_listen(bus, receive, ffi.NULL)
-    tracker = ffi.gc(lib.tracker_node_create(bus, motion, tracker_options), lib.tracker_node_destroy)
+    history = ffi.gc(lib.hand_history_create(), lib.hand_history_destroy)
+    tracker = ffi.gc(lib.tracker_node_create(bus, history, tracker_options), lib.tracker_node_destroy)
+    pose = ffi.new("rigid_pose_t *")
     for now_ns in range(0, round(duration_s * SECOND_NS), step_ns):
+        for tick_ns in range(now_ns, now_ns + step_ns, TICK_NS):
+            visible = motion(tick_ns / SECOND_NS, pose)
+            lib.hand_history_push(history, tick_ns, pose, visible)
         lib.tracker_node_step(tracker, now_ns, now_ns + step_ns)
         lib.bus_run_until(bus, now_ns + step_ns)
     lib.bus_run_until(bus, round(duration_s * SECOND_NS) + 1_000_000)
@@ -67,9 +83,9 @@ def vectors(poses):
 
 def test_marker_is_seen_from_the_mounted_tracker(dbc):
     mount_m, mount = np.array([1.0, -2.0, 0.5]), Rotation.from_rotvec([0.3, -1.1, 0.7])
-    tracker_options = quiet(rate_hz=100, latency_s=0.007, motion_start_s=0.25, mount_translation_m=list(mount_m),
+    tracker_options = quiet(rate_hz=100, latency_s=0.007, mount_translation_m=list(mount_m),
                             mount_rotation=list(mount.as_quat(scalar_first=True)))
-    poses, _, statistics = play(dbc, legs(), tracker_options)
+    poses, _, statistics = play(dbc, legs(start_s=0.25), tracker_options)
     position_m, quaternion = vectors(poses)
 
     t = np.arange(len(poses)) / 100
@@ -110,16 +126,53 @@ def test_lost_samples_are_invalid_and_counted(dbc):
     assert status[-1][1]["lost_samples"] == 25
 
 
-def test_gap_of_a_recording_is_invalid(dbc, tmp_path):
-    times_s = [i / 100 for i in range(101) if not 40 < i < 60]
-    lines = ["t_s,x_m,y_m,z_m,qw,qx,qy,qz", *(f"{time_s},0,0,0,1,0,0,0" for time_s in times_s)]
-    (tmp_path / "hand.csv").write_text("\n".join(lines))
-    error = ffi.new("char[]", 300)
-    motion = lib.hand_motion_create_recording(str(tmp_path / "hand.csv").encode(), ffi.NULL, error, 300)
-    motion = ffi.gc(motion, lib.hand_motion_destroy)
-    poses, *_ = play(dbc, motion, quiet(motion_start_s=0.5))
+def test_hand_out_of_sight_is_invalid(dbc):
+    hidden = range(907, 1094)  # ms
+
+    def motion(time_s, pose):
+        pose.position_m, pose.rotation = [time_s, 0, 0], [1, 0, 0, 0]
+        return round(time_s * 1000) not in hidden
+
+    poses, *_ = play(dbc, motion, quiet())
     invalid_us = [pose["t_us"] for _, pose in poses if not pose["valid"]]
-    assert invalid_us == list(range(904_000, 1_100_000, 4000))
+    assert invalid_us == list(range(908_000, 1_094_000, 4000))
+    between, *_ = play(dbc, motion, quiet(rate_hz=160, latency_s=0.01))  # 6.25 ms: a neighbour out of sight is enough
+    invalid_us = [pose["t_us"] for _, pose in between if not pose["valid"]]
+    assert invalid_us == [t for t in range(0, 1_990_000, 6250) if 906_000 < t < 1_094_000]
+
+
+@pytest.mark.parametrize("latency_s", [0.0, 0.0005, 0.5])
+def test_hand_is_measured_between_the_ticks(dbc, latency_s):
+    """333 Hz fall between ticks of 1 ms: interpolated, and with no latency continued for less than a tick. The error of
+    either is at most f'' h^2 of the way f: 5.8 m/s^2 times (1 ms)^2, plus half a micrometre of the frame."""
+    poses, *_ = play(dbc, legs(turn_rad=(0, 0, 0)), quiet(rate_hz=333, latency_s=latency_s, mount_translation_m=[0] * 3,
+                                                         mount_rotation=[1, 0, 0, 0]))
+    position_m, _ = vectors(poses)
+    t = np.round(np.arange(len(poses)) * 1e9 / 333) * 1e-9
+    x = np.clip(t - 0.5, 0, 1)[:, None]
+    expected_m = np.array([0.2, -0.1, 0.1]) + (10 * x**3 - 15 * x**4 + 6 * x**5) * np.array([0.1, -0.2, 0.3])
+    largest_m = 10 / np.sqrt(3) * np.array([0.1, 0.2, 0.3]) * 1e-6  # peak of f'': 10 / sqrt(3) per s^2 and way
+    assert (np.abs(position_m - expected_m) < largest_m + 0.6e-6).all()
+    assert len(poses) == len([k for k in range(700) if k / 333 + latency_s < 2])
+
+
+def test_history_keeps_what_the_longest_latency_needs_and_no_more():
+    history = ffi.gc(lib.hand_history_create(), lib.hand_history_destroy)
+    pose = ffi.new("rigid_pose_t *", {"position_m": [0, 0, 0], "rotation": [1, 0, 0, 0]})
+    assert not lib.hand_history_sample(history, 0, pose), "it is empty"
+    for tick in range(100, 3000):
+        pose.position_m = [tick, 0, 0]
+        sign, half_rad = (-1.0) ** tick, 0.0005 * tick
+        pose.rotation = [sign * np.cos(half_rad), 0, 0, sign * np.sin(half_rad)]  # 1 mrad per tick, whatever the sign
+        lib.hand_history_push(history, tick * TICK_NS, pose, True)
+
+    def at(time_ms):
+        return lib.hand_history_sample(history, round(time_ms * TICK_NS), pose) and pose.position_m[0]
+
+    assert [at(t) for t in (2400, 2500.25, 2999, 2999.5, 3000)] == pytest.approx([2400, 2500.25, 2999, 2999.5, 3000])
+    assert at(3500) == pytest.approx(3000), "continued for one tick at most"
+    assert at(2500.25) and (rotation(list(pose.rotation)) * Rotation.from_rotvec([0, 0, -2.50025])).magnitude() < 1e-9
+    assert at(2000) is False and at(99) is False
 
 
 def test_dropouts_come_at_their_rate_and_change_no_other_sample(dbc):
@@ -134,8 +187,8 @@ def test_dropouts_come_at_their_rate_and_change_no_other_sample(dbc):
 
 def test_out_of_range_is_invalid_and_counted(dbc):
     """24 bits of micrometres end at 8.388607 m."""
-    motion = legs(displacement_m=(20, 0, 0), turn_rad=(0, 0, 0), start=(0, 0, 0))
-    poses, status, statistics = play(dbc, motion, quiet(motion_start_s=0, mount_translation_m=[0, 0, 0]))
+    motion = legs(displacement_m=(20, 0, 0), turn_rad=(0, 0, 0), start=(0, 0, 0), start_s=0)
+    poses, status, statistics = play(dbc, motion, quiet(mount_translation_m=[0, 0, 0]))
     x = np.clip(np.arange(len(poses)) / 250, 0, 1)
     beyond = 20 * (10 * x**3 - 15 * x**4 + 6 * x**5) > 8.3886075
     assert [not pose["valid"] for _, pose in poses] == beyond.tolist()

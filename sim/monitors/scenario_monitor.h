@@ -1,39 +1,45 @@
-/* Measures, tick by tick, what a scenario's own checks ask for. */
+/* Measures, tick by tick, what a scenario's own checks ask for: each in its window (check_window.h), from the tick's
+ * record (bus and ODE's hand), the scene's state and the events. What each is stands at measure_t in scenario.h; where
+ * that leaves a choice:
+ *
+ * - Displacement, way, turn, turns and water_poured count from the first tick of the window. Their value is that of its
+ *   last tick, as for held and water_caught. water_caught is a share of all that ever left the cup.
+ * - A hand moves, for flow_while_moving, if it came further than 5 mm/s in the last 0.2 s: tremor alone is as fast, but
+ *   leads nowhere.
+ * - drops counts two things: 20 ms in nobody's hand, and each robot.lost or PERSON.lost of who held the object then. An
+ *   object that slips out and falls counts twice.
+ * - carried_for adds up all ticks in which robot and person hold the object.
+ * - Force is the magnitude of the vector, in ticks in which the person holds the object.
+ * - A window of settled_position or following_rms with a target in less than half of its ticks is not measured. */
 #ifndef COMANIP_SIM_SCENARIO_MONITOR_H
 #define COMANIP_SIM_SCENARIO_MONITOR_H
 
-#include "../scenario.h"
+#include "../scenario/scenario.h"
+#include "measurement.h"
 #include "observer.h"
+#include "physical_state.h"
 
-#define SCENARIO_MAX_CHECKS 16
+#define SCENARIO_MONITOR_PAST_TICKS 200 /* over which a hand's speed is averaged */
+#define SCENARIO_MONITOR_MOVING_MPS 0.005
 
 typedef struct {
-    const scenario_check_t *checks;
-    size_t count;
+    const scenario_t *scenario;
+    measurement_t measurement[SCENARIO_MAX_CHECKS];
     bool has_start;
     rigid_pose_t start; /* ODE's hand at the first tick in cooperation */
-    rigid_pose_t since[SCENARIO_MAX_CHECKS]; /* and at the time since which a displacement counts */
-    bool has_since[SCENARIO_MAX_CHECKS];
-    double value[SCENARIO_MAX_CHECKS];
-    uint64_t ticks[SCENARIO_MAX_CHECKS]; /* in which it was measured */
+    double past_m[SCENARIO_MONITOR_PAST_TICKS][SCENARIO_MAX_PEOPLE][3]; /* ring of the people's hands */
+    uint64_t ticks;
+    int left_cup_before; /* a tick ago, as the next two */
+    bool held_before[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS];
+    int lost_before[SCENARIO_MAX_PEOPLE + 1];
+    int lost_event[SCENARIO_MAX_PEOPLE + 1]; /* of each holder; EVENT_NONE */
 } scenario_monitor_t;
 
-/* count: at most SCENARIO_MAX_CHECKS. */
-void scenario_monitor_init(scenario_monitor_t *self, const scenario_check_t checks[], size_t count);
+/* The scenario must outlive the monitor. */
+void scenario_monitor_init(scenario_monitor_t *self, const scenario_t *scenario);
 
-void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick, double motion_scale);
-
-/* In at least half of the ticks that the check covers. */
-bool scenario_monitor_has_measured(const scenario_monitor_t *self, size_t check);
-
-/* The target is known from TickTrace alone. */
-bool scenario_check_needs_target(const scenario_check_t *check);
-
-/* It compares with the hand at the start command. */
-bool scenario_check_needs_start(const scenario_check_t *check);
-
-/* CHECK_TILT asks for at least its limit, all others for at most. */
-bool scenario_check_is_lower_bound(const scenario_check_t *check);
-const char *scenario_check_unit(const scenario_check_t *check);
+/* One finished tick: record and state of its instant, events as they stand at its end. */
+void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
+                             const events_t *events, double motion_scale);
 
 #endif

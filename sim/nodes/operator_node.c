@@ -2,19 +2,23 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "../../firmware/parameters.h"
 #include "../common/names.h"
+#include "../hand/step_wait.h"
 
-#define TEXT_BYTES 96
+#define TEXT_BYTES 160
+#define CLOSING_STEPS 2
 
 struct operator_node {
     bus_t *bus;
     int node;
-    operator_step_t *steps;
-    size_t count;
+    events_t *events;
+    operator_step_t *steps; /* of the script, and CLOSING_STEPS */
+    size_t script_count;
     size_t current;
+    int64_t ready_ns; /* when the step before was done */
+    bool stops;       /* the script is over */
     int sendings; /* of the current step's frame */
     int64_t due_ns;     /* when the current step became due; valid once `begun` */
     int64_t timeout_ns; /* when to send again */
@@ -24,6 +28,9 @@ struct operator_node {
     protocol_receiver_t receiver;
     control_mode_t mode;
     reason_t reason;
+    task_id_t task;
+    bool latched;
+    uint8_t custom_form; /* task_form_t of the last task that was defined */
     bool failed;
     char failure[3 * TEXT_BYTES];
 };
@@ -45,6 +52,9 @@ static void describe(const operator_step_t *step, char text[], size_t size) {
                        step->command == COMMAND_SELECT ? " " : "",
                        step->command == COMMAND_SELECT ? task_name((uint8_t)step->task) : "");
         break;
+    case OPERATOR_MOVE_GRIPPER:
+        (void)snprintf(text, size, "gripper command %s", step->close ? "close" : "open");
+        break;
     case OPERATOR_AWAIT_MODE:
         (void)snprintf(text, size, "waiting for mode %s", mode_name((uint8_t)step->mode));
         break;
@@ -59,8 +69,19 @@ static void fail(operator_node_t *self, int64_t now_ns, const char *what) {
                    what);
 }
 
-static void next_step(operator_node_t *self) {
-    self->current++;
+static size_t step_count(const operator_node_t *self) {
+    return self->script_count + CLOSING_STEPS;
+}
+
+static void finish_step(operator_node_t *self, int64_t now_ns) {
+    const operator_step_t *step = &self->steps[self->current];
+    if (step->action == OPERATOR_DEFINE_TASK) {
+        self->custom_form = step->define.form;
+    }
+    events_raise(self->events, step->done_event, (double)now_ns * 1e-9);
+    const bool leaves_rest = self->stops && self->current < self->script_count;
+    self->current = leaves_rest ? self->script_count : self->current + 1;
+    self->ready_ns = now_ns;
     self->begun = false;
     self->sendings = 0;
 }
@@ -71,7 +92,7 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
         return; /* one of the values published at boot, or a late second answer */
     }
     if (result == RESULT_ACCEPTED) {
-        next_step(self);
+        finish_step(self, now_ns);
     } else {
         char what[TEXT_BYTES];
         (void)snprintf(what, sizeof what, "refused by the firmware: %s (mode %s)", result_name((uint8_t)result),
@@ -81,14 +102,15 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
 }
 
 static bool awaits(const operator_node_t *self, operator_action_t action) {
-    return !self->failed && self->current < self->count && self->steps[self->current].action == action;
+    return !self->failed && self->current < step_count(self) && self->steps[self->current].action == action;
 }
 
 static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     operator_node_t *self = context;
     const bool wanted = frame->id == frame_table[FRAME_FIRMWARE_STATUS].id ||
                         frame->id == frame_table[FRAME_COMMAND_ACK].id ||
-                        frame->id == frame_table[FRAME_PARAMETER_VALUE].id;
+                        frame->id == frame_table[FRAME_PARAMETER_VALUE].id ||
+                        frame->id == frame_table[FRAME_GRIPPER_STATE].id;
     frame_kind_t kind;
     if (!wanted || protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
         return;
@@ -98,6 +120,8 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
         firmware_status_unpack(frame, &status);
         self->mode = status.mode;
         self->reason = status.reason;
+        self->task = status.task;
+        self->latched = status.latched;
     } else if (kind == FRAME_COMMAND_ACK &&
                (awaits(self, OPERATOR_COMMAND) || awaits(self, OPERATOR_DEFINE_TASK))) {
         command_ack_t ack;
@@ -111,21 +135,31 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
         if (value.parameter == self->steps[self->current].parameter) {
             on_result(self, value.sequence, value.result, end_ns);
         }
+    } else if (kind == FRAME_GRIPPER_STATE && awaits(self, OPERATOR_MOVE_GRIPPER)) {
+        gripper_state_t state;
+        gripper_state_unpack(frame, &state);
+        on_result(self, state.sequence, RESULT_ACCEPTED, end_ns);
     }
 }
 
-operator_node_t *operator_node_create(bus_t *bus, const operator_step_t steps[], size_t count) {
+operator_node_t *operator_node_create(bus_t *bus, events_t *events, const operator_step_t steps[], size_t count) {
     operator_node_t *self = calloc(1, sizeof *self);
-    operator_step_t *copy = calloc(count, sizeof *copy);
+    operator_step_t *copy = calloc(count + CLOSING_STEPS, sizeof *copy);
     if (self == NULL || copy == NULL) {
         free(self);
         free(copy);
         return NULL;
     }
-    memcpy(copy, steps, count * sizeof *copy);
+    for (size_t i = 0; i < count; i++) {
+        copy[i] = steps[i];
+    }
+    copy[count] = (operator_step_t){OPERATOR_COMMAND, .command = COMMAND_STOP, .done_event = EVENT_NONE};
+    copy[count + 1] = (operator_step_t){OPERATOR_AWAIT_MODE, .mode = MODE_READY, .done_event = EVENT_NONE,
+                                        .mode_patience_s = OPERATOR_STOP_PATIENCE_S};
     self->bus = bus;
+    self->events = events;
     self->steps = copy;
-    self->count = count;
+    self->script_count = count;
     self->node = bus_attach(bus, on_frame, self);
     return self;
 }
@@ -147,6 +181,11 @@ static protocol_status_t pack_step(const operator_step_t *step, uint8_t sequence
         task_define_t define = step->define;
         define.sequence = sequence;
         return task_define_pack(&define, frame);
+    }
+    if (step->action == OPERATOR_MOVE_GRIPPER) {
+        const gripper_command_t command = {.action = step->close ? GRIPPER_CLOSE : GRIPPER_OPEN,
+                                           .sequence = sequence};
+        return gripper_command_pack(&command, frame);
     }
     const operator_command_t command = {.command = (uint8_t)step->command, .sequence = sequence,
                                         .task = (uint8_t)step->task};
@@ -173,43 +212,102 @@ static void send_step(operator_node_t *self, int64_t ready_ns) {
 static void await_mode(operator_node_t *self, int64_t now_ns) {
     const operator_step_t *step = &self->steps[self->current];
     if (self->mode == step->mode) {
-        next_step(self);
-    } else if (now_ns - self->due_ns > ns_from_s(step->patience_s)) {
+        finish_step(self, now_ns);
+    } else if (now_ns - self->due_ns > ns_from_s(step->mode_patience_s)) {
         char what[TEXT_BYTES];
         (void)snprintf(what, sizeof what, "mode is still %s (%s) after %g s", mode_name((uint8_t)self->mode),
-                       reason_name((uint8_t)self->reason), step->patience_s);
+                       reason_name((uint8_t)self->reason), step->mode_patience_s);
         fail(self, now_ns, what);
     }
 }
 
-void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
-    if (self->failed || self->current == self->count) {
+static void await_answer(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
+    if (self->timeout_ns >= until_ns) {
         return;
     }
-    const operator_step_t *step = &self->steps[self->current];
-    const int64_t not_before_ns = ns_from_s(step->not_before_s);
-    if (!self->begun) {
-        if (not_before_ns >= until_ns) {
-            return;
-        }
-        self->begun = true;
-        self->due_ns = not_before_ns > from_ns ? not_before_ns : from_ns;
-    }
-    if (step->action == OPERATOR_AWAIT_MODE) {
-        await_mode(self, from_ns);
-    } else if (self->sendings == 0) {
-        send_step(self, self->due_ns);
-    } else if (self->timeout_ns < until_ns) {
-        if (self->sendings > OPERATOR_RETRIES) {
-            fail(self, from_ns, "no answer from the firmware to 4 sendings, 50 ms each");
-        } else {
-            send_step(self, self->timeout_ns > from_ns ? self->timeout_ns : from_ns);
-        }
+    if (self->sendings > OPERATOR_RETRIES) {
+        const bool asks_gripper = self->steps[self->current].action == OPERATOR_MOVE_GRIPPER;
+        fail(self, from_ns, asks_gripper ? "no answer from the gripper to 4 sendings, 50 ms each"
+                                         : "no answer from the firmware to 4 sendings, 50 ms each");
+    } else {
+        send_step(self, self->timeout_ns > from_ns ? self->timeout_ns : from_ns);
     }
 }
 
+static bool is_due(const operator_node_t *self, size_t index, int64_t until_ns, int64_t *due_ns) {
+    const operator_step_t *step = &self->steps[index];
+    double begin_s;
+    if (!step_wait_begin_s(&step->start, self->events, (double)self->ready_ns * 1e-9, &begin_s) ||
+        (step->in_cooperation && self->mode != MODE_COOPERATING)) {
+        return false;
+    }
+    *due_ns = ns_from_s(begin_s);
+    return *due_ns < until_ns;
+}
+
+/* One that gives way changes places with the next one that is due. */
+static void choose_step(operator_node_t *self, int64_t until_ns) {
+    const size_t next = self->current + 1;
+    int64_t due_ns;
+    if (next < self->script_count && self->steps[self->current].gives_way &&
+        !is_due(self, self->current, until_ns, &due_ns) && is_due(self, next, until_ns, &due_ns)) {
+        const operator_step_t patient = self->steps[self->current];
+        self->steps[self->current] = self->steps[next];
+        self->steps[next] = patient;
+    }
+}
+
+/* True: the current step is under way. */
+static bool begin_step(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
+    choose_step(self, until_ns);
+    int64_t due_ns;
+    if (is_due(self, self->current, until_ns, &due_ns)) {
+        self->begun = true;
+        self->due_ns = due_ns > from_ns ? due_ns : from_ns;
+        return true;
+    }
+    char waited[TEXT_BYTES];
+    if (step_wait_in_vain(&self->steps[self->current].start, self->events, (double)self->ready_ns * 1e-9,
+                          (double)from_ns * 1e-9, waited, sizeof waited)) {
+        fail(self, from_ns, waited);
+    }
+    return false;
+}
+
+void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
+    const size_t end = self->stops ? step_count(self) : self->script_count;
+    if (self->failed || self->current >= end || (!self->begun && !begin_step(self, from_ns, until_ns))) {
+        return;
+    }
+    if (self->steps[self->current].action == OPERATOR_AWAIT_MODE) {
+        await_mode(self, from_ns);
+    } else if (self->sendings == 0) {
+        send_step(self, self->due_ns);
+    } else {
+        await_answer(self, from_ns, until_ns);
+    }
+}
+
+void operator_node_stop(operator_node_t *self) {
+    self->stops = true;
+    if (self->current < self->script_count && self->sendings == 0) {
+        self->current = self->script_count;
+        self->begun = false;
+    }
+}
+
+bool operator_node_script_done(const operator_node_t *self) {
+    return self->current >= self->script_count;
+}
+
 bool operator_node_finished(const operator_node_t *self) {
-    return self->current == self->count;
+    return self->current == step_count(self);
+}
+
+bool operator_node_mirrors(const operator_node_t *self) {
+    const bool mirrored =
+        self->task == TASK_CUSTOM ? self->custom_form == TASK_FORM_MIRRORED : self->task == TASK_MIRROR;
+    return mirrored && !self->latched;
 }
 
 const char *operator_node_failure(const operator_node_t *self) {

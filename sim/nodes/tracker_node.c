@@ -12,7 +12,7 @@
 struct tracker_node {
     bus_t *bus;
     int bus_node;
-    const hand_motion_t *motion;
+    const hand_history_t *history;
     tracker_options_t options;
     rigid_pose_t torso_in_tracker;
     int64_t latency_ns;
@@ -30,7 +30,6 @@ void tracker_options_set_defaults(tracker_options_t *options) {
     *options = (tracker_options_t){
         .rate_hz = 250.0,
         .latency_s = 0.004,
-        .motion_start_s = 0.5,
         .noise_position_m = 0.00005,
         .noise_rotation_rad = 0.02 * 3.14159265358979324 / 180.0,
         .mount_translation_m = {0.3, 1.5, 0.2},
@@ -47,7 +46,6 @@ bool tracker_options_check(const tracker_options_t *options, char error[], size_
     } range[] = {
         {"rate_hz", options->rate_hz, 15.0, 1000.0},
         {"latency_s", options->latency_s, 0.0, 0.5},
-        {"motion_start_s", options->motion_start_s, 0.0, 1e6},
         {"noise_position_m", options->noise_position_m, 0.0, 1.0},
         {"noise_rotation_rad", options->noise_rotation_rad, 0.0, 1.0},
         {"mount_translation_m x", options->mount_translation_m[0], -1e3, 1e3},
@@ -68,14 +66,14 @@ bool tracker_options_check(const tracker_options_t *options, char error[], size_
     return true;
 }
 
-tracker_node_t *tracker_node_create(bus_t *bus, const hand_motion_t *motion, const tracker_options_t *options) {
+tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, const tracker_options_t *options) {
     tracker_node_t *self = calloc(1, sizeof *self);
     if (self == NULL) {
         return NULL;
     }
     self->bus = bus;
     self->bus_node = bus_attach(bus, NULL, NULL);
-    self->motion = motion;
+    self->history = history;
     self->options = *options;
     self->latency_ns = llround(options->latency_s * 1e9);
     rigid_pose_t mount;
@@ -118,7 +116,7 @@ static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker)
     const bool dropped = random_uniform(&self->dropout) < self->options.dropout_probability;
 
     rigid_pose_t hand = {.rotation = {1.0, 0.0, 0.0, 0.0}};
-    const bool has_pose = hand_motion_sample(self->motion, time_s - self->options.motion_start_s, &hand);
+    const bool has_pose = hand_history_sample(self->history, time_ns, &hand);
     *marker = rigid_pose_multiply(&self->torso_in_tracker, &hand);
     add_noise(self, marker);
     return has_pose && !in_gap && !dropped;

@@ -1,4 +1,4 @@
-/* The motion tracker as a node on the bus: samples a motion of the human's hand and sends HandPose and TrackerStatus. */
+/* The motion tracker as a node on the bus: measures the actual hand, sends HandPose and TrackerStatus. */
 #ifndef COMANIP_SIM_TRACKER_NODE_H
 #define COMANIP_SIM_TRACKER_NODE_H
 
@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #include "../bus/bus.h"
-#include "../hand/hand_motion.h"
+#include "../hand/hand_history.h"
 
 #define TRACKER_RANGE_M 8.388 /* of a marker's coordinates: HandPose has 24 bits of um */
 
@@ -15,7 +15,6 @@
 typedef struct {
     double rate_hz;        /* of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
     double latency_s;      /* from the measurement to the frame, 0..0.5; announced in TrackerStatus */
-    double motion_start_s; /* >= 0; the hand rests at its first pose until then */
     double noise_position_m;       /* standard deviation per axis */
     double noise_rotation_rad;     /* standard deviation per axis of the rotation vector */
     double mount_translation_m[3]; /* q_E^T: the tracker seen from the torso; any translation */
@@ -35,18 +34,18 @@ typedef struct {
 
 typedef struct tracker_node tracker_node_t;
 
-/* 250 Hz, 4 ms, start at 0.5 s, noise 0.05 mm and 0.02 degrees, mounted on the robot's left as in (9), no dropouts. */
+/* 250 Hz, 4 ms, noise 0.05 mm and 0.02 degrees, mounted on the robot's left as in (9), no dropouts. */
 void tracker_options_set_defaults(tracker_options_t *options);
 
 /* False if an option is out of the ranges above: `error` then holds one line that names it, its value and the range. */
 bool tracker_options_check(const tracker_options_t *options, char error[], size_t error_size);
 
-/* The bus and the motion must outlive the node; the options must pass the check. NULL: no memory. */
-tracker_node_t *tracker_node_create(bus_t *bus, const hand_motion_t *motion, const tracker_options_t *options);
+/* The bus and the history must outlive the node; the options must pass the check. NULL: no memory. */
+tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, const tracker_options_t *options);
 void tracker_node_destroy(tracker_node_t *self);
 
 /* Queues the frames that fall due in [from_ns, until_ns): HandPose at its measurement plus the latency, TrackerStatus in
- * its own period. What fell due before from_ns is left out. */
+ * its own period. What fell due before from_ns is left out. The history must reach up to from_ns. */
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns);
 
 tracker_statistics_t tracker_node_statistics(const tracker_node_t *self);

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "../../firmware/parameters.h"
-#include "../scenario.h"
+#include "../scenario/scenario_file.h"
 
 static const char usage[] =
     "comanip-sim: a human hand moves a simulated humanoid arm over a CAN FD bus, in virtual time\n"
@@ -12,11 +12,13 @@ static const char usage[] =
     "       make sim ARGS='[options]'   (make exits with 2 whatever failed: call the program for its exit status)\n"
     "\n"
     "what runs\n"
-    "  --scenario NAME              pour (default), teleop or mirror; --list explains them\n"
-    "  --tracker FILE.csv           play a recording instead of the scenario's built-in motion\n"
+    "  --scenario NAME|FILE.yaml    pour (default), teleop, mirror, handover or crank, or a file of your own\n"
+    "  --tracker FILE.csv           the tracked person plays a recording in place of the built-in motion\n"
+    "  --tracker-second FILE.csv    the second person plays one\n"
     "  --axes MAP                   recorder axes that are the torso's x, y, z (forward, left, up), e.g. -yxz\n"
-    "  --duration S                 simulated seconds, at least 2 (default: the scenario's, or the recording's)\n"
-    "  --seed N                     of noise and dropouts (default 1)\n"
+    "  --duration S                 simulated seconds, at least 2 (default: until everybody is done)\n"
+    "  --physics-step-us N          of ODE: 500, 1000 (default) or 2000\n"
+    "  --seed N                     of noise, dropouts, and how the people move and where things stand (default 1)\n"
     "  --scale S                    motion scale: sets the parameter motion_scale\n"
     "  --param NAME=VALUE           write a firmware parameter over the bus at the start; repeatable\n"
     "  --paper-law                  the paper's law (4): error_frame 0, all weights 1, all gains 4; --param may override\n"
@@ -60,9 +62,11 @@ void help_print(void) {
     }
 }
 
-void help_print_scenarios(void) {
-    for (size_t i = 0; i < scenario_count; i++) {
-        (void)printf("%-8s %2.0f s  %s\n", scenario_table[i].name, scenario_table[i].duration_s,
-                     scenario_table[i].summary);
-    }
+static void print_scenario(void *context, const char *name, const char *summary) {
+    (void)context;
+    (void)printf("%-10s %s\n", name, summary);
+}
+
+bool help_print_scenarios(const char *folder, char error[], size_t error_size) {
+    return scenario_list(folder, print_scenario, NULL, error, error_size);
 }

@@ -13,7 +13,8 @@
 #define PAPER_GAIN_PER_S 4.0f /* the paper gives none: one for all, as its law has it */
 
 enum {
-    OPTION_SCENARIO = 256, OPTION_TRACKER, OPTION_AXES, OPTION_SEED, OPTION_OUT, OPTION_DURATION, OPTION_RATE,
+    OPTION_SCENARIO = 256, OPTION_TRACKER, OPTION_TRACKER_SECOND, OPTION_AXES, OPTION_SEED, OPTION_OUT,
+    OPTION_DURATION, OPTION_PHYSICS_STEP, OPTION_RATE,
     OPTION_NOISE_MM, OPTION_NOISE_DEG, OPTION_LATENCY_MS, OPTION_MOUNT_TRANSLATION, OPTION_MOUNT_ROTATION,
     OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_PAPER_LAW, OPTION_DEFINE,
     OPTION_CLUTCH, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
@@ -22,10 +23,12 @@ enum {
 static const struct option option_table[] = {
     {"scenario", required_argument, NULL, OPTION_SCENARIO},
     {"tracker", required_argument, NULL, OPTION_TRACKER},
+    {"tracker-second", required_argument, NULL, OPTION_TRACKER_SECOND},
     {"axes", required_argument, NULL, OPTION_AXES},
     {"seed", required_argument, NULL, OPTION_SEED},
     {"out", required_argument, NULL, OPTION_OUT},
     {"duration", required_argument, NULL, OPTION_DURATION},
+    {"physics-step-us", required_argument, NULL, OPTION_PHYSICS_STEP},
     {"rate", required_argument, NULL, OPTION_RATE},
     {"noise-mm", required_argument, NULL, OPTION_NOISE_MM},
     {"noise-deg", required_argument, NULL, OPTION_NOISE_DEG},
@@ -74,20 +77,6 @@ static bool wrong(char error[], const char *option, const char *value, const cha
 static void append_name(char text[], size_t size, const char *name) {
     const size_t used = strlen(text);
     (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
-}
-
-static bool parse_scenario(options_t *self, const char *value, char error[]) {
-    self->scenario = scenario_find(value);
-    if (self->scenario == NULL) {
-        char names[200] = "";
-        for (size_t i = 0; i < scenario_count; i++) {
-            append_name(names, sizeof names, scenario_table[i].name);
-        }
-        char expected[240];
-        (void)snprintf(expected, sizeof expected, "one of %s", names);
-        return wrong(error, "scenario", value, expected);
-    }
-    return true;
 }
 
 static bool set_parameter(options_t *self, int parameter, const char *option, const char *argument,
@@ -181,10 +170,18 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
     }
     switch (option) {
     case OPTION_SCENARIO:
-        return parse_scenario(self, value, error);
+        self->scenario = value;
+        return value[0] != '\0' || wrong(error, name, value, "a scenario's name or the path of its file");
     case OPTION_TRACKER:
         self->tracker_path = value;
         return value[0] != '\0' || wrong(error, name, value, "the path of a CSV file");
+    case OPTION_TRACKER_SECOND:
+        self->second_path = value;
+        return value[0] != '\0' || wrong(error, name, value, "the path of a CSV file");
+    case OPTION_PHYSICS_STEP:
+        return (option_unsigned(value, 2000, &self->physics_step_us) &&
+                (self->physics_step_us == 500 || self->physics_step_us == 1000 || self->physics_step_us == 2000)) ||
+               wrong(error, name, value, "500, 1000 or 2000");
     case OPTION_AXES:
         self->axes = value;
         return value[0] != '\0' || wrong(error, name, value, "recorder axes for the torso's x, y, z, for example -yxz");
@@ -222,7 +219,8 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
 
 options_result_t options_parse(options_t *self, int argc, char *argv[], char error[OPTIONS_ERROR_BYTES]) {
     memset(self, 0, sizeof *self);
-    self->scenario = &scenario_table[0];
+    self->scenario = "pour";
+    self->physics_step_us = 1000;
     self->seed = 1;
     tracker_options_set_defaults(&self->tracker);
     opterr = 0; /* messages are ours */
@@ -258,18 +256,13 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
         (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': expected options only; --help lists them", argv[optind]);
         return OPTIONS_WRONG;
     }
-    if (self->axes != NULL && self->tracker_path == NULL) {
+    if (self->axes != NULL && self->tracker_path == NULL && self->second_path == NULL) {
         (void)wrong(error, "axes", self->axes, "a recording to apply it to: --tracker FILE.csv");
         return OPTIONS_WRONG;
     }
     if (paper_law) {
         set_paper_law(&self->operator);
     }
-    if (self->out == NULL) {
-        (void)snprintf(self->default_out, sizeof self->default_out, "out/%s", self->scenario->name);
-        self->out = self->default_out;
-    }
     self->tracker.seed = self->seed;
-    self->tracker.motion_start_s = self->scenario->motion_start_s;
     return tracker_options_check(&self->tracker, error, OPTIONS_ERROR_BYTES) ? OPTIONS_RUN : OPTIONS_WRONG;
 }

@@ -7,17 +7,18 @@
 
 #include "../../firmware/parameters.h"
 #include "../nodes/tracker_node.h"
-#include "../scenario.h"
+#include "../nodes/operator_script.h"
 
 #define OPTIONS_ERROR_BYTES 2048
 
 typedef struct {
-    const scenario_t *scenario;
-    const char *tracker_path; /* NULL: the scenario's built-in motion */
-    const char *axes;         /* NULL: by the file's name */
-    const char *out;
-    char default_out[40];
-    double duration_s; /* 0: the scenario's, or the recording's */
+    const char *scenario; /* name or path */
+    const char *tracker_path; /* a recording for the tracked person; NULL: the scenario's built-in motion */
+    const char *second_path;  /* a recording for the second person; NULL: the scenario's built-in motion */
+    const char *axes;         /* of both; NULL: by the file's name */
+    const char *out;          /* NULL: out/SCENARIO */
+    double duration_s; /* 0: until everybody is done */
+    uint64_t physics_step_us; /* 500, 1000 or 2000 */
     uint64_t seed;
     tracker_options_t tracker;
     operator_wishes_t operator;

@@ -1,20 +1,29 @@
 #include "checks.h"
 
+#include <math.h>
 #include <string.h>
 
+#include "../monitors/measure.h"
 #include "reason.h"
 
 #define COOPERATION_MIN_S 0.1
 #define RECORDING_RMS_LIMIT_MM 3.0 /* wrists turn as they like, and what the arm cannot turn pulls at its position */
-#define HALF_A_TICK_S (0.5e-9 * WORLD_TICK_NS) /* of slack makes comparisons of tick times exact */
 
-static void add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound, const char *unit) {
-    const bool pass = is_lower_bound ? value >= limit : value <= limit;
-    self->check[self->count++] = (check_t){name, true, value, limit, is_lower_bound, unit, pass};
+static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
+                    const char *unit) {
+    check_t *check = &self->check[self->count++];
+    *check = (check_t){.name = name, .measured = true, .value = value, .limit = limit,
+                       .is_lower_bound = is_lower_bound, .unit = unit, .orientation_rest_deg = (double)NAN,
+                       .pass = is_lower_bound ? value >= limit : value <= limit};
+    return check;
 }
 
-static void add_not_measured(checks_t *self, const char *name, double limit, bool is_lower_bound, const char *unit) {
-    self->check[self->count++] = (check_t){name, false, 0.0, limit, is_lower_bound, unit, false};
+static check_t *add_not_measured(checks_t *self, const char *name, double limit, bool is_lower_bound,
+                                 const char *unit) {
+    check_t *check = add(self, name, 0.0, limit, is_lower_bound, unit);
+    check->measured = false;
+    check->pass = false;
+    return check;
 }
 
 static double fault_modes(const observer_t *observer) {
@@ -28,7 +37,7 @@ static double fault_modes(const observer_t *observer) {
 /* Frames that some receiver refused: the firmware says so in its status, the others are asked. */
 static double rejected_frames(const world_t *world) {
     return (double)world->observer.firmware_rejected + (double)world->observer.receiver.rejected +
-           (double)drive_node_rejected(world->drives);
+           (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
 }
 
 static void add_common(checks_t *self, const world_t *world) {
@@ -50,52 +59,58 @@ static bool is_trace_off(const world_t *world) {
     return world->observer.parameter[PARAMETER_TRACE] <= 0.0f && !checks_tracking_measured(world);
 }
 
-/* When the operator stops the arm; in a run that ended early, when it would have had to. */
-static double stop_s(const world_t *world) {
-    return (double)world->now_ns * 1e-9 - SCENARIO_STOP_BEFORE_END_S + HALF_A_TICK_S;
+/* --duration ended it before everybody had done everything. */
+static bool is_cut(const world_t *world) {
+    bool is_done = operator_node_script_done(world->operator);
+    for (size_t i = 0; i < world->scenario->person_count; i++) {
+        is_done = is_done && person_program_is_done(world->program[i]);
+    }
+    return world->is_shortened && !is_done;
 }
 
-static void add_rms(checks_t *self, const world_t *world, double limit_mm) {
-    add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable), limit_mm, false, "mm");
-}
+/* ---- how the target was followed */
 
 /* What a recorded hand or a task of the operator's asks for is not known beforehand. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
+    if (!(world->scenario->tracking_rms_limit_mm > 0.0)) {
+        return;
+    }
     if (is_enough) {
-        add_rms(self, world, RECORDING_RMS_LIMIT_MM);
+        add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),
+            RECORDING_RMS_LIMIT_MM, false, "mm");
     } else {
         self->tracking_not_judged = checks_tracking_measured(world);
     }
 }
 
-/* A law that keeps the arm at its limits is not to escape its judge: hence the least share. */
-static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
-    const scenario_t *scenario = world->options->scenario;
-    const tracking_t *tracking = &world->tracking;
-    if (is_trace_off(world)) {
-        self->left_out_by_trace += 3;
+/* limit 0: the scenario does not ask for it. */
+static void add_tracking_check(checks_t *self, const world_t *world, const char *name, double value, double limit,
+                               bool is_lower_bound, const char *unit, bool is_judgeable) {
+    if (!(limit > 0.0)) {
         return;
     }
-    const bool is_shortened = stop_s(world) < scenario->duration_s - SCENARIO_STOP_BEFORE_END_S;
-    if (is_shortened) {
+    if (is_trace_off(world)) {
+        self->left_out_by_trace++;
+    } else if (is_judgeable) {
+        add(self, name, value, limit, is_lower_bound, unit);
+    } else if (is_cut(world)) {
         self->left_out_by_end++;
-    } else if (tracking->settled_ticks == 0) {
-        add_not_measured(self, "followable_share", scenario->followable_min_percent, true, "%");
     } else {
-        add(self, "followable_share",
-            100.0 * (double)tracking->followable.ticks / (double)tracking->settled_ticks,
-            scenario->followable_min_percent, true, "%");
+        add_not_measured(self, name, limit, is_lower_bound, unit);
     }
-    if (is_enough) {
-        add_rms(self, world, scenario->tracking_rms_limit_mm);
-        add(self, "followable_max_position", tracking->followable.max_position_mm, scenario->tracking_max_limit_mm,
-            false, "mm");
-    } else if (is_shortened) {
-        self->left_out_by_end += 2;
-    } else {
-        add_not_measured(self, "followable_rms_position", scenario->tracking_rms_limit_mm, false, "mm");
-        add_not_measured(self, "followable_max_position", scenario->tracking_max_limit_mm, false, "mm");
-    }
+}
+
+/* A law that keeps the arm at its limits is not to escape its judge: hence the least share. */
+static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
+    const scenario_t *scenario = world->scenario;
+    const tracking_t *tracking = &world->tracking;
+    const double share = 100.0 * (double)tracking->followable.ticks / (double)tracking->settled_ticks;
+    add_tracking_check(self, world, "followable_share", share, scenario->followable_min_percent, true, "%",
+                       tracking->settled_ticks > 0 && !is_cut(world));
+    add_tracking_check(self, world, "followable_rms_position", tracking_rms_position_mm(&tracking->followable),
+                       scenario->tracking_rms_limit_mm, false, "mm", is_enough);
+    add_tracking_check(self, world, "followable_max_position", tracking->followable.max_position_mm,
+                       scenario->tracking_max_limit_mm, false, "mm", is_enough);
 }
 
 static void add_tracking(checks_t *self, const world_t *world) {
@@ -108,23 +123,48 @@ static void add_tracking(checks_t *self, const world_t *world) {
     }
 }
 
-static void add_scenario(checks_t *self, const world_t *world) {
-    const scenario_monitor_t *monitor = &world->scenario_monitor;
+/* ---- the scenario's own */
+
+/* A window without an end of its own ends with what the scenario does. */
+static bool is_beyond_the_end(const world_t *world, const scenario_check_t *check, const check_window_t *window) {
+    return is_cut(world) && !(check->has_until && check_window_is_whole(window, check));
+}
+
+static bool has_clutch(const world_t *world, const check_window_t *window) {
     const double clutch_s = world->options->operator.clutch_s;
-    for (size_t i = 0; i < monitor->count; i++) {
-        const scenario_check_t *check = &monitor->checks[i];
-        const char *unit = scenario_check_unit(check);
-        const bool is_lower_bound = scenario_check_is_lower_bound(check);
-        if (check->until_s > stop_s(world)) {
+    return clutch_s > 0.0 && window->ticks > 0 && clutch_s >= window->first_s && clutch_s <= window->last_s;
+}
+
+static void judge(checks_t *self, const world_t *world, const scenario_check_t *check,
+                  const measurement_t *measurement) {
+    const char *unit = measure_unit(check->measure);
+    if (measurement_is_valid(measurement, check)) {
+        check_t *added = add(self, check->name, measurement_value(measurement, check), check->limit,
+                             check->is_lower_bound, unit);
+        added->orientation_rest_deg = measurement_orientation_rest_deg(measurement, check);
+        return;
+    }
+    check_t *added = add_not_measured(self, check->name, check->limit, check->is_lower_bound, unit);
+    const int event = check_window_missing_event(&measurement->window, check, &world->events);
+    added->missing_event = event == EVENT_NONE ? NULL : world->events.event[event].name;
+}
+
+static void add_scenario(checks_t *self, const world_t *world) {
+    for (size_t i = 0; i < world->scenario->check_count; i++) {
+        const scenario_check_t *check = &world->scenario->check[i];
+        const measurement_t *measurement = &world->scenario_monitor.measurement[i];
+        if (world->options->operator.defines_task) {
+            self->left_out_by_define++;
+        } else if (world->has_recording && measure_is_of_built_in_motion(check->measure)) {
+            self->left_out_by_recording++;
+        } else if (is_beyond_the_end(world, check, &measurement->window)) {
             self->left_out_by_end++;
-        } else if (scenario_check_needs_start(check) && clutch_s > 0.0 && clutch_s <= check->until_s) {
+        } else if (measure_compares_with_begin(check->measure) && has_clutch(world, &measurement->window)) {
             self->left_out_by_clutch++;
-        } else if (scenario_check_needs_target(check) && is_trace_off(world)) {
+        } else if (measure_needs_target(check->measure) && is_trace_off(world)) {
             self->left_out_by_trace++;
-        } else if (scenario_monitor_has_measured(monitor, i)) {
-            add(self, check->name, monitor->value[i], check->limit, is_lower_bound, unit);
         } else {
-            add_not_measured(self, check->name, check->limit, is_lower_bound, unit);
+            judge(self, world, check, measurement);
         }
     }
 }

@@ -15,14 +15,18 @@ typedef struct {
     bool is_lower_bound; /* value must be at least the limit; else at most */
     const char *unit;
     bool pass;
+    double orientation_rest_deg; /* RMS over the same ticks, not judged; NaN: none */
+    const char *missing_event;   /* why it was not measured: this never happened; NULL */
 } check_t;
 
 typedef struct {
     check_t check[CHECKS_MAX];
     size_t count;
     size_t left_out_by_end;   /* of the scenario's: they lie beyond the end of a shortened run */
-    size_t left_out_by_clutch; /* they count from the start, and the operator took a new reference */
+    size_t left_out_by_clutch; /* the operator took a new reference since what they count from */
     size_t left_out_by_trace; /* they need the target, and the trace is switched off */
+    size_t left_out_by_recording; /* they ask for what the built-in motion does */
+    size_t left_out_by_define;    /* they ask for what the scenario's own task does */
     bool tracking_not_judged; /* of a recording: there was too little that the arm could follow */
     bool pass;                /* all of them, and the run came to its end */
     char reason[1200];        /* of the result, one line */

@@ -87,6 +87,11 @@ void json_bool(json_writer_t *self, const char *key, bool value) {
     (void)fputs(value ? "true" : "false", self->file);
 }
 
+void json_null(json_writer_t *self, const char *key) {
+    begin_member(self, key);
+    (void)fputs("null", self->file);
+}
+
 void json_number(json_writer_t *self, const char *key, double value) {
     begin_member(self, key);
     if (isfinite(value)) {

@@ -18,6 +18,7 @@ void json_end(json_writer_t *self, char bracket);
 void json_text(json_writer_t *self, const char *key, const char *value);
 void json_unsigned(json_writer_t *self, const char *key, uint64_t value);
 void json_bool(json_writer_t *self, const char *key, bool value);
+void json_null(json_writer_t *self, const char *key);
 
 /* null if the value is not finite: JSON has no other word for it. */
 void json_number(json_writer_t *self, const char *key, double value);

@@ -1,5 +1,6 @@
 #include "output_folder.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -78,6 +79,32 @@ static bool lock_folder(output_folder_t *self, const char *folder, char error[],
     return true;
 }
 
+static bool ends_with(const char *name, const char *end) {
+    const size_t length = strlen(name), end_length = strlen(end);
+    return length >= end_length && strcmp(name + length - end_length, end) == 0;
+}
+
+/* Pictures and texts that were made from a former run. What else lies there is somebody's own. */
+static bool remove_report(const char *folder, char error[], size_t error_size) {
+    char *path = join(folder, "report", "");
+    /* Not through a link: what it leads to is not this run's. */
+    const int opened = path != NULL ? open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1;
+    DIR *report = opened >= 0 ? fdopendir(opened) : NULL;
+    bool removed = true;
+    for (struct dirent *entry; removed && report != NULL && (entry = readdir(report)) != NULL;) {
+        if (ends_with(entry->d_name, ".png") || ends_with(entry->d_name, ".md")) {
+            removed = unlinkat(opened, entry->d_name, 0) == 0 || fail(error, error_size, path, "cannot be emptied");
+        }
+    }
+    if (report != NULL) {
+        (void)closedir(report);
+    } else if (opened >= 0) {
+        (void)close(opened);
+    }
+    free(path);
+    return removed;
+}
+
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     memset(self, 0, sizeof *self);
     self->lock = -1;
@@ -112,7 +139,7 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
             return fail(error, error_size, self->path[i], "cannot be replaced");
         }
     }
-    return true;
+    return remove_report(folder, error, error_size);
 }
 
 bool output_folder_commit(output_folder_t *self, char error[], size_t error_size) {

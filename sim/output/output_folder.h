@@ -19,8 +19,9 @@ typedef struct {
     int lock; /* the open folder, locked against other runs; -1: none */
 } output_folder_t;
 
-/* Creates the folder and its parents, locks it and removes a former run's files. On failure, another run in the same
- * folder included, false, and one line in `error`. */
+/* Creates the folder and its parents, locks it and removes a former run's files, and what was drawn from them: *.png
+ * and *.md in its folder report/. On failure, another run in the same folder included, false, and one line in
+ * `error`. */
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size);
 
 /* Gives the files their names. */

@@ -28,6 +28,8 @@ static void append_failed_checks(checks_t *checks, const world_t *world) {
     append(checks, "%zu of %zu checks failed; first: %s ", failed, checks->count, first->name);
     if (first->measured) {
         append(checks, "is %.6g%s%s, ", first->value, space, first->unit);
+    } else if (first->missing_event != NULL) {
+        append(checks, "could not be measured (%s never happened), ", first->missing_event);
     } else {
         append(checks, "could not be measured, ");
     }
@@ -45,6 +47,14 @@ static void append_what_is_left_out(checks_t *checks, const world_t *world) {
     if (checks->left_out_by_clutch > 0) {
         append(checks, "; %zu left out: they count from the start, and the clutch took a new reference",
                checks->left_out_by_clutch);
+    }
+    if (checks->left_out_by_recording > 0) {
+        append(checks, "; %zu left out: they judge the built-in motion, and a recording was played",
+               checks->left_out_by_recording);
+    }
+    if (checks->left_out_by_define > 0) {
+        append(checks, "; %zu left out: they judge the scenario's own task, and --define replaced it",
+               checks->left_out_by_define);
     }
     if (checks->left_out_by_trace > 0) {
         append(checks, "; %zu left out: they need the target, and the trace is switched off",

@@ -9,12 +9,22 @@
 
 #include "../common/names.h"
 #include "json_writer.h"
+#include "summary_scene.h"
 
 #define PROGRESS_TERMINAL_TICKS 500
 #define PROGRESS_LINES 4 /* elsewhere */
 
 static double simulated_s(const world_t *world) {
     return (double)world->now_ns * 1e-9;
+}
+
+static void write_followable(json_writer_t *json, const tracking_sums_t *sums) {
+    const bool measured = sums->ticks > 0;
+    json_begin(json, "followable", '{');
+    json_number(json, "s", (double)sums->ticks * WORLD_TICK_NS * 1e-9);
+    json_number(json, "rms_position_mm", measured ? tracking_rms_position_mm(sums) : (double)NAN);
+    json_number(json, "rms_orientation_deg", measured ? tracking_rms_orientation_deg(sums) : (double)NAN);
+    json_end(json, '}');
 }
 
 static void write_tracking(json_writer_t *json, const world_t *world) {
@@ -25,6 +35,7 @@ static void write_tracking(json_writer_t *json, const world_t *world) {
     json_number(json, "max_position_mm", measured ? sums->max_position_mm : (double)NAN);
     json_number(json, "rms_orientation_deg", measured ? tracking_rms_orientation_deg(sums) : (double)NAN);
     json_number(json, "max_orientation_deg", measured ? sums->max_orientation_deg : (double)NAN);
+    write_followable(json, &world->tracking.followable);
     json_end(json, '}');
     json_begin(json, "reach", '{');
     json_number(json, "out_of_reach_s",
@@ -79,6 +90,9 @@ static void write_checks(json_writer_t *json, const checks_t *checks) {
         json_number(json, "limit", check->limit);
         json_text(json, "unit", check->unit);
         json_bool(json, "pass", check->pass);
+        if (check->measured && !isnan(check->orientation_rest_deg)) {
+            json_number(json, "orientation_rms_deg", check->orientation_rest_deg);
+        }
         json_end(json, '}');
     }
     json_end(json, ']');
@@ -92,16 +106,18 @@ bool report_write_summary(const world_t *world, const checks_t *checks, double w
         return false;
     }
     json_begin(&json, NULL, '{');
-    json_text(&json, "scenario", world->options->scenario->name);
+    json_text(&json, "scenario", world->scenario->name);
     json_text(&json, "result", checks->pass ? "pass" : "fail");
     json_text(&json, "reason", checks->reason);
     json_unsigned(&json, "seed", world->options->seed);
     json_number(&json, "sim_s", simulated_s(world));
     json_number(&json, "wall_s", wall_s);
     json_unsigned(&json, "ticks", world->ticks);
+    summary_write_setting(&json, world);
     write_tracking(&json, world);
     write_traffic(&json, world);
     write_modes(&json, &world->observer);
+    summary_write_scene(&json, world);
     write_checks(&json, checks);
     json_end(&json, '}');
     (void)fputc('\n', json.file);
@@ -135,6 +151,38 @@ static void print_row(const check_t *check) {
                  check->limit, check->unit, report_verdict(check->pass));
 }
 
+static void print_forces(const world_t *world) {
+    for (size_t i = 0; i < world->scenario->person_count; i++) {
+        const held_force_t *force = &world->contact_monitor.hand[i];
+        if (force->ticks > 0) {
+            (void)printf("force at the hand of %s, while it holds: %.2f N RMS, %.2f N peak\n",
+                         world->scenario->person[i].name, held_force_rms_N(force), held_force_peak_N(force));
+        }
+    }
+}
+
+static void print_water(const world_t *world) {
+    const water_count_t *water = &world->state.water;
+    if (world->scenario->water.particles > 0) {
+        (void)printf("water: %d of %d particles left the robot's cup; %d in the person's cup, %d elsewhere\n",
+                     water->left_robot_cup, world->scenario->water.particles, water->in_person_cup, water->elsewhere);
+    }
+}
+
+static void print_least(const world_t *world, const char *what, const least_clearance_t *least) {
+    if (least->pair >= 0) {
+        (void)printf("least clearance %s: %.1f mm at %.2f s (%s)\n", what, 1e3 * least->least_m, least->t_s,
+                     proximity_pair_name(world->proximity, least->pair));
+    }
+}
+
+static void print_scene(const world_t *world) {
+    print_forces(world);
+    print_water(world);
+    print_least(world, "between person and robot", &world->contact_monitor.person);
+    print_least(world, "between arm and robot", &world->contact_monitor.self);
+}
+
 void report_print_table(const world_t *world, const checks_t *checks, double wall_s) {
     (void)printf("%-28s %14s    %9s %-4s\n", "check", "value", "limit", "unit");
     for (size_t i = 0; i < checks->count; i++) {
@@ -152,6 +200,7 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
                      sums->max_orientation_deg, (double)world->tracking.out_of_reach_ticks * WORLD_TICK_NS * 1e-9,
                      (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9);
     }
+    print_scene(world);
     (void)printf("bus: %.1f %% load, %.1f %% peak; %.2f s simulated in %.2f s (%.0f times real time)\n",
                  mean_load_percent(world), bus_statistics(world->bus).load_percent_peak, simulated_s(world), wall_s,
                  wall_s > 0.0 ? simulated_s(world) / wall_s : 0.0);
@@ -161,15 +210,15 @@ void report_progress(const world_t *world) {
     const uint64_t total = (uint64_t)(world->end_ns / WORLD_TICK_NS);
     const size_t changes = world->observer.mode_count;
     const char *mode = changes > 0 ? mode_name((uint8_t)world->observer.modes[changes - 1].mode) : "boot";
-    const double share = 100.0 * (double)world->ticks / (double)total;
+    const double longest_s = (double)world->end_ns * 1e-9; /* a run ends when everybody is done */
     if (is_terminal()) {
         if (world->ticks % PROGRESS_TERMINAL_TICKS == 0 || world->ticks == total) {
-            (void)printf("\r%s %3.0f %%  %.1f s  %-12s%s", world->options->scenario->name, share, simulated_s(world),
-                         mode, world->ticks == total ? "\n" : "");
+            (void)printf("\r%s %5.1f s of at most %.1f s  %-12s%s", world->scenario->name, simulated_s(world),
+                         longest_s, mode, world->ticks == total ? "\n" : "");
             (void)fflush(stdout);
         }
     } else if (world->ticks * PROGRESS_LINES % total < PROGRESS_LINES) {
-        (void)printf("%s %3.0f %%  %.1f s  %s\n", world->options->scenario->name, share, simulated_s(world), mode);
+        (void)printf("%s %.1f s of at most %.1f s  %s\n", world->scenario->name, simulated_s(world), longest_s, mode);
         (void)fflush(stdout);
     }
 }

@@ -6,9 +6,33 @@
 #include "../common/names.h"
 #include "text_number.h"
 
-#define LINE_BYTES 1024
+#define LINE_BYTES 2048 /* 64 cells of at most 20 characters, and more */
 #define POSITION_DECIMALS 7
 #define ROTATION_DECIMALS 7
+#define POSE_CELLS 7
+#define MM_PER_M 1e3
+
+static void write_pose_names(FILE *file, const char *what) {
+    (void)fprintf(file, ",%s_x_m,%s_y_m,%s_z_m,%s_qw,%s_qx,%s_qy,%s_qz", what, what, what, what, what, what, what);
+}
+
+static void write_names(FILE *file) {
+    (void)fputs("t_s,mode", file);
+    write_pose_names(file, "target");
+    write_pose_names(file, "hand");
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        (void)fprintf(file, ",q%d_rad", i);
+    }
+    for (int i = 0; i < ROBOT_JOINTS; i++) {
+        (void)fprintf(file, ",dq%d_command_radps", i);
+    }
+    write_pose_names(file, "person");
+    write_pose_names(file, "second");
+    write_pose_names(file, "object");
+    (void)fputs(",gripper_opening,force_x_N,force_y_N,force_z_N,second_force_N,clearance_person_mm,clearance_self_mm,"
+                "water_robot,water_person,water_spilt,crank_turns\n",
+                file);
+}
 
 bool trace_csv_open(trace_csv_t *self, const char *path, char error[], size_t error_size) {
     self->file = fopen(path, "w");
@@ -16,16 +40,7 @@ bool trace_csv_open(trace_csv_t *self, const char *path, char error[], size_t er
         (void)snprintf(error, error_size, "%s: cannot be written: %s", path, strerror(errno));
         return false;
     }
-    (void)fputs("t_s,mode,target_x_m,target_y_m,target_z_m,target_qw,target_qx,target_qy,target_qz,"
-                "hand_x_m,hand_y_m,hand_z_m,hand_qw,hand_qx,hand_qy,hand_qz",
-                self->file);
-    for (int i = 0; i < ROBOT_JOINTS; i++) {
-        (void)fprintf(self->file, ",q%d_rad", i);
-    }
-    for (int i = 0; i < ROBOT_JOINTS; i++) {
-        (void)fprintf(self->file, ",dq%d_command_radps", i);
-    }
-    (void)fputc('\n', self->file);
+    write_names(self->file);
     return true;
 }
 
@@ -49,15 +64,14 @@ static char *write_empty(char *out, int cells) {
     return out + cells;
 }
 
-void trace_csv_write(trace_csv_t *self, const tick_record_t *tick) {
-    char line[LINE_BYTES];
-    char *out = text_number_write(line, (double)tick->time_ns * 1e-9, 3);
+static char *write_robot(char *out, const tick_record_t *tick) {
     const char *mode = mode_name((uint8_t)tick->mode);
     const size_t mode_bytes = strlen(mode);
+    out = text_number_write(out, (double)tick->time_ns * 1e-9, 3);
     *out++ = ',';
     memcpy(out, mode, mode_bytes);
     out += mode_bytes;
-    out = tick->has_target ? write_pose(out, &tick->target) : write_empty(out, 7);
+    out = tick->has_target ? write_pose(out, &tick->target) : write_empty(out, POSE_CELLS);
     out = write_pose(out, &tick->hand);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         out = write_cell(out, tick->measured_rad[i], 6);
@@ -65,6 +79,46 @@ void trace_csv_write(trace_csv_t *self, const tick_record_t *tick) {
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         out = tick->has_command ? write_cell(out, (double)tick->command.velocity_radps[i], 3) : write_empty(out, 1);
     }
+    return out;
+}
+
+static char *write_poses(char *out, const physical_state_t *state) {
+    out = write_pose(out, &state->hand[state->tracked]);
+    out = state->second >= 0 ? write_pose(out, &state->hand[state->second]) : write_empty(out, POSE_CELLS);
+    return state->thing >= 0 ? write_pose(out, &state->object[state->thing]) : write_empty(out, POSE_CELLS);
+}
+
+static char *write_contacts(char *out, const physical_state_t *state) {
+    out = write_cell(out, state->gripper_opening, 4);
+    for (int k = 0; k < 3; k++) {
+        out = write_cell(out, state->hand_force_N[state->tracked][k], 4);
+    }
+    if (state->second >= 0) {
+        out = write_cell(out, physical_state_force_N(state, (size_t)state->second), 4);
+    } else {
+        out = write_empty(out, 1);
+    }
+    out = write_cell(out, MM_PER_M * state->clearance.person_m, 2);
+    return write_cell(out, MM_PER_M * state->clearance.self_m, 2);
+}
+
+static char *write_water_and_crank(char *out, const physical_state_t *state) {
+    if (state->has_water) {
+        out = write_cell(out, state->water.in_robot_cup, 0);
+        out = write_cell(out, state->water.in_person_cup, 0);
+        out = write_cell(out, state->water.elsewhere, 0);
+    } else {
+        out = write_empty(out, 3);
+    }
+    return state->crank >= 0 ? write_cell(out, state->crank_turns[state->crank], 5) : write_empty(out, 1);
+}
+
+void trace_csv_write(trace_csv_t *self, const tick_record_t *tick, const physical_state_t *state) {
+    char line[LINE_BYTES];
+    char *out = write_robot(line, tick);
+    out = write_poses(out, state);
+    out = write_contacts(out, state);
+    out = write_water_and_crank(out, state);
     *out++ = '\n';
     (void)fwrite(line, 1, (size_t)(out - line), self->file); /* an error stays with the file for trace_csv_close() */
 }

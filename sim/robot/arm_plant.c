@@ -5,10 +5,6 @@
 
 #include "../common/rigid_pose.h"
 
-/* Share of a hinge's drift that ODE takes back per step: with 1 ms steps the joints' gaps stay below 1 um. */
-#define ERROR_REDUCTION 0.8
-#define STANDARD_GRAVITY_MPS2 9.80665
-
 struct arm_plant {
     dWorldID world;
     dBodyID body[ROBOT_JOINTS];
@@ -64,16 +60,12 @@ static void create_hinges(arm_plant_t *self) {
     }
 }
 
-arm_plant_t *arm_plant_create(const double start_rad[ROBOT_JOINTS]) {
+arm_plant_t *arm_plant_create(dWorldID world, const double start_rad[ROBOT_JOINTS]) {
     arm_plant_t *self = calloc(1, sizeof *self);
     if (self == NULL) {
         return NULL;
     }
-    dInitODE2(0);
-    dAllocateODEDataForThread((unsigned int)dAllocateMaskAll);
-    self->world = dWorldCreate();
-    dWorldSetGravity(self->world, 0.0, 0.0, -STANDARD_GRAVITY_MPS2);
-    dWorldSetERP(self->world, ERROR_REDUCTION);
+    self->world = world;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         self->body[i] = dBodyCreate(self->world);
         set_mass(self->body[i], &robot_joint_table[i]);
@@ -84,19 +76,15 @@ arm_plant_t *arm_plant_create(const double start_rad[ROBOT_JOINTS]) {
 }
 
 void arm_plant_destroy(arm_plant_t *self) {
-    if (self != NULL) {
-        dWorldDestroy(self->world);
-        dCloseODE();
-        free(self);
-    }
+    free(self);
 }
 
 void arm_plant_set_velocity(arm_plant_t *self, int joint, double velocity_radps) {
     dJointSetHingeParam(self->hinge[joint], dParamVel, velocity_radps);
 }
 
-void arm_plant_step(arm_plant_t *self, double step_s) {
-    dWorldStep(self->world, step_s);
+void arm_plant_release(arm_plant_t *self, int joint) {
+    dJointSetHingeParam(self->hinge[joint], dParamFMax, 0.0);
 }
 
 double arm_plant_position_rad(const arm_plant_t *self, int joint) {
@@ -130,4 +118,8 @@ void arm_plant_hand(const arm_plant_t *self, rigid_pose_t *hand) {
         hand->position_m[i] = position[i];
     }
     rotation_multiply(dBodyGetQuaternion(forearm), robot_hand_rotation, hand->rotation);
+}
+
+dBodyID arm_plant_hand_body(const arm_plant_t *self) {
+    return self->body[ROBOT_JOINTS - 1];
 }

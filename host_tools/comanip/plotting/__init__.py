@@ -1,0 +1,1 @@
+"""Pictures of a finished run. Only the drawing modules import matplotlib."""

@@ -1,0 +1,49 @@
+"""The ways of the hands and of the object in space."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+from comanip.plotting import style
+from comanip.plotting.run_data import RunData
+
+WAYS = (
+    ("target", "target", style.TARGET, 0.8),
+    ("hand", "robot's hand", style.ROBOT, 1.6),
+    ("person", "person's hand", style.PERSON, 1.6),
+    ("second", "second person's hand", style.SECOND, 1.6),
+    ("object", "object", style.OBJECT, 1.6),
+)
+
+
+def paths(run: RunData) -> Figure:
+    """In 3D with equal axes; a ring marks each start, a square each end."""
+    figure = plt.figure(figsize=(8.6, 7.0))
+    axes = figure.add_axes((0.0, 0.02, 0.80, 0.90), projection="3d")
+    part = style.thinned(run)
+    seen = []
+    for what, label, colour, width in WAYS:
+        way = 1e3 * run.position_m(what)[part]
+        way = way[np.isfinite(way).all(axis=1)]
+        if not len(way):
+            continue
+        seen.append(way)
+        axes.plot(*way.T, color=colour, lw=width, label=label, ls="--" if what == "target" else "-")
+        axes.plot(*way[:1].T, marker="o", mfc="white", mec=colour, ms=6, ls="none")
+        axes.plot(*way[-1:].T, marker="s", color=colour, ms=5, ls="none")
+    for marker, fill, label in (("o", "white", "start"), ("s", style.GREY, "end")):
+        axes.plot([], [], [], marker=marker, mfc=fill, mec=style.GREY, ls="none", label=label)
+    everything = np.vstack(seen)
+    middle = (everything.max(axis=0) + everything.min(axis=0)) / 2
+    half = max(20.0, 0.53 * np.ptp(everything, axis=0).max())
+    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
+    axes.set_zlim(middle[2] - half, middle[2] + half)
+    axes.set_box_aspect((1, 1, 1))
+    axes.view_init(elev=22, azim=-58)
+    axes.set(xlabel="x, forward [mm]", ylabel="y, left [mm]")
+    axes.set_zlabel("z, up [mm]")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 0.92))
+    figure.text(0.02, 0.97, style.heading(run, "Paths"), fontsize=11, fontweight="bold", va="top")
+    return figure

@@ -1,0 +1,92 @@
+"""What the trace does not hold of the five experiments: sizes of the things in them, as their scenario files have them, and
+the instants that tell the story, as the paper's Figs. 5 to 7 do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Cup:
+    """Seen from the hand that carries it: the centre of its inner bottom, and the axis to its opening."""
+
+    carrier: str  # "hand" or "person"
+    mount_m: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    radius_m: float
+    height_m: float
+
+
+@dataclass(frozen=True)
+class Scene:
+    """`instants`: (event, seconds after it, caption), in the order of time. `view_deg`: azimuth and elevation of the eye."""
+
+    title: str
+    instants: tuple[tuple[str, float, str], ...]
+    decisive: str  # "water", "carrying", "handing", "crank"
+    view_deg: tuple[float, float] = (-62.0, 16.0)
+    rod_length_m: float = 0.0
+    cups: tuple[Cup, ...] = ()
+
+
+SCENES = {
+    "pour": Scene(
+        "Water pouring",
+        (
+            ("operator.pouring", 0.0, "upright, at spot 1"),
+            ("person.at_spot_2", 0.0, "pouring, spot 2"),
+            ("person.at_spot_3", 0.0, "spot 3"),
+            ("person.at_spot_4", 0.0, "spot 4"),
+        ),
+        "water",
+        view_deg=(-38.0, 12.0),
+        cups=(
+            Cup("hand", (0.0098, 0.0173, 0.0017), (0.49207, 0.86618, 0.08716), 0.025, 0.045),
+            Cup("person", (0.0, 0.0, 0.06), (1.0, 0.0, 0.0), 0.04, 0.08),
+        ),
+    ),
+    "teleop": Scene(
+        "Teleoperation and handing over",
+        (
+            ("operator.started", 0.0, "start"),
+            ("robot.holds", 0.0, "the gripper holds the pipe"),
+            ("taker.holds", 0.0, "the second person grips it"),
+            ("taker.away", 0.0, "and carries it away"),
+        ),
+        "handing",
+        rod_length_m=0.28,
+    ),
+    "mirror": Scene(
+        "Simultaneous handling",
+        (
+            ("operator.started", 0.0, "face to face"),
+            ("person.back", 0.0, "backwards, mirrored"),
+            ("operator.latched", 0.0, "grasped and latched"),
+            ("person.carried", 0.0, "carried together"),
+        ),
+        "carrying",
+        rod_length_m=0.32,
+    ),
+    "handover": Scene(
+        "Handing over an object",
+        (
+            ("operator.started", 0.0, "start"),
+            ("person.reaching", 0.0, "the hands meet"),
+            ("person.holds", 0.0, "the person grips"),
+            ("person.away", 0.0, "and takes it away"),
+        ),
+        "handing",
+        rod_length_m=0.20,
+    ),
+    "crank": Scene(
+        "Turning a crank",
+        (
+            ("operator.started", 0.0, "start"),
+            ("person.holds", 0.0, "both hold the handle"),
+            ("person.holds", 5.0, "turning"),
+            ("person.turned", 0.0, "turned"),
+        ),
+        "crank",
+        rod_length_m=0.0,
+    ),
+}

@@ -1,0 +1,155 @@
+"""How all pictures look: type, palette (Okabe and Ito 2008, safe for colour-blind readers), events and modes in time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from comanip.plotting.run_data import Event, RunData
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY, PALE = "#6E6E6E", "#D8D8D8"
+ROBOT, PERSON, SECOND, OBJECT, TARGET, LIMIT = BLUE, VERMILION, PURPLE, GREEN, BLACK, GREY
+JOINT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
+MODE_COLOURS = {"cooperating": "#EAF3FA", "hold": "#FDEFD3", "fault": "#F8D9CC"}
+
+DPI = 160
+MAX_DRAWN = 4000  # points per curve: more than pixels
+LABEL_INCH = 0.115  # of an event's label, across its text
+
+plt.rcParams.update(
+    {
+        "font.family": "sans-serif",
+        "font.sans-serif": ["DejaVu Sans"],
+        "font.size": 9,
+        "axes.titlesize": 10,
+        "axes.labelsize": 9,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.linewidth": 0.7,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "grid.color": "#E4E4E4",
+        "grid.linewidth": 0.5,
+        "xtick.labelsize": 8,
+        "ytick.labelsize": 8,
+        "legend.fontsize": 8,
+        "legend.frameon": False,
+        "lines.linewidth": 1.3,
+        "lines.solid_capstyle": "round",
+    }
+)
+
+
+def thinned(run: RunData) -> slice:
+    """Every k-th tick, so that no more than MAX_DRAWN are drawn."""
+    return slice(None, None, max(1, -(-len(run.t_s) // MAX_DRAWN)))
+
+
+def heading(run: RunData, what: str) -> str:
+    recording = (run.summary.get("recording") or {}).get("file")
+    motion = f"recording {Path(recording).name}" if recording else f"seed {run.summary['seed']}"
+    return f"{what}: {run.scenario}, {motion}, {run.summary['result']}"
+
+
+def legend_beside(axes: Axes) -> None:
+    """Right of the axes: it covers no data."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.005, 1.03), borderaxespad=0.0, handlelength=1.6)
+
+
+def spread(positions: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
+    """Ascending positions moved apart to at least `gap` (less where there is no room), within low..high, each about as
+    far as its neighbours."""
+    wanted = np.asarray(positions, float)
+    if len(wanted) < 2:
+        return np.clip(wanted, low, high)
+    gap = min(gap, (high - low) / (len(wanted) - 1))
+    steps = gap * np.arange(len(wanted))
+    left = np.maximum.accumulate(wanted - steps) + steps
+    right = np.minimum.accumulate((wanted - steps)[::-1])[::-1] + steps
+    middle = (left + right) / 2.0
+    middle = np.minimum(middle, high - gap * np.arange(len(wanted))[::-1])
+    return np.maximum(middle, low + steps)
+
+
+def _merged(events: Sequence[Event], within_s: float) -> list[tuple[float, str]]:
+    """Events of one instant share a label."""
+    labels: list[tuple[float, str]] = []
+    for event in events:
+        if labels and event.t_s - labels[-1][0] < within_s:
+            labels[-1] = (labels[-1][0], f"{labels[-1][1]}, {event.name}")
+        else:
+            labels.append((event.t_s, event.name))
+    return labels
+
+
+def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
+    """Modes as bands and events as lines in all rows (of one time axis), the events' names above the first."""
+    begin_s, end_s = float(run.t_s[0]), float(run.t_s[-1])
+    for axes in rows:
+        axes.set_xlim(begin_s, end_s)
+        for from_s, until_s, mode in run.modes():
+            if mode in MODE_COLOURS:
+                axes.axvspan(from_s, until_s, color=MODE_COLOURS[mode], lw=0, zorder=0)
+        for event in run.events:
+            axes.axvline(event.t_s, color="#9A9A9A", lw=0.5, ls=(0, (1, 2)), zorder=1)
+        axes.label_outer()
+    rows[-1].set_xlabel("time [s]")
+    if labels:
+        _label_events(run, rows[0], end_s - begin_s)
+
+
+def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
+    width_inch = axes.get_position().width * axes.figure.get_figwidth()
+    events = _merged(run.events, within_s=0.002 * span_s)
+    gap_s = span_s * LABEL_INCH / width_inch
+    places = spread([t for t, _ in events], gap_s, run.t_s[0], run.t_s[-1])
+    for (t_s, name), place_s in zip(events, places, strict=True):
+        axes.annotate(
+            name.replace("_", " "),
+            xy=(t_s, 1.0),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=(place_s, 1.0 + 0.16 / (axes.get_position().height * axes.figure.get_figheight())),
+            textcoords=axes.get_xaxis_transform(),
+            rotation=90,
+            ha="center",
+            va="bottom",
+            fontsize=6.5,
+            color=GREY,
+            arrowprops={"arrowstyle": "-", "color": "#9A9A9A", "lw": 0.5, "shrinkA": 0, "shrinkB": 0},
+            annotation_clip=False,
+        )
+
+
+def time_figure(run: RunData, what: str, rows: int, row_inch: float = 1.5) -> tuple[Figure, list[Axes]]:
+    """Rows that share the time axis, with room for the events' names above and legends beside."""
+    names = [name for _, name in _merged(run.events, 0.002 * float(np.ptp(run.t_s)))]
+    top_inch = 0.5 + (0.2 + 0.062 * max(map(len, names)) if names else 0.0)
+    height = top_inch + rows * row_inch + 0.45
+    figure, axes = plt.subplots(
+        rows,
+        1,
+        sharex=True,
+        squeeze=False,
+        figsize=(9.5, height),
+        gridspec_kw={"left": 0.085, "right": 0.845, "bottom": 0.42 / height, "top": 1 - top_inch / height, "hspace": 0.13},
+    )
+    figure.text(0.01, 1 - 0.12 / height, heading(run, what), fontsize=11, fontweight="bold", va="top")
+    return figure, list(axes[:, 0])
+
+
+def save(figure: Figure, path: Path) -> Path:
+    figure.savefig(path, dpi=DPI, metadata={"Software": None})
+    plt.close(figure)
+    return path

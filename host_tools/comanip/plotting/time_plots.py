@@ -1,0 +1,164 @@
+"""What a run did, over time: one function per picture. Each gives the figure, or None where there is nothing to show."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from comanip.arm import Arm
+from comanip.plotting import geometry, style
+from comanip.plotting.run_data import JOINTS, RunData
+
+RANGE_MARGIN_DEG = 1.0  # the usable range lies so far inside the stops
+FORCE_LIMITS_N = ((5.0, "limit RMS"), (15.0, "limit peak"))
+
+
+def tracking(run: RunData) -> Figure | None:
+    """Target against ODE's hand per axis, and the error below each."""
+    if not run.has("target_x_m"):
+        return None
+    figure, rows = style.time_figure(run, "Target and robot's hand", 6, 1.05)
+    part, t = style.thinned(run), run.t_s
+    target, hand = run.position_m("target"), run.position_m("hand")
+    error_mm = 1e3 * (hand - target)
+    for k, axis in enumerate("xyz"):
+        position, error = rows[2 * k], rows[2 * k + 1]
+        position.plot(t[part], 1e3 * target[part, k], color=style.TARGET, lw=2.2, alpha=0.35, label="target")
+        position.plot(t[part], 1e3 * hand[part, k], color=style.ROBOT, label="robot's hand")
+        position.set_ylabel(f"{axis} [mm]")
+        error.plot(t[part], error_mm[part, k], color=style.VERMILION, lw=0.9, label="hand - target")
+        error.axhline(0.0, color=style.GREY, lw=0.5)
+        error.set_ylabel("error [mm]")
+        if k == 0:
+            style.legend_beside(position)
+            style.legend_beside(error)
+    figure.align_ylabels(rows)
+    style.mark_time(run, rows)
+    return figure
+
+
+def orientation(run: RunData) -> Figure | None:
+    if not run.has("target_qw"):
+        return None
+    figure, (axes,) = style.time_figure(run, "Orientation error", 1, 2.6)
+    part = style.thinned(run)
+    error = geometry.angle_between_deg(run.rotation("target")[part], run.rotation("hand")[part])
+    axes.plot(run.t_s[part], error, color=style.ROBOT, label="hand to target")
+    axes.set_ylabel("angle [deg]")
+    axes.set_ylim(bottom=0.0)
+    style.legend_beside(axes)
+    style.mark_time(run, [axes])
+    return figure
+
+
+def joints(run: RunData) -> Figure:
+    """Positions within the usable range, and commanded rates, with their limits."""
+    figure, rows = style.time_figure(run, "Joints", 2 * JOINTS, 0.95)
+    arm, part = Arm.named(geometry.ARM), style.thinned(run)
+    position_deg, rates = np.degrees(run.joints_rad())[part], run.rates_radps()[part]
+    for i in range(JOINTS):
+        low = np.degrees(arm.position_min_rad[i])
+        high = np.degrees(arm.position_max_rad[i])
+        _limited(rows[i], run.t_s[part], position_deg[:, i], (low, high), style.JOINT_COLOURS[i], f"q{i + 1}")
+        rows[i].set_ylabel("[deg]")
+        most = float(arm.velocity_max_radps[i])
+        row = rows[JOINTS + i]
+        _limited(row, run.t_s[part], rates[:, i], (-most, most), style.JOINT_COLOURS[i], f"rate {i + 1}")
+        row.set_ylabel("[rad/s]")
+    for row in rows:
+        style.legend_beside(row)
+    figure.align_ylabels(rows)
+    style.mark_time(run, rows)
+    return figure
+
+
+def _limited(axes: Axes, t: np.ndarray, values: np.ndarray, limits: tuple, colour: str, name: str) -> None:
+    axes.plot(t, values, color=colour, label=name)
+    for k, limit in enumerate(limits):
+        axes.axhline(limit, color=style.LIMIT, ls="--", lw=0.9, label="limit" if k == 0 else None)
+
+
+def clearance(run: RunData) -> Figure | None:
+    curves = [
+        ("clearance_person_mm", "person to robot", style.PERSON),
+        ("clearance_self_mm", "arm to robot", style.ROBOT),
+    ]
+    shown = [curve for curve in curves if run.has(curve[0])]
+    if not shown:
+        return None
+    figure, (axes,) = style.time_figure(run, "Clearance outside intended contact", 1, 2.6)
+    part = style.thinned(run)
+    for name, label, colour in shown:
+        axes.plot(run.t_s[part], run.column(name)[part], color=colour, label=label)
+    lowest = min(np.nanmin(run.column(name)) for name, _, _ in shown)
+    if lowest > 0.0:
+        axes.set_yscale("log")
+    else:
+        axes.axhline(0.0, color=style.GREY, lw=0.8)
+    axes.set_ylabel("least distance [mm]")
+    style.legend_beside(axes)
+    style.mark_time(run, [axes])
+    return figure
+
+
+def plot_force(run: RunData, axes: Axes) -> None:
+    """Magnitude at the people's hands, and the limits that hold while something is held."""
+    part = style.thinned(run)
+    force = np.sqrt(sum(run.column(f"force_{axis}_N") ** 2 for axis in "xyz"))
+    axes.plot(run.t_s[part], force[part], color=style.PERSON, label="at the person's hand")
+    if run.has("second_force_N"):
+        axes.plot(run.t_s[part], run.column("second_force_N")[part], color=style.SECOND, label="second person's")
+    for limit, label in FORCE_LIMITS_N:
+        axes.axhline(limit, color=style.LIMIT, ls="--" if limit == 5.0 else ":", lw=1.0, label=f"{label} {limit:g} N")
+    axes.set_ylabel("force [N]")
+    axes.set_ylim(bottom=0.0)
+
+
+def force(run: RunData) -> Figure | None:
+    if not (run.has("force_x_N") or run.has("second_force_N")):
+        return None
+    figure, (axes,) = style.time_figure(run, "Force at the hands", 1, 2.6)
+    plot_force(run, axes)
+    style.legend_beside(axes)
+    style.mark_time(run, [axes])
+    return figure
+
+
+def plot_water(run: RunData, axes: Axes) -> None:
+    part = style.thinned(run)
+    for name, label, colour in (
+        ("water_robot", "in the robot's glass", style.ROBOT),
+        ("water_person", "in the person's glass", style.PERSON),
+        ("water_spilt", "spilt", style.BLACK),
+    ):
+        axes.plot(run.t_s[part], run.column(name)[part], color=colour, label=label)
+    axes.set_ylabel("particles")
+    axes.set_ylim(bottom=0.0)
+
+
+def water(run: RunData) -> Figure | None:
+    if not run.has("water_robot"):
+        return None
+    figure, (axes,) = style.time_figure(run, "Water", 1, 2.6)
+    plot_water(run, axes)
+    style.legend_beside(axes)
+    style.mark_time(run, [axes])
+    return figure
+
+
+def plot_crank(run: RunData, axes: Axes) -> None:
+    part = style.thinned(run)
+    axes.plot(run.t_s[part], run.column("crank_turns")[part], color=style.OBJECT, label="crank")
+    axes.axhline(3.0, color=style.LIMIT, ls="--", lw=1.0, label="three turns")
+    axes.set_ylabel("turns")
+
+
+def crank(run: RunData) -> Figure | None:
+    if not run.has("crank_turns"):
+        return None
+    figure, (axes,) = style.time_figure(run, "Crank", 1, 2.6)
+    plot_crank(run, axes)
+    style.legend_beside(axes)
+    style.mark_time(run, [axes])
+    return figure

@@ -1,0 +1,26 @@
+/* The recordings that the steps of a person's program play. */
+#ifndef COMANIP_SIM_PLAYLIST_H
+#define COMANIP_SIM_PLAYLIST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "../scenario/scenario.h"
+#include "playback.h"
+
+#define PLAYLIST_TEXT_BYTES 1024
+
+/* Entry n is for step n. */
+typedef struct {
+    recorded_motion_t *recording[SCENARIO_MAX_STEPS]; /* NULL: the step plays none */
+    playback_t playback[SCENARIO_MAX_STEPS];
+    char description[PLAYLIST_TEXT_BYTES]; /* one line about the first of them; "": none */
+} playlist_t;
+
+/* recording, axes: for steps that name none themselves; NULL: not given. On failure false, and one line in `error`; what
+ * was opened is freed by playlist_close() then, too. */
+bool playlist_open(playlist_t *self, const char *person, const person_step_t steps[], size_t count,
+                   const char *recording, const char *axes, char error[], size_t error_size);
+void playlist_close(playlist_t *self);
+
+#endif

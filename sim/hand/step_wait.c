@@ -1,0 +1,32 @@
+#include "step_wait.h"
+
+#include <math.h>
+#include <stdio.h>
+
+bool step_wait_begin_s(const step_start_t *start, const events_t *events, double ready_s, double *begin_s) {
+    const bool waits = start->awaited_count > 0; /* else the delay counts from the step before */
+    *begin_s = fmax(start->at_s, waits ? ready_s : ready_s + start->delay_s);
+    for (size_t i = 0; i < start->awaited_count; i++) {
+        if (!events_happened(events, start->awaited[i])) {
+            return false;
+        }
+        *begin_s = fmax(*begin_s, events->event[start->awaited[i]].first_s + start->delay_s);
+    }
+    return true;
+}
+
+bool step_wait_in_vain(const step_start_t *start, const events_t *events, double ready_s, double now_s, char text[],
+                       size_t size) {
+    const double since_s = fmax(ready_s, start->at_s);
+    if (start->patience_s <= 0.0 || now_s - since_s <= start->patience_s) {
+        return false;
+    }
+    for (size_t i = 0; i < start->awaited_count; i++) {
+        if (!events_happened(events, start->awaited[i])) {
+            (void)snprintf(text, size, "waited %g s in vain for %s", start->patience_s,
+                           events->event[start->awaited[i]].name);
+            return true;
+        }
+    }
+    return false;
+}

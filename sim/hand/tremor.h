@@ -1,0 +1,23 @@
+/* Physiological tremor of a hand: its component of 8 to 12 Hz (R. J. Elble, J. E. Randall, "Mechanistic components of
+ * normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) as a sum of sines, so that velocity
+ * and acceleration are smooth. tests/test_tremor.py compares its amplitude with recorded hands. */
+#ifndef COMANIP_SIM_TREMOR_H
+#define COMANIP_SIM_TREMOR_H
+
+#include <stdint.h>
+
+#define TREMOR_SINES 6 /* per axis */
+#define TREMOR_RISE_S 0.5 /* from zero: the hand starts at rest where it is said to start */
+
+typedef struct {
+    double amplitude_m; /* of each sine */
+    double frequency_radps[3][TREMOR_SINES];
+    double phase_rad[3][TREMOR_SINES];
+} tremor_t;
+
+/* rms_m: of all axes together. The same seed and name give the same tremor. */
+void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name);
+
+void tremor_sample(const tremor_t *self, double time_s, double displacement_m[3]);
+
+#endif

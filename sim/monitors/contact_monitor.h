@@ -1,0 +1,35 @@
+/* Over the whole run: the least clearances, and the forces at the people's hands and in the gripper while they hold. */
+#ifndef COMANIP_SIM_CONTACT_MONITOR_H
+#define COMANIP_SIM_CONTACT_MONITOR_H
+
+#include <stdint.h>
+
+#include "observer.h"
+#include "physical_state.h"
+
+typedef struct {
+    double least_m; /* infinite: never measured */
+    int pair;       /* for proximity_pair_name(); -1: none */
+    double t_s;     /* when it first was so small */
+} least_clearance_t;
+
+typedef struct {
+    uint64_t ticks; /* in which something was held */
+    double square_N2;
+    double peak_N;
+} held_force_t;
+
+typedef struct {
+    least_clearance_t person, self;
+    held_force_t hand[SCENARIO_MAX_PEOPLE];
+    held_force_t gripper;
+} contact_monitor_t;
+
+void contact_monitor_init(contact_monitor_t *self);
+void contact_monitor_sample(contact_monitor_t *self, const tick_record_t *tick, const physical_state_t *state);
+
+/* NaN: nothing was ever held. */
+double held_force_rms_N(const held_force_t *self);
+double held_force_peak_N(const held_force_t *self);
+
+#endif

@@ -1,0 +1,200 @@
+#include "measurement.h"
+
+#include <math.h>
+
+#include "../common/rigid_pose.h"
+#include "measure.h"
+#include "tracking.h"
+
+#define MM_PER_M 1e3
+
+static double tilt_deg(const rigid_pose_t *pose, const double axis[3]) {
+    double tilted[3];
+    rotation_apply(pose->rotation, axis, tilted);
+    return atan2(hypot(tilted[0], tilted[1]), tilted[2]) / ROBOT_RAD_PER_DEG;
+}
+
+/* Of the hand's axis that pointed up at the start. */
+static double hand_tilt_deg(const rigid_pose_t *start, const rigid_pose_t *now) {
+    const double up[3] = {0.0, 0.0, 1.0};
+    const double from_torso[4] = {start->rotation[0], -start->rotation[1], -start->rotation[2], -start->rotation[3]};
+    double axis[3];
+    rotation_apply(from_torso, up, axis);
+    return tilt_deg(now, axis);
+}
+
+static double displacement_error_mm(const rigid_pose_t *begin, const rigid_pose_t *now, const double expected_m[3],
+                                    double motion_scale) {
+    double square = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double error_m = now->position_m[k] - begin->position_m[k] - motion_scale * expected_m[k];
+        square += error_m * error_m;
+    }
+    return MM_PER_M * sqrt(square);
+}
+
+static double turn_deg(const rigid_pose_t *a, const rigid_pose_t *b) {
+    return rotation_angle_between(a->rotation, b->rotation) / ROBOT_RAD_PER_DEG;
+}
+
+static double way_mm(const measurement_t *self, const tick_record_t *tick, int axis) {
+    return MM_PER_M * (tick->hand.position_m[axis] - self->begin_hand.position_m[axis]);
+}
+
+/* ---- what one tick adds */
+
+static void keep_last(measurement_t *self, double value) {
+    self->value = value;
+    self->ticks++;
+}
+
+/* NaN stays, so that physics gone wrong fails its check: fmax() would hide it. */
+static void keep_largest(measurement_t *self, double value) {
+    if (self->ticks == 0 || (!isnan(self->value) && !(value <= self->value))) {
+        self->value = value;
+    }
+    self->ticks++;
+}
+
+static void keep_least(measurement_t *self, double value) {
+    if (self->ticks == 0 || (!isnan(self->value) && !(value >= self->value))) {
+        self->value = value;
+    }
+    self->ticks++;
+}
+
+static void add(measurement_t *self, double value) {
+    self->value += value;
+    self->ticks++;
+}
+
+static void add_square(measurement_t *self, double value) {
+    self->square += value * value;
+    self->ticks++;
+}
+
+static bool is_held(const physical_state_t *state, size_t object) {
+    bool held = false;
+    for (size_t i = 0; i <= SCENARIO_MAX_PEOPLE; i++) {
+        held = held || state->holds[i][object];
+    }
+    return held;
+}
+
+static double held_alone(const physical_state_t *state, size_t person, size_t object) {
+    for (size_t i = 0; i <= SCENARIO_MAX_PEOPLE; i++) {
+        if (state->holds[i][object] != (i == person)) {
+            return 0.0;
+        }
+    }
+    return 1.0;
+}
+
+static void add_following(measurement_t *self, const tick_record_t *tick) {
+    const double orientation_deg = turn_deg(&tick->hand, &tick->target);
+    add_square(self, tracking_distance_mm(tick));
+    self->square_orientation_deg2 += orientation_deg * orientation_deg;
+}
+
+static void measure_hand(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
+    const tick_record_t *tick = sight->tick;
+    if (measure_needs_target(check->measure) && !tick->has_target) {
+        return;
+    }
+    switch (check->measure) {
+    case MEASURE_SETTLED_POSITION: keep_largest(self, tracking_distance_mm(tick)); break;
+    case MEASURE_FOLLOWING_RMS: add_following(self, tick); break;
+    case MEASURE_DISPLACEMENT:
+        keep_last(self, displacement_error_mm(&self->begin_hand, &tick->hand, check->expected_m, sight->motion_scale));
+        break;
+    case MEASURE_WAY_X: keep_last(self, way_mm(self, tick, 0)); break;
+    case MEASURE_WAY_Y: keep_last(self, way_mm(self, tick, 1)); break;
+    case MEASURE_WAY_Z: keep_last(self, way_mm(self, tick, 2)); break;
+    case MEASURE_TILT:
+        if (sight->start != NULL) {
+            keep_least(self, hand_tilt_deg(sight->start, &tick->hand));
+        }
+        break;
+    case MEASURE_TURN:
+        keep_last(self, fabs(turn_deg(&self->begin_hand, &tick->hand) - check->expected_deg));
+        break;
+    default: break;
+    }
+}
+
+static void measure_water(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
+    static const double along_z[3] = {0.0, 0.0, 1.0};
+    const physical_state_t *state = sight->state;
+    const water_count_t *water = &state->water;
+    if (check->measure == MEASURE_CUP_TILT_PEAK && state->has_robot_cup) {
+        keep_largest(self, tilt_deg(&state->robot_cup, along_z));
+    }
+    if (!state->has_water) {
+        return;
+    }
+    if (check->measure == MEASURE_WATER_POURED) {
+        keep_last(self, 100.0 * (water->left_robot_cup - self->begin_left_cup) / sight->particles);
+    } else if (check->measure == MEASURE_WATER_CAUGHT && water->left_robot_cup > 0) {
+        keep_last(self, 100.0 * water->in_person_cup / water->left_robot_cup);
+    } else if (check->measure == MEASURE_FLOW_WHILE_MOVING) {
+        add(self, sight->is_moving[check->person] ? sight->newly_left_cup : 0.0);
+    }
+}
+
+static void measure_contact(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight,
+                            bool is_dropped) {
+    const physical_state_t *state = sight->state;
+    const bool holds = state->holds[check->person][check->object];
+    switch (check->measure) {
+    case MEASURE_DROPS: add(self, (double)(sight->lost[check->object] + (is_dropped ? 1 : 0))); break;
+    case MEASURE_HELD: keep_last(self, held_alone(state, check->person, check->object)); break;
+    case MEASURE_FORCE_RMS:
+        if (holds) {
+            add_square(self, physical_state_force_N(state, check->person));
+        }
+        break;
+    case MEASURE_FORCE_PEAK:
+        if (holds) {
+            keep_largest(self, physical_state_force_N(state, check->person));
+        }
+        break;
+    case MEASURE_TURNS: keep_last(self, state->crank_turns[check->object] - self->begin_turns); break;
+    case MEASURE_CARRIED_FOR:
+        add(self, holds && state->holds[SCENE_HOLDER_ROBOT][check->object] ? CHECK_WINDOW_TICK_S : 0.0);
+        break;
+    case MEASURE_CLEARANCE: keep_least(self, MM_PER_M * state->clearance.person_m); break;
+    case MEASURE_SELF_CLEARANCE: keep_least(self, MM_PER_M * state->clearance.self_m); break;
+    default: break;
+    }
+}
+
+void measurement_sample(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
+    const double t_s = (double)sight->tick->time_ns * 1e-9;
+    const bool is_dropped = drop_counter_sample(&self->drops, is_held(sight->state, check->object));
+    if (!check_window_contains(&self->window, check, t_s, sight->tick->mode, sight->events)) {
+        return;
+    }
+    if (self->window.ticks == 1) {
+        self->begin_hand = sight->tick->hand;
+        self->begin_left_cup = sight->state->water.left_robot_cup;
+        self->begin_turns = sight->state->crank_turns[check->object];
+    }
+    measure_hand(self, check, sight);
+    measure_water(self, check, sight);
+    measure_contact(self, check, sight, is_dropped);
+}
+
+bool measurement_is_valid(const measurement_t *self, const scenario_check_t *check) {
+    const bool is_enough = !measure_needs_target(check->measure) || 2 * self->ticks >= self->window.ticks;
+    return self->ticks > 0 && is_enough && check_window_is_whole(&self->window, check);
+}
+
+double measurement_value(const measurement_t *self, const scenario_check_t *check) {
+    const bool is_rms = check->measure == MEASURE_FOLLOWING_RMS || check->measure == MEASURE_FORCE_RMS;
+    return is_rms ? sqrt(self->square / (double)self->ticks) : self->value;
+}
+
+double measurement_orientation_rest_deg(const measurement_t *self, const scenario_check_t *check) {
+    const bool is_following = check->measure == MEASURE_FOLLOWING_RMS;
+    return is_following ? sqrt(self->square_orientation_deg2 / (double)self->ticks) : (double)NAN;
+}

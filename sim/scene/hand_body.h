@@ -1,0 +1,34 @@
+/* A person's hand as a rigid body: it goes where the person aims, and what pulls at it meets the stiffness and damping of
+ * the arm and of the wrist (six directions). Its weight is borne by the person.
+ *
+ * Force on the body per step: m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the same for rotation: in the
+ * free the hand is exactly on the aimed path. The neuromuscular literature gives the arm's stiffness at the hand as 100 to
+ * 800 N/m (Mussa-Ivaldi, Hogan and Bizzi, J. Neuroscience 5, 1985). */
+#ifndef COMANIP_SIM_HAND_BODY_H
+#define COMANIP_SIM_HAND_BODY_H
+
+#include "../common/rigid_pose.h"
+#include "../scenario/scenario.h"
+
+struct dxBody;
+struct dxWorld;
+
+typedef struct {
+    struct dxBody *body;
+    double mass_kg, inertia_kgm2; /* a homogeneous ball's of 60 mm radius of gyration */
+    double stiffness_Npm, damping_Nspm;
+    double stiffness_Nmprad, damping_Nmspprad;
+    rigid_pose_t aim;      /* at the end of the last step */
+    rigid_pose_t next_aim; /* at the end of the coming one */
+    double aim_velocity_mps[3], aim_spin_radps[3]; /* over the last step */
+} hand_body_t;
+
+void hand_body_init(hand_body_t *self, struct dxWorld *world, const person_t *person);
+
+/* Puts this step's force and torque on the body. */
+void hand_body_push(hand_body_t *self, double step_s);
+
+void hand_body_pose(const hand_body_t *self, rigid_pose_t *pose);
+double hand_body_speed_mps(const hand_body_t *self);
+
+#endif

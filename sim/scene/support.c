@@ -1,0 +1,110 @@
+#include "support.h"
+
+#include <math.h>
+#include <ode/ode.h>
+
+#define FRICTION 0.6
+#define CONTACT_ERP 0.2
+#define CONTACT_CFM 1e-4 /* some 0.1 mm under the weight of a rod */
+#define GROOVE_DEPTH_M 0.01 /* deeper than so below its place in the groove a rod has left it */
+#define GROOVE_SLOPE 0.70710678118654752440 /* of the V's sides: 45 degrees */
+
+static void add_contact(dWorldID world, dJointGroupID group, dBodyID body, const double position_m[3],
+                        const double normal[3], double depth_m) {
+    dContact contact = {.surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM, .mu = FRICTION,
+                                    .soft_erp = CONTACT_ERP, .soft_cfm = CONTACT_CFM},
+                        .geom = {.depth = depth_m}};
+    for (int k = 0; k < 3; k++) {
+        contact.geom.pos[k] = position_m[k];
+        contact.geom.normal[k] = normal[k];
+    }
+    dJointAttach(dJointCreateContact(world, group, &contact), body, NULL);
+}
+
+/* Part of the rod's axis that lay above the stand at the start, from the rod's middle. False: none did. */
+static bool resting_part(const object_t *rod, const object_t *stand, double *from_m, double *until_m) {
+    const rigid_pose_t to_stand = rigid_pose_inverse(&stand->pose);
+    const rigid_pose_t seen = rigid_pose_multiply(&to_stand, &rod->pose);
+    const double z[3] = {0.0, 0.0, 1.0};
+    double axis[3];
+    rotation_apply(seen.rotation, z, axis);
+    *from_m = -0.5 * rod->length_m;
+    *until_m = 0.5 * rod->length_m;
+    for (int k = 0; k < 2; k++) {
+        const double half_m = 0.5 * stand->size_m[k], middle_m = seen.position_m[k];
+        if (fabs(axis[k]) < 1e-6) {
+            if (fabs(middle_m) > half_m) {
+                return false;
+            }
+        } else {
+            const double a = (-half_m - middle_m) / axis[k], b = (half_m - middle_m) / axis[k];
+            *from_m = fmax(*from_m, fmin(a, b));
+            *until_m = fmin(*until_m, fmax(a, b));
+        }
+    }
+    const double gap_m = seen.position_m[2] - 0.5 * stand->size_m[2] - rod->radius_m;
+    return *from_m < *until_m && fabs(gap_m) < GROOVE_DEPTH_M;
+}
+
+/* The two sides of the V at one end of the part that rests. */
+static void collide_groove(dWorldID world, dJointGroupID group, const scene_object_t *rod, const object_t *stand,
+                           double along_m) {
+    const double z[3] = {0.0, 0.0, 1.0};
+    const double start_along[3] = {0.0, 0.0, along_m};
+    double axis[3], up[3], rest[3], now[3];
+    rotation_apply(rod->data->pose.rotation, z, axis);
+    rotation_apply(stand->pose.rotation, z, up);
+    rotation_apply(rod->data->pose.rotation, start_along, rest);
+    scene_object_point(rod, along_m, now);
+    const double side[3] = {up[1] * axis[2] - up[2] * axis[1], up[2] * axis[0] - up[0] * axis[2],
+                            up[0] * axis[1] - up[1] * axis[0]};
+    double aside_m = 0.0;
+    for (int k = 0; k < 3; k++) {
+        aside_m += side[k] * (now[k] - rest[k] - rod->data->pose.position_m[k]);
+    }
+    if (fabs(aside_m) > GROOVE_DEPTH_M) {
+        return; /* beside the stand */
+    }
+    for (int sign = -1; sign <= 1; sign += 2) {
+        double normal[3], position[3], depth_m = 0.0;
+        for (int k = 0; k < 3; k++) {
+            normal[k] = GROOVE_SLOPE * (up[k] + sign * side[k]);
+            depth_m -= normal[k] * (now[k] - rest[k] - rod->data->pose.position_m[k]);
+        }
+        for (int k = 0; k < 3; k++) {
+            position[k] = now[k] - rod->data->radius_m * normal[k];
+        }
+        if (depth_m >= 0.0 && depth_m < GROOVE_DEPTH_M) {
+            add_contact(world, group, rod->body, position, normal, depth_m);
+        }
+    }
+}
+
+static void collide_ground(dWorldID world, dJointGroupID group, const scene_object_t *rod) {
+    const double up[3] = {0.0, 0.0, 1.0};
+    for (int end = -1; end <= 1; end += 2) {
+        double position[3];
+        scene_object_point(rod, 0.5 * end * rod->data->length_m, position);
+        position[2] -= rod->data->radius_m;
+        if (position[2] < OBJECTS_GROUND_Z_M) {
+            add_contact(world, group, rod->body, position, up, OBJECTS_GROUND_Z_M - position[2]);
+        }
+    }
+}
+
+void support_collide(dWorldID world, dJointGroupID group, const scene_object_t objects[], size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (objects[i].data->kind != OBJECT_ROD) {
+            continue;
+        }
+        collide_ground(world, group, &objects[i]);
+        for (size_t j = 0; j < count; j++) {
+            double from_m, until_m;
+            if (objects[j].data->kind == OBJECT_STAND &&
+                resting_part(objects[i].data, objects[j].data, &from_m, &until_m)) {
+                collide_groove(world, group, &objects[i], objects[j].data, from_m);
+                collide_groove(world, group, &objects[i], objects[j].data, until_m);
+            }
+        }
+    }
+}

@@ -1,0 +1,95 @@
+"""Distances between convex shapes in numpy, many at once, written apart from the C sources: by projection (boxes,
+capsules, cylinders) with a certificate on either side, by least squares (points), and overlap by facets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
+
+
+@dataclass
+class Shapes:
+    """n shapes of one kind. Lengths in m; rotation takes the shape's axes to the world's; position_m (n, 3)."""
+
+    kind: str  # box, capsule, cylinder
+    size_m: np.ndarray  # (n, 3), of a box
+    length_m: np.ndarray  # (n,), along z: of a cylinder, or between the centres of a capsule's ends
+    radius_m: np.ndarray  # (n,)
+    rotation: Rotation
+    position_m: np.ndarray
+
+    def project(self, point: np.ndarray) -> np.ndarray:
+        """The nearest points of the shapes to points (n, 3)."""
+        local = self.rotation.inv().apply(point - self.position_m)
+        z = np.clip(local[:, 2], -self.length_m / 2, self.length_m / 2)
+        if self.kind == "box":
+            nearest = np.clip(local, -self.size_m / 2, self.size_m / 2)
+        elif self.kind == "cylinder":
+            across = np.hypot(local[:, 0], local[:, 1])
+            share = np.minimum(1, self.radius_m / np.maximum(across, 1e-300))
+            nearest = np.column_stack([local[:, 0] * share, local[:, 1] * share, z])
+        else:
+            axis = np.column_stack([np.zeros_like(z), np.zeros_like(z), z])
+            away = np.linalg.norm(local - axis, axis=1)
+            nearest = axis + (local - axis) * np.minimum(1, self.radius_m / np.maximum(away, 1e-300))[:, None]
+        return self.rotation.apply(nearest) + self.position_m
+
+    def reach(self, direction: np.ndarray) -> np.ndarray:
+        """(n,): how far the shapes extend along unit directions (n, 3), from the world's origin."""
+        local = self.rotation.inv().apply(direction)
+        along = np.abs(local[:, 2]) * self.length_m / 2
+        if self.kind == "box":
+            own = (np.abs(local) * self.size_m / 2).sum(1)
+        elif self.kind == "cylinder":
+            own = np.hypot(local[:, 0], local[:, 1]) * self.radius_m + along
+        else:
+            own = along + self.radius_m
+        return own + np.einsum("ni,ni->n", self.position_m, direction)
+
+
+def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds (n,), m, of the distances: two points, one in each shape, and a plane between them.
+
+    The points come nearer by projected gradient steps with momentum (Nesterov's, begun anew now and then)."""
+    x, y = a.position_m, b.position_m
+    x_before, y_before, t = x, y, 1.0
+    lower, upper = np.zeros(len(x)), np.full(len(x), np.inf)
+    for step in range(1, steps + 1):
+        t_next = (1 + np.sqrt(1 + 4 * t * t)) / 2
+        momentum, t = (t - 1) / t_next, t_next
+        u, v = x + momentum * (x - x_before), y + momentum * (y - y_before)
+        x_before, y_before = x, y
+        x, y = a.project(u - 0.5 * (u - v)), b.project(v + 0.5 * (u - v))
+        if step % 100 == 0:
+            t = 1.0
+        if step % 20 == 0:
+            between = y - x
+            apart = np.linalg.norm(between, axis=1)
+            upper = np.minimum(upper, apart)
+            direction = between / np.maximum(apart, 1e-300)[:, None]
+            lower = np.maximum(lower, -a.reach(direction) - b.reach(-direction))
+    return lower, upper
+
+
+def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
+    """Between the convex hulls of points (n, 3) and (m, 3).
+
+    Least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23): the shortest n with
+    n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, 1 / |n| its width."""
+    differences = (a[:, None] - b[None]).reshape(-1, 3)
+    rows = np.vstack([differences.T, np.ones(len(differences))])
+    weights, _ = nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))
+    rest = rows @ weights - [0, 0, 0, 1]
+    if -rest[3] < 1e-12:
+        return 0.0
+    return 1.0 / np.linalg.norm(rest[:3] / rest[3])
+
+
+def hull_overlap_m(a: np.ndarray, b: np.ndarray) -> float:
+    """Depth of the origin in the hull of the differences of points (n, 3) and (m, 3); 0 outside."""
+    differences = (a[:, None] - b[None]).reshape(-1, 3)
+    return max(0.0, -ConvexHull(differences).equations[:, 3].max())

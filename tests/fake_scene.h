@@ -1,0 +1,22 @@
+/* A scene that is what a test says it is: for what looks at scenes (proximity, gripper node). */
+#ifndef COMANIP_TESTS_FAKE_SCENE_H
+#define COMANIP_TESTS_FAKE_SCENE_H
+
+#include "../sim/scene/scene.h"
+
+struct arm_plant {
+    double position_rad[ROBOT_JOINTS];
+};
+
+struct scene {
+    arm_plant_t *arm;
+    rigid_pose_t hand[SCENARIO_MAX_PEOPLE];
+    rigid_pose_t object[SCENARIO_MAX_OBJECTS];
+    rigid_pose_t robot_cup;
+    bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS];
+    double opening, force_N;
+    int commands; /* to the gripper, so far */
+    bool close;   /* the last one */
+};
+
+#endif

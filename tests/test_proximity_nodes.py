@@ -1,0 +1,465 @@
+"""Least clearances in a scene against geometry, and what proximity sensor and gripper tell on the bus."""
+
+from __future__ import annotations
+
+import itertools
+
+import controller_bench
+import hoap3
+import numpy as np
+import proximity_binding
+import pytest
+from comanip._core import ffi as core_ffi
+from comanip._core import lib as core
+from e2e import p05
+from scipy.spatial.transform import Rotation
+
+ffi, lib = proximity_binding.load()
+
+ERROR_M = 0.00005  # CONVEX_DISTANCE_ERROR_M
+MS = 1_000_000
+POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward: the hand at (0.136, -0.111, 0.014), along x
+HAND = np.array([0.136, -0.111, 0.014])
+ROBOT = 2  # holder
+FACING = Rotation.from_euler("y", -90, degrees=True)  # a hand that points back at the robot, thickness along x is now z
+
+
+class Scene:
+    """A scenario and a scene that agree; the arm at POSTURE_DEG, people's hands far away."""
+
+    def __init__(self, people: int = 1):
+        self.scenario = ffi.new("scenario_t *", {"person_count": people})
+        self.scenario.gripper.offset_m = [0, 0, 0.03]
+        self.arm = ffi.new("struct arm_plant *")
+        self.scene = ffi.new("struct scene *", {"arm": self.arm})
+        self.set_posture(POSTURE_DEG)
+        self.set_pose(self.scene.robot_cup, (0, 0, 0))
+        for i in range(people):
+            person = self.scenario.person[i]
+            person.name = [b"person", b"taker"][i]
+            person.elbow_m = [5.3, 0, 0]
+            self.set_pose(person.start, (5, 0, 0), FACING)
+            self.set_hand((5, 0, 0), FACING, person=i)
+
+    @staticmethod
+    def set_pose(pose, position_m, rotation=None) -> None:
+        x, y, z, w = (rotation or Rotation.identity()).as_quat()
+        pose.rotation = [w, x, y, z]
+        pose.position_m = list(map(float, position_m))
+
+    def set_posture(self, degrees) -> None:
+        self.arm.position_rad = list(np.radians(degrees))
+
+    def set_hand(self, position_m, rotation=FACING, person: int = 0) -> None:
+        self.set_pose(self.scene.hand[person], position_m, rotation)
+
+    def add_rod(self, position_m, rotation=None, length_m=0.2, radius_m=0.01) -> int:
+        i = self.scenario.object_count
+        self.scenario.object_count += 1
+        rod = self.scenario.object[i]
+        rod.kind, rod.length_m, rod.radius_m = lib.OBJECT_ROD, length_m, radius_m
+        self.set_pose(self.scene.object[i], position_m, rotation)
+        return i
+
+    def add_grip(self, person: int, rod: int) -> None:
+        who = self.scenario.person[person]
+        who.step[who.step_count].action, who.step[who.step_count].object = lib.PERSON_GRIP, rod
+        who.step_count += 1
+
+    def hold(self, holder: int, rod: int, holds: bool = True) -> None:
+        self.scene.holds[holder][rod] = holds
+
+    def proximity(self):
+        return ffi.gc(lib.proximity_create(self.scenario, self.scene), lib.proximity_destroy)
+
+    def measure(self, proximity=None) -> tuple[float, str, float, str]:
+        """Clearance and names of the pair: to the person, of the robot with itself."""
+        proximity = proximity or self.proximity()
+        found = lib.proximity_measure(proximity)
+        names = [
+            ffi.string(lib.proximity_pair_name(proximity, pair)).decode() for pair in (found.person_pair, found.self_pair)
+        ]
+        return found.person_m, names[0], found.self_m, names[1]
+
+
+# ---- clearance to people
+
+
+@pytest.mark.parametrize("height_m", [0.0, 0.0004, 0.02, 0.4])
+def test_flat_hand_above_the_forearm(height_m):
+    """The forearm is a rod of 20 mm radius, the open hand 30 mm thick."""
+    scene = Scene()
+    scene.scenario.person[0].elbow_m = [5.3, 0, 0]
+    scene.set_hand(HAND + [-0.07, 0, 0.020 + 0.015 + height_m])
+    clearance_m, pair, *_ = scene.measure()
+    assert clearance_m == pytest.approx(height_m, abs=ERROR_M)
+    if height_m > 0:
+        assert pair == "person.hand - robot.forearm"
+
+
+@pytest.mark.parametrize(
+    ("hand_m", "rotation", "clearance_m", "part"),
+    [
+        # finger tips (0.12 m ahead) towards the gripper, whose box ends 55 mm before the hand
+        (HAND + [0.055 + 0.12 + 0.03, 0, 0], FACING, 0.03, "gripper"),
+        # from the left to the torso (150 mm wide)
+        ([-0.035, 0.075 + 0.12 + 0.05, 0.1], Rotation.from_euler("x", 90, degrees=True), 0.05, "torso"),
+        # from above to the head, that ends at 0.32 m
+        ([-0.03, 0, 0.32 + 0.12 + 0.08], Rotation.from_euler("x", 180, degrees=True), 0.08, "head"),
+        # from the right to the middle of the upper arm, 55.5 mm below the shoulder, and to the shoulder's cube of 50 mm
+        ([-0.035, -0.111 - 0.02 - 0.12 - 0.04, 0.125 - 0.0555], Rotation.from_euler("x", -90, degrees=True), 0.04, "upper_arm"),
+        ([-0.035, -0.111 - 0.025 - 0.12 - 0.04, 0.125], Rotation.from_euler("x", -90, degrees=True), 0.04, "shoulder"),
+    ],
+)  # fmt: skip
+def test_finger_tips_before_each_part(hand_m, rotation, clearance_m, part):
+    scene = Scene()
+    elbow = np.asarray(hand_m) - rotation.apply([0, 0, 0.3])
+    scene.scenario.person[0].elbow_m = list(map(float, elbow))
+    scene.set_pose(scene.scenario.person[0].start, hand_m, rotation)
+    scene.set_hand(hand_m, rotation)
+    found_m, pair, *_ = scene.measure()
+    assert found_m == pytest.approx(clearance_m, abs=ERROR_M)
+    assert pair == f"person.hand - robot.{part}"
+
+
+@pytest.mark.parametrize("degrees", [(90, -5, 0, -90), (60, -40, 20, -70), (20, -80, -50, -20), (-60, -10, 80, -110)])
+def test_arm_is_where_its_kinematics_say(degrees):
+    """A ball of a rod's end... a thin short rod in a far person's hand, held beside each link's middle."""
+    scene = Scene()
+    scene.set_posture(degrees)
+    link = hoap3.frames(np.radians(degrees))
+    shoulder, elbow, hand = link[0][:3, 3], link[2][:3, 3], link[4][:3, 3]
+    rod = scene.add_rod((0, 0, 0), length_m=0.002, radius_m=0.001)
+    scene.hold(0, rod)
+    proximity = scene.proximity()
+    for start, end, part in ((shoulder, elbow, "upper_arm"), (elbow, hand, "forearm")):
+        along = (end - start) / np.linalg.norm(end - start)
+        middle = (0.45 * start + 0.55 * end)
+        for side in Rotation.from_rotvec(np.outer(np.arange(8) * np.pi / 4, along)):
+            away = side.apply(np.linalg.svd(along[None])[2][1])
+            at = middle + 0.03 * away
+            if at[0] < 0.03 and at[1] > -0.09:
+                continue  # the torso is nearer
+            across = Rotation.align_vectors([away], [[0, 0, 1]])[0]  # its end face of 1 mm radius towards the link
+            scene.set_pose(scene.scene.object[rod], at, across)
+            found_m, pair, *_ = scene.measure(proximity)
+            assert found_m == pytest.approx(0.03 - 0.001 - 0.020, abs=ERROR_M)
+            assert pair == f"person.held - robot.{part}"
+
+
+def test_forearm_points_from_wrist_to_elbow():
+    """The hand is far ahead, the forearm passes over the gripper: 45 mm thick at the elbow, 30 mm at the wrist."""
+    scene = Scene()
+    scene.set_pose(scene.scenario.person[0].start, (0.20, -0.111, 0.2), Rotation.from_euler("y", 180, degrees=True))
+    scene.scenario.person[0].elbow_m = [0.20, -0.111, 0.56]  # straight above: 0.3 m from the wrist at z = 0.26
+    # Now the hand is 0.3 m to the right of below the elbow, at its height: the forearm lies along y
+    scene.set_hand((0.20, -0.111 - 0.30 - 0.06, 0.56), Rotation.from_euler("x", 90, degrees=True))
+    found_m, pair, *_ = scene.measure()
+    box_top = np.array([0.136 + 0.055, -0.111, 0.014 + 0.020])
+    # Nearest: the elbow's ring of 45 mm radius at y = -0.111 (its 8 corners: the lowest point lies between 45 and 45 cos 22.5)
+    assert 0.56 - box_top[2] - 0.045 - ERROR_M < found_m < 0.56 - box_top[2] - 0.045 * np.cos(np.pi / 8) + 0.002
+    assert pair.startswith("person.forearm - robot.")
+
+
+def test_cups_and_what_is_closed_counts_as_full():
+    scene = Scene()
+    for cup in (scene.scenario.cup, scene.scenario.person[0].cup):
+        cup.present, cup.radius_m, cup.height_m, cup.wall_m = True, 0.03, 0.08, 0.002
+    scene.scenario.person[0].cup.mount.rotation = [1, 0, 0, 0]
+    scene.scenario.person[0].cup.mount.position_m = [0, 0, 2]  # 2 m before the hand: nothing else of the person is near
+    at = np.array([0.3, -0.6, 0.3])
+    scene.set_pose(scene.scene.robot_cup, at)
+    # side by side, mantles 10 mm apart; then one above the other: bottom 2 mm below the frame, rim 80 mm above
+    for offset, clearance_m in (([0.064 + 0.01, 0, 0], 0.01), ([0, 0, 0.08 + 0.002 + 0.005], 0.005)):
+        scene.set_hand(at + offset - [0, 0, 2], Rotation.identity())
+        found_m, pair, *_ = scene.measure()
+        assert found_m == pytest.approx(clearance_m, abs=ERROR_M)
+        assert pair == "person.cup - robot.cup"
+
+
+def test_nothing_near():
+    scene = Scene()
+    found = lib.proximity_measure(scene.proximity())
+    assert (found.person_m, found.person_pair) == (1.0, -1)
+    assert found.self_pair >= 0
+    nobody = Scene(people=0)
+    assert nobody.measure()[:2] == (1.0, "")
+
+
+# ---- intended contact
+
+
+def test_a_rod_that_the_person_will_take_may_touch_hand_and_forearm():
+    for takes in (False, True):
+        scene = Scene(people=2)
+        rod = scene.add_rod(HAND + [0.03 + 0.06, 0, 0], Rotation.from_euler("y", 90, degrees=True))
+        scene.hold(ROBOT, rod)
+        if takes:
+            scene.add_grip(0, rod)
+        scene.set_hand(HAND + [0.22, 0, 0])  # finger tips over the rod
+        found_m, pair, *_ = scene.measure()
+        if takes:  # fingers are curled, 45 mm ahead of the palm: next is the gripper, 55 mm ahead of the robot's hand
+            assert (found_m, pair) == (pytest.approx(0.22 - 0.045 - 0.055, abs=ERROR_M), "person.hand - robot.gripper")
+        else:
+            assert (found_m, pair) == (0.0, "person.hand - robot.held")
+        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # somebody else has no business there
+        assert scene.measure()[0] == 0.0 and scene.measure()[1].endswith(".hand - robot.held")
+
+
+def test_a_rod_that_both_hold_and_the_gripper_that_let_go():
+    scene = Scene()
+    rod = scene.add_rod(HAND + [0.03 + 0.06, 0, 0], Rotation.from_euler("y", 90, degrees=True))
+    scene.add_grip(0, rod)
+    scene.scenario.object[rod].held_by_robot = True
+    scene.set_hand(HAND + [0.2, 0, 0])
+    expected_m = pytest.approx(0.2 - 0.045 - 0.055, abs=ERROR_M)
+    proximity = scene.proximity()
+    for robot_holds, person_holds in ((True, False), (True, True), (False, True)):
+        scene.hold(ROBOT, rod, robot_holds)
+        scene.hold(0, rod, person_holds)
+        assert scene.measure(proximity)[:2] == (expected_m, "person.hand - robot.gripper")
+    # In the person's hand alone it must not hit the torso.
+    scene.set_hand((0.5, 0.3, 0.1))
+    scene.set_pose(scene.scene.object[rod], (0.015 + 0.1 + 0.02, 0, 0.1), Rotation.from_euler("y", 90, degrees=True))
+    assert scene.measure(proximity)[:2] == (pytest.approx(0.02, abs=ERROR_M), "person.held - robot.torso")
+
+
+# ---- the robot with itself
+
+
+def test_forearm_beside_the_torso():
+    """At 111 mm from the middle, 20 mm thick, and the torso reaches to 75 mm; the elbow is at the torso's height."""
+    assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
+
+
+def test_a_held_rod_counts_as_the_arm():
+    scene = Scene()
+    rod = scene.add_rod((0.015 + 0.01 + 0.004, 0, 0.1))
+    scene.hold(ROBOT, rod)
+    assert scene.measure()[2:] == (pytest.approx(0.004, abs=ERROR_M), "robot.held - robot.torso")
+    scene.hold(ROBOT, rod, False)
+    assert scene.measure()[3] == "robot.forearm - robot.torso"
+
+
+def test_no_posture_makes_neighbours_touch(rng):
+    """What touches in every posture is no clearance: stretched sideways, nothing does."""
+    scene = Scene()
+    scene.set_posture((0, -90, 0, 0))
+    assert scene.measure()[2] > 0.05
+
+
+# ---- the search
+
+
+def busy_scene(rng) -> Scene:
+    scene = Scene(people=2)
+    scene.scenario.cup.present, scene.scenario.person[0].cup.present = True, True
+    for cup in (scene.scenario.cup, scene.scenario.person[0].cup):
+        cup.radius_m, cup.height_m, cup.wall_m = 0.03, 0.06, 0.002
+    scene.scenario.person[0].cup.mount.rotation = [1, 0, 0, 0]
+    for i in range(2):
+        scene.set_pose(scene.scenario.person[i].start, (0.4, 0.1 * i, 0.1), FACING)
+        scene.scenario.person[i].elbow_m = [0.7, 0.1 * i, 0.0]
+    scene.add_rod((0.2, -0.1, 0.0), Rotation.random(rng=rng))
+    scene.add_rod((0.3, -0.2, 0.1), Rotation.random(rng=rng), length_m=0.3)
+    return scene
+
+
+def test_the_search_of_a_moving_scene_equals_one_begun_anew(rng):
+    """What is remembered from tick to tick saves time and changes nothing: also through jumps and changes of hands."""
+    scene = busy_scene(rng)
+    proximity = scene.proximity()
+    phase, speed = rng.uniform(0, 6, 30), rng.uniform(0.5, 6, 30)
+    pairs, jump = set(), 0.0
+    for tick in range(1500):
+        now = tick * 0.002
+        wave = np.sin(phase + speed * now)
+        if tick % 250 == 249:
+            jump = rng.uniform(-0.2, 0.2)
+        scene.set_posture(np.array([50, -45, 0, -60]) + 30 * wave[:4])
+        scene.set_pose(scene.scene.robot_cup, HAND + 0.1 * wave[4:7], Rotation.from_rotvec(wave[7:10]))
+        for i in range(2):
+            place = [0.25 + jump, -0.15 + 0.1 * i, 0.1] + 0.12 * wave[10 + 6 * i : 13 + 6 * i]
+            scene.set_hand(place, Rotation.from_rotvec(1.5 * wave[13 + 6 * i : 16 + 6 * i]), person=i)
+            scene.set_pose(scene.scene.object[i], place - [0.1, 0, 0], Rotation.from_rotvec(2 * wave[20 + 3 * i : 23 + 3 * i]))
+        for holder, rod in itertools.product(range(3), range(2)):
+            scene.hold(holder, rod, (tick // 100 + holder) % 4 == rod)
+        kept, anew = lib.proximity_measure(proximity), lib.proximity_measure(scene.proximity())
+        assert abs(kept.person_m - anew.person_m) <= 2 * ERROR_M
+        assert abs(kept.self_m - anew.self_m) <= 2 * ERROR_M
+        pairs |= {kept.person_pair, kept.self_pair}
+    assert len(pairs) > 12
+
+
+def test_pairs_are_named_as_the_dbc_names_their_parts(dbc):
+    scene = Scene(people=2)
+    proximity = scene.proximity()
+    signal = dbc.get_message_by_name("Clearance").get_signal_by_name
+    person, robot = signal("person_part").choices, signal("robot_part").choices
+    names = set()
+    for pair in range(80):
+        parts = lib.proximity_pair(pair)
+        name = ffi.string(lib.proximity_pair_name(proximity, pair)).decode()
+        names.add(name)
+        if parts.person < 0:
+            assert name == f"robot.{robot[parts.robot]} - robot.{robot[parts.body]}"
+        else:
+            assert name == f"{['person', 'taker'][parts.person]}.{person[parts.part]} - robot.{robot[parts.robot]}"
+    assert len(names) == 80
+    assert ffi.string(lib.proximity_pair_name(proximity, -1)) == b""
+
+
+# ---- on the bus
+
+
+class Bus:
+    """A bus with a listener that keeps (end in ns, decoded frame); frames are sent from here as the operator's."""
+
+    def __init__(self, dbc):
+        self.dbc, self.bus, self.heard = dbc, ffi.gc(lib.bus_create(), lib.bus_destroy), []
+        self._listener = ffi.callback("void(void *, const can_frame_t *, int64_t)", self._hear)
+        lib.bus_listen(self.bus, self._listener, ffi.NULL)
+        self.node = lib.bus_attach(self.bus, ffi.NULL, ffi.NULL)
+        self.sender = ffi.new("protocol_sender_t *")
+
+    def _hear(self, _context, frame, end_ns):
+        data = bytes(frame.data[0 : frame.length])
+        message = self.dbc.get_message_by_frame_id(frame.id)
+        assert p05.e2e_p05_check(data, 0xC000 | frame.id)
+        values = self.dbc.decode_message(frame.id, data, decode_choices=False)
+        self.heard.append((end_ns, message.name, values, data[2]))
+
+    def send_command(self, action: int, sequence: int, at_ns: int, spoil: bool = False) -> None:
+        frame = ffi.new("can_frame_t *")
+        message = ffi.new("gripper_command_t *", {"action": action, "sequence": sequence})
+        assert lib.gripper_command_pack(message, frame) == lib.PROTOCOL_OK
+        lib.protocol_protect(self.sender, frame)
+        frame.data[4] ^= 0x10 if spoil else 0
+        assert lib.bus_send(self.bus, self.node, frame, at_ns)
+
+    def states(self) -> list[dict]:
+        return [values for _, name, values, _ in self.heard if name == "GripperState"]
+
+
+def test_clearance_every_4_ms(dbc):
+    bus = Bus(dbc)
+    node = ffi.gc(lib.proximity_node_create(bus.bus), lib.proximity_node_destroy)
+    told = []
+    for tick in range(100):
+        person_pair, self_pair = tick % 65 - 1, 63 + tick % 17
+        clearance = ffi.new("clearance_t *", {"person_m": 0.9 * tick / 99, "self_m": 1.0 - 0.01 * tick})
+        clearance.person_pair, clearance.self_pair = person_pair, self_pair if self_pair > 63 else -1
+        told.append(clearance)
+        lib.proximity_node_step(node, clearance, tick * MS, (tick + 1) * MS)
+        lib.bus_run_until(bus.bus, (tick + 1) * MS)
+    assert [name for _, name, _, _ in bus.heard] == ["Clearance"] * 25
+    assert np.all(np.diff([counter for *_, counter in bus.heard]) == 1)
+    for k, (end_ns, _, values, _) in enumerate(bus.heard):
+        clearance = told[4 * k]
+        assert 4 * k * MS < end_ns < 4 * k * MS + 60_000
+        assert values["person_m"] == pytest.approx(clearance.person_m, abs=0.5001e-4)
+        assert values["self_m"] == pytest.approx(clearance.self_m, abs=0.5001e-4)
+        assert values["person_valid"] == (clearance.person_pair >= 0)
+        assert values["self_valid"] == (clearance.self_pair >= 0)
+        if values["person_valid"]:
+            parts = [values[part] for part in ("person", "person_part", "robot_part")]
+            assert np.ravel_multi_index(parts, (2, 4, 8)) == clearance.person_pair
+        if values["self_valid"]:
+            assert 64 + np.ravel_multi_index((values["arm_part"], values["body_part"]), (4, 4)) == clearance.self_pair
+
+
+class Gripper:
+    def __init__(self, dbc, opening=1.0):
+        self.bus = Bus(dbc)
+        self.scene = ffi.new("struct scene *", {"opening": opening})
+        self.node = ffi.gc(lib.gripper_node_create(self.bus.bus, self.scene), lib.gripper_node_destroy)
+        self.now_ns = 0
+
+    def run(self, ticks: int) -> None:
+        for _ in range(ticks):
+            lib.gripper_node_step(self.node, self.now_ns, self.now_ns + MS)
+            self.now_ns += MS
+            lib.bus_run_until(self.bus.bus, self.now_ns)
+
+    def command(self, action: int, sequence: int, spoil: bool = False) -> None:
+        self.bus.send_command(action, sequence, self.now_ns, spoil)
+        self.run(1)
+
+
+def test_gripper_tells_its_state_every_20_ms(dbc):
+    gripper = Gripper(dbc)
+    gripper.scene.opening, gripper.scene.force_N = 0.3341, 12.34
+    gripper.run(101)
+    ends = [end for end, *_ in gripper.bus.heard]
+    assert len(ends) == 6 and all(0 < end - 20 * k * MS < 60_000 for k, end in enumerate(ends))
+    for values in gripper.bus.states():
+        assert values["opening_percent"] == pytest.approx(33.41, abs=0.2501)
+        assert values["force_N"] == pytest.approx(12.34, abs=0.0501)
+        assert values["sequence"] == 0
+
+
+def test_gripper_obeys_and_answers_at_once(dbc):
+    gripper = Gripper(dbc)
+    gripper.run(5)
+    for sequence, action in ((7, 1), (8, 0), (8, 0), (255, 1)):
+        before, commands, sent_ns = len(gripper.bus.heard), gripper.scene.commands, gripper.now_ns
+        gripper.command(action, sequence)
+        assert (gripper.scene.commands, gripper.scene.close) == (commands + 1, bool(action))
+        (_, first, _, _), (end_ns, second, values, _) = gripper.bus.heard[before:]
+        assert (first, second, values["sequence"]) == ("GripperCommand", "GripperState", sequence)
+        assert end_ns - sent_ns < 200_000
+    gripper.run(40)
+    assert {values["sequence"] for values in gripper.bus.states()[-2:]} == {255}
+    assert lib.gripper_node_rejected(gripper.node) == 0
+
+
+def test_gripper_refuses_what_is_damaged_or_unknown(dbc):
+    gripper = Gripper(dbc)
+    gripper.run(1)
+    states = len(gripper.bus.states())
+    # The listener checks each frame: it must not see the damaged one
+    listener, gripper.bus._hear = gripper.bus._hear, None
+    del listener
+    damaged = ffi.new("can_frame_t *", {"id": 0x210, "length": 8})
+    assert lib.bus_send(gripper.bus.bus, gripper.bus.node, damaged, gripper.now_ns)
+    gripper.command(2, 5)
+    assert gripper.scene.commands == 0
+    assert lib.gripper_node_rejected(gripper.node) == 2
+    assert len(gripper.bus.states()) == states
+
+
+MOVING, OPEN, CLOSED, HOLDING = range(4)
+
+
+@pytest.mark.parametrize(
+    ("action", "opening", "holds", "state"),
+    [
+        (None, 1.0, False, OPEN), (None, 0.0, False, CLOSED), (None, 0.2, True, HOLDING), (None, 0.5, False, MOVING),
+        (1, 1.0, False, MOVING), (1, 0.5, False, MOVING), (1, 0.0, False, CLOSED), (1, 0.2, True, HOLDING),
+        (0, 0.0, False, MOVING), (0, 0.5, False, MOVING), (0, 1.0, False, OPEN),
+    ],
+)  # fmt: skip
+def test_states_of_the_gripper(dbc, action, opening, holds, state):
+    gripper = Gripper(dbc, opening)
+    gripper.scene.holds[ROBOT][3] = holds
+    gripper.run(1)
+    if action is not None:
+        gripper.command(action, 1)
+    assert gripper.bus.states()[-1]["state"] == state
+
+
+def test_the_firmware_takes_no_notice(dbc):
+    """The new frames are not its own: nothing refused, nothing in TickTrace, no command changed."""
+    benches = [controller_bench.Bench().until_ready().start(core.TASK_TELEOP) for _ in range(2)]
+    for tick in range(200):
+        for name, kind in (("clearance_report", "clearance_report_t"), ("gripper_state", "gripper_state_t"),
+                           ("gripper_command", "gripper_command_t")):  # fmt: skip
+            frame = core_ffi.new("can_frame_t *")
+            assert getattr(core, f"{name}_pack")(core_ffi.new(f"{kind} *"), frame) == core.PROTOCOL_OK
+            benches[0].requests.append(frame)
+        for bench in benches:
+            bench.move_hand([1e-4 * np.sin(0.1 * tick), 0, 0])
+            bench.tick()
+        assert benches[0].sent == benches[1].sent
+    assert benches[0].controller.receiver.rejected == 0
+    assert benches[0].mode == core.MODE_COOPERATING
