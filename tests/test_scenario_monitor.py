@@ -1,5 +1,5 @@
-"""What the monitors make of hand-made ticks, against numpy: each measure of a scenario's checks, its window, what is not
-measured; forces and clearances of a run; what is read of the scene, and how the trace shows it."""
+"""What the monitors make of hand-made ticks, against numpy: each measure of a scenario's checks, its window, what is
+not measured; forces and clearances of a run; what is read of the scene, and how the trace shows it."""
 
 from __future__ import annotations
 
@@ -182,6 +182,10 @@ class Watch:
             return None
         return lib.measurement_value(measurement, asked)
 
+    def is_whole(self, check: int = 0) -> bool:
+        window = ffi.addressof(self.monitor.measurement[check].window)
+        return lib.check_window_is_whole(window, ffi.addressof(self.scenario.check[check]))
+
     def missing(self, check: int = 0) -> str | None:
         asked = ffi.addressof(self.scenario.check[check])
         window = ffi.addressof(self.monitor.measurement[check].window)
@@ -247,7 +251,8 @@ def test_displacement_and_ways(rng, motion_scale):
 
 def test_displacement_counts_from_the_start_command():
     ticks = [Tick(READY, hand_m=np.array([5.0, 0, 0])), *(Tick(hand_m=np.array([0.001 * i, 0, 0])) for i in range(11))]
-    assert Watch(Check("way_x")).sample(*ticks).value() == pytest.approx(10)
+    watch = Watch(Check("way_x"), Check("way_x", until=0.011)).sample(*ticks)
+    assert [watch.value(0), watch.value(1)] == pytest.approx([10, 10])
 
 
 def test_tilt_of_the_axis_that_pointed_up_at_the_start(rng):
@@ -302,9 +307,9 @@ def test_nothing_poured_is_no_catch():
 def test_flow_while_moving(speed_mps, expected):
     """The hand trembles, 0.1 mm at 9 Hz, which is as fast as 5 mm/s and leads nowhere."""
     t_s = TICK_S * np.arange(1000)
-    person = np.zeros((1000, 3))
-    person[:, 1] = speed_mps * t_s
-    person[:, 2] = 0.1e-3 * np.sin(2 * np.pi * 9 * t_s)
+    person = np.full((1000, 3), 0.5)
+    person[:, 1] += speed_mps * t_s
+    person[:, 2] += 0.1e-3 * np.sin(2 * np.pi * 9 * t_s)
     left = np.where(t_s < 0.6, 7, 19)  # seven at once, before anybody can tell; twelve on the way
     assert np.abs(np.diff(person[:, 2])).max() / TICK_S > 0.005
     ticks = [Tick(person_m=p, water=(50 - int(n), int(n), 0, int(n))) for p, n in zip(person, left, strict=True)]
@@ -319,7 +324,14 @@ BOTH, ALONE, OTHER = ((PERSON, 0), (ROBOT, 0)), ((PERSON, 0),), ((ROBOT, 1),)
 @pytest.mark.parametrize(("free_ticks", "drops"), [(19, 0), (20, 1), (300, 1)])
 def test_drop_is_20_ms_in_nobodys_hand(free_ticks, drops):
     gap = [Tick(holds=OTHER)] * free_ticks
-    ticks = [*[Tick()] * 100, *[Tick(holds=ALONE)] * 5, *gap, *[Tick(holds=((SECOND, 0),))] * 5, *gap, Tick(holds=ALONE)]
+    ticks = [
+        *[Tick()] * 100,
+        *[Tick(holds=ALONE)] * 5,
+        *gap,
+        *[Tick(holds=((SECOND, 0),))] * 5,
+        *gap,
+        Tick(holds=ALONE),
+    ]
     watch = Watch(Check("drops"), Check("drops", object=2), Check("drops", until=0.1 + 0.005 + TICK_S * free_ticks))
     watch.sample(*ticks)
     assert [watch.value(i) for i in range(3)] == [2 * drops, 0, drops]
@@ -337,6 +349,8 @@ def test_object_that_slips_out_is_lost_by_who_held_it():
     assert [watch.value(0), watch.value(1)] == [1, 2]
     watch.sample(held, Tick(holds=held.holds, raises=("taker.lost", "robot.opened")), held)
     assert [watch.value(0), watch.value(1)] == [1, 2]
+    watch.sample(Tick(holds=ALONE), Tick(holds=held.holds, raises=("robot.lost",)))  # gripped and lost in one tick
+    assert [watch.value(0), watch.value(1)] == [1, 3]
 
 
 def test_dropped_after_the_stop_is_dropped():
@@ -416,9 +430,9 @@ def peak_ticks(count=100, mode=COOPERATING, **at):
 def test_event_that_never_happened_measures_nothing():
     for check in (Check("force_peak", "operator.latched"), Check("force_peak", None, "operator.latched")):
         watch = Watch(check).sample(*peak_ticks())
-        assert (watch.value(), watch.missing()) == (None, "operator.latched")
+        assert (watch.value(), watch.missing(), watch.is_whole()) == (None, "operator.latched", False)
         watch.sample(Tick(raises=("operator.latched",), holds=ALONE))
-        assert watch.value() is not None and watch.missing() is None
+        assert watch.value() is not None and watch.missing() is None and watch.is_whole()
 
 
 def test_end_that_did_not_come_measures_nothing():

@@ -30,6 +30,7 @@ RECORDINGS_FOLDER = SIMULATOR.parents[3] / "shared" / "data" / "hand_motion"
 RECORDING_SEED = 1
 LAW_SEEDS = 5
 RESULT_FILES = ("experiments.json", "laws.json", "laws.md")
+FILE_COLUMNS = 120
 BULKY_FILES = ("bus.log", "trace.csv")
 
 
@@ -77,7 +78,9 @@ DECISIVE = {
     "pour": (Figure("glass_tilt", True), Figure("water_poured", True), Figure("water_caught", True)),
     "teleop": (Figure("pipe_with_taker", True), Figure("pipe_drops", False)),
     "mirror": (
-        Figure("mirrored_x", True),
+        Figure("mirrored_back", False),
+        Figure("same_side", False),
+        Figure("same_height", False),
         Figure("carried_for", True),
         Figure("force_rms", False),
         Figure("force_peak", False),
@@ -166,7 +169,8 @@ def _table_row(table: Table, title: str, outcomes: Sequence[Outcome], figures: S
 def results_table(outcomes: Sequence[Outcome], recordings_missing: str | None) -> Table:
     table = Table(title="Experiments", caption=recordings_missing)
     for heading in ("scenario", "passed", "figure", "median", "worst", "limit"):
-        table.add_column(heading, justify="right" if heading in ("passed", "median", "worst") else "left")
+        justify = "right" if heading in ("passed", "median", "worst") else "left"
+        table.add_column(heading, justify=justify, no_wrap=True)
     for name in SCENARIOS:
         for title, is_recorded in ((name, False), (f"{name}, recordings", True)):
             part = [o for o in outcomes if o.job.scenario == name and (o.job.recording is not None) == is_recorded]
@@ -354,9 +358,14 @@ def guarded(program: str, run: Callable[[], int]) -> int:
         return 2
 
 
+def console() -> Console:
+    """As wide as the terminal; in a file, as wide as our lines."""
+    return Console() if sys.stdout.isatty() else Console(width=FILE_COLUMNS)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parse(argv)
-    return guarded("comanip.experiments", lambda: run_experiments(arguments, Console()))
+    return guarded("comanip.experiments", lambda: run_experiments(arguments, console()))
 
 
 if __name__ == "__main__":

@@ -28,6 +28,9 @@ void grip_close(grip_t *self, dWorldID world, dBodyID hand, const scene_object_t
         dJointAttach(self->joint, hand, objects[object].body);
         dJointSetFixed(self->joint);
     }
+    dVector3 point;
+    dBodyGetPosRelPoint(hand, anchor[0], anchor[1], anchor[2], point);
+    memcpy(self->point_m, point, sizeof self->point_m);
     dJointSetFeedback(self->joint, &self->feedback);
 }
 
@@ -52,13 +55,23 @@ static double length(const dReal v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+/* ODE gives the torque at the centre of mass of the hand's body: this is the one at the grip. */
+static double torque_at_grip_Nm(const grip_t *self) {
+    const dReal *f = self->feedback.f1, *t = self->feedback.t1;
+    dVector3 r;
+    dBodyVectorToWorld(dJointGetBody(self->joint, 0), self->point_m[0], self->point_m[1], self->point_m[2], r);
+    const dReal torque_Nm[3] = {t[0] - (r[1] * f[2] - r[2] * f[1]), t[1] - (r[2] * f[0] - r[0] * f[2]),
+                                t[2] - (r[0] * f[1] - r[1] * f[0])};
+    return length(torque_Nm);
+}
+
 bool grip_hold(grip_t *self, double step_s) {
     if (self->joint == NULL) {
         return true;
     }
     const double share = step_s / (GRIP_LOAD_TIME_S + step_s);
     self->load_N += share * (length(self->feedback.f1) - self->load_N);
-    self->load_Nm += share * (length(self->feedback.t1) - self->load_Nm);
+    self->load_Nm += share * (torque_at_grip_Nm(self) - self->load_Nm);
     const double limit_Nm = self->kind == GRIP_FIXED ? self->properties.torque_limit_Nm : 0.0;
     if (self->load_N <= self->properties.force_limit_N && (limit_Nm <= 0.0 || self->load_Nm <= limit_Nm)) {
         return true;

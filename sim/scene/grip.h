@@ -1,6 +1,7 @@
-/* A hold on an object that slips beyond a load: ODE's ball or fixed joint between a hand and the object, at the point of
- * the object's axis nearest to the hand. A robot's pads give way like springs (ERP and CFM of ODE's joint: implicit, so
- * stable for any stiffness; a fixed grip turns with the hand rigidly), a person's compliance is the arm's (hand_body.h). */
+/* A hold on an object that slips beyond a load: ODE's ball or fixed joint between a hand and the object, at the point
+ * of the object's axis nearest to the hand. A robot's pads give way like springs (ERP and CFM of ODE's joint: implicit,
+ * so stable for any stiffness; a fixed grip turns with the hand rigidly), a person's compliance is the arm's
+ * (hand_body.h). */
 #ifndef COMANIP_SIM_GRIP_H
 #define COMANIP_SIM_GRIP_H
 
@@ -14,7 +15,7 @@
 typedef struct {
     double stiffness_Npm, damping_Nspm; /* 0: rigid */
     double force_limit_N;
-    double torque_limit_Nm; /* 0: none */
+    double torque_limit_Nm; /* about the grip, of a fixed one; 0: none */
 } grip_properties_t;
 
 typedef struct {
@@ -22,6 +23,7 @@ typedef struct {
     dJointID joint; /* NULL: holds nothing */
     size_t object;
     grip_kind_t kind;
+    dReal point_m[3]; /* of the grip, in the frame of the hand's body */
     dJointFeedback feedback;
     double load_N, load_Nm; /* smoothed */
 } grip_t;

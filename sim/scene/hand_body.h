@@ -1,9 +1,9 @@
-/* A person's hand as a rigid body: it goes where the person aims, and what pulls at it meets the stiffness and damping of
- * the arm and of the wrist (six directions). Its weight is borne by the person.
+/* A person's hand as a rigid body: it goes where the person aims, and what pulls at it meets the stiffness and damping
+ * of the arm and of the wrist (six directions). Its weight is borne by the person.
  *
- * Force on the body per step: m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the same for rotation: in the
- * free the hand is exactly on the aimed path. The neuromuscular literature gives the arm's stiffness at the hand as 100 to
- * 800 N/m (Mussa-Ivaldi, Hogan and Bizzi, J. Neuroscience 5, 1985). */
+ * Force on the body per step: m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the same for rotation: in
+ * the free the hand is exactly on the aimed path. The neuromuscular literature gives the arm's stiffness at the hand as
+ * 100 to 800 N/m (Mussa-Ivaldi, Hogan and Bizzi, J. Neuroscience 5, 1985). */
 #ifndef COMANIP_SIM_HAND_BODY_H
 #define COMANIP_SIM_HAND_BODY_H
 

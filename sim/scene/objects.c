@@ -4,7 +4,7 @@
 #include <ode/ode.h>
 #include <string.h>
 
-#define ROD_SPIN_DAMPING_NMSPRAD 1e-4 /* about its axis: two ball grips leave that turn to the fingers' friction */
+#define ROD_SPIN_TIME_S 0.025 /* a turn about the axis, which two ball grips leave free, dies away as fast */
 #define AXIS_Z 3 /* dMassSetCylinderTotal counts x, y, z from 1 */
 
 /* Of the handle's middle, which a crank's body is. */
@@ -35,6 +35,19 @@ static void create_hinge(scene_object_t *self, dWorldID world) {
     dJointSetHingeParam(self->hinge, dParamFMax, data->friction_Nm);
 }
 
+/* A motor that wants to stand still and gives way by 1/damping is viscous, and stable at any step. */
+static void create_damper(const scene_object_t *self, dWorldID world) {
+    dVector3 axis;
+    dJointGetHingeAxis(self->hinge, axis);
+    const dJointID damper = dJointCreateAMotor(world, NULL);
+    dJointAttach(damper, self->body, NULL);
+    dJointSetAMotorNumAxes(damper, 1);
+    dJointSetAMotorAxis(damper, 0, 0, axis[0], axis[1], axis[2]);
+    dJointSetAMotorParam(damper, dParamVel, 0.0);
+    dJointSetAMotorParam(damper, dParamFMax, dInfinity);
+    dJointSetAMotorParam(damper, dParamCFM, 1.0 / self->data->damping_Nmspprad);
+}
+
 void scene_object_init(scene_object_t *self, dWorldID world, const object_t *data) {
     memset(self, 0, sizeof *self);
     self->data = data;
@@ -44,30 +57,33 @@ void scene_object_init(scene_object_t *self, dWorldID world, const object_t *dat
         const rigid_pose_t handle = crank_handle(data);
         create_body(self, world, &handle, 0.01);
         create_hinge(self, world);
+        if (data->damping_Nmspprad > 0.0) {
+            create_damper(self, world);
+        }
     }
 }
 
-static void prepare_crank(scene_object_t *self) {
+static void count_turns(scene_object_t *self) {
     const double angle_rad = dJointGetHingeAngle(self->hinge);
     self->hinge_angle_rad += remainder(angle_rad - self->last_angle_rad, 2.0 * ROBOT_PI);
     self->last_angle_rad = angle_rad;
-    dJointAddHingeTorque(self->hinge, -self->data->damping_Nmspprad * dJointGetHingeAngleRate(self->hinge));
 }
 
-static void prepare_rod(scene_object_t *self) {
+static void damp_spin(scene_object_t *self) {
     const dReal *matrix = dBodyGetRotation(self->body);
     const dReal *spin = dBodyGetAngularVel(self->body);
     const double axis[3] = {matrix[2], matrix[6], matrix[10]};
     const double rate = spin[0] * axis[0] + spin[1] * axis[1] + spin[2] * axis[2];
-    const double torque_Nm = -ROD_SPIN_DAMPING_NMSPRAD * rate;
+    const double inertia_kgm2 = 0.5 * self->data->mass_kg * self->data->radius_m * self->data->radius_m;
+    const double torque_Nm = -inertia_kgm2 * rate / ROD_SPIN_TIME_S;
     dBodyAddTorque(self->body, torque_Nm * axis[0], torque_Nm * axis[1], torque_Nm * axis[2]);
 }
 
 void scene_object_prepare(scene_object_t *self) {
     if (self->data->kind == OBJECT_CRANK) {
-        prepare_crank(self);
+        count_turns(self);
     } else if (self->data->kind == OBJECT_ROD) {
-        prepare_rod(self);
+        damp_spin(self);
     }
 }
 

@@ -21,7 +21,7 @@ typedef struct {
 
 void scene_object_init(scene_object_t *self, struct dxWorld *world, const object_t *data);
 
-/* Friction and damping for the coming step, and the turns of the last one. */
+/* Before a step: what damps a rod's spin, and a crank's turn in the step before. */
 void scene_object_prepare(scene_object_t *self);
 
 /* A rod's middle; a crank's hinge, turned; a stand as it stands. */

@@ -247,7 +247,7 @@ void scene_step(scene_t *self, double now_s, double step_s) {
     for (size_t i = 0; i < HOLDERS; i++) {
         grip_prepare(&self->grip[i], step_s);
     }
-    support_collide(self->world, self->contacts, self->object, self->scenario->object_count);
+    support_collide(self->world, self->contacts, self->object, self->scenario->object_count, step_s);
     physics_step(self->world, step_s);
     dJointGroupEmpty(self->contacts);
     check_grips(self, now_s, step_s);

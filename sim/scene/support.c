@@ -4,21 +4,35 @@
 #include <ode/ode.h>
 
 #define FRICTION 0.6
-#define CONTACT_ERP 0.2
-#define CONTACT_CFM 1e-4 /* some 0.1 mm under the weight of a rod */
+/* Rubber pads, per contact: a rod of 0.1 kg sinks by some 0.01 mm and does not bounce. */
+#define CONTACT_NPM 2e4
+#define CONTACT_NSPM 20.0
+/* A contact creeps by 1 mm/s per N of friction: the four of a rod in a groove have more directions than the rod has
+ * freedoms, and without it their shares are undetermined, at which ODE's LCP solver gives up. */
+#define CONTACT_SLIP_MPNS 1e-3
 #define GROOVE_DEPTH_M 0.01 /* deeper than so below its place in the groove a rod has left it */
 #define GROOVE_SLOPE 0.70710678118654752440 /* of the V's sides: 45 degrees */
 
-static void add_contact(dWorldID world, dJointGroupID group, dBodyID body, const double position_m[3],
-                        const double normal[3], double depth_m) {
-    dContact contact = {.surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM, .mu = FRICTION,
-                                    .soft_erp = CONTACT_ERP, .soft_cfm = CONTACT_CFM},
+/* Where contacts go, for a step of this length. */
+typedef struct {
+    dWorldID world;
+    dJointGroupID group;
+    double step_s;
+} contact_sink_t;
+
+static void add_contact(const contact_sink_t *sink, dBodyID body, const double position_m[3], const double normal[3],
+                        double depth_m) {
+    const double total = sink->step_s * CONTACT_NPM + CONTACT_NSPM;
+    dContact contact = {.surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM | dContactSlip1 |
+                                            dContactSlip2,
+                                    .mu = FRICTION, .soft_erp = sink->step_s * CONTACT_NPM / total,
+                                    .soft_cfm = 1.0 / total, .slip1 = CONTACT_SLIP_MPNS, .slip2 = CONTACT_SLIP_MPNS},
                         .geom = {.depth = depth_m}};
     for (int k = 0; k < 3; k++) {
         contact.geom.pos[k] = position_m[k];
         contact.geom.normal[k] = normal[k];
     }
-    dJointAttach(dJointCreateContact(world, group, &contact), body, NULL);
+    dJointAttach(dJointCreateContact(sink->world, sink->group, &contact), body, NULL);
 }
 
 /* Part of the rod's axis that lay above the stand at the start, from the rod's middle. False: none did. */
@@ -47,7 +61,7 @@ static bool resting_part(const object_t *rod, const object_t *stand, double *fro
 }
 
 /* The two sides of the V at one end of the part that rests. */
-static void collide_groove(dWorldID world, dJointGroupID group, const scene_object_t *rod, const object_t *stand,
+static void collide_groove(const contact_sink_t *sink, const scene_object_t *rod, const object_t *stand,
                            double along_m) {
     const double z[3] = {0.0, 0.0, 1.0};
     const double start_along[3] = {0.0, 0.0, along_m};
@@ -75,35 +89,36 @@ static void collide_groove(dWorldID world, dJointGroupID group, const scene_obje
             position[k] = now[k] - rod->data->radius_m * normal[k];
         }
         if (depth_m >= 0.0 && depth_m < GROOVE_DEPTH_M) {
-            add_contact(world, group, rod->body, position, normal, depth_m);
+            add_contact(sink, rod->body, position, normal, depth_m);
         }
     }
 }
 
-static void collide_ground(dWorldID world, dJointGroupID group, const scene_object_t *rod) {
+static void collide_ground(const contact_sink_t *sink, const scene_object_t *rod) {
     const double up[3] = {0.0, 0.0, 1.0};
     for (int end = -1; end <= 1; end += 2) {
         double position[3];
         scene_object_point(rod, 0.5 * end * rod->data->length_m, position);
         position[2] -= rod->data->radius_m;
         if (position[2] < OBJECTS_GROUND_Z_M) {
-            add_contact(world, group, rod->body, position, up, OBJECTS_GROUND_Z_M - position[2]);
+            add_contact(sink, rod->body, position, up, OBJECTS_GROUND_Z_M - position[2]);
         }
     }
 }
 
-void support_collide(dWorldID world, dJointGroupID group, const scene_object_t objects[], size_t count) {
+void support_collide(dWorldID world, dJointGroupID group, const scene_object_t objects[], size_t count, double step_s) {
+    const contact_sink_t sink = {world, group, step_s};
     for (size_t i = 0; i < count; i++) {
         if (objects[i].data->kind != OBJECT_ROD) {
             continue;
         }
-        collide_ground(world, group, &objects[i]);
+        collide_ground(&sink, &objects[i]);
         for (size_t j = 0; j < count; j++) {
             double from_m, until_m;
             if (objects[j].data->kind == OBJECT_STAND &&
                 resting_part(objects[i].data, objects[j].data, &from_m, &until_m)) {
-                collide_groove(world, group, &objects[i], objects[j].data, from_m);
-                collide_groove(world, group, &objects[i], objects[j].data, until_m);
+                collide_groove(&sink, &objects[i], objects[j].data, from_m);
+                collide_groove(&sink, &objects[i], objects[j].data, until_m);
             }
         }
     }

@@ -12,6 +12,7 @@ from comanip.plotting.run_data import RunData
 from comanip.plotting.scenes import SCENES, Cup, Scene
 
 SNAPSHOTS = 4
+WIDTH_INCH = 11.0
 TORSO_M = np.array([[0.0, 0.0, 0.0], [-0.035, 0.0, 0.125]])  # waist and chest, HOAP-3 manual
 FOREARM_M = 0.16  # drawn of the person's
 SCALE_BAR_M = 0.1
@@ -87,10 +88,17 @@ def _draw_object(axes: Axes, view: View, run: RunData, row: int, scene: Scene) -
     middle = run.position_m("object")[row]
     if not np.isfinite(middle).all():
         return
+    turn = np.repeat(run.rotation("object")[row : row + 1], 2, axis=0)
+    outward, along = geometry.rotate(turn, np.eye(3)[[0, 2]])
+    ends = np.array([[-0.5], [0.5]]) * along
+    thick = {"color": style.OBJECT, "lw": 3.2, "zorder": 5}
     if scene.rod_length_m > 0.0:
-        axis = geometry.rotate(run.rotation("object")[row : row + 1], np.array([0.0, 0.0, 1.0]))[0]
-        ends = middle + 0.5 * scene.rod_length_m * np.array([[-1.0], [1.0]]) * axis
-        _line(axes, view, ends, color=style.OBJECT, lw=3.2, zorder=5)
+        _line(axes, view, middle + scene.rod_length_m * ends, **thick)
+    elif scene.crank_handle_m > 0.0:
+        handle = middle + scene.crank_radius_m * outward
+        _line(axes, view, handle + scene.crank_handle_m * ends, **thick)
+        _line(axes, view, np.stack([middle, handle]), color=style.OBJECT, lw=1.8, zorder=5)
+        _line(axes, view, middle[None], color="white", marker="o", ms=5, mec=style.OBJECT, mew=1.4, zorder=8)
     else:
         _line(axes, view, middle[None], color=style.OBJECT, marker="D", ms=5, zorder=5)
 
@@ -115,8 +123,8 @@ def _draw_snapshot(axes: Axes, view: View, run: RunData, row: int, scene: Scene,
             _draw_cup(axes, view, run, row, cup, style.ROBOT if cup.carrier == "hand" else style.PERSON)
 
 
-def _frame(panels: list[Axes]) -> None:
-    """The same section in all panels, equal scales, and one scale bar."""
+def _frame(panels: list[Axes]) -> float:
+    """The same section in all panels, equal scales, and one scale bar; returns the section's height over its width."""
     limits = np.array([[*p.get_xlim(), *p.get_ylim()] for p in panels])
     x0, x1 = limits[:, 0].min(), limits[:, 1].max()
     y0, y1 = limits[:, 2].min(), limits[:, 3].max()
@@ -126,16 +134,33 @@ def _frame(panels: list[Axes]) -> None:
     first = panels[0]
     first.plot([x0, x0 + SCALE_BAR_M], [y0 - 0.02] * 2, color=style.BLACK, lw=1.5, solid_capstyle="butt")
     first.text(x0 + SCALE_BAR_M / 2, y0 - 0.026, f"{1e3 * SCALE_BAR_M:g} mm", ha="center", va="top", fontsize=7)
+    return (y1 - y0 + 0.03) / (x1 - x0)
 
 
-def _legend(figure: Figure, run: RunData, scene: Scene) -> None:
+def _lay_out(figure: Figure, panels: list[Axes], rows: list[Axes], section: float) -> float:
+    """Snapshots in a row, as high as their section needs, the curves below; returns the figure's height in inches."""
+    gap, width = 0.1, 10.8 / SNAPSHOTS - 0.1
+    panel = min(3.4, width * section)
+    bottoms = (2.12, 0.48)  # of the curves
+    curve = 1.5
+    base = bottoms[0] + curve + 0.35
+    height = base + panel + 0.72
+    figure.set_size_inches(WIDTH_INCH, height)
+    for k, axes in enumerate(panels):
+        axes.set_position(((0.1 + k * (width + gap)) / WIDTH_INCH, base / height, width / WIDTH_INCH, panel / height))
+    for axes, bottom in zip(rows, bottoms, strict=True):
+        axes.set_position((0.075, bottom / height, 0.77, curve / height))
+    return height
+
+
+def _legend(figure: Figure, run: RunData, height: float) -> None:
     entries = [("robot's arm", style.ROBOT), ("person", style.PERSON)]
     if run.has("second_x_m"):
         entries.append(("second person", style.SECOND))
     if run.has("object_x_m"):
         entries.append(("object", style.OBJECT))
     handles = [plt.Line2D([], [], color=colour, lw=3.5, label=label) for label, colour in entries]
-    figure.legend(handles=handles, loc="upper right", ncols=len(handles), bbox_to_anchor=(0.99, 0.995))
+    figure.legend(handles=handles, loc="upper right", ncols=len(handles), bbox_to_anchor=(0.995, 1 - 0.05 / height))
 
 
 # ---- the curves that decide
@@ -169,9 +194,9 @@ def _plot_carrying(run: RunData, rows: list[Axes], scene: Scene) -> None:
 
 def _plot_handing(run: RunData, rows: list[Axes], scene: Scene) -> None:
     part = style.thinned(run)
-    taker, name = ("second", "second person") if run.has("second_x_m") else ("person", "person")
+    taker, name = ("second", "2nd person") if run.has("second_x_m") else ("person", "person")
     colour = style.SECOND if taker == "second" else style.PERSON
-    for what, label, line_colour in (("hand", "robot's hand", style.ROBOT), (taker, f"{name}'s hand", colour)):
+    for what, label, line_colour in (("hand", "robot's hand", style.ROBOT), (taker, f"{name}'s", colour)):
         distance = 1e3 * np.linalg.norm(run.position_m("object") - run.position_m(what), axis=1)
         rows[0].plot(run.t_s[part], distance[part], color=line_colour, label=f"to the {label}")
     rows[0].set_ylabel("object's distance\n[mm]")
@@ -206,12 +231,10 @@ DECISIVE = {
 def experiment(run: RunData) -> Figure:
     scene = SCENES.get(run.scenario) or plain_scene(run.scenario)
     moments = instants(run, scene)
-    figure = plt.figure(figsize=(11.0, 7.4))
-    grid = figure.add_gridspec(1, SNAPSHOTS, left=0.02, right=0.98, top=0.90, bottom=0.545, wspace=0.04)
-    panels = [figure.add_subplot(grid[0, k]) for k in range(SNAPSHOTS)]
-    curves = figure.add_gridspec(2, 1, left=0.075, right=0.845, top=0.435, bottom=0.065, hspace=0.13)
-    upper = figure.add_subplot(curves[0])
-    rows = [upper, figure.add_subplot(curves[1], sharex=upper)]
+    figure = plt.figure()
+    panels = [figure.add_subplot(3, SNAPSHOTS, k + 1) for k in range(SNAPSHOTS)]
+    upper = figure.add_subplot(3, 1, 2)
+    rows = [upper, figure.add_subplot(3, 1, 3, sharex=upper)]
 
     view = View(*scene.view_deg)
     at = [run.row_at(t_s) for t_s, _ in moments]
@@ -219,7 +242,7 @@ def experiment(run: RunData) -> Figure:
     for k, (panel, row, (t_s, caption)) in enumerate(zip(panels, at, moments, strict=True)):
         _draw_snapshot(panel, view, run, row, scene, arms[k])
         panel.set_title(f"({'abcd'[k]}) {t_s:.1f} s{': ' if caption else ''}{caption}", fontsize=9)
-    _frame(panels)
+    height = _lay_out(figure, panels, rows, _frame(panels))
 
     DECISIVE[scene.decisive](run, rows, scene)
     for row in rows:
@@ -239,6 +262,6 @@ def experiment(run: RunData) -> Figure:
         for row in rows:
             row.axvline(t_s, color=style.BLACK, lw=0.8, zorder=2)
     figure.align_ylabels(rows)
-    figure.text(0.012, 0.985, style.heading(run, scene.title), fontsize=12, fontweight="bold", va="top")
-    _legend(figure, run, scene)
+    figure.text(0.012, 1 - 0.1 / height, style.heading(run, scene.title), fontsize=12, fontweight="bold", va="top")
+    _legend(figure, run, height)
     return figure

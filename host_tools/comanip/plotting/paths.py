@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from comanip.plotting import style
 from comanip.plotting.run_data import RunData
 
+LEAST_HALF_MM = 60.0  # of an axis' range
+TICK_MM = 50.0
+ZOOM = 1.08
 WAYS = (
     ("target", "target", style.TARGET, 0.8),
     ("hand", "robot's hand", style.ROBOT, 1.6),
@@ -20,8 +24,8 @@ WAYS = (
 
 def paths(run: RunData) -> Figure:
     """In 3D with equal axes; a ring marks each start, a square each end."""
-    figure = plt.figure(figsize=(8.6, 7.0))
-    axes = figure.add_axes((0.0, 0.02, 0.80, 0.90), projection="3d")
+    figure = plt.figure(figsize=(8.6, 5.8))
+    axes = figure.add_axes((0.0, 0.02, 0.76, 0.90), projection="3d")
     part = style.thinned(run)
     seen = []
     for what, label, colour, width in WAYS:
@@ -37,10 +41,15 @@ def paths(run: RunData) -> Figure:
         axes.plot([], [], [], marker=marker, mfc=fill, mec=style.GREY, ls="none", label=label)
     everything = np.vstack(seen)
     middle = (everything.max(axis=0) + everything.min(axis=0)) / 2
-    half = max(20.0, 0.53 * np.ptp(everything, axis=0).max())
-    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
-    axes.set_zlim(middle[2] - half, middle[2] + half)
-    axes.set_box_aspect((1, 1, 1))
+    half = np.maximum(LEAST_HALF_MM, 0.55 * np.ptp(everything, axis=0))
+    low, high = middle - half, middle + half
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_zlim(low[2], high[2])
+    axes.set_box_aspect(tuple(half), zoom=ZOOM)  # one scale for all axes
+    tick = TICK_MM * (2.0 if half.max() > 200.0 else 1.0)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MultipleLocator(tick))
+        axis.labelpad = 10
     axes.view_init(elev=22, azim=-58)
     axes.set(xlabel="x, forward [mm]", ylabel="y, left [mm]")
     axes.set_zlabel("z, up [mm]")

@@ -26,6 +26,8 @@ class Scene:
     decisive: str  # "water", "carrying", "handing", "crank"
     view_deg: tuple[float, float] = (-62.0, 16.0)
     rod_length_m: float = 0.0
+    crank_radius_m: float = 0.0
+    crank_handle_m: float = 0.0  # its length
     cups: tuple[Cup, ...] = ()
 
 
@@ -39,10 +41,10 @@ SCENES = {
             ("person.at_spot_4", 0.0, "spot 4"),
         ),
         "water",
-        view_deg=(-38.0, 12.0),
+        view_deg=(-28.0, 12.0),
         cups=(
-            Cup("hand", (0.0098, 0.0173, 0.0017), (0.49207, 0.86618, 0.08716), 0.025, 0.045),
-            Cup("person", (0.0, 0.0, 0.06), (1.0, 0.0, 0.0), 0.04, 0.08),
+            Cup("hand", (0.0098, 0.0173, 0.0017), (0.49207, 0.86618, 0.08716), 0.032, 0.024),
+            Cup("person", (0.0, 0.0, 0.06), (1.0, 0.0, 0.0), 0.038, 0.08),
         ),
     ),
     "teleop": Scene(
@@ -87,6 +89,7 @@ SCENES = {
             ("person.turned", 0.0, "turned"),
         ),
         "crank",
-        rod_length_m=0.0,
+        crank_radius_m=0.025,
+        crank_handle_m=0.24,
     ),
 }

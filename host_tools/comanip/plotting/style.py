@@ -13,8 +13,10 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.patches import Patch
 
-from comanip.plotting.run_data import Event, RunData
+from comanip.plotting.run_data import RunData
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
@@ -26,6 +28,7 @@ MODE_COLOURS = {"cooperating": "#EAF3FA", "hold": "#FDEFD3", "fault": "#F8D9CC"}
 DPI = 160
 MAX_DRAWN = 4000  # points per curve: more than pixels
 LABEL_INCH = 0.115  # of an event's label, across its text
+CHARACTER_INCH = 0.055  # and along it
 
 plt.rcParams.update(
     {
@@ -83,17 +86,6 @@ def spread(positions: Sequence[float], gap: float, low: float, high: float) -> n
     return np.maximum(middle, low + steps)
 
 
-def _merged(events: Sequence[Event], within_s: float) -> list[tuple[float, str]]:
-    """Events of one instant share a label."""
-    labels: list[tuple[float, str]] = []
-    for event in events:
-        if labels and event.t_s - labels[-1][0] < within_s:
-            labels[-1] = (labels[-1][0], f"{labels[-1][1]}, {event.name}")
-        else:
-            labels.append((event.t_s, event.name))
-    return labels
-
-
 def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
     """Modes as bands and events as lines in all rows (of one time axis), the events' names above the first."""
     begin_s, end_s = float(run.t_s[0]), float(run.t_s[-1])
@@ -106,19 +98,28 @@ def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
             axes.axvline(event.t_s, color="#9A9A9A", lw=0.5, ls=(0, (1, 2)), zorder=1)
         axes.label_outer()
     rows[-1].set_xlabel("time [s]")
+    _explain_modes(run, rows[-1])
     if labels:
         _label_events(run, rows[0], end_s - begin_s)
 
 
+def _explain_modes(run: RunData, axes: Axes) -> None:
+    """A legend of the bands, beside the time axis' name."""
+    seen = [mode for mode in MODE_COLOURS if mode in {name for _, _, name in run.modes()}]
+    handles = [Patch(facecolor=MODE_COLOURS[mode], edgecolor=PALE, label=mode) for mode in seen]
+    # Of its own, so that the axes' legend stays.
+    legend = Legend(axes.figure, handles, seen, loc="lower right", bbox_to_anchor=(0.995, 0.002), ncols=len(seen) or 1)
+    axes.figure.add_artist(legend)
+
+
 def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
     width_inch = axes.get_position().width * axes.figure.get_figwidth()
-    events = _merged(run.events, within_s=0.002 * span_s)
     gap_s = span_s * LABEL_INCH / width_inch
-    places = spread([t for t, _ in events], gap_s, run.t_s[0], run.t_s[-1])
-    for (t_s, name), place_s in zip(events, places, strict=True):
+    places = spread([event.t_s for event in run.events], gap_s, run.t_s[0], run.t_s[-1])
+    for event, place_s in zip(run.events, places, strict=True):
         axes.annotate(
-            name.replace("_", " "),
-            xy=(t_s, 1.0),
+            event.name.replace("_", " "),
+            xy=(event.t_s, 1.0),
             xycoords=axes.get_xaxis_transform(),
             xytext=(place_s, 1.0 + 0.16 / (axes.get_position().height * axes.figure.get_figheight())),
             textcoords=axes.get_xaxis_transform(),
@@ -134,8 +135,8 @@ def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
 
 def time_figure(run: RunData, what: str, rows: int, row_inch: float = 1.5) -> tuple[Figure, list[Axes]]:
     """Rows that share the time axis, with room for the events' names above and legends beside."""
-    names = [name for _, name in _merged(run.events, 0.002 * float(np.ptp(run.t_s)))]
-    top_inch = 0.5 + (0.2 + 0.062 * max(map(len, names)) if names else 0.0)
+    longest = max((len(event.name) for event in run.events), default=0)
+    top_inch = 0.4 + (0.2 + CHARACTER_INCH * longest if longest else 0.0)
     height = top_inch + rows * row_inch + 0.45
     figure, axes = plt.subplots(
         rows,

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from comanip.arm import Arm
 from comanip.plotting import geometry, style
 from comanip.plotting.run_data import JOINTS, RunData
 
-RANGE_MARGIN_DEG = 1.0  # the usable range lies so far inside the stops
+LOG_RATIO = 30.0  # of the largest to the least clearance: from there on a logarithmic axis
 FORCE_LIMITS_N = ((5.0, "limit RMS"), (15.0, "limit peak"))
 
 
@@ -91,11 +92,13 @@ def clearance(run: RunData) -> Figure | None:
     part = style.thinned(run)
     for name, label, colour in shown:
         axes.plot(run.t_s[part], run.column(name)[part], color=colour, label=label)
-    lowest = min(np.nanmin(run.column(name)) for name, _, _ in shown)
-    if lowest > 0.0:
+    values = np.concatenate([run.column(name) for name, _, _ in shown])
+    low, high = np.nanmin(values), np.nanmax(values)
+    if low > 0.0 and high > LOG_RATIO * low:
         axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(ScalarFormatter())
     else:
-        axes.axhline(0.0, color=style.GREY, lw=0.8)
+        axes.set_ylim(bottom=min(0.0, low))
     axes.set_ylabel("least distance [mm]")
     style.legend_beside(axes)
     style.mark_time(run, [axes])
@@ -130,7 +133,7 @@ def plot_water(run: RunData, axes: Axes) -> None:
     for name, label, colour in (
         ("water_robot", "in the robot's glass", style.ROBOT),
         ("water_person", "in the person's glass", style.PERSON),
-        ("water_spilt", "spilt", style.BLACK),
+        ("water_spilt", "falling or spilt", style.BLACK),
     ):
         axes.plot(run.t_s[part], run.column(name)[part], color=colour, label=label)
     axes.set_ylabel("particles")

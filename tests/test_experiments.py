@@ -1,0 +1,292 @@
+"""The campaign of experiments and the search for gains, on a simulator of our own making that passes, fails, refuses and
+hangs on demand: what is run, what is written, what is said."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic_run
+from simulation import EXPERIMENTS, REPOSITORY, experiment
+
+from comanip import gain_search
+from comanip.campaign import CampaignError, Job, run_jobs
+from comanip.experiments import DECISIVE, RECORDINGS, RECORDINGS_FOLDER, Figure, figure_lines, main
+from comanip.paper_gains import PAPER_GAINS
+
+FAKE = """#!{python} -IS
+import json, os, sys, time
+options = dict(zip(sys.argv[1::1], sys.argv[2::1]))
+name, seed, out = options["--scenario"], int(options["--seed"]), options["--out"]
+how = os.environ.get("FAKE_" + name.upper(), "")
+if how == "hang":
+    open(os.environ["FAKE_PIDS"], "a").write(str(os.getpid()) + "\\n")
+    time.sleep(60)
+if how == "refuse":
+    print("comanip-sim: no such thing", file=sys.stderr)
+    sys.exit(2)
+paper = "--paper-law" in sys.argv
+time.sleep(0.02 * (seed % 2))  # so that runs end out of order
+failed = how == "fail" and seed == 2 and not paper
+summary = {{
+    "scenario": name, "seed": seed, "result": "fail" if failed else "pass",
+    "reason": "turns is 1, expected at least 3" if failed else "all checks passed",
+    "tracking": {{"rms_position_mm": 30.0 if paper else float(seed), "rms_orientation_deg": 2.0}},
+    "people": [{{"name": "a", "force_rms_N": 1.5, "force_peak_N": 4.0}},
+               {{"name": "b", "force_rms_N": None, "force_peak_N": None}}],
+    "checks": [{{"name": "turns", "value": 3.0 + seed, "limit": 3, "unit": "turn", "pass": not failed}}],
+    "argv": sys.argv[1:],
+}}
+json.dump(summary, open(out + "/summary.json", "w"))
+open(out + "/bus.log", "w").write("frames")
+open(out + "/trace.csv", "w").write("ticks")
+sys.exit(1 if failed else 0)
+"""
+
+
+@pytest.fixture
+def simulator(tmp_path) -> Path:
+    path = tmp_path / "fake-sim"
+    path.write_text(FAKE.format(python=sys.executable))
+    path.chmod(0o755)
+    return path
+
+
+@pytest.fixture
+def recordings(tmp_path) -> Path:
+    folder = tmp_path / "hand_motion"
+    folder.mkdir()
+    for recording in RECORDINGS:
+        for name in filter(None, (recording.file, recording.second)):
+            (folder / name).write_text("")
+    return folder
+
+
+def run(simulator: Path, out: Path, *more: object) -> int:
+    return main(["--seeds", "2", "--out", str(out), "--simulator", str(simulator), *map(str, more)])
+
+
+# ---- experiments
+
+
+def test_results_are_complete_and_in_order(tmp_path, simulator, recordings, capsys):
+    assert run(simulator, tmp_path / "out", "--recordings", recordings) == 0
+    results = json.loads((tmp_path / "out" / "experiments.json").read_text())
+    assert all(list(r) == ["scenario", "seed", "recording", "result", "reason", "checks"] for r in results)
+    seeds = [(name, seed, None) for name in EXPERIMENTS for seed in (1, 2)]
+    played = [(r.scenario, 1, r.file) for r in RECORDINGS]
+    assert [(r["scenario"], r["seed"], r["recording"]) for r in results] == seeds + played
+    assert results[1]["checks"][0] == {"name": "turns", "value": 5.0, "limit": 3, "unit": "turn", "pass": True}
+    text = capsys.readouterr().out
+    assert re.search(r"crank +│ +2/2 │ turns \[turn\] +│ +4.5 │ +4 │ >= 3", text), text
+    assert "19 of 19 passed" in text
+
+
+def test_recordings_are_given_to_both_people(tmp_path, simulator, recordings):
+    run(simulator, tmp_path / "out", "--recordings", recordings)
+    summary = tmp_path / "out" / "teleop" / "recording-kth_ho_sample_giver" / "summary.json"
+    command = json.loads(summary.read_text())["argv"]
+    assert command[command.index("--tracker") + 1] == str(recordings / "kth_ho_sample_giver.csv")
+    assert command[command.index("--tracker-second") + 1] == str(recordings / "kth_ho_sample_taker.csv")
+    assert "--paper-law" not in command and "--param" not in command
+
+
+def test_missing_recordings_are_said(tmp_path, simulator, recordings, capsys):
+    assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 0
+    assert f"recordings not run: there is no folder {tmp_path / 'none'}" in " ".join(capsys.readouterr().out.split())
+    (recordings / RECORDINGS[0].file).unlink()
+    assert run(simulator, tmp_path / "out", "--recordings", recordings) == 2
+    assert f"{recordings}: lacks {RECORDINGS[0].file}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("keep", [False, True])
+def test_logs_are_kept_only_when_asked_for(tmp_path, simulator, keep):
+    run(simulator, tmp_path / "out", "--recordings", tmp_path / "none", *(["--keep"] if keep else []))
+    files = {path.name for path in (tmp_path / "out" / "pour" / "seed-01").iterdir()}
+    assert files == ({"summary.json", "bus.log", "trace.csv"} if keep else {"summary.json"})
+
+
+def test_laws_side_by_side(tmp_path, simulator):
+    run(simulator, tmp_path / "out", "--recordings", tmp_path / "none")
+    rows = json.loads((tmp_path / "out" / "laws.json").read_text())
+    assert [row["scenario"] for row in rows] == list(EXPERIMENTS)
+    ours, paper = rows[0]["default"], rows[0]["paper"]
+    assert ours["rms_position_mm"] == 1.5 and paper["rms_position_mm"] == 30.0
+    assert (ours["force_rms_N"], ours["force_peak_N"], ours["passed"], ours["runs"]) == (1.5, 4.0, 2, 2)
+    table = (tmp_path / "out" / "laws.md").read_text()
+    assert "| pour | paper | 30 | 2 | 1.5 / 4 | 2 of 2 |" in table
+
+
+def test_the_papers_law_is_what_runs(tmp_path, simulator):
+    run(simulator, tmp_path / "out", "--recordings", tmp_path / "none")
+    command = json.loads((tmp_path / "out" / "crank" / "paper-law-seed-02" / "summary.json").read_text())["argv"]
+    written = [text for option, text in zip(command, command[1:], strict=False) if option == "--param"]
+    assert "--paper-law" in command and len(written) == 18
+    value = {name: float(number) for name, _, number in (text.partition("=") for text in written)}
+    assert value == pytest.approx(dict(PAPER_GAINS)) and value["error_frame"] == 0.0
+    assert all(value[name] == 1.0 for name in value if name.startswith("weight_"))
+
+
+def test_a_failed_run_is_named_and_fails(tmp_path, simulator, monkeypatch, capsys):
+    monkeypatch.setenv("FAKE_CRANK", "fail")
+    assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 1
+    text = capsys.readouterr().out
+    assert "FAILED crank, seed 2: turns is 1, expected at least 3" in text and "9 of 10 passed" in text
+    results = json.loads((tmp_path / "out" / "experiments.json").read_text())
+    assert [r["result"] for r in results if r["scenario"] == "crank"] == ["pass", "fail"]
+
+
+def test_a_refused_run_gives_the_simulators_words(tmp_path, simulator, monkeypatch, capsys):
+    stale = tmp_path / "out" / "pour" / "seed-01"
+    stale.mkdir(parents=True)
+    (stale / "summary.json").write_text(json.dumps(synthetic_run.summary("pour")))
+    monkeypatch.setenv("FAKE_POUR", "refuse")
+    assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 1
+    assert "FAILED pour, seed 1: exit status 2: comanip-sim: no such thing" in capsys.readouterr().out
+
+
+def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator):
+    out, pids = tmp_path / "out", tmp_path / "pids"
+    out.mkdir()
+    (out / "experiments.json").write_text("[]")  # of an earlier campaign
+    command = [sys.executable, "-m", "comanip.experiments", "--seeds", "2", "--out", out, "--simulator", simulator]
+    environment = {**os.environ, "FAKE_TELEOP": "hang", "FAKE_PIDS": str(pids)}
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 20.0
+    while not (pids.exists() and len(pids.read_text().split()) == 2) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.send_signal(signal.SIGTERM)
+    _, error = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert error == "comanip.experiments: interrupted: results are incomplete and not written\n"
+    for pid in pids.read_text().split():
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(pid), 0)
+    assert not list(out.glob("*.json")) and not list(out.glob("*.md"))
+
+
+@pytest.mark.parametrize("arguments", [["--seeds", "0"], ["--seeds", "x"], ["--jobs", "-1"]])
+def test_wrong_use(tmp_path, capsys, arguments):
+    with pytest.raises(SystemExit) as stop:
+        main(["--out", str(tmp_path), *arguments])
+    assert stop.value.code == 2
+    assert "expected a whole number of at least 1" in capsys.readouterr().err
+
+
+def test_without_a_simulator(tmp_path, capsys):
+    assert run(tmp_path / "none", tmp_path / "out", "--recordings", tmp_path / "none") == 2
+    assert "there is no simulator: run `make build` first" in capsys.readouterr().err
+
+
+def test_a_run_that_hangs_is_stopped(tmp_path, simulator, monkeypatch):
+    monkeypatch.setenv("FAKE_POUR", "hang")
+    monkeypatch.setenv("FAKE_PIDS", str(tmp_path / "pids"))
+    (outcome,) = run_jobs([Job("pour", 1, tmp_path / "run")], simulator, timeout_s=0.3)
+    assert (outcome.result, outcome.reason) == ("error", "stopped: not done after 0.3 s of wall time")
+
+
+def test_figures_of_no_measurement():
+    assert figure_lines([], [Figure("turns", True)]) == [("turns", "-", "-", "-")]
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_decisive_figures_are_checks_of_the_scenario(name):
+    """And their worst is the one nearest to, or beyond, the check's limit."""
+    text = experiment(name).read_text()
+    for figure in DECISIVE[name]:
+        found = re.search(rf"name: {figure.check},.*?(at_least|at_most):", text)
+        assert found, f"{name} has no check {figure.check}"
+        assert figure.higher_is_better == (found[1] == "at_least")
+
+
+@pytest.mark.skipif(not RECORDINGS_FOLDER.is_dir(), reason=f"there is no folder {RECORDINGS_FOLDER}")
+def test_the_recordings_named_are_there():
+    for recording in RECORDINGS:
+        assert (RECORDINGS_FOLDER / recording.file).is_file()
+        assert recording.second is None or (RECORDINGS_FOLDER / recording.second).is_file()
+
+
+# ---- the search for gains
+
+
+def firmware_ranges() -> dict[str, tuple[float, float]]:
+    text = (REPOSITORY / "firmware" / "parameters.c").read_text()
+    rows = re.findall(r'\{"(\w+)", (-?[\d.e-]+)f, (-?[\d.e-]+)f', text)
+    return {name: (float(low), float(high)) for name, low, high in rows}
+
+
+@pytest.mark.parametrize("law", ["paper", "ours"])
+def test_candidates_are_within_the_firmwares_ranges(law):
+    ranges = firmware_ranges()
+    grid = gain_search.coarse_grid(law)
+    assert len(set(grid)) == len(grid) > 20
+    for candidate in [*grid, *(n for c in grid for n in gain_search.neighbours(c))]:
+        for name, value in candidate.parameters:
+            low, high = ranges[name]
+            assert low <= value <= high * (1 + 1e-9), (name, value)
+
+
+def test_the_two_laws():
+    paper = dict(gain_search.Candidate("paper", 3.0, 100.0, 1e-4).parameters)
+    assert (paper["error_frame"], paper["gain_x_per_s"], paper["gain_dual_x_per_s"]) == (0.0, 3.0, pytest.approx(300.0))
+    assert {paper[name] for name in paper if name.startswith("weight_")} == {1.0}
+    ours = dict(gain_search.Candidate("ours", 50.0, 2000.0, 1e-3).parameters)
+    assert (ours["error_frame"], ours["gain_x_per_s"], ours["gain_dual_x_per_s"]) == (1.0, 50.0, 50.0)
+    assert ours["weight_dual_x"] / ours["weight_x"] == pytest.approx(2000.0)
+
+
+def test_share_at_the_acceleration_limit():
+    """25 rad/s^2 is 0.025 rad/s in a tick: 100 of 400 steps take all of it."""
+    steps = np.zeros(400)
+    steps[:100] = 0.025
+    rate = np.concatenate([[np.nan], [0.0], np.cumsum(steps)])
+    trace = {f"dq{i}_command_radps": np.round(rate if i == 2 else 0.0 * rate, 3) for i in range(4)}
+    assert gain_search.acceleration_share(trace) == pytest.approx(0.25)
+
+
+def test_a_failed_check_outweighs_a_better_tracking():
+    good = (2.0, 10.0, 0.0, 1.0, 0.0)
+    assert gain_search.run_score(good) == pytest.approx(0.4 + 0.5 + 0.0 + 0.2)
+    assert gain_search.run_score((0.0, 0.0, 0.0, 0.0, 0.5)) > gain_search.run_score(good)
+    assert gain_search.run_score((np.nan, np.nan, np.nan, np.nan, 1.0)) == pytest.approx(4.0)
+
+
+def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
+    """Lowest at gain 14, ratio 32, damping 3e-4: half a step off the coarse grid."""
+
+    def bowl(candidate: gain_search.Candidate, seeds: int) -> gain_search.Score:
+        logs = np.log([candidate.gain_per_s / 14.0, candidate.ratio / 32.0, candidate.damping / 3e-4])
+        return gain_search.Score(float((logs**2).sum()), 0.0, 0.0, 0.0, 0.0, seeds, seeds)
+
+    search = gain_search.Search(bowl, budget_s=60.0)
+    search.law("paper", seeds=3, end_s=time.monotonic() + 60.0)
+    confirmed = [t for t in search.tried if t.stage == "confirmed"]
+    coarse = [t for t in search.tried if t.stage == "coarse"]
+    assert len(coarse) == len(gain_search.coarse_grid("paper")) and len(confirmed) == gain_search.BEST
+    assert min(t.score.score for t in confirmed) < 0.8 * min(t.score.score for t in coarse)
+    assert all(t.score.runs == 3 for t in confirmed)
+    assert f"{len(coarse)} of {len(coarse)} points" in gain_search.markdown(search.tried, ["pour"])
+
+
+def test_a_search_ends_with_its_budget_and_writes_what_it_tried(tmp_path, simulator):
+    arguments = ["--out", tmp_path / "out", "--simulator", simulator, "--budget-s", "1", "--scenarios", "crank"]
+    assert gain_search.main([str(a) for a in [*arguments, "--seeds", "1"]]) == 0
+    rows = (tmp_path / "out" / "tried.csv").read_text().splitlines()
+    assert rows[0].split(",") == list(gain_search.COLUMNS)
+    stages = {tuple(row.split(",")[:2]) for row in rows[1:]}
+    assert {(law, stage) for law in ("paper", "ours") for stage in ("coarse", "confirmed")} <= stages
+    assert "points of the coarse grid tried" in (tmp_path / "out" / "gains.md").read_text()
+    assert not (tmp_path / "out" / "runs").exists()
+
+
+def test_no_jobs_without_a_simulator(tmp_path):
+    with pytest.raises(CampaignError, match="there is no simulator"):
+        run_jobs([], tmp_path / "none")
