@@ -1,5 +1,5 @@
-"""Convex shapes, proximity and the nodes of gripper and proximity sensor as a Python library, over a scene that tests set
-up (fake_scene.h): ``ffi, lib = load()``. Needs libccd and build/generated."""
+"""Convex shapes, proximity and the nodes of gripper and proximity sensor as a Python library, over a scene that tests
+set up (fake_scene.h): ``ffi, lib = load()``. Needs libccd and build/generated."""
 
 from __future__ import annotations
 
@@ -41,8 +41,9 @@ def load() -> tuple[cffi.FFI, object]:
         folder = Path(name)
         ffi.cdef(_declarations(folder))
         library = folder / "proximity.so"
-        command = [*COMPILE, "-O2", "-ffp-contract=off", "-shared", *sources, str(FAKE_SCENE.with_suffix(".c")), "-lccd"]
-        done = subprocess.run([*command, "-lm", "-o", str(library)], capture_output=True, text=True, check=False)
+        sources.append(str(FAKE_SCENE.with_suffix(".c")))
+        command = [*COMPILE, "-O2", "-ffp-contract=off", "-shared", *sources, "-lccd", "-lm", "-o", str(library)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
         return ffi, ffi.dlopen(str(library))

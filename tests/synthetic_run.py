@@ -1,5 +1,5 @@
-"""The files of a run that never was: minimum-jerk motions (Flash and Hogan, J. Neuroscience 1985) whose figures are known
-in closed form, in the formats of trace.csv and summary.json."""
+"""The files of a run that never was: minimum-jerk motions (Flash and Hogan, J. Neuroscience 1985) whose figures are
+known in closed form, in the formats of trace.csv and summary.json."""
 
 from __future__ import annotations
 

@@ -48,10 +48,8 @@ def random_shapes(rng, kind: str, n: int, spread_m: float = 0.25) -> Shapes:
 
 
 def c_shapes(shapes: Shapes) -> list:
-    return [
-        shape(shapes.kind, shapes.position_m[i], shapes.rotation[i], shapes.size_m[i], shapes.length_m[i], shapes.radius_m[i])
-        for i in range(len(shapes.position_m))
-    ]
+    rows = zip(shapes.position_m, shapes.rotation, shapes.size_m, shapes.length_m, shapes.radius_m, strict=True)
+    return [shape(shapes.kind, *row) for row in rows]
 
 
 def distances(a, b, ceiling_m=2.0, guess_m=None) -> np.ndarray:

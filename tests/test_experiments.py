@@ -1,5 +1,5 @@
-"""The campaign of experiments and the search for gains, on a simulator of our own making that passes, fails, refuses and
-hangs on demand: what is run, what is written, what is said."""
+"""The campaign of experiments and the search for gains, on a simulator of our own making that passes, fails, refuses
+and hangs on demand: what is run, what is written, what is said."""
 
 from __future__ import annotations
 
@@ -285,6 +285,14 @@ def test_a_search_ends_with_its_budget_and_writes_what_it_tried(tmp_path, simula
     assert {(law, stage) for law in ("paper", "ours") for stage in ("coarse", "confirmed")} <= stages
     assert "points of the coarse grid tried" in (tmp_path / "out" / "gains.md").read_text()
     assert not (tmp_path / "out" / "runs").exists()
+
+
+def test_a_search_in_which_nothing_runs_says_so(tmp_path, simulator, monkeypatch, capsys):
+    monkeypatch.setenv("FAKE_CRANK", "refuse")
+    arguments = ["--out", tmp_path / "out", "--simulator", simulator, "--scenarios", "crank"]
+    assert gain_search.main([str(a) for a in arguments]) == 2
+    assert "no run could be scored: crank, seed 1: exit status 2: comanip-sim: no such" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "tried.csv").exists()
 
 
 def test_no_jobs_without_a_simulator(tmp_path):

@@ -83,7 +83,8 @@ class Scene:
         proximity = proximity or self.proximity()
         found = lib.proximity_measure(proximity)
         names = [
-            ffi.string(lib.proximity_pair_name(proximity, pair)).decode() for pair in (found.person_pair, found.self_pair)
+            ffi.string(lib.proximity_pair_name(proximity, pair)).decode()
+            for pair in (found.person_pair, found.self_pair)
         ]
         return found.person_m, names[0], found.self_m, names[1]
 
@@ -290,7 +291,8 @@ def test_the_search_of_a_moving_scene_equals_one_begun_anew(rng):
         for i in range(2):
             place = [0.25 + jump, -0.15 + 0.1 * i, 0.1] + 0.12 * wave[10 + 6 * i : 13 + 6 * i]
             scene.set_hand(place, Rotation.from_rotvec(1.5 * wave[13 + 6 * i : 16 + 6 * i]), person=i)
-            scene.set_pose(scene.scene.object[i], place - [0.1, 0, 0], Rotation.from_rotvec(2 * wave[20 + 3 * i : 23 + 3 * i]))
+            turn = Rotation.from_rotvec(2 * wave[20 + 3 * i : 23 + 3 * i])
+            scene.set_pose(scene.scene.object[i], place - [0.1, 0, 0], turn)
         for holder, rod in itertools.product(range(3), range(2)):
             scene.hold(holder, rod, (tick // 100 + holder) % 4 == rod)
         kept, anew = lib.proximity_measure(proximity), lib.proximity_measure(scene.proximity())

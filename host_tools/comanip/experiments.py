@@ -1,8 +1,8 @@
 """The paper's three experiments and the two further tasks of its Fig. 1, for many seeds and on recordings, headless.
 
-``python -m comanip.experiments --seeds 20 --out DIR`` prints one table and writes DIR/experiments.json (each run's verdict
-and checks) and DIR/laws.json, DIR/laws.md (our law beside the paper's own). Exit status: 0 all runs with our law passed,
-1 one failed, 2 wrong use, 130 interrupted; then none of these files is written.
+``python -m comanip.experiments --seeds 20 --out DIR`` prints one table and writes DIR/experiments.json (each run's
+verdict and checks) and DIR/laws.json, DIR/laws.md (our law beside the paper's own). Exit status: 0 all runs with our
+law passed, 1 one failed, 2 wrong use, 130 interrupted; after 2 and 130 none of these files is written.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Recording:
 RECORDINGS = (
     Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of the very task"),
     Recording("pour", "kul_pour2_com.csv", "the same with a longer way; every sample is logged twice"),
-    Recording("pour", "cmu_13_08_rhand.csv", "unscrews a cap and drinks: a vessel in the hand, another recorder's axes"),
+    Recording("pour", "cmu_13_08_rhand.csv", "unscrews a cap and drinks: a vessel in the hand, other axes"),
     Recording("teleop", "ethz_handheld1.csv", "an object led freely in all six directions: teleoperation in kind"),
     Recording("teleop", "dfki_pillow_grasp.csv", "repeated reach and grasp"),
     Recording(
@@ -294,8 +294,9 @@ def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
     out.mkdir(parents=True, exist_ok=True)
     for name in RESULT_FILES:
         (out / name).unlink(missing_ok=True)
-    missing = None if arguments.recordings.is_dir() else f"recordings not run: there is no folder {arguments.recordings}"
-    ours = seed_jobs(arguments.seeds, out) + (recording_jobs(arguments.recordings, out) if missing is None else [])
+    folder: Path = arguments.recordings
+    missing = None if folder.is_dir() else f"recordings not run: there is no folder {folder}"
+    ours = seed_jobs(arguments.seeds, out) + (recording_jobs(folder, out) if missing is None else [])
     jobs = ours + paper_law_jobs(arguments.seeds, out)
 
     finish = (lambda outcome: None) if arguments.keep else _drop_bulky_files

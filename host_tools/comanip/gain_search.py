@@ -6,15 +6,15 @@ Each candidate runs scenarios x seeds in the simulator. Of each run enter, each 
             + force RMS / 5 N + 4 x share of failed checks
 
 averaged over the runs; the lowest wins. What a run did not measure (it never cooperated, nothing was held) counts
-nothing, but its failed checks do; a run without a summary counts WORST. Checks weigh most: gains that fail the task are no
-use however smooth. Orientation has a wide divisor because four joints cannot follow it.
+nothing, but its failed checks do; a run without a summary counts WORST. Checks weigh most: gains that fail the task are
+no use however smooth. Orientation has a wide divisor because four joints cannot follow it.
 
 (a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid.
 (b) ours: error_frame = target; one gain k, the weights' ratio W_t / W_r (with W_t = 100) and lambda on a grid.
 
-First a coarse grid on one seed, in a shuffled, repeatable order, so that a search cut short by --budget-s has seen all of
-its range; then the neighbours of the best, half a grid step away, and these again with more seeds. Written are tried.csv,
-every candidate, and gains.md, the best of each law and how much of the grid was seen.
+First a coarse grid on one seed, in a shuffled, repeatable order, so that a search cut short by --budget-s has seen all
+of its range; then the neighbours of the best, half a grid step away, and the best again with more seeds. Written are
+tried.csv, every candidate, and gains.md, the best of each law and how much of the grid was seen.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from pathlib import Path
 
 import numpy as np
 
-from comanip.campaign import SIMULATOR, Job, Outcome, run_jobs
+from comanip.campaign import SIMULATOR, CampaignError, Job, Outcome, run_jobs
 from comanip.experiments import SCENARIOS, guarded, positive_integer
 from comanip.paper_gains import TARGET, TORSO, law_parameters
 from comanip.plotting.run_data import RunDataError, read_trace
@@ -137,6 +137,8 @@ def _mean(values: Iterable[float]) -> float:
 
 def score(outcomes: Sequence[Outcome]) -> Score:
     measured = [figures(o) for o in outcomes if o.summary]
+    if not measured:
+        raise CampaignError(f"no run could be scored: {outcomes[0].job.label}: {outcomes[0].reason}")
     scores = [run_score(values) for values in measured] + [WORST] * (len(outcomes) - len(measured))
     columns = [_mean(values[k] for values in measured) for k in range(4)]
     return Score(_mean(scores), *columns, sum(o.passed for o in outcomes), len(outcomes))
@@ -228,14 +230,16 @@ def csv_text(tried: Sequence[Tried]) -> str:
 
 def markdown(tried: Sequence[Tried], scenarios: Sequence[str]) -> str:
     """The best of each law: confirmed ones, on more seeds, first."""
-    lines = ["# Gains found", "", f"Scenarios: {', '.join(scenarios)}. Score and grid: host_tools/comanip/gain_search.py."]
+    names = ", ".join(scenarios)
+    lines = ["# Gains found", "", f"Scenarios: {names}. Score and grid: host_tools/comanip/gain_search.py."]
     for law, what in (("paper", "gain = k_r, ratio = k_t / k_r"), ("ours", "gain = k, ratio = W_t / W_r, W_t = 100")):
         of_law = [t for t in tried if t.candidate.law == law]
         if not of_law:
             continue
         seen = sum(t.stage == "coarse" for t in of_law)
         ranked = sorted(of_law, key=lambda t: (t.stage != "confirmed", t.score.score))[:SHOWN]
-        lines += ["", f"## {law}: {what}", "", f"{seen} of {len(coarse_grid(law))} points of the coarse grid tried.", ""]
+        share = f"{seen} of {len(coarse_grid(law))} points of the coarse grid tried."
+        lines += ["", f"## {law}: {what}", "", share, ""]
         lines += ["| " + " | ".join(COLUMNS[1:]) + " |", "|---" * (len(COLUMNS) - 1) + "|"]
         lines += ["| " + " | ".join(str(cell) for cell in row(t)[1:]) + " |" for t in ranked]
     return "\n".join(lines) + "\n"

@@ -1,5 +1,5 @@
-/* What can come near something: people and robot as convex shapes, and where these are now. The sizes of a person's hand
- * and forearm and of the robot's torso, head and hand are assumed; those of the arm are robot_model.h's. */
+/* What can come near something: people and robot as convex shapes, and where these are now. The sizes of a person's
+ * hand and forearm and of the robot's torso, head and hand are assumed; those of the arm are robot_model.h's. */
 #ifndef COMANIP_SIM_BODIES_H
 #define COMANIP_SIM_BODIES_H
 

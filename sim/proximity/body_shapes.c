@@ -18,14 +18,16 @@ static const double head_middle_m[3] = {-0.030, 0.0, 0.260};
 
 /* An adult's hand in its frame, z forward and x up: wrist, knuckles, finger tips. 0.18 x 0.085 x 0.03 m. */
 static const double flat_hand_m[][3] = {
-    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M}, {0.015, -0.030, -BODIES_WRIST_M}, {0.015, 0.030, -BODIES_WRIST_M},
+    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M},
+    {0.015, -0.030, -BODIES_WRIST_M},  {0.015, 0.030, -BODIES_WRIST_M},
     {-0.015, -0.0425, 0.030},   {-0.015, 0.0425, 0.030},   {0.015, -0.0425, 0.030},   {0.015, 0.0425, 0.030},
     {-0.008, -0.030, 0.120},    {-0.008, 0.030, 0.120},    {0.008, -0.030, 0.120},    {0.008, 0.030, 0.120},
 };
 
 /* The same hand with its fingers around something. */
 static const double grasping_hand_m[][3] = {
-    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M}, {0.015, -0.030, -BODIES_WRIST_M}, {0.015, 0.030, -BODIES_WRIST_M},
+    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M},
+    {0.015, -0.030, -BODIES_WRIST_M},  {0.015, 0.030, -BODIES_WRIST_M},
     {-0.030, -0.0425, -0.020},  {-0.030, 0.0425, -0.020},  {0.030, -0.0425, -0.020},  {0.030, 0.0425, -0.020},
     {-0.030, -0.0425, 0.045},   {-0.030, 0.0425, 0.045},   {0.030, -0.0425, 0.045},   {0.030, 0.0425, 0.045},
 };

@@ -20,8 +20,8 @@ static void normalise(double v[3]) {
     }
 }
 
-/* Subgradient descent on the sphere of directions: the furthest point, less its part along the direction, points to where
- * the reach grows. Steps of falling length, for it has edges. */
+/* Subgradient descent on the sphere of directions: the furthest point, less its part along the direction, points to
+ * where the reach grows. Steps of falling length, for it has edges. */
 static double least_reach_near(const convex_operand_t *first, const convex_operand_t *second, double direction[3]) {
     double least_mm = HUGE_VAL, step_rad = FIRST_STEP_RAD;
     for (int k = 0; k < STEPS; k++) {

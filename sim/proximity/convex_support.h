@@ -30,8 +30,8 @@ typedef struct {
 void convex_operands_init(convex_operand_t *first, convex_operand_t *second, const convex_shape_t *a,
                           const convex_shape_t *b, convex_separation_t *separation);
 
-/* How far the first shape would have to move against the unit direction to leave the second one behind; negative: so far
- * apart they are in this direction. furthest_mm: the point of the Minkowski difference that says so. */
+/* How far the first shape would have to move against the unit direction to leave the second one behind; negative: so
+ * far apart they are in this direction. furthest_mm: the point of the Minkowski difference that says so. */
 double convex_reach_mm(const convex_operand_t *first, const convex_operand_t *second, const double direction[3],
                        double furthest_mm[3]);
 

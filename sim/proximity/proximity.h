@@ -1,5 +1,6 @@
-/* Least clearances, each tick: between people and robot outside intended contact, and between the arm and the rest of the
- * robot. A monitor as a light curtain is one: it knows where everything is, and the firmware hears of it over the bus. */
+/* Least clearances, each tick: between people and robot outside intended contact, and between the arm and the rest
+ * of the robot. A monitor as a light curtain is one: it knows where everything is, and the operator hears of it over
+ * the bus. */
 #ifndef COMANIP_SIM_PROXIMITY_H
 #define COMANIP_SIM_PROXIMITY_H
 

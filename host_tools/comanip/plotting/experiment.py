@@ -212,7 +212,8 @@ def _plot_crank(run: RunData, rows: list[Axes], scene: Scene) -> None:
 def _plot_tracking(run: RunData, rows: list[Axes], scene: Scene) -> None:
     part, since_s = style.thinned(run), float(run.t_s[0])
     for k, (axis, colour) in enumerate(zip("xyz", (style.BLUE, style.ORANGE, style.GREEN), strict=True)):
-        rows[0].plot(run.t_s[part], _displacement_mm(run, "hand", since_s)[part, k], color=colour, label=f"robot {axis}")
+        way = _displacement_mm(run, "hand", since_s)[part, k]
+        rows[0].plot(run.t_s[part], way, color=colour, label=f"robot {axis}")
     rows[0].set_ylabel("way [mm]")
     error = 1e3 * np.linalg.norm(run.position_m("hand") - run.position_m("target"), axis=1)
     rows[1].plot(run.t_s[part], error[part], color=style.VERMILION, label="distance from target")

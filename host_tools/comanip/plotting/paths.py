@@ -12,7 +12,7 @@ from comanip.plotting.run_data import RunData
 
 LEAST_HALF_MM = 60.0  # of an axis' range
 TICK_MM = 50.0
-ZOOM = 1.08
+ZOOM = 1.25
 WAYS = (
     ("target", "target", style.TARGET, 0.8),
     ("hand", "robot's hand", style.ROBOT, 1.6),
@@ -25,7 +25,7 @@ WAYS = (
 def paths(run: RunData) -> Figure:
     """In 3D with equal axes; a ring marks each start, a square each end."""
     figure = plt.figure(figsize=(8.6, 5.8))
-    axes = figure.add_axes((0.0, 0.02, 0.76, 0.90), projection="3d")
+    axes = figure.add_axes((0.04, 0.0, 0.90, 0.90), projection="3d")
     part = style.thinned(run)
     seen = []
     for what, label, colour, width in WAYS:
@@ -53,6 +53,6 @@ def paths(run: RunData) -> Figure:
     axes.view_init(elev=22, azim=-58)
     axes.set(xlabel="x, forward [mm]", ylabel="y, left [mm]")
     axes.set_zlabel("z, up [mm]")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 0.92))
+    figure.legend(loc="upper left", bbox_to_anchor=(0.012, 0.94), ncols=4)
     figure.text(0.02, 0.97, style.heading(run, "Paths"), fontsize=11, fontweight="bold", va="top")
     return figure

@@ -24,7 +24,7 @@ class Event:
 
 @dataclass(frozen=True)
 class RunData:
-    """One row per tick. Cells that are empty in the file are NaN; columns that a simulator does not write are all NaN."""
+    """One row per tick. Cells that are empty in the file are NaN, and so is all of a column that the file lacks."""
 
     folder: Path
     summary: dict

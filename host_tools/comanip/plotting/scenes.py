@@ -1,5 +1,5 @@
-"""What the trace does not hold of the five experiments: sizes of the things in them, as their scenario files have them, and
-the instants that tell the story, as the paper's Figs. 5 to 7 do."""
+"""What the trace does not hold of the five experiments: sizes of the things in them, as their scenario files have them,
+and the instants that tell the story, as the paper's Figs. 5 to 7 do."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Cup:
 
 @dataclass(frozen=True)
 class Scene:
-    """`instants`: (event, seconds after it, caption), in the order of time. `view_deg`: azimuth and elevation of the eye."""
+    """`instants`: (event, seconds after it, caption), in time's order. `view_deg`: azimuth, elevation of the eye."""
 
     title: str
     instants: tuple[tuple[str, float, str], ...]
@@ -43,8 +43,8 @@ SCENES = {
         "water",
         view_deg=(-28.0, 12.0),
         cups=(
-            Cup("hand", (0.0098, 0.0173, 0.0017), (0.49207, 0.86618, 0.08716), 0.032, 0.024),
-            Cup("person", (0.0, 0.0, 0.06), (1.0, 0.0, 0.0), 0.038, 0.08),
+            Cup("hand", (0.0098, 0.0173, 0.0017), (0.49207, 0.86618, 0.08716), 0.034, 0.021),
+            Cup("person", (0.0, 0.0, 0.06), (1.0, 0.0, 0.0), 0.042, 0.08),
         ),
     ),
     "teleop": Scene(

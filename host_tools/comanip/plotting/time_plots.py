@@ -1,4 +1,4 @@
-"""What a run did, over time: one function per picture. Each gives the figure, or None where there is nothing to show."""
+"""What a run did, over time: one function per picture. Each gives the figure, None where nothing is to show."""
 
 from __future__ import annotations
 
