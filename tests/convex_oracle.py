@@ -79,7 +79,8 @@ def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
     """Between the convex hulls of points (n, 3) and (m, 3).
 
     Least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23): the shortest n
-    with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, 1 / |n| its width."""
+    with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, and 1 / |n| its
+    width."""
     differences = (a[:, None] - b[None]).reshape(-1, 3)
     rows = np.vstack([differences.T, np.ones(len(differences))])
     weights, _ = nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))

@@ -1,4 +1,4 @@
-"""A physical scene that a test puts together: an arm that holds still, people, rods, stands and cranks; no bus, no files."""
+"""A physical scene that a test puts together: an arm that holds still, people, rods, stands, cranks; no bus, no files."""
 
 from __future__ import annotations
 

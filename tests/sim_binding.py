@@ -1,4 +1,4 @@
-"""The simulator's parts without ODE, and fake_scene.c in its place, as a Python library: ``ffi, lib = load()``.
+"""The simulator's parts without ODE, and stand_in_scene.c in its place, as a Python library: ``ffi, lib = load()``.
 
 Compiled from the sources with the product's warnings as errors, and with the undefined-behaviour sanitiser, which ends
 the process at the first fault. Needs build/generated, which ``make build`` writes.
@@ -29,7 +29,7 @@ PARTS = [
         "hand/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
         "scene/person_program",
     )
-] + [REPOSITORY / "tests" / "fake_scene"]  # fmt: skip
+] + [REPOSITORY / "tests" / "stand_in_scene"]  # fmt: skip
 FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]
 SOURCES = [part.with_suffix(".c") for part in PARTS] + sorted(file for file in FIRMWARE if file.name != "main.c")
 HEADERS = [part.with_suffix(".h") for part in PARTS]

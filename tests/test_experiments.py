@@ -33,6 +33,8 @@ if how == "hang":
 if how == "refuse":
     print("comanip-sim: no such thing", file=sys.stderr)
     sys.exit(2)
+if how == "mute":
+    sys.exit(0)
 paper = "--paper-law" in sys.argv
 time.sleep(0.02 * (seed % 2))  # so that runs end out of order
 failed = how == "fail" and seed == 2 and not paper
@@ -145,12 +147,18 @@ def test_a_failed_run_is_named_and_fails(tmp_path, simulator, monkeypatch, capsy
 
 
 def test_a_refused_run_gives_the_simulators_words(tmp_path, simulator, monkeypatch, capsys):
-    stale = tmp_path / "out" / "pour" / "seed-01"
-    stale.mkdir(parents=True)
-    (stale / "summary.json").write_text(json.dumps(synthetic_run.summary("pour")))
     monkeypatch.setenv("FAKE_POUR", "refuse")
     assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 1
     assert "FAILED pour, seed 1: exit status 2: comanip-sim: no such thing" in capsys.readouterr().out
+
+
+def test_an_earlier_summary_does_not_stand_for_a_run_that_wrote_none(tmp_path, simulator, monkeypatch):
+    out = tmp_path / "seed-01"
+    out.mkdir()
+    (out / "summary.json").write_text(json.dumps(synthetic_run.summary("pour")))
+    monkeypatch.setenv("FAKE_POUR", "mute")
+    (outcome,) = run_jobs([Job("pour", 1, out)], simulator)
+    assert outcome.result == "error" and "no summary" in outcome.reason
 
 
 def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator):
@@ -255,8 +263,8 @@ def test_share_at_the_acceleration_limit():
 def test_a_failed_check_outweighs_a_better_tracking():
     good = (2.0, 10.0, 0.0, 1.0, 0.0)
     assert gain_search.run_score(good) == pytest.approx(0.4 + 0.5 + 0.0 + 0.2)
-    assert gain_search.run_score((0.0, 0.0, 0.0, 0.0, 0.5)) > gain_search.run_score(good)
-    assert gain_search.run_score((np.nan, np.nan, np.nan, np.nan, 1.0)) == pytest.approx(4.0)
+    assert gain_search.run_score((0.0, 0.0, 0.0, 0.0, 1.0)) > gain_search.run_score(good)
+    assert gain_search.run_score((np.nan, np.nan, np.nan, np.nan, 1.0)) == pytest.approx(10.0)
 
 
 def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):

@@ -1,4 +1,4 @@
-"""People's programs in a scene without physics (fake_scene.c): moves, waits, corrections, and how they fail.
+"""People's programs in a scene without physics (stand_in_scene.c): moves, waits, corrections, and how they fail.
 
 A run gives where the hand was at the end of each step of physics, one row per step.
 """
@@ -52,7 +52,7 @@ class Person:
             for n, step in enumerate(source):
                 target[n] = self._step(step)
         self.scene = ffi.gc(lib.scene_create(self.scenario, self.events), lib.scene_destroy)
-        self.state = lib.fake_scene_state(self.scene)
+        self.state = lib.stand_in_scene_state(self.scene)
         self.state.gripper_follows = [1, 1, 1]
         self.now_s, error = 0.0, ffi.new("char[]", 400)
         texts = (recording, axes)

@@ -165,6 +165,16 @@ def test_persons_grip_slips_at_its_limit(limit_N):
         assert not lib.scene_holds(scene.scene, 1, 0) and scene.times("person0.lost") == 0
 
 
+def test_a_grip_beside_the_axis_snaps_nothing_together():
+    with Scene([person_at(HAND_M + [0.01, 0, 0])], [rod_at(HAND_M)]) as scene:
+        scene.set_gravity(0.0)
+        assert scene.grip()
+        for _ in range(200):
+            scene.step()
+            assert np.linalg.norm(scene.hand_force()) < 1e-9
+        assert np.abs(scene.thing()[0] - HAND_M).max() < 1e-12
+
+
 # ---- the robot's gripper
 
 
@@ -257,7 +267,8 @@ def test_one_steps_shock_does_not_open_the_jaws():
 
 def test_handed_over_is_not_dropped_and_let_go_is():
     at = gripper_at()
-    with Scene([person_at(at + [0, 0.1, 0])], [rod_at(at, held_by_robot=True)]) as scene:
+    rod = rod_at(at, held_by_robot=True, person_grip=lib.GRIP_FIXED)
+    with Scene([person_at(at + [0, 0.1, 0])], [rod]) as scene:
         scene.step(100)
         assert scene.grip()
         scene.step(100)
@@ -266,6 +277,7 @@ def test_handed_over_is_not_dropped_and_let_go_is():
         assert not lib.scene_robot_holds(scene.scene)  # as the jaws begin to open
         scene.step(400)
         assert scene.times("object0.dropped") == 0
+        scene.step(2000)  # until it hangs still
         let_go_s, height_m = scene.now_s, scene.thing()[0][2]
         lib.scene_open_hand(scene.scene, 0)
         scene.step(100)

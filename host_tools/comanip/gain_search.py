@@ -2,12 +2,12 @@
 
 Each candidate runs scenarios x seeds in the simulator. Of each run enter, each divided by what would be acceptable:
 
-    score = position RMS / 5 mm + orientation RMS / 20 deg + share of ticks at the acceleration limit / 1 %
-            + force RMS / 5 N + 4 x share of failed checks
+    score = position RMS / 5 mm + orientation RMS / 20 deg + share of ticks at the acceleration limit / 10 %
+            + force RMS / 5 N + 10 if a check failed
 
 averaged over the runs; the lowest wins. What a run did not measure (it never cooperated, nothing was held) counts
-nothing, but its failed checks do; a run without a summary counts WORST. Checks weigh most: gains that fail the task are
-no use however smooth. Orientation has a wide divisor because four joints cannot follow it.
+nothing, but its failed check does; a run without a summary counts WORST. Checks weigh most: gains that fail the task
+are no use however smooth. Orientation has a wide divisor because four joints cannot follow it.
 
 (a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid.
 (b) ours: error_frame = target; one gain k, the weights' ratio W_t / W_r (with W_t = 100) and lambda on a grid.
@@ -39,7 +39,7 @@ from comanip.experiments import SCENARIOS, guarded, positive_integer
 from comanip.paper_gains import TARGET, TORSO, law_parameters
 from comanip.plotting.run_data import RunDataError, read_trace
 
-POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, CHECKS = 5.0, 20.0, 0.01, 5.0, 0.25
+POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, FAILED = 5.0, 20.0, 0.1, 5.0, 0.1
 WORST = 100.0
 MAX_GAIN_PER_S = 500.0  # of the firmware's parameters
 ACCELERATION_RADPS2, TICK_S = 25.0, 1e-3
@@ -111,7 +111,7 @@ def acceleration_share(trace: dict[str, np.ndarray]) -> float:
 
 
 def figures(outcome: Outcome) -> tuple[float, float, float, float, float]:
-    """Position [mm], orientation [deg], share at the acceleration limit, force [N], share of failed checks."""
+    """Position [mm], orientation [deg], share at the acceleration limit, force [N], 1 if it failed."""
     tracking = outcome.summary.get("tracking") or {}
     forces = [p.get("force_rms_N") for p in outcome.summary.get("people") or []]
     forces = [force for force in forces if force is not None]
@@ -119,14 +119,13 @@ def figures(outcome: Outcome) -> tuple[float, float, float, float, float]:
         share = acceleration_share(read_trace(outcome.job.out / "trace.csv"))
     except RunDataError:
         share = math.nan
-    failed = [not check["pass"] for check in outcome.checks]
     known = [tracking.get(key) for key in ("rms_position_mm", "rms_orientation_deg")]
     position, orientation = (math.nan if value is None else value for value in known)
-    return position, orientation, share, max(forces, default=math.nan), sum(failed) / len(failed) if failed else 1.0
+    return position, orientation, share, max(forces, default=math.nan), 0.0 if outcome.passed else 1.0
 
 
 def run_score(values: tuple[float, float, float, float, float]) -> float:
-    parts = zip(values, (POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, CHECKS), strict=True)
+    parts = zip(values, (POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, FAILED), strict=True)
     return min(WORST, sum(value / acceptable for value, acceptable in parts if math.isfinite(value)))
 
 

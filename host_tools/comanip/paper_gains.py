@@ -1,5 +1,6 @@
-"""The paper's own law (4), to the letter: error in the torso's frame, no weights. The paper gives neither K nor lambda:
-these are the best that comanip.gain_search found for this arm over all scenarios; docs/gains.md has the search."""
+"""The paper's own law (4), to the letter: error in the torso's frame, no weights. The paper gives neither K nor lambda.
+These values are from a comparison of steady states, not from a whole run of comanip.gain_search, whose result belongs
+here and in docs/gains.md."""
 
 from __future__ import annotations
 

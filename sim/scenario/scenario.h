@@ -231,7 +231,7 @@ typedef struct {
     double start_m;     /* where the tracked person's hand is at the start, per axis */
     double move_m;      /* where each move ends, per axis; moves to one place stay moves to one place */
     double object_m[3]; /* where the objects stand, all alike */
-    double duration_percent; /* of each move's time */
+    double duration_percent; /* of the time of each step that has one */
 } variation_t;
 
 typedef struct {

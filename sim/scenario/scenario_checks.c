@@ -1,4 +1,5 @@
 /* Section checks. */
+#include <ctype.h>
 #include <string.h>
 
 #include "scenario_sections.h"
@@ -24,18 +25,22 @@ static bool needs_water(measure_t measure) {
     return measure == MEASURE_WATER_POURED || measure == MEASURE_WATER_CAUGHT || measure == MEASURE_FLOW_WHILE_MOVING;
 }
 
+static bool knows_person(measure_t measure) {
+    return needs_person(measure) || measure == MEASURE_FLOW_WHILE_MOVING;
+}
+
 /* A number of seconds, an event, or {event: NAME, plus_s: S}. */
-static moment_t read_moment(yaml_reader_t *yaml, yaml_node_t *node, const char *key, const scenario_t *self) {
+static moment_t read_moment(yaml_reader_t *yaml, yaml_node_t *node, const scenario_t *self) {
     static const char *const keys[] = {"event", "plus_s", NULL};
     moment_t moment = {EVENT_NONE, 0.0};
     if (yaml_is_mapping(node)) {
-        yaml_check_keys(yaml, node, key, keys);
-        moment.event = scenario_event_number(yaml, yaml_need(yaml, node, key, "event"), key, self);
+        yaml_check_keys(yaml, node, keys);
+        moment.event = scenario_event_number(yaml, yaml_need(yaml, node, "event"), self);
         yaml_get_number(yaml, node, "plus_s", 0.0, LONG_S, &moment.s);
-    } else if (strpbrk(yaml_text(yaml, node, key), "abcdfghijklmnopqrstuvwxyz") != NULL) {
-        moment.event = scenario_event_number(yaml, node, key, self);
+    } else if (isalpha((unsigned char)yaml_scalar(node)[0]) != 0) {
+        moment.event = scenario_event_number(yaml, node, self);
     } else {
-        moment.s = yaml_number(yaml, node, key, 0.0, LONG_S);
+        moment.s = yaml_number(yaml, node, "s", 0.0, LONG_S);
     }
     return moment;
 }
@@ -44,64 +49,120 @@ static void read_window(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t 
     yaml_node_t *from = yaml_find(yaml, map, "from"), *until = yaml_find(yaml, map, "until");
     if (from != NULL) {
         check->has_from = true;
-        check->from = read_moment(yaml, from, "from", self);
+        check->from = read_moment(yaml, from, self);
     }
     if (until != NULL) {
         check->has_until = true;
-        check->until = read_moment(yaml, until, "until", self);
+        check->until = read_moment(yaml, until, self);
+    }
+    if (from != NULL && until != NULL && check->from.event == check->until.event && check->until.s < check->from.s) {
+        yaml_refuse(yaml, until, "a moment after from");
     }
 }
 
 static void read_limit(yaml_reader_t *yaml, yaml_node_t *map, scenario_check_t *check) {
     const bool least = yaml_find(yaml, map, "at_least") != NULL, most = yaml_find(yaml, map, "at_most") != NULL;
     if (least == most) {
-        yaml_refuse(yaml, map, check->name, "either at_least or at_most");
+        yaml_refuse(yaml, map, "either at_least or at_most in it");
     }
     check->is_lower_bound = least;
     yaml_get_number(yaml, map, least ? "at_least" : "at_most", -1e6, 1e6, &check->limit);
 }
 
+/* Each measure takes those keys only that mean something to it. */
+static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure) {
+    const char *keys[12] = {"name", "measure", "from", "until", "at_least", "at_most"};
+    size_t count = 6;
+    if (needs_object(measure)) {
+        keys[count++] = "object";
+    }
+    if (knows_person(measure)) {
+        keys[count++] = "by";
+    }
+    if (measure == MEASURE_DISPLACEMENT) {
+        keys[count++] = "expected_m";
+    }
+    if (measure == MEASURE_TURN) {
+        keys[count++] = "expected_deg";
+    }
+    yaml_check_keys(yaml, map, keys);
+}
+
+static void read_subject(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, scenario_check_t *check) {
+    check->person = self->tracked;
+    if (yaml_find(yaml, map, "by") != NULL || needs_person(check->measure)) {
+        check->person = scenario_person_number(yaml, yaml_need(yaml, map, "by"), self);
+    }
+    if (!needs_object(check->measure)) {
+        return;
+    }
+    const yaml_node_t *node = yaml_need(yaml, map, "object");
+    check->object = scenario_object_number(yaml, node, self);
+    const object_kind_t kind = self->object[check->object].kind;
+    const bool needs_crank = check->measure == MEASURE_TURNS;
+    if (!yaml->failed && (kind == OBJECT_STAND || (needs_crank && kind != OBJECT_CRANK))) {
+        yaml_refuse(yaml, node, "%s", needs_crank ? "a crank" : "a rod or a crank");
+    }
+}
+
+static bool has_cup(const scenario_t *self) {
+    bool has = false;
+    for (size_t i = 0; i < self->person_count; i++) {
+        has = has || self->person[i].cup.present;
+    }
+    return has;
+}
+
+/* What the measure is about must be there. */
+static void check_scene(yaml_reader_t *yaml, const yaml_node_t *word, const scenario_t *self, measure_t measure) {
+    if (needs_water(measure) && self->water.particles == 0) {
+        yaml_refuse(yaml, word, "water in the scenario");
+    }
+    if (measure == MEASURE_WATER_CAUGHT && !has_cup(self)) {
+        yaml_refuse(yaml, word, "a person with a cup");
+    }
+    if (measure == MEASURE_CUP_TILT_PEAK && !self->cup.present) {
+        yaml_refuse(yaml, word, "a cup on the robot's hand");
+    }
+}
+
 static void read_check(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, scenario_check_t *check) {
-    static const char *const keys[] = {"name", "measure", "from", "until", "expected_m", "expected_deg", "object", "by",
-                                       "at_least", "at_most", NULL};
-    yaml_check_keys(yaml, map, "check", keys);
-    const yaml_node_t *name = yaml_need(yaml, map, "check", "name");
-    yaml_copy_name(yaml, name, yaml_text(yaml, name, "name"), check->name, sizeof check->name);
-    const yaml_node_t *word = yaml_need(yaml, map, "check", "measure");
-    const int measure = yaml_word(yaml, word, "measure", measures);
-    check->measure = measure >= 0 ? (measure_t)measure : MEASURE_TILT;
+    const yaml_node_t *word = yaml_need(yaml, map, "measure");
+    const int measure = yaml_word(yaml, word, measures);
+    if (measure < 0) {
+        return;
+    }
+    check->measure = (measure_t)measure;
+    check_keys(yaml, map, check->measure);
+    (void)yaml_need(yaml, map, "name");
+    yaml_get_name(yaml, map, "name", check->name, sizeof check->name);
     read_window(yaml, map, self, check);
     read_limit(yaml, map, check);
-    yaml_get_vector(yaml, map, "expected_m", 3, -1.5, 1.5, check->expected_m);
-    yaml_get_number(yaml, map, "expected_deg", -360.0, 360.0, &check->expected_deg);
-    check->person = self->tracked;
-    if (needs_object(check->measure)) {
-        check->object = scenario_object_number(yaml, yaml_need(yaml, map, check->name, "object"), "object", self);
+    if (check->measure == MEASURE_DISPLACEMENT) {
+        yaml_need_vector(yaml, map, "expected_m", 3, -1.5, 1.5, check->expected_m);
+    } else if (check->measure == MEASURE_TURN) {
+        yaml_need_number(yaml, map, "expected_deg", 0.0, 180.0, &check->expected_deg);
     }
-    if (yaml_find(yaml, map, "by") != NULL || needs_person(check->measure)) {
-        check->person = scenario_person_number(yaml, yaml_need(yaml, map, check->name, "by"), "by", self);
-    }
-    if (needs_water(check->measure) && self->water.particles == 0) {
-        yaml_refuse(yaml, word, "measure", "water in the scenario");
-    }
-    if (check->measure == MEASURE_CUP_TILT_PEAK && !self->cup.present) {
-        yaml_refuse(yaml, word, "measure", "a cup on the robot's hand");
-    }
-    if (check->measure == MEASURE_TURNS && self->object[check->object].kind != OBJECT_CRANK) {
-        yaml_refuse(yaml, yaml_find(yaml, map, "object"), "object", "a crank");
+    read_subject(yaml, map, self, check);
+    check_scene(yaml, word, self, check->measure);
+}
+
+static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, size_t check) {
+    for (size_t i = 0; i < check; i++) {
+        if (strcmp(self->check[i].name, self->check[check].name) == 0) {
+            yaml_refuse(yaml, yaml_find(yaml, map, "name"), "another name: a check before it has it");
+        }
     }
 }
 
 void scenario_read_checks(yaml_reader_t *yaml, scenario_t *self) {
     yaml_node_t *list = yaml_find(yaml, yaml_root(yaml), "checks");
-    if (list != NULL && !yaml_is_sequence(list)) {
-        yaml_refuse(yaml, list, "checks", "a list of checks");
-    }
-    for (size_t i = 0; i < yaml_length(list); i++) {
-        if (self->check_count == SCENARIO_MAX_CHECKS) {
-            yaml_refuse(yaml, list, "checks", "at most 24 checks");
-            return;
+    yaml_expect_list(yaml, list, SCENARIO_MAX_CHECKS);
+    for (size_t i = 0; i < yaml_length(list) && !yaml->failed; i++) {
+        yaml_node_t *map = yaml_item(yaml, list, i);
+        read_check(yaml, map, self, &self->check[self->check_count++]);
+        if (!yaml->failed) {
+            refuse_repeated(yaml, map, self, i);
         }
-        read_check(yaml, yaml_item(yaml, list, i), self, &self->check[self->check_count++]);
     }
 }

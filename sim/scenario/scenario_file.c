@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "scenario_geometry.h"
 #include "scenario_sections.h"
 
 #define SUFFIX ".yaml"
@@ -52,63 +54,79 @@ static void refuse_name(const char *name, const char *folder, char error[], size
 
 static bool find_file(const char *name_or_path, const char *folder, char path[SCENARIO_PATH_BYTES], char error[],
                       size_t error_size) {
-    const int length = is_path(name_or_path)
-                           ? snprintf(path, SCENARIO_PATH_BYTES, "%s", name_or_path)
-                           : snprintf(path, SCENARIO_PATH_BYTES, "%s/%s" SUFFIX, folder, name_or_path);
-    FILE *file = length > 0 && length < SCENARIO_PATH_BYTES ? fopen(path, "rb") : NULL;
-    if (file == NULL && !is_path(name_or_path)) {
-        refuse_name(name_or_path, folder, error, error_size);
+    const bool is_given = is_path(name_or_path);
+    const int length = is_given ? snprintf(path, SCENARIO_PATH_BYTES, "%s", name_or_path)
+                                : snprintf(path, SCENARIO_PATH_BYTES, "%s/%s" SUFFIX, folder, name_or_path);
+    const bool is_whole = length > 0 && length < SCENARIO_PATH_BYTES;
+    if (is_given && !is_whole) {
+        (void)snprintf(error, error_size, "--scenario '%.200s...': expected a path of at most %d bytes", name_or_path,
+                       SCENARIO_PATH_BYTES - 1);
         return false;
     }
-    if (file != NULL) {
-        (void)fclose(file);
+    if (is_given || (is_whole && access(path, F_OK) == 0)) {
+        return true; /* what cannot be opened, the reader says */
     }
-    return true; /* a path that cannot be opened: the reader says why */
+    refuse_name(name_or_path, folder, error, error_size);
+    return false;
 }
 
 static void read_head(yaml_reader_t *yaml, scenario_t *self) {
     static const char *const keys[] = {"name", "summary", "duration_s", "arm", "parameters", "tasks", "robot", "water",
                                        "objects", "people", "operator", "variation", "tracking", "checks", NULL};
-    static const char *const variation_keys[] = {"start_m", "move_m", "object_m", "duration_percent", NULL};
-    static const char *const tracking_keys[] = {"rms_limit_mm", "max_limit_mm", "followable_min_percent", NULL};
     yaml_node_t *root = yaml_root(yaml);
-    yaml_check_keys(yaml, root, "scenario", keys);
-    const yaml_node_t *name = yaml_need(yaml, root, "scenario", "name");
-    yaml_copy_name(yaml, name, yaml_text(yaml, name, "name"), self->name, sizeof self->name);
+    yaml_check_keys(yaml, root, keys);
+    (void)yaml_need(yaml, root, "name");
+    yaml_get_name(yaml, root, "name", self->name, sizeof self->name);
     yaml_get_text(yaml, root, "summary", self->summary, sizeof self->summary);
     self->duration_s = 60.0;
     yaml_get_number(yaml, root, "duration_s", 2.0, LONG_S, &self->duration_s);
-    yaml_node_t *variation = yaml_find(yaml, root, "variation");
-    yaml_check_keys(yaml, variation, "variation", variation_keys);
-    yaml_get_number(yaml, variation, "start_m", 0.0, 0.2, &self->variation.start_m);
-    yaml_get_number(yaml, variation, "move_m", 0.0, 0.2, &self->variation.move_m);
-    yaml_get_vector(yaml, variation, "object_m", 3, 0.0, 0.2, self->variation.object_m);
-    yaml_get_number(yaml, variation, "duration_percent", 0.0, 50.0, &self->variation.duration_percent);
-    yaml_node_t *tracking = yaml_find(yaml, root, "tracking");
-    yaml_check_keys(yaml, tracking, "tracking", tracking_keys);
-    yaml_get_number(yaml, tracking, "rms_limit_mm", 0.0, 1000.0, &self->tracking_rms_limit_mm);
-    yaml_get_number(yaml, tracking, "max_limit_mm", 0.0, 1000.0, &self->tracking_max_limit_mm);
-    yaml_get_number(yaml, tracking, "followable_min_percent", 0.0, 100.0, &self->followable_min_percent);
+}
+
+static void read_variation(yaml_reader_t *yaml, scenario_t *self) {
+    static const char *const keys[] = {"start_m", "move_m", "object_m", "duration_percent", NULL};
+    yaml_node_t *map = yaml_find(yaml, yaml_root(yaml), "variation");
+    yaml_check_keys(yaml, map, keys);
+    yaml_get_number(yaml, map, "start_m", 0.0, 0.2, &self->variation.start_m);
+    yaml_get_number(yaml, map, "move_m", 0.0, 0.2, &self->variation.move_m);
+    yaml_get_vector(yaml, map, "object_m", 3, 0.0, 0.2, self->variation.object_m);
+    yaml_get_number(yaml, map, "duration_percent", 0.0, 50.0, &self->variation.duration_percent);
+}
+
+static void read_tracking(yaml_reader_t *yaml, scenario_t *self) {
+    static const char *const keys[] = {"rms_limit_mm", "max_limit_mm", "followable_min_percent", NULL};
+    yaml_node_t *map = yaml_find(yaml, yaml_root(yaml), "tracking");
+    yaml_check_keys(yaml, map, keys);
+    yaml_get_number(yaml, map, "rms_limit_mm", 0.0, 1000.0, &self->tracking_rms_limit_mm);
+    yaml_get_number(yaml, map, "max_limit_mm", 0.0, 1000.0, &self->tracking_max_limit_mm);
+    yaml_get_number(yaml, map, "followable_min_percent", 0.0, 100.0, &self->followable_min_percent);
+}
+
+/* Names first: anything may refer to them. */
+static void read_sections(yaml_reader_t *yaml, scenario_t *self) {
+    read_head(yaml, self);
+    read_variation(yaml, self);
+    read_tracking(yaml, self);
+    scenario_read_names(yaml, self);
+    scenario_read_robot(yaml, self);
+    scenario_read_tasks(yaml, self);
+    scenario_read_objects(yaml, self);
+    scenario_read_people(yaml, self);
+    scenario_read_operator(yaml, self);
+    scenario_read_checks(yaml, self);
 }
 
 bool scenario_load(scenario_t *self, const char *name_or_path, const char *folder, char error[], size_t error_size) {
     memset(self, 0, sizeof *self);
-    yaml_reader_t yaml;
-    if (!find_file(name_or_path, folder, self->path, error, error_size) ||
-        !yaml_reader_open(&yaml, self->path, error, error_size)) {
+    events_init(&self->events);
+    if (!find_file(name_or_path, folder, self->path, error, error_size)) {
         return false;
     }
-    events_init(&self->events);
-    read_head(&yaml, self);
-    scenario_read_names(&yaml, self);
-    scenario_read_robot(&yaml, self);
-    scenario_read_tasks(&yaml, self);
-    scenario_read_objects(&yaml, self);
-    scenario_read_people(&yaml, self);
-    scenario_read_operator(&yaml, self);
-    scenario_read_checks(&yaml, self);
+    yaml_reader_t yaml;
+    if (yaml_reader_open(&yaml, self->path, error, error_size)) {
+        read_sections(&yaml, self);
+    }
     yaml_reader_close(&yaml);
-    return !yaml.failed;
+    return !yaml.failed && scenario_check_geometry(self, error, error_size);
 }
 
 bool scenario_list(const char *folder, scenario_visitor_t *visit, void *context, char error[], size_t error_size) {
@@ -122,7 +140,7 @@ bool scenario_list(const char *folder, scenario_visitor_t *visit, void *context,
         static scenario_t scenario;
         good = good && scenario_load(&scenario, names[i], folder, error, error_size);
         if (good) {
-            visit(context, scenario.name, scenario.summary);
+            visit(context, names[i], scenario.summary);
         }
         free(names[i]);
     }

@@ -1,5 +1,6 @@
 /* Reads scenario files (YAML, docs/scenario-files.md). Nothing wrong passes: unknown keys, words and references, missing
- * values, numbers out of range each give one line that names file, line, key, value and what was expected. */
+ * values, numbers out of range each give one line that names file, line, key, value and what was expected; so does, without
+ * the line, a scene that cannot be (scenario_geometry.h). */
 #ifndef COMANIP_SIM_SCENARIO_FILE_H
 #define COMANIP_SIM_SCENARIO_FILE_H
 
@@ -10,7 +11,7 @@ bool scenario_load(scenario_t *self, const char *name_or_path, const char *folde
 
 typedef void scenario_visitor_t(void *context, const char *name, const char *summary);
 
-/* All scenarios of the folder, by name. On failure false, and one line in `error`. */
+/* All scenarios of the folder, by the name that scenario_load() takes. On failure false, and one line in `error`. */
 bool scenario_list(const char *folder, scenario_visitor_t *visit, void *context, char error[], size_t error_size);
 
 #endif

@@ -1,81 +1,115 @@
 /* First pass over a scenario file: who and what there is, and all that can happen. */
-#include <stdio.h>
 #include <string.h>
 
 #include "scenario_sections.h"
+#include "yaml_choice.h"
 
 static void declare(yaml_reader_t *yaml, scenario_t *self, const yaml_node_t *node, const char *actor,
                     const char *what) {
     if (events_declare(&self->events, actor, what) == EVENT_NONE) {
-        yaml_refuse(yaml, node, "name", "fewer named steps, or shorter names");
+        yaml_refuse(yaml, node, "fewer named steps: a scenario has at most %d events", EVENTS_MAX);
     }
 }
 
-/* "done", "holds", ... are the scene's words. */
+/* ---- steps */
+
+static yaml_node_t *step_name(yaml_reader_t *yaml, yaml_node_t *steps, size_t i) {
+    return yaml_find(yaml, yaml_item(yaml, steps, i), "name");
+}
+
+/* program and program_with_recording may use the same names: one of them is played. */
+static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *steps, size_t i) {
+    const yaml_node_t *name = step_name(yaml, steps, i);
+    for (size_t j = 0; j < i; j++) {
+        const yaml_node_t *other = step_name(yaml, steps, j);
+        if (other != NULL && strcmp(yaml_scalar(name), yaml_scalar(other)) == 0) {
+            yaml_refuse(yaml, name, "another name: the step in line %zu has it", other->start_mark.line + 1);
+        }
+    }
+}
+
 static void declare_steps(yaml_reader_t *yaml, scenario_t *self, yaml_node_t *steps, const char *actor) {
-    for (size_t i = 0; i < yaml_length(steps); i++) {
-        const yaml_node_t *name = yaml_find(yaml, yaml_item(yaml, steps, i), "name");
-        scenario_name_t text = "";
-        if (name == NULL) {
+    static const char *const taken[] = {"done", "holds", "lost", NULL};
+    yaml_expect_list(yaml, steps, SCENARIO_MAX_STEPS);
+    for (size_t i = 0; i < yaml_length(steps) && !yaml->failed; i++) {
+        const yaml_node_t *node = step_name(yaml, steps, i);
+        scenario_name_t name = "";
+        if (node == NULL) {
             continue;
         }
-        yaml_copy_name(yaml, name, yaml_text(yaml, name, "name"), text, sizeof text);
-        const bool taken = strcmp(text, "done") == 0 || strcmp(text, "holds") == 0 || strcmp(text, "lost") == 0;
-        if (taken) {
-            yaml_refuse(yaml, name, "name", "another name: done, holds and lost are events of their own");
+        yaml_name(yaml, node, name, sizeof name);
+        if (yaml_choice(name, taken) >= 0) {
+            yaml_refuse(yaml, node, "another name: done, holds and lost are events of their own");
         }
-        declare(yaml, self, name, actor, text);
+        refuse_repeated(yaml, steps, i);
+        declare(yaml, self, node, actor, name);
     }
 }
 
-static void read_points(yaml_reader_t *yaml, yaml_node_t *object, object_t *data) {
-    yaml_node_t *points = yaml_find(yaml, object, "points");
-    const char *name;
-    yaml_node_t *name_node, *along;
-    for (size_t i = 0; yaml_entry(yaml, points, i, &name, &name_node, &along); i++) {
-        if (data->point_count == SCENARIO_MAX_POINTS) {
-            yaml_refuse(yaml, name_node, "points", "at most 4 points");
+/* ---- things and people */
+
+static void read_points(yaml_reader_t *yaml, yaml_node_t *points, object_t *object) {
+    yaml_node_t *name, *along;
+    yaml_expect_mapping(yaml, points);
+    for (size_t i = 0; yaml_entry(yaml, points, i, &name, &along); i++) {
+        if (object->point_count == SCENARIO_MAX_POINTS) {
+            yaml_refuse(yaml, points, "at most %d points", SCENARIO_MAX_POINTS);
             return;
         }
-        object_point_t *point = &data->point[data->point_count++];
-        yaml_copy_name(yaml, name_node, name, point->name, sizeof point->name);
-        point->along_m = yaml_number(yaml, along, "along_m", -FAR_M, FAR_M);
+        object_point_t *point = &object->point[object->point_count++];
+        yaml_name(yaml, name, point->name, sizeof point->name);
+    }
+}
+
+static void refuse_actor(yaml_reader_t *yaml, const yaml_node_t *name) {
+    static const char *const actors[] = {"robot", "operator", NULL};
+    if (yaml_choice(yaml_scalar(name), actors) >= 0) {
+        yaml_refuse(yaml, name, "another name: robot and operator are there already");
     }
 }
 
 static void read_object_names(yaml_reader_t *yaml, scenario_t *self) {
     yaml_node_t *objects = yaml_find(yaml, yaml_root(yaml), "objects");
-    const char *name;
-    yaml_node_t *name_node, *object;
-    for (size_t i = 0; yaml_entry(yaml, objects, i, &name, &name_node, &object); i++) {
+    yaml_node_t *name, *object;
+    yaml_expect_mapping(yaml, objects);
+    for (size_t i = 0; yaml_entry(yaml, objects, i, &name, &object) && !yaml->failed; i++) {
         if (self->object_count == SCENARIO_MAX_OBJECTS) {
-            yaml_refuse(yaml, name_node, "objects", "at most 8 objects");
+            yaml_refuse(yaml, objects, "at most %d objects", SCENARIO_MAX_OBJECTS);
             return;
         }
         object_t *data = &self->object[self->object_count++];
-        yaml_copy_name(yaml, name_node, name, data->name, sizeof data->name);
-        read_points(yaml, object, data);
-        declare(yaml, self, name_node, data->name, "dropped");
+        yaml_name(yaml, name, data->name, sizeof data->name);
+        refuse_actor(yaml, name);
+        read_points(yaml, yaml_find(yaml, object, "points"), data);
+        declare(yaml, self, name, data->name, "dropped");
+    }
+}
+
+/* "NAME.grip" and "NAME.dropped" would be ambiguous. */
+static void refuse_object(yaml_reader_t *yaml, const yaml_node_t *name, const scenario_t *self) {
+    for (size_t i = 0; i < self->object_count; i++) {
+        if (strcmp(yaml_scalar(name), self->object[i].name) == 0) {
+            yaml_refuse(yaml, name, "another name: an object has it");
+        }
     }
 }
 
 static void read_people_names(yaml_reader_t *yaml, scenario_t *self) {
     yaml_node_t *people = yaml_find(yaml, yaml_root(yaml), "people");
-    const char *name;
-    yaml_node_t *name_node, *person;
-    for (size_t i = 0; yaml_entry(yaml, people, i, &name, &name_node, &person); i++) {
+    yaml_node_t *name, *person;
+    yaml_expect_mapping(yaml, people);
+    for (size_t i = 0; yaml_entry(yaml, people, i, &name, &person) && !yaml->failed; i++) {
         if (self->person_count == SCENARIO_MAX_PEOPLE) {
-            yaml_refuse(yaml, name_node, "people", "at most 2 people");
+            yaml_refuse(yaml, people, "at most %d people", SCENARIO_MAX_PEOPLE);
             return;
         }
         person_t *data = &self->person[self->person_count++];
-        yaml_copy_name(yaml, name_node, name, data->name, sizeof data->name);
-        if (strcmp(name, "robot") == 0 || strcmp(name, "operator") == 0) {
-            yaml_refuse(yaml, name_node, "people", "another name: robot and operator are there already");
-        }
-        declare(yaml, self, name_node, data->name, "done");
-        declare(yaml, self, name_node, data->name, "holds");
-        declare(yaml, self, name_node, data->name, "lost");
+        yaml_name(yaml, name, data->name, sizeof data->name);
+        refuse_actor(yaml, name);
+        refuse_object(yaml, name, self);
+        declare(yaml, self, name, data->name, "done");
+        declare(yaml, self, name, data->name, "holds");
+        declare(yaml, self, name, data->name, "lost");
         declare_steps(yaml, self, yaml_find(yaml, person, "program"), data->name);
         declare_steps(yaml, self, yaml_find(yaml, person, "program_with_recording"), data->name);
     }
@@ -89,102 +123,4 @@ void scenario_read_names(yaml_reader_t *yaml, scenario_t *self) {
     read_object_names(yaml, self);
     read_people_names(yaml, self);
     declare_steps(yaml, self, yaml_find(yaml, yaml_root(yaml), "operator"), "operator");
-}
-
-/* ---- references */
-
-static size_t refuse_name(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const char *what,
-                          const char *(*name_at)(const scenario_t *, size_t), const scenario_t *self, size_t count) {
-    char expected[400];
-    (void)snprintf(expected, sizeof expected, "the name of %s:", what);
-    for (size_t i = 0; i < count; i++) {
-        const size_t used = strlen(expected);
-        (void)snprintf(expected + used, sizeof expected - used, "%s %s", i > 0 ? "," : "", name_at(self, i));
-    }
-    yaml_refuse(yaml, node, key, expected);
-    return 0;
-}
-
-static const char *object_name(const scenario_t *self, size_t i) {
-    return self->object[i].name;
-}
-
-static const char *person_name(const scenario_t *self, size_t i) {
-    return self->person[i].name;
-}
-
-static const char *event_name(const scenario_t *self, size_t i) {
-    return self->events.event[i].name;
-}
-
-size_t scenario_object_number(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self) {
-    const char *text = yaml_text(yaml, node, key);
-    for (size_t i = 0; i < self->object_count; i++) {
-        if (strcmp(text, self->object[i].name) == 0) {
-            return i;
-        }
-    }
-    return refuse_name(yaml, node, key, "an object", object_name, self, self->object_count);
-}
-
-size_t scenario_person_number(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self) {
-    const char *text = yaml_text(yaml, node, key);
-    for (size_t i = 0; i < self->person_count; i++) {
-        if (strcmp(text, self->person[i].name) == 0) {
-            return i;
-        }
-    }
-    return refuse_name(yaml, node, key, "a person", person_name, self, self->person_count);
-}
-
-int scenario_event_number(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self) {
-    const int event = events_find(&self->events, yaml_text(yaml, node, key));
-    return event != EVENT_NONE
-               ? event : (int)refuse_name(yaml, node, key, "an event", event_name, self, self->events.count);
-}
-
-point_t scenario_point(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self) {
-    const char *text = yaml_text(yaml, node, key);
-    char name[2 * SCENARIO_NAME_BYTES];
-    if (strcmp(text, "robot.gripper") == 0) {
-        return (point_t){.kind = POINT_ROBOT_GRIPPER};
-    }
-    for (size_t i = 0; i < self->person_count; i++) {
-        (void)snprintf(name, sizeof name, "%s.grip", self->person[i].name);
-        if (strcmp(text, name) == 0) {
-            return (point_t){.kind = POINT_PERSON_GRIP, .index = i};
-        }
-    }
-    for (size_t i = 0; i < self->object_count; i++) {
-        for (size_t j = 0; j < self->object[i].point_count; j++) {
-            (void)snprintf(name, sizeof name, "%s.%s", self->object[i].name, self->object[i].point[j].name);
-            if (strcmp(text, name) == 0) {
-                return (point_t){.kind = POINT_OBJECT, .index = i, .point = j};
-            }
-        }
-    }
-    yaml_refuse(yaml, node, key, "a point: robot.gripper, PERSON.grip, or OBJECT.POINT of the object's points");
-    return (point_t){.kind = POINT_NONE};
-}
-
-void scenario_read_start(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, step_start_t *start) {
-    yaml_get_number(yaml, map, "at_s", 0.0, LONG_S, &start->at_s);
-    yaml_get_number(yaml, map, "delay_s", 0.0, LONG_S, &start->delay_s);
-    yaml_get_number(yaml, map, "patience_s", 0.0, LONG_S, &start->patience_s);
-    yaml_node_t *after = yaml_find(yaml, map, "after");
-    if (after == NULL) {
-        return;
-    }
-    if (!yaml_is_sequence(after)) {
-        start->awaited[start->awaited_count++] = scenario_event_number(yaml, after, "after", self);
-        return;
-    }
-    for (size_t i = 0; i < yaml_length(after); i++) {
-        if (start->awaited_count == SCENARIO_MAX_AWAITED) {
-            yaml_refuse(yaml, after, "after", "at most 3 events");
-            return;
-        }
-        start->awaited[start->awaited_count++] =
-            scenario_event_number(yaml, yaml_item(yaml, after, i), "after", self);
-    }
 }

@@ -2,59 +2,70 @@
 #include <string.h>
 
 #include "scenario_sections.h"
+#include "yaml_choice.h"
 
+/* In the order of actions[]. */
 enum { DO_SELECT, DO_START, DO_LATCH, DO_CLUTCH, DO_STOP, DO_GRIPPER };
 
+static const char *const actions[] = {"select", "start", "latch", "clutch", "stop", "gripper", NULL};
+
+#define STEP_KEYS "do", "name", STEP_START_KEYS
+
+/* "pour", "teleop", "mirror", in the order of task_id_t, and then the file's own. */
 static void read_select(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, operate_step_t *step) {
-    static const char *const built_in[] = {"pour", "teleop", "mirror", NULL}; /* in the order of task_id_t */
-    const yaml_node_t *node = yaml_need(yaml, map, "select", "task");
-    const char *name = yaml_text(yaml, node, "task");
+    const char *tasks[TASK_BUILT_IN_COUNT + SCENARIO_MAX_TASKS + 1] = {"pour", "teleop", "mirror"};
     for (size_t i = 0; i < self->own_task_count; i++) {
-        if (strcmp(name, self->own_task[i].name) == 0) {
-            step->kind = OPERATE_DEFINE;
-            step->command = COMMAND_DEFINE;
-            step->own_task = i;
-            return;
-        }
+        tasks[TASK_BUILT_IN_COUNT + i] = self->own_task[i].name;
     }
-    const int task = yaml_word(yaml, node, "task (one of the file's own, or built in)", built_in);
-    step->command = COMMAND_SELECT;
-    step->task = task >= 0 ? (task_id_t)task : TASK_POUR;
+    const yaml_node_t *node = yaml_need(yaml, map, "task");
+    const int task = yaml_choice(yaml_scalar(node), tasks);
+    if (task >= TASK_BUILT_IN_COUNT) {
+        step->kind = OPERATE_DEFINE;
+        step->command = COMMAND_DEFINE;
+        step->own_task = (size_t)task - TASK_BUILT_IN_COUNT;
+    } else if (task >= 0) {
+        step->task = (task_id_t)task;
+    } else if (node != NULL) {
+        yaml_refuse_choice(yaml, node, "tasks", tasks);
+    }
+}
+
+static void read_gripper(yaml_reader_t *yaml, yaml_node_t *map, operate_step_t *step) {
+    static const char *const moves[] = {"open", "close", NULL};
+    step->kind = OPERATE_GRIPPER;
+    step->close = yaml_word(yaml, yaml_need(yaml, map, "action"), moves) == 1;
 }
 
 static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, operate_step_t *step) {
-    static const char *const actions[] = {"select", "start", "latch", "clutch", "stop", "gripper", NULL};
-    static const char *const keys[] = {"do", "name", STEP_START_KEYS, "task", "action", NULL};
-    static const char *const moves[] = {"open", "close", NULL};
+    static const char *const keys[] = {STEP_KEYS, NULL}, *const select_keys[] = {STEP_KEYS, "task", NULL},
+                      *const gripper_keys[] = {STEP_KEYS, "action", NULL};
     static const command_t commands[] = {COMMAND_SELECT, COMMAND_START, COMMAND_LATCH, COMMAND_CLUTCH, COMMAND_STOP,
                                          COMMAND_NONE};
-    const int action = yaml_word(yaml, yaml_need(yaml, map, "step", "do"), "do", actions);
+    const int action = yaml_word(yaml, yaml_need(yaml, map, "do"), actions);
     if (action < 0) {
         return;
     }
-    yaml_check_keys(yaml, map, actions[action], keys);
-    yaml_get_text(yaml, map, "name", step->name, sizeof step->name);
+    yaml_check_keys(yaml, map, action == DO_SELECT ? select_keys : action == DO_GRIPPER ? gripper_keys : keys);
+    yaml_get_name(yaml, map, "name", step->name, sizeof step->name);
     scenario_read_start(yaml, map, self, &step->start);
     step->kind = OPERATE_COMMAND;
     step->command = commands[action];
     if (action == DO_SELECT) {
         read_select(yaml, map, self, step);
     } else if (action == DO_GRIPPER) {
-        step->kind = OPERATE_GRIPPER;
-        step->close = yaml_word(yaml, yaml_need(yaml, map, "gripper", "action"), "action", moves) == 1;
+        read_gripper(yaml, map, step);
     }
 }
 
 void scenario_read_operator(yaml_reader_t *yaml, scenario_t *self) {
-    yaml_node_t *list = yaml_need(yaml, yaml_root(yaml), "scenario", "operator");
-    if (!yaml_is_sequence(list)) {
-        yaml_refuse(yaml, list, "operator", "a list of steps");
+    yaml_node_t *list = yaml_need(yaml, yaml_root(yaml), "operator");
+    bool starts = false;
+    for (size_t i = 0; i < yaml_length(list) && !yaml->failed; i++) {
+        operate_step_t *step = &self->operate[self->operate_count++];
+        read_step(yaml, yaml_item(yaml, list, i), self, step);
+        starts = starts || step->command == COMMAND_START;
     }
-    for (size_t i = 0; i < yaml_length(list); i++) {
-        if (self->operate_count == SCENARIO_MAX_STEPS) {
-            yaml_refuse(yaml, list, "operator", "at most 40 steps");
-            return;
-        }
-        read_step(yaml, yaml_item(yaml, list, i), self, &self->operate[self->operate_count++]);
+    if (!starts && !yaml->failed) {
+        yaml_refuse(yaml, list, "a step with do: start, or nothing begins");
     }
 }

@@ -5,6 +5,7 @@
 #include "scenario_sections.h"
 
 #define STEP_KEYS "do", "name", STEP_START_KEYS
+#define MOVE_MAX_M 1.5
 
 /* In the order of person_action_t. */
 static const char *const actions[] = {"rest", "move", "reach", "guide", "play", "grip", "release", "turn", NULL};
@@ -25,10 +26,13 @@ static void read_move(yaml_reader_t *yaml, yaml_node_t *map, person_step_t *step
     double turn_deg[3] = {0.0, 0.0, 0.0};
     const bool to = yaml_find(yaml, map, "to_m") != NULL, by = yaml_find(yaml, map, "by_m") != NULL;
     if (to && by) {
-        yaml_refuse(yaml, map, "move", "to_m (from the start) or by_m (from here), not both");
+        yaml_refuse(yaml, map, "to_m (from the start) or by_m (from here), not both");
+    }
+    if (!to && !by && yaml_find(yaml, map, "turn_deg") == NULL) {
+        yaml_refuse(yaml, map, "to_m, by_m or turn_deg in it: where to move");
     }
     step->from_here = !to;
-    yaml_get_vector(yaml, map, to ? "to_m" : "by_m", 3, -1.5, 1.5, step->displacement_m);
+    yaml_get_vector(yaml, map, to ? "to_m" : "by_m", 3, -MOVE_MAX_M, MOVE_MAX_M, step->displacement_m);
     yaml_get_vector(yaml, map, "turn_deg", 3, -180.0, 180.0, turn_deg);
     for (int k = 0; k < 3; k++) {
         step->rotation_vector_rad[k] = turn_deg[k] * ROBOT_RAD_PER_DEG;
@@ -37,9 +41,9 @@ static void read_move(yaml_reader_t *yaml, yaml_node_t *map, person_step_t *step
 
 static void read_way(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
     step->tolerance_m = 0.003;
-    step->to = scenario_point(yaml, yaml_need(yaml, map, "step", "to"), "to", self);
+    step->to = scenario_point(yaml, yaml_need(yaml, map, "to"), self);
     if (step->action == PERSON_GUIDE) {
-        step->what = scenario_point(yaml, yaml_need(yaml, map, "step", "bring"), "bring", self);
+        step->what = scenario_point(yaml, yaml_need(yaml, map, "bring"), self);
     }
     yaml_get_vector(yaml, map, "offset_m", 3, -1.0, 1.0, step->offset_m);
     yaml_get_number(yaml, map, "tolerance_m", 0.0005, 0.1, &step->tolerance_m);
@@ -52,12 +56,12 @@ static void read_recording_path(yaml_reader_t *yaml, yaml_node_t *map, const sce
     if (node == NULL) {
         return;
     }
-    const char *path = yaml_text(yaml, node, "recording");
+    const char *path = yaml_scalar(node);
     const char *slash = strrchr(self->path, '/');
     const int folder = path[0] == '/' || slash == NULL ? 0 : (int)(slash + 1 - self->path);
     const int length = snprintf(step->recording, sizeof step->recording, "%.*s%s", folder, self->path, path);
     if (path[0] == '\0' || length >= (int)sizeof step->recording) {
-        yaml_refuse(yaml, node, "recording", "the path of a CSV file, at most 500 characters");
+        yaml_refuse(yaml, node, "the path of a CSV file, at most %d bytes with the folder", SCENARIO_PATH_BYTES - 1);
     }
 }
 
@@ -70,30 +74,38 @@ static void read_play(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     yaml_get_number(yaml, map, "from_s", 0.0, LONG_S, &step->from_s);
     yaml_get_number(yaml, map, "until_s", 0.0, LONG_S, &step->until_s);
     if (step->until_s > 0.0 && step->until_s <= step->from_s) {
-        yaml_refuse(yaml, yaml_find(yaml, map, "until_s"), "until_s", "more than from_s");
+        yaml_refuse(yaml, yaml_find(yaml, map, "until_s"), "more than from_s, which is %g", step->from_s);
     }
 }
 
 static void read_object(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
-    const yaml_node_t *node = yaml_need(yaml, map, "step", "object");
-    step->object = scenario_object_number(yaml, node, "object", self);
+    const yaml_node_t *node = yaml_need(yaml, map, "object");
+    step->object = scenario_object_number(yaml, node, self);
     const object_kind_t kind = self->object[step->object].kind;
-    if (kind == OBJECT_STAND || (step->action == PERSON_TURN && kind != OBJECT_CRANK)) {
-        yaml_refuse(yaml, node, "object", step->action == PERSON_TURN ? "a crank" : "a rod or a crank");
+    if (step->action == PERSON_TURN) {
+        yaml_need_number(yaml, map, "turns", -100.0, 100.0, &step->turns);
     }
-    yaml_get_number(yaml, map, "turns", -100.0, 100.0, &step->turns);
+    if (yaml->failed) {
+        return;
+    }
+    if (kind == OBJECT_STAND || (step->action == PERSON_TURN && kind != OBJECT_CRANK)) {
+        yaml_refuse(yaml, node, "%s", step->action == PERSON_TURN ? "a crank" : "a rod or a crank");
+    }
 }
 
 static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
-    const int action = yaml_word(yaml, yaml_need(yaml, map, "step", "do"), "do", actions);
+    const int action = yaml_word(yaml, yaml_need(yaml, map, "do"), actions);
     if (action < 0) {
         return;
     }
     step->action = (person_action_t)action;
     step->duration_s = 1.0;
-    yaml_check_keys(yaml, map, actions[action], action_keys[action]);
-    yaml_get_text(yaml, map, "name", step->name, sizeof step->name);
+    yaml_check_keys(yaml, map, action_keys[action]);
+    yaml_get_name(yaml, map, "name", step->name, sizeof step->name);
     scenario_read_start(yaml, map, self, &step->start);
+    if (step->action == PERSON_REST || step->action == PERSON_MOVE) {
+        (void)yaml_need(yaml, map, "duration_s");
+    }
     yaml_get_number(yaml, map, "duration_s", 0.01, LONG_S, &step->duration_s);
     switch (step->action) {
     case PERSON_REST: break;
@@ -107,16 +119,10 @@ static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     }
 }
 
-static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const char *key, const scenario_t *self,
-                       person_step_t steps[], size_t *count) {
-    if (list != NULL && !yaml_is_sequence(list)) {
-        yaml_refuse(yaml, list, key, "a list of steps");
-    }
-    for (size_t i = 0; i < yaml_length(list); i++) {
-        if (*count == SCENARIO_MAX_STEPS) {
-            yaml_refuse(yaml, list, key, "at most 40 steps");
-            return;
-        }
+/* That there are not too many of them is known since their names were read. */
+static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t *self, person_step_t steps[],
+                       size_t *count) {
+    for (size_t i = 0; i < yaml_length(list) && !yaml->failed; i++) {
         read_step(yaml, yaml_item(yaml, list, i), self, &steps[(*count)++]);
     }
 }
@@ -129,7 +135,6 @@ static void set_defaults(person_t *person) {
     person->stiffness_Nmprad = 5.0;
     person->grip_force_limit_N = 60.0;
     person->tremor_mm = 0.1;
-    person->grip_m[2] = 0.0;
 }
 
 static void read_person(yaml_reader_t *yaml, yaml_node_t *map, scenario_t *self, person_t *person) {
@@ -137,8 +142,8 @@ static void read_person(yaml_reader_t *yaml, yaml_node_t *map, scenario_t *self,
                                        "stiffness_Npm", "damping_ratio", "stiffness_Nmprad", "grip_force_limit_N",
                                        "tremor_mm", "cup", "program", "program_with_recording", NULL};
     set_defaults(person);
-    yaml_check_keys(yaml, map, person->name, keys);
-    (void)yaml_need(yaml, map, person->name, "position_m");
+    yaml_check_keys(yaml, map, keys);
+    (void)yaml_need(yaml, map, "position_m");
     scenario_read_pose(yaml, map, &person->start);
     yaml_get_bool(yaml, map, "tracked", &person->tracked);
     yaml_get_vector(yaml, map, "grip_m", 3, -0.3, 0.3, person->grip_m);
@@ -155,21 +160,18 @@ static void read_person(yaml_reader_t *yaml, yaml_node_t *map, scenario_t *self,
     yaml_get_number(yaml, map, "grip_force_limit_N", 0.01, 1e4, &person->grip_force_limit_N);
     yaml_get_number(yaml, map, "tremor_mm", 0.0, 20.0, &person->tremor_mm);
     scenario_read_cup(yaml, yaml_find(yaml, map, "cup"), &person->cup);
-    read_steps(yaml, yaml_find(yaml, map, "program"), "program", self, person->step, &person->step_count);
-    read_steps(yaml, yaml_find(yaml, map, "program_with_recording"), "program_with_recording", self,
-               person->recorded_step, &person->recorded_step_count);
+    read_steps(yaml, yaml_find(yaml, map, "program"), self, person->step, &person->step_count);
+    read_steps(yaml, yaml_find(yaml, map, "program_with_recording"), self, person->recorded_step,
+               &person->recorded_step_count);
     char event[EVENT_NAME_BYTES];
     (void)snprintf(event, sizeof event, "%s.done", person->name);
     person->done_event = events_find(&self->events, event);
 }
 
 void scenario_read_people(yaml_reader_t *yaml, scenario_t *self) {
-    yaml_node_t *people = yaml_need(yaml, yaml_root(yaml), "scenario", "people");
+    yaml_node_t *people = yaml_need(yaml, yaml_root(yaml), "people");
     size_t tracked = 0;
-    if (!yaml_is_mapping(people)) {
-        yaml_refuse(yaml, people, "people", "a mapping of names to people");
-    }
-    for (size_t i = 0; i < self->person_count; i++) {
+    for (size_t i = 0; i < self->person_count && !yaml->failed; i++) {
         person_t *person = &self->person[i];
         read_person(yaml, yaml_find(yaml, people, person->name), self, person);
         if (person->tracked) {
@@ -177,7 +179,7 @@ void scenario_read_people(yaml_reader_t *yaml, scenario_t *self) {
             tracked++;
         }
     }
-    if (tracked != 1) {
-        yaml_refuse(yaml, people, "people", "one person with tracked: true");
+    if (tracked != 1 && !yaml->failed) {
+        yaml_refuse(yaml, people, "one person with tracked: true; there are %zu", tracked);
     }
 }

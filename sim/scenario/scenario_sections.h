@@ -4,7 +4,7 @@
 #define COMANIP_SIM_SCENARIO_SECTIONS_H
 
 #include "scenario.h"
-#include "yaml_reader.h"
+#include "yaml_values.h"
 
 /* Names of objects, points, people and steps, and with them all events. */
 void scenario_read_names(yaml_reader_t *yaml, scenario_t *self);
@@ -24,11 +24,11 @@ void scenario_read_pose(yaml_reader_t *yaml, yaml_node_t *map, rigid_pose_t *pos
 /* at_s, after, delay_s, patience_s. */
 void scenario_read_start(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, step_start_t *start);
 
-/* References: the number, or 0 and an error. */
-size_t scenario_object_number(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self);
-size_t scenario_person_number(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self);
-int scenario_event_number(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self);
-point_t scenario_point(yaml_reader_t *yaml, const yaml_node_t *node, const char *key, const scenario_t *self);
+/* References (scenario_references.c): the number, or 0 and an error. */
+size_t scenario_object_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
+size_t scenario_person_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
+int scenario_event_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
+point_t scenario_point(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
 
 #define STEP_START_KEYS "at_s", "after", "delay_s", "patience_s"
 #define FAR_M 10.0 /* no coordinate is beyond */

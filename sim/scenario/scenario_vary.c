@@ -1,3 +1,4 @@
+#include <stdio.h>
 #include <string.h>
 
 #include "../common/random.h"
@@ -65,6 +66,15 @@ static void vary_steps(const variation_t *variation, person_step_t steps[], size
     }
 }
 
+static void vary_program(const scenario_t *self, uint64_t seed, const char *person, const char *program,
+                         person_step_t steps[], size_t count) {
+    char stream[2 * SCENARIO_NAME_BYTES];
+    random_t random;
+    (void)snprintf(stream, sizeof stream, "scenario %s %s", program, person);
+    random_init(&random, seed, stream);
+    vary_steps(&self->variation, steps, count, &random);
+}
+
 void scenario_vary(scenario_t *self, uint64_t seed) {
     if (seed == 0) {
         return;
@@ -73,9 +83,7 @@ void scenario_vary(scenario_t *self, uint64_t seed) {
     vary_start(self, seed);
     for (size_t i = 0; i < self->person_count; i++) {
         person_t *person = &self->person[i];
-        random_t random;
-        random_init(&random, seed, person->name);
-        vary_steps(&self->variation, person->step, person->step_count, &random);
-        vary_steps(&self->variation, person->recorded_step, person->recorded_step_count, &random);
+        vary_program(self, seed, person->name, "program", person->step, person->step_count);
+        vary_program(self, seed, person->name, "recording", person->recorded_step, person->recorded_step_count);
     }
 }

@@ -1,330 +1,243 @@
 #include "yaml_reader.h"
 
 #include <errno.h>
-#include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../common/rigid_pose.h"
-#include "../robot/robot_model.h"
+#include "yaml_choice.h"
+#include "yaml_screen.h"
 
-#define FILE_MAX_BYTES 1000000
 #define SHOWN_BYTES 60 /* of a value in an error */
-#define EXPECTED_BYTES 600
+#define EXPECTED_BYTES 1400
 
 /* ---- errors */
 
-static const char *node_text(const yaml_node_t *node) {
-    if (node == NULL || node->type == YAML_NO_NODE) {
-        return "";
-    }
-    return node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value
-           : node->type == YAML_SEQUENCE_NODE ? "[...]" : "{...}";
+const char *yaml_scalar(const yaml_node_t *node) {
+    return node != NULL && node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value : "";
 }
 
-void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node, const char *key, const char *expected) {
-    if (!self->failed) {
-        self->failed = true;
-        const size_t line = node != NULL ? node->start_mark.line + 1 : 1;
-        (void)snprintf(self->error, self->error_size, "%s:%zu: %s '%.*s': expected %s", self->path, line, key,
-                       SHOWN_BYTES, node_text(node), expected);
+/* Appends the way from `node` to `target`; without anchors each node stands in one place only. */
+static bool find_path(yaml_reader_t *self, const yaml_node_t *node, const yaml_node_t *target,
+                      char path[YAML_PATH_BYTES]) {
+    if (node == target) {
+        return true;
     }
-}
-
-/* Edit distance, for "did you mean". */
-static size_t unlikeness(const char *a, const char *b) {
-    size_t row[SHOWN_BYTES + 1];
-    const size_t columns = strnlen(b, SHOWN_BYTES);
-    for (size_t j = 0; j <= columns; j++) {
-        row[j] = j;
-    }
-    for (size_t i = 0; a[i] != '\0'; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (size_t j = 1; j <= columns; j++) {
-            const size_t above = row[j];
-            const size_t changed = diagonal + (a[i] != b[j - 1]);
-            const size_t moved = (above < row[j - 1] ? above : row[j - 1]) + 1;
-            row[j] = changed < moved ? changed : moved;
-            diagonal = above;
+    const size_t length = strlen(path);
+    for (size_t i = 0; yaml_is_list(node) && i < yaml_length(node); i++) {
+        (void)snprintf(path + length, YAML_PATH_BYTES - length, "[%zu]", i);
+        if (find_path(self, yaml_document_get_node(&self->document, node->data.sequence.items.start[i]), target, path)) {
+            return true;
         }
     }
-    return row[columns];
+    const yaml_node_pair_t *pair = yaml_is_mapping(node) ? node->data.mapping.pairs.start : NULL;
+    for (; pair != NULL && pair < node->data.mapping.pairs.top; pair++) {
+        const yaml_node_t *key = yaml_document_get_node(&self->document, pair->key);
+        path[length] = '\0';
+        if (key == target) {
+            return true;
+        }
+        (void)snprintf(path + length, YAML_PATH_BYTES - length, "%s%s", length > 0 ? "." : "", yaml_scalar(key));
+        if (find_path(self, yaml_document_get_node(&self->document, pair->value), target, path)) {
+            return true;
+        }
+    }
+    path[length] = '\0';
+    return false;
+}
+
+void yaml_path(yaml_reader_t *self, const yaml_node_t *node, char path[YAML_PATH_BYTES]) {
+    path[0] = '\0';
+    (void)find_path(self, yaml_root(self), node, path);
+}
+
+/* Bytes of the text that are shown: no character of UTF-8 is cut in two. */
+static int shown_bytes(const char *text) {
+    size_t bytes = strnlen(text, SHOWN_BYTES);
+    while (bytes > 0 && ((unsigned char)text[bytes] & 0xC0) == 0x80) {
+        bytes--;
+    }
+    return (int)bytes;
+}
+
+void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node, const char *expected, ...) {
+    if (self->failed) {
+        return;
+    }
+    char path[YAML_PATH_BYTES], text[EXPECTED_BYTES], value[SHOWN_BYTES + 16] = "";
+    va_list arguments;
+    va_start(arguments, expected);
+    (void)vsnprintf(text, sizeof text, expected, arguments);
+    va_end(arguments);
+    yaml_path(self, node, path);
+    if (node->type == YAML_SCALAR_NODE) {
+        const char *scalar = yaml_scalar(node);
+        const int shown = shown_bytes(scalar);
+        (void)snprintf(value, sizeof value, "%s'%.*s%s'", path[0] != '\0' ? " " : "", shown, scalar,
+                       scalar[shown] != '\0' ? "..." : "");
+    } else if (path[0] == '\0') {
+        (void)snprintf(value, sizeof value, "the scenario");
+    }
+    (void)snprintf(self->error, self->error_size, "%s:%zu: %s%s: expected %s", self->path,
+                   node->start_mark.line + 1, path, value, text);
+    self->failed = true;
 }
 
 /* ---- documents */
 
-static bool fail_to_open(char error[], size_t error_size, const char *path, const char *why) {
-    (void)snprintf(error, error_size, "%s: %s", path, why);
-    return false;
+/* NULL: it cannot be read, or is too large. */
+static char *read_file(yaml_reader_t *self, size_t *length) {
+    char *text = malloc(YAML_FILE_MAX_BYTES + 1);
+    FILE *file = text != NULL ? fopen(self->path, "rb") : NULL;
+    bool is_read = false;
+    if (file != NULL) {
+        *length = fread(text, 1, YAML_FILE_MAX_BYTES + 1, file);
+        is_read = ferror(file) == 0;
+    }
+    if (!is_read) {
+        (void)snprintf(self->error, self->error_size, "%s: expected a scenario file: %s", self->path, strerror(errno));
+    } else if (*length > YAML_FILE_MAX_BYTES) {
+        (void)snprintf(self->error, self->error_size, "%s: expected a scenario file of at most 1 MB", self->path);
+        is_read = false;
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    if (!is_read) {
+        free(text);
+        text = NULL;
+    }
+    return text;
 }
 
-static bool parse(yaml_reader_t *self, FILE *file) {
+static bool load(yaml_reader_t *self, const char *text, size_t length) {
     yaml_parser_t parser;
-    if (yaml_parser_initialize(&parser) == 0) {
-        return fail_to_open(self->error, self->error_size, self->path, "no memory");
+    if (yaml_parser_initialize(&parser) != 0) {
+        yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
+        self->is_loaded = yaml_parser_load(&parser, &self->document) != 0;
+        yaml_parser_delete(&parser);
     }
-    yaml_parser_set_input_file(&parser, file);
-    bool good = yaml_parser_load(&parser, &self->document) != 0;
-    if (!good) {
-        (void)snprintf(self->error, self->error_size, "%s:%zu: not YAML: %s", self->path, parser.problem_mark.line + 1,
-                       parser.problem != NULL ? parser.problem : "it cannot be read");
-    } else {
-        yaml_document_t second;
-        const bool more = yaml_parser_load(&parser, &second) == 0 || yaml_document_get_root_node(&second) != NULL;
-        yaml_document_delete(&second);
-        if (more) {
-            yaml_document_delete(&self->document);
-            good = fail_to_open(self->error, self->error_size, self->path, "expected one YAML document and no more");
+    if (!self->is_loaded) { /* its syntax is right: the screen has seen it all */
+        (void)snprintf(self->error, self->error_size, "%s: no memory to read it", self->path);
+    }
+    return self->is_loaded;
+}
+
+static void check_repetition(yaml_reader_t *self, yaml_node_t *map) {
+    yaml_node_t *key, *other, *value;
+    for (size_t i = 0; !self->failed && yaml_entry(self, map, i, &key, &value); i++) {
+        if (i == YAML_MAX_KEYS) {
+            yaml_refuse(self, map, "at most %d keys", YAML_MAX_KEYS);
+        }
+        for (size_t j = 0; j < i && yaml_entry(self, map, j, &other, &value); j++) {
+            if (strcmp(yaml_scalar(key), yaml_scalar(other)) == 0) {
+                yaml_refuse(self, key, "each key once; it stands in line %zu already", other->start_mark.line + 1);
+            }
         }
     }
-    yaml_parser_delete(&parser);
-    return good;
+}
+
+static void check_structure(yaml_reader_t *self) {
+    if (!yaml_is_mapping(yaml_root(self))) {
+        yaml_refuse(self, yaml_root(self), "a mapping of keys at its top, as name: and arm:");
+    }
+    for (yaml_node_t *node = self->document.nodes.start; node < self->document.nodes.top; node++) {
+        check_repetition(self, node);
+    }
 }
 
 bool yaml_reader_open(yaml_reader_t *self, const char *path, char error[], size_t error_size) {
-    memset(self, 0, sizeof *self);
-    self->path = path;
-    self->error = error;
-    self->error_size = error_size;
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) {
-        return fail_to_open(error, error_size, path, strerror(errno));
+    *self = (yaml_reader_t){.path = path, .error = error, .error_size = error_size};
+    size_t length = 0;
+    char *text = read_file(self, &length);
+    self->failed = text == NULL || !yaml_screen(path, text, length, error, error_size) || !load(self, text, length);
+    free(text);
+    if (!self->failed) {
+        check_structure(self);
     }
-    const bool seekable = fseek(file, 0, SEEK_END) == 0;
-    const long bytes = seekable ? ftell(file) : -1;
-    rewind(file);
-    bool good = false;
-    if (bytes < 0 || bytes > FILE_MAX_BYTES) {
-        (void)fail_to_open(error, error_size, path, "expected a scenario file of at most 1 MB");
-    } else if (bytes == 0) {
-        (void)fail_to_open(error, error_size, path, "is empty");
-    } else {
-        good = parse(self, file);
-    }
-    (void)fclose(file);
-    if (good && !yaml_is_mapping(yaml_root(self))) {
-        good = fail_to_open(error, error_size, path, "expected a mapping of keys at its top, as name: and arm:");
-        yaml_document_delete(&self->document);
-    }
-    return good;
+    return !self->failed;
 }
 
 void yaml_reader_close(yaml_reader_t *self) {
-    yaml_document_delete(&self->document);
+    if (self->is_loaded) {
+        yaml_document_delete(&self->document);
+        self->is_loaded = false;
+    }
 }
 
 yaml_node_t *yaml_root(yaml_reader_t *self) {
     return yaml_document_get_root_node(&self->document);
 }
 
-/* ---- structure */
-
-bool yaml_is_sequence(const yaml_node_t *node) {
-    return node != NULL && node->type == YAML_SEQUENCE_NODE;
-}
+/* ---- mappings */
 
 bool yaml_is_mapping(const yaml_node_t *node) {
     return node != NULL && node->type == YAML_MAPPING_NODE;
 }
 
-bool yaml_entry(yaml_reader_t *self, yaml_node_t *map, size_t i, const char **key, yaml_node_t **key_node,
-                yaml_node_t **value) {
+void yaml_expect_mapping(yaml_reader_t *self, const yaml_node_t *node) {
+    if (node != NULL && !yaml_is_mapping(node)) {
+        yaml_refuse(self, node, "a mapping of keys to values");
+    }
+}
+
+bool yaml_entry(yaml_reader_t *self, yaml_node_t *map, size_t i, yaml_node_t **key, yaml_node_t **value) {
     if (!yaml_is_mapping(map) || i >= (size_t)(map->data.mapping.pairs.top - map->data.mapping.pairs.start)) {
         return false;
     }
     const yaml_node_pair_t *pair = &map->data.mapping.pairs.start[i];
-    *key_node = yaml_document_get_node(&self->document, pair->key);
+    *key = yaml_document_get_node(&self->document, pair->key);
     *value = yaml_document_get_node(&self->document, pair->value);
-    *key = node_text(*key_node);
     return true;
 }
 
-static void refuse_key(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const keys[]) {
-    const char *nearest = keys[0];
-    char expected[EXPECTED_BYTES] = "one of";
-    for (size_t i = 0; keys[i] != NULL; i++) {
-        const size_t used = strlen(expected);
-        (void)snprintf(expected + used, sizeof expected - used, "%s %s", i > 0 ? "," : "", keys[i]);
-        nearest = unlikeness(node_text(node), keys[i]) < unlikeness(node_text(node), nearest) ? keys[i] : nearest;
-    }
-    if (unlikeness(node_text(node), nearest) <= 4) {
-        (void)snprintf(expected, sizeof expected, "a key it knows; did you mean %s?", nearest);
-    }
-    char label[SHOWN_BYTES + 20];
-    (void)snprintf(label, sizeof label, "%.*s: unknown key", SHOWN_BYTES, what);
-    yaml_refuse(self, node, label, expected);
-}
-
-void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *what, const char *const keys[]) {
-    if (map != NULL && !yaml_is_mapping(map)) {
-        yaml_refuse(self, map, what, "a mapping of keys");
-        return;
-    }
-    const char *key, *other;
-    yaml_node_t *key_node, *value;
-    for (size_t i = 0; yaml_entry(self, map, i, &key, &key_node, &value); i++) {
-        bool known = false;
-        for (size_t k = 0; keys[k] != NULL && !known; k++) {
-            known = strcmp(key, keys[k]) == 0;
-        }
-        if (!known) {
-            refuse_key(self, key_node, what, keys);
-        }
-        yaml_node_t *other_node, *other_value;
-        for (size_t j = 0; j < i && yaml_entry(self, map, j, &other, &other_node, &other_value); j++) {
-            if (strcmp(key, other) == 0) {
-                yaml_refuse(self, key_node, what, "each key once");
-            }
+void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]) {
+    yaml_expect_mapping(self, map);
+    yaml_node_t *key, *value;
+    for (size_t i = 0; yaml_entry(self, map, i, &key, &value); i++) {
+        if (yaml_choice(yaml_scalar(key), keys) < 0) {
+            yaml_refuse_choice(self, key, "keys", keys);
         }
     }
 }
 
 yaml_node_t *yaml_find(yaml_reader_t *self, yaml_node_t *map, const char *key) {
-    const char *name;
-    yaml_node_t *key_node, *value;
-    for (size_t i = 0; yaml_entry(self, map, i, &name, &key_node, &value); i++) {
-        if (strcmp(name, key) == 0) {
+    yaml_node_t *candidate, *value;
+    for (size_t i = 0; yaml_entry(self, map, i, &candidate, &value); i++) {
+        if (strcmp(yaml_scalar(candidate), key) == 0) {
             return value;
         }
     }
     return NULL;
 }
 
-yaml_node_t *yaml_need(yaml_reader_t *self, yaml_node_t *map, const char *what, const char *key) {
+yaml_node_t *yaml_need(yaml_reader_t *self, yaml_node_t *map, const char *key) {
     yaml_node_t *value = yaml_find(self, map, key);
-    if (value == NULL) {
-        char expected[EXPECTED_BYTES];
-        (void)snprintf(expected, sizeof expected, "a key %s in it", key);
-        yaml_refuse(self, map, what, expected);
+    if (value == NULL && !self->failed) {
+        yaml_refuse(self, map, "a key %s in it", key);
     }
     return value;
 }
 
-size_t yaml_length(const yaml_node_t *sequence) {
-    return yaml_is_sequence(sequence)
-               ? (size_t)(sequence->data.sequence.items.top - sequence->data.sequence.items.start) : 0;
+/* ---- lists */
+
+bool yaml_is_list(const yaml_node_t *node) {
+    return node != NULL && node->type == YAML_SEQUENCE_NODE;
 }
 
-yaml_node_t *yaml_item(yaml_reader_t *self, yaml_node_t *sequence, size_t i) {
-    return i < yaml_length(sequence) ? yaml_document_get_node(&self->document, sequence->data.sequence.items.start[i])
-                                     : NULL;
-}
-
-/* ---- values */
-
-const char *yaml_text(yaml_reader_t *self, const yaml_node_t *node, const char *key) {
-    if (node == NULL || node->type != YAML_SCALAR_NODE) {
-        yaml_refuse(self, node, key, "a plain value");
-        return "";
-    }
-    return node_text(node);
-}
-
-double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *key, double minimum, double maximum) {
-    const char *text = yaml_text(self, node, key);
-    char *end = NULL;
-    const double value = strtod(text, &end);
-    char expected[EXPECTED_BYTES];
-    if (end == text || *end != '\0' || !(value >= minimum && value <= maximum)) {
-        const char *unit = strrchr(key, '_');
-        (void)snprintf(expected, sizeof expected, "a plain number from %g to %g%s%s", minimum, maximum,
-                       unit != NULL ? " in " : "", unit != NULL ? unit + 1 : "");
-        yaml_refuse(self, node, key, expected);
-        return minimum;
-    }
-    return value;
-}
-
-void yaml_get_number(yaml_reader_t *self, yaml_node_t *map, const char *key, double minimum, double maximum,
-                     double *value) {
-    const yaml_node_t *node = yaml_find(self, map, key);
-    if (node != NULL) {
-        *value = yaml_number(self, node, key, minimum, maximum);
+void yaml_expect_list(yaml_reader_t *self, const yaml_node_t *node, size_t max) {
+    if (node != NULL && !yaml_is_list(node)) {
+        yaml_refuse(self, node, "a list");
+    } else if (yaml_length(node) > max) {
+        yaml_refuse(self, node, "at most %zu items; there are %zu", max, yaml_length(node));
     }
 }
 
-void yaml_get_bool(yaml_reader_t *self, yaml_node_t *map, const char *key, bool *value) {
-    static const char *const words[] = {"false", "true", NULL};
-    const yaml_node_t *node = yaml_find(self, map, key);
-    if (node != NULL) {
-        *value = yaml_word(self, node, key, words) == 1;
-    }
+size_t yaml_length(const yaml_node_t *list) {
+    return yaml_is_list(list) ? (size_t)(list->data.sequence.items.top - list->data.sequence.items.start) : 0;
 }
 
-void yaml_get_vector(yaml_reader_t *self, yaml_node_t *map, const char *key, size_t count, double minimum,
-                     double maximum, double value[]) {
-    yaml_node_t *node = yaml_find(self, map, key);
-    if (node == NULL) {
-        return;
-    }
-    if (yaml_length(node) != count) {
-        char expected[EXPECTED_BYTES];
-        (void)snprintf(expected, sizeof expected, "%zu numbers in brackets", count);
-        yaml_refuse(self, node, key, expected);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        value[i] = yaml_number(self, yaml_item(self, node, i), key, minimum, maximum);
-    }
-}
-
-void yaml_get_text(yaml_reader_t *self, yaml_node_t *map, const char *key, char text[], size_t size) {
-    const yaml_node_t *node = yaml_find(self, map, key);
-    if (node != NULL && (size_t)snprintf(text, size, "%s", yaml_text(self, node, key)) >= size) {
-        char expected[EXPECTED_BYTES];
-        (void)snprintf(expected, sizeof expected, "at most %zu characters", size - 1);
-        yaml_refuse(self, node, key, expected);
-    }
-}
-
-int yaml_word(yaml_reader_t *self, const yaml_node_t *node, const char *key, const char *const words[]) {
-    const char *text = yaml_text(self, node, key);
-    char expected[EXPECTED_BYTES] = "one of";
-    for (int i = 0; words[i] != NULL; i++) {
-        if (strcmp(text, words[i]) == 0) {
-            return i;
-        }
-        const size_t used = strlen(expected);
-        (void)snprintf(expected + used, sizeof expected - used, "%s %s", i > 0 ? "," : "", words[i]);
-    }
-    yaml_refuse(self, node, key, expected);
-    return -1;
-}
-
-void yaml_get_rotation(yaml_reader_t *self, yaml_node_t *map, const char *key, double rotation[4]) {
-    static const char *const keys[] = {"axis", "angle_deg", NULL};
-    static const char *const axes[] = {"x", "y", "z", NULL};
-    yaml_node_t *product = yaml_find(self, map, key);
-    if (product == NULL) {
-        return;
-    }
-    if (!yaml_is_sequence(product)) {
-        yaml_refuse(self, product, key, "a product of rotations as [{axis: x, angle_deg: 180}, ...]");
-        return;
-    }
-    const double identity[4] = {1.0, 0.0, 0.0, 0.0};
-    memcpy(rotation, identity, sizeof identity);
-    for (size_t i = 0; i < yaml_length(product); i++) {
-        yaml_node_t *factor = yaml_item(self, product, i);
-        double vector[3] = {0.0, 0.0, 0.0}, turn[4];
-        yaml_check_keys(self, factor, key, keys);
-        const int axis = yaml_word(self, yaml_need(self, factor, key, "axis"), "axis", axes);
-        const double angle_deg =
-            yaml_number(self, yaml_need(self, factor, key, "angle_deg"), "angle_deg", -360.0, 360.0);
-        vector[axis >= 0 ? axis : 0] = angle_deg * ROBOT_RAD_PER_DEG;
-        rotation_from_vector(vector, turn);
-        rotation_multiply(rotation, turn, rotation);
-    }
-    rotation_normalise(rotation);
-}
-
-void yaml_copy_name(yaml_reader_t *self, const yaml_node_t *node, const char *text, char name[], size_t size) {
-    const size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_");
-    if (length == 0 || text[length] != '\0' || length >= size || strchr("0123456789_", text[0]) != NULL) {
-        yaml_refuse(self, node, "name", "a short name of lower-case letters, digits and underscores");
-        return;
-    }
-    memcpy(name, text, length + 1);
+yaml_node_t *yaml_item(yaml_reader_t *self, yaml_node_t *list, size_t i) {
+    return i < yaml_length(list) ? yaml_document_get_node(&self->document, list->data.sequence.items.start[i]) : NULL;
 }

@@ -60,30 +60,45 @@ static bool resting_part(const object_t *rod, const object_t *stand, double *fro
     return *from_m < *until_m && fabs(gap_m) < GROOVE_DEPTH_M;
 }
 
-/* The two sides of the V at one end of the part that rests. */
+/* Where on its axis the rod now crosses the plane through `edge_m` across the groove. False: nowhere. */
+static bool axis_at_edge(const scene_object_t *rod, const double edge_m[3], const double along_groove[3],
+                         double crossing_m[3]) {
+    double middle[3], ahead[3], gap_m = 0.0, cosine = 0.0;
+    scene_object_point(rod, 0.0, middle);
+    scene_object_point(rod, 1.0, ahead);
+    for (int k = 0; k < 3; k++) {
+        gap_m += along_groove[k] * (edge_m[k] - middle[k]);
+        cosine += along_groove[k] * (ahead[k] - middle[k]);
+    }
+    if (fabs(gap_m) > 0.5 * rod->data->length_m * fabs(cosine)) {
+        return false;
+    }
+    scene_object_point(rod, cosine != 0.0 ? gap_m / cosine : 0.0, crossing_m);
+    return true;
+}
+
+/* The two sides of the V at one of its ends, over which the rod's axis passes along_m from its middle at the start. */
 static void collide_groove(const contact_sink_t *sink, const scene_object_t *rod, const object_t *stand,
                            double along_m) {
     const double z[3] = {0.0, 0.0, 1.0};
     const double start_along[3] = {0.0, 0.0, along_m};
-    double axis[3], up[3], rest[3], now[3];
+    double axis[3], up[3], edge[3], now[3];
     rotation_apply(rod->data->pose.rotation, z, axis);
     rotation_apply(stand->pose.rotation, z, up);
-    rotation_apply(rod->data->pose.rotation, start_along, rest);
-    scene_object_point(rod, along_m, now);
+    rotation_apply(rod->data->pose.rotation, start_along, edge);
+    for (int k = 0; k < 3; k++) {
+        edge[k] += rod->data->pose.position_m[k];
+    }
+    if (!axis_at_edge(rod, edge, axis, now)) {
+        return;
+    }
     const double side[3] = {up[1] * axis[2] - up[2] * axis[1], up[2] * axis[0] - up[0] * axis[2],
                             up[0] * axis[1] - up[1] * axis[0]};
-    double aside_m = 0.0;
-    for (int k = 0; k < 3; k++) {
-        aside_m += side[k] * (now[k] - rest[k] - rod->data->pose.position_m[k]);
-    }
-    if (fabs(aside_m) > GROOVE_DEPTH_M) {
-        return; /* beside the stand */
-    }
     for (int sign = -1; sign <= 1; sign += 2) {
         double normal[3], position[3], depth_m = 0.0;
         for (int k = 0; k < 3; k++) {
             normal[k] = GROOVE_SLOPE * (up[k] + sign * side[k]);
-            depth_m -= normal[k] * (now[k] - rest[k] - rod->data->pose.position_m[k]);
+            depth_m -= normal[k] * (now[k] - edge[k]);
         }
         for (int k = 0; k < 3; k++) {
             position[k] = now[k] - rod->data->radius_m * normal[k];

@@ -1,0 +1,96 @@
+#include <math.h>
+#include <stdio.h>
+
+#include "scenario_geometry.h"
+
+#define SPEED_MAX_MPS 5.0
+#define DISTANCE_MAX_M 1.5
+#define PEAK_OF_MINIMUM_JERK 1.875 /* peak speed over mean speed */
+
+/* Of the hand, from its start. */
+typedef struct {
+    bool is_known;
+    double m[3];
+} place_t;
+
+typedef struct {
+    const scenario_t *scenario;
+    const char *person, *program;
+    char *error;
+    size_t error_size;
+} motion_t;
+
+static double length_m(const double v[3]) {
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static bool check_speed(const motion_t *self, size_t number, const person_step_t *step, double way_m) {
+    const double speed_mps = PEAK_OF_MINIMUM_JERK * way_m / step->duration_s;
+    if (speed_mps > SPEED_MAX_MPS) {
+        (void)snprintf(self->error, self->error_size,
+                       "%s: people.%s.%s[%zu].duration_s '%g': expected more time: over %.3g m the hand reaches %.3g m/s, "
+                       "above %g m/s",
+                       self->scenario->path, self->person, self->program, number, step->duration_s, way_m, speed_mps,
+                       SPEED_MAX_MPS);
+        return false;
+    }
+    return true;
+}
+
+static bool check_distance(const motion_t *self, size_t number, const place_t *place) {
+    if (place->is_known && length_m(place->m) > DISTANCE_MAX_M) {
+        (void)snprintf(self->error, self->error_size,
+                       "%s: people.%s.%s[%zu] '[%g, %g, %g]': expected a place at most %g m from the start",
+                       self->scenario->path, self->person, self->program, number, place->m[0], place->m[1],
+                       place->m[2], DISTANCE_MAX_M);
+        return false;
+    }
+    return true;
+}
+
+static bool check_move(const motion_t *self, size_t number, const person_step_t *step, place_t *place) {
+    double way_m[3];
+    for (int k = 0; k < 3; k++) {
+        way_m[k] = step->displacement_m[k] - (step->from_here ? 0.0 : place->m[k]);
+        place->m[k] = step->displacement_m[k] + (step->from_here ? place->m[k] : 0.0);
+    }
+    const bool is_way_known = step->from_here || place->is_known;
+    place->is_known = place->is_known || !step->from_here;
+    return (!is_way_known || check_speed(self, number, step, length_m(way_m))) && check_distance(self, number, place);
+}
+
+static bool check_program(const motion_t *self, const person_step_t steps[], size_t count) {
+    place_t place = {.is_known = true};
+    for (size_t i = 0; i < count; i++) {
+        switch (steps[i].action) {
+        case PERSON_MOVE:
+            if (!check_move(self, i, &steps[i], &place)) {
+                return false;
+            }
+            break;
+        case PERSON_REACH:
+        case PERSON_GUIDE:
+        case PERSON_PLAY:
+        case PERSON_TURN: place.is_known = false; break;
+        case PERSON_REST:
+        case PERSON_GRIP:
+        case PERSON_RELEASE: break;
+        }
+    }
+    return true;
+}
+
+bool scenario_check_motion(const scenario_t *self, char error[], size_t error_size) {
+    for (size_t i = 0; i < self->person_count; i++) {
+        const person_t *person = &self->person[i];
+        motion_t motion = {self, person->name, "program", error, error_size};
+        if (!check_program(&motion, person->step, person->step_count)) {
+            return false;
+        }
+        motion.program = "program_with_recording";
+        if (!check_program(&motion, person->recorded_step, person->recorded_step_count)) {
+            return false;
+        }
+    }
+    return true;
+}

@@ -1,0 +1,86 @@
+#include "yaml_choice.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define WORD_BYTES 64
+#define LIST_BYTES 1200
+#define SHORT_LIST_BYTES 60
+#define LIKE_SHARE 3 /* a word is like another if at most every third of its letters differs, */
+#define LIKE_LEAST 2 /* or two */
+
+int yaml_choice(const char *word, const char *const words[]) {
+    for (int i = 0; words[i] != NULL; i++) {
+        if (strcmp(word, words[i]) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static size_t least(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+/* Letters to be inserted, left out or replaced to get from one word to the other (Levenshtein distance). */
+static size_t edit_distance(const char *a, const char *b) {
+    size_t row[WORD_BYTES];
+    const size_t length = strnlen(b, WORD_BYTES - 1);
+    for (size_t j = 0; j <= length; j++) {
+        row[j] = j;
+    }
+    for (size_t i = 1; a[i - 1] != '\0'; i++) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= length; j++) {
+            const size_t above = row[j];
+            row[j] = least(least(above, row[j - 1]) + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1));
+            diagonal = above;
+        }
+    }
+    return row[length];
+}
+
+/* NULL: none is like it. */
+static const char *most_like(const char *word, const char *const words[]) {
+    const size_t length = strlen(word);
+    size_t best = (length / LIKE_SHARE > LIKE_LEAST ? length / LIKE_SHARE : LIKE_LEAST) + 1;
+    const char *like = NULL;
+    for (size_t i = 0; length < WORD_BYTES && words[i] != NULL; i++) {
+        const size_t distance = edit_distance(word, words[i]);
+        if (distance < best && distance < length) { /* else nothing of it is left */
+            best = distance;
+            like = words[i];
+        }
+    }
+    return like;
+}
+
+/* "a, b, c"; what does not fit is left out. Gives how many words there are. */
+static size_t list_words(const char *const words[], char list[LIST_BYTES]) {
+    size_t count = 0, used = 0;
+    list[0] = '\0';
+    for (; words[count] != NULL; count++) {
+        if (used + strlen(words[count]) + sizeof ", , ..." < LIST_BYTES) {
+            used += (size_t)snprintf(list + used, LIST_BYTES - used, "%s%s", count > 0 ? ", " : "", words[count]);
+        } else if (strcmp(list + used - 3, "...") != 0) {
+            used += (size_t)snprintf(list + used, LIST_BYTES - used, ", ...");
+        }
+    }
+    return count;
+}
+
+void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const words[]) {
+    char list[LIST_BYTES];
+    const size_t count = list_words(words, list);
+    const char *like = most_like(yaml_scalar(node), words);
+    if (count == 0) {
+        yaml_refuse(self, node, "one of the %s: there are none", what);
+    } else if (like == NULL) {
+        yaml_refuse(self, node, "one of the %s %s", what, list);
+    } else if (strlen(list) <= SHORT_LIST_BYTES) {
+        yaml_refuse(self, node, "one of the %s %s; did you mean %s?", what, list, like);
+    } else {
+        yaml_refuse(self, node, "one of the %zu %s; did you mean %s?", count, what, like);
+    }
+}

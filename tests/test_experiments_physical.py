@@ -1,0 +1,142 @@
+"""The five experiments, judged by physics: they pass, and each criterion can fail."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, run
+
+RECORDINGS = REPOSITORY.parent / "shared" / "data" / "hand_motion"
+
+
+def failed(done: Run) -> set[str]:
+    return {check["name"] for check in done.summary["checks"] if not check["pass"]}
+
+
+def values(done: Run) -> dict[str, float]:
+    return {check["name"]: check["value"] for check in done.summary["checks"]}
+
+
+def variant(tmp_path: Path, name: str, *changes: tuple[str, str]) -> Path:
+    """The experiment's file with some text replaced, each once."""
+    text = experiment(name).read_text()
+    for old, new in changes:
+        assert text.count(old) == 1, f"{name}.yaml has {text.count(old)} times: {old}"
+        text = text.replace(old, new)
+    path = tmp_path / f"{name}_variant.yaml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_experiment_passes(tmp_path, name, seed):
+    done = run(tmp_path / "out", "--scenario", experiment(name), "--seed", seed).require_pass()
+    assert done.stderr == ""
+    assert done.summary["clearance"]["person_mm"] > 0
+
+
+@pytest.mark.parametrize("name", ["pour", "teleop"])
+def test_a_seed_repeats_an_experiment_bit_for_bit(tmp_path, name):
+    first, second, other = (
+        run(tmp_path / str(i), "--scenario", experiment(name), "--seed", seed) for i, seed in enumerate((3, 3, 4))
+    )
+    assert first.log.read_bytes() == second.log.read_bytes()
+    assert first.trace.read_bytes() == second.trace.read_bytes()
+    assert first.trace.read_bytes() != other.trace.read_bytes()
+
+
+@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
+@pytest.mark.parametrize("name", ["pour", "teleop", "handover"])
+def test_experiment_passes_with_a_recorded_hand(tmp_path, name):
+    done = run(tmp_path / "out", "--scenario", experiment(name), "--tracker", RECORDINGS / "kth_ho_sample_giver.csv")
+    done.require_pass()
+    recording = done.summary["recording"]
+    assert recording["file"].endswith("kth_ho_sample_giver.csv") and 0 < recording["position_scale"] < 1
+
+
+@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
+def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
+    both = ("--tracker", RECORDINGS / "kth_ho_sample_giver.csv", "--tracker-second", RECORDINGS / "kth_ho_sample_taker.csv")
+    run(tmp_path / "out", "--scenario", experiment("teleop"), *both).require_pass()
+
+
+# ---- each criterion can fail
+
+
+def test_tilted_too_early_the_water_misses_the_glass(tmp_path):
+    """Pouring starts at once, while the person's glass is still far away."""
+    path = variant(
+        tmp_path, "pour",
+        ("- {do: select, task: upright}", "- {do: select, task: pour}"),
+        ("position_m: [0.230, -0.260, -0.020]", "position_m: [0.330, -0.260, -0.020]"),
+    )  # fmt: skip
+    done = run(tmp_path / "out", "--scenario", path)
+    assert done.status == EXIT_CHECK_FAILED
+    assert "water_caught" in failed(done)
+
+
+def test_gripper_released_early_drops_the_pipe(tmp_path):
+    path = variant(
+        tmp_path, "teleop",
+        ("action: open, after: taker.holds, delay_s: 0.2", "action: open, after: teleoperator.lifted, delay_s: 0.2"),
+    )  # fmt: skip
+    done = run(tmp_path / "out", "--scenario", path)
+    assert done.status == EXIT_CHECK_FAILED
+    assert {"pipe_drops", "pipe_with_taker"} <= failed(done)
+    assert any(event["name"] == "pipe.dropped" for event in done.summary["events"])
+
+
+def test_gripper_released_early_drops_the_baton(tmp_path):
+    path = variant(tmp_path, "handover", ("action: open, after: person.holds, delay_s: 0.2", "action: open, at_s: 1"))
+    done = run(tmp_path / "out", "--scenario", path)
+    assert done.status == EXIT_CHECK_FAILED
+    assert {"baton_drops", "baton_with_person"} <= failed(done)
+
+
+def test_without_the_latch_the_robot_does_not_go_along(tmp_path):
+    """It goes on mirroring: what the person does along x, it does against it."""
+    path = variant(
+        tmp_path, "mirror",
+        ("  - {do: latch, name: latched, after: [robot.holds, person.holds]}\n", ""),
+        ("after: operator.latched, delay_s: 0.3", "after: person.holds, delay_s: 0.3"),
+        *((f"measure: {measure}, by: person, from: operator.latched", f"measure: {measure}, by: person")
+          for measure in ("force_rms", "force_peak")),
+        ("measure: following_rms, from: operator.latched", "measure: following_rms, from: person.holds"),
+    )  # fmt: skip
+    done = run(tmp_path / "out", "--scenario", path)
+    assert done.status == EXIT_CHECK_FAILED
+    assert "goes_along" in failed(done)
+
+
+@pytest.mark.parametrize(("name", "criteria"), [("mirror", {"same_height", "force_rms", "following"}), ("crank", {"force_rms"})])
+def test_paper_law_with_identity_gain_fails(tmp_path, name, criteria):
+    """K = 1 in metres is dominated by the orientation, which four joints cannot follow (paper's law to the letter)."""
+    gains = [f"--param=gain_{part}{axis}_per_s=1" for part in ("", "dual_") for axis in "wxyz"]
+    done = run(tmp_path / "out", "--scenario", experiment(name), "--paper-law", *gains)
+    assert done.status == EXIT_CHECK_FAILED
+    assert failed(done) & criteria
+
+
+def test_mirrored_motion_of_the_measured_robot(tmp_path):
+    """Person +x, robot -x; lateral and vertical motion equal: within 5 % of 30 mm, read from the trace by ourselves."""
+    done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
+    names = done.trace.open().readline().rstrip().split(",")
+    columns = {name: names.index(name) for name in ("t_s", "hand_x_m", "hand_y_m", "hand_z_m", "person_x_m", "person_y_m", "person_z_m")}
+    rows = [line.split(",") for line in done.trace.read_text().splitlines()[1:]]
+    at = {event["name"]: round(1000 * event["t_s"]) for event in json.loads((done.out / "summary.json").read_text())["events"]}
+
+    def way(who: str, axis: str, start: str, end: str) -> float:
+        column = columns[f"{who}_{axis}_m"]
+        return 1e3 * (float(rows[at[end]][column]) - float(rows[at[start]][column]))
+
+    for axis, sign, start, end in (
+        ("x", -1, "person.home", "person.back_settled"),
+        ("y", +1, "operator.started", "person.right_settled"),
+        ("z", +1, "operator.started", "person.up_settled"),
+    ):
+        person, robot = way("person", axis, start, end), way("hand", axis, start, end)
+        assert abs(person) == pytest.approx(30, abs=0.5)
+        assert robot == pytest.approx(sign * person, abs=1.5)

@@ -1,0 +1,104 @@
+"""What grips bear against statics: the robot's joints, its pads, shocks, torque about the jaws."""
+
+from __future__ import annotations
+
+import hoap3
+import numpy as np
+import plant_binding
+import pytest
+from scene_bench import ALONG_Y, GRAVITY_MPS2, Scene
+
+_, lib = plant_binding.load()
+CHECK_DEG = (90, 0, 0, -90)
+GRIPPER = np.array([0.166, -0.111, 0.014])  # 30 mm before the hand of the manual's check posture
+FREE_PLACE = np.array([0.4, 0.2, 0.0])  # far from arm and ground
+
+
+def rod(at, **values) -> dict:
+    return {"kind": lib.OBJECT_ROD, "pose": (list(at), ALONG_Y), **values}
+
+
+def person(at, **values) -> dict:
+    return {"start": (list(at), (1, 0, 0, 0)), **values}
+
+
+@pytest.mark.parametrize("kind", ["GRIP_BALL", "GRIP_FIXED"])
+def test_the_arms_joints_bear_what_the_gripper_holds(kind):
+    """Torque = the arm's own + J' times the rod's weight, J from numpy's kinematics."""
+    q, mass = np.radians([80, -30, 15, -70]), 0.25
+    hand = hoap3.frames(q)[4]
+    gripper = hand[:3, :3] @ [0, 0, 0.03] + hand[:3, 3]
+    thing = rod(gripper, held_by_robot=True, mass_kg=mass, robot_grip=getattr(lib, kind))
+    with Scene([], [thing], start_deg=np.degrees(q).tolist()) as scene:
+        scene.step(2000)
+        measured = [lib.arm_plant_torque_Nm(scene.arm, i) for i in range(4)]
+
+    def height(q):
+        frame = hoap3.frames(q)[4]
+        return (frame[:3, :3] @ [0, 0, 0.03] + frame[:3, 3])[2]
+
+    slope = np.array([(height(q + 1e-6 * e) - height(q - 1e-6 * e)) / 2e-6 for e in np.eye(4)])
+    assert np.abs(slope).max() > 0.05
+    assert np.allclose(measured, hoap3.holding_torque(q) + mass * GRAVITY_MPS2 * slope, atol=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["GRIP_BALL", "GRIP_FIXED"])
+def test_pads_give_way_as_springs(kind):
+    """Held in its middle, a rod of 0.3 kg sinks by its weight over the stiffness."""
+    thing = rod(GRIPPER, held_by_robot=True, mass_kg=0.3, robot_grip=getattr(lib, kind))
+    with Scene([], [thing], start_deg=CHECK_DEG, gripper={"stiffness_Npm": 1500.0}) as scene:
+        scene.step(2000)
+        sunk = scene.point("POINT_ROBOT_GRIPPER") - scene.thing()[0]
+        assert np.allclose(sunk, [0, 0, 0.3 * GRAVITY_MPS2 / 1500.0], atol=2e-6)
+        assert lib.scene_gripper_force_N(scene.scene) == pytest.approx(0.3 * GRAVITY_MPS2, rel=1e-4)
+
+
+@pytest.mark.parametrize(("limit_share", "lost"), [(0.97, 1), (1.03, 0)])
+def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
+    """A rod gripped 60 mm from its middle pulls with its weight times 60 mm at the jaws."""
+    mass, lever = 0.4, 0.06
+    limit = limit_share * mass * GRAVITY_MPS2 * lever
+    thing = rod(GRIPPER + [0, lever, 0], held_by_robot=True, mass_kg=mass, robot_grip=lib.GRIP_FIXED)
+    gripper = {"torque_limit_Nm": limit, "stiffness_Npm": 1e5, "damping_Nspm": 1e3}
+    with Scene([], [thing], start_deg=CHECK_DEG, gripper=gripper) as scene:
+        for n in range(1, 1001):  # the weight grows: no swing
+            scene.set_gravity(-GRAVITY_MPS2 * n / 1000)
+            scene.step()
+        scene.step(300)
+        assert scene.times("robot.lost") == lost == 1 - int(lib.scene_robot_holds(scene.scene))
+
+
+@pytest.mark.parametrize(("shock_steps", "lost"), [(1, 0), (40, 1)])
+def test_one_steps_shock_opens_no_hand(shock_steps, lost):
+    """Three times the limit (no stiffness: the puller's acceleration alone gives the force) for 1 ms, or for 40 ms."""
+    places = [FREE_PLACE - [0, 0.1, 0], FREE_PLACE + [0, 0.1, 0]]
+    limp = {"stiffness_Npm": 0.0, "mass_kg": 1.5}
+    people = [person(places[0], grip_force_limit_N=10.0, **limp), person(places[1], **limp)]
+    with Scene(people, [rod(FREE_PLACE, mass_kg=0.001)]) as scene:
+        scene.set_gravity(0.0)
+        assert scene.grip(0) and scene.grip(1)
+        aim, speed, peak_N = places[1].copy(), 0.0, 0.0
+        for n in range(100):
+            # 60 N on two hands of the same mass: 30 N at the other.
+            speed += 40.0 * scene.step_s if n < shock_steps else 0.0
+            aim = aim + [0, speed * scene.step_s, 0]
+            scene.aim(1, aim)
+            scene.step()
+            peak_N = max(peak_N, np.linalg.norm(scene.hand_force(0)))
+        assert peak_N == pytest.approx(30.0, rel=0.01)
+        assert scene.times("person0.lost") == lost
+
+
+def test_a_hand_holds_one_thing_and_no_stand():
+    stand = {"kind": lib.OBJECT_STAND, "pose": (list(FREE_PLACE), (1, 0, 0, 0))}
+    with Scene([person(FREE_PLACE)], [rod(FREE_PLACE), rod(FREE_PLACE), stand]) as scene:
+        assert not scene.grip(0, 2)
+        assert scene.grip(0, 1) and not scene.grip(0, 0)
+
+
+def test_held_from_the_start():
+    with Scene([], [rod(GRIPPER, held_by_robot=True)], start_deg=CHECK_DEG) as scene:
+        assert lib.scene_robot_holds(scene.scene)
+        scene.step(1000)
+        assert lib.scene_robot_holds(scene.scene)
+        assert scene.times("object0.dropped") == 0 == scene.times("robot.closed")
