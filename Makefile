@@ -81,15 +81,15 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 sim: export RUN_SCENARIO := $(SCENARIO)
 sim: export RUN_TRACKER := $(TRACKER)
 sim: export RUN_SEED := $(SEED)
-sim: export RUN_OUT := $(if $(OUT),$(OUT),$(if $(PLOT),out/$(basename $(notdir $(or $(SCENARIO),pour)))))
+sim: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
 	@set --; \
 	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
 	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
-	[ -z "$$RUN_OUT" ] || set -- "$$@" --out "$$RUN_OUT"; \
+	set -- "$$@" --out "$$RUN_OUT"; \
 	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
-	[ -z "$(PLOT)" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
+	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
 	exit $$status
 
 SEEDS := 20

@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "../hal/host/hal_host.h"
-#include "output/checks.h"
 #include "options/help.h"
 #include "options/options.h"
+#include "output/checks.h"
 #include "output/output_folder.h"
 #include "output/report.h"
 #include "scenario/scenario_file.h"

@@ -11,11 +11,12 @@
 
 #include "bus/bus.h"
 #include "bus/candump_log.h"
+#include "hand/hand_history.h"
+#include "monitors/contact_monitor.h"
 #include "monitors/observer.h"
+#include "monitors/physical_state.h"
 #include "monitors/scenario_monitor.h"
 #include "monitors/tracking.h"
-#include "monitors/contact_monitor.h"
-#include "monitors/physical_state.h"
 #include "nodes/drive_node.h"
 #include "nodes/gripper_node.h"
 #include "nodes/operator_node.h"
@@ -25,7 +26,6 @@
 #include "output/trace_csv.h"
 #include "proximity/proximity.h"
 #include "scenario/scenario.h"
-#include "hand/hand_history.h"
 #include "scene/person_program.h"
 #include "scene/scene.h"
 

@@ -255,7 +255,8 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
     """What the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
     controller, inbox, outbox = (ffi.new(f"controller{part}_t *") for part in ("", "_inbox", "_outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_hoap3_right))
-    queue = deque(frame for frame in frames if frame.frame_id not in SENT_BY_FIRMWARE)
+    addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
+    queue = deque(frame for frame in frames if frame.frame_id in addressed)
     trace = DBC.get_message_by_name("TickTrace")
     counters, sent, fed = None, {}, 0
     for tick in frames:

@@ -1,5 +1,5 @@
-"""Is ODE's world sane? Energy, momentum and motion of arm, rods and crank against analytic mechanics and numpy (hoap3.py),
-and how errors shrink with the step."""
+"""Is ODE's world sane? Energy, momentum and motion of arm, rods and crank against analytic mechanics and numpy
+(hoap3.py), and how errors shrink with the step."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ def pendulum(duration_s: float, step_s: float):
 
 
 def compound_pendulum(t: np.ndarray) -> np.ndarray:
-    """Shoulder pitch over time by numpy's inertia and gravity torque; the other joints are locked. The inertia about the
-    shoulder's axis does not depend on its angle, and the amplitude is large: no small-angle formula would do."""
+    """Shoulder pitch over time by numpy's inertia and gravity torque; the other joints are locked. The inertia about
+    the shoulder's axis does not depend on its angle, and the amplitude is large: no small-angle formula would do."""
     inertia = hoap3.inertia_matrix(PENDULUM_START)[0, 0]
 
     def motion(_, state):
@@ -227,7 +227,8 @@ def test_inner_forces_change_no_momentum():
         for step in range(1, 1001):
             scene.aim(0, origin + push_mps * scene.step_s * step)
             scene.step()
-            v_hand = (scene.hand()[0] - hand) / scene.step_s  # ODE's own: it moves a body by its velocity times the step
+            # ODE's own velocities: it moves a body by them times the step.
+            v_hand = (scene.hand()[0] - hand) / scene.step_s
             v_rod = (scene.thing()[0] - middle) / scene.step_s
             spin = np.cross(direction, scene.thing()[1].apply([0, 0, 1])) / scene.step_s
             assert np.allclose(hand_kg * v_hand + rod_kg * v_rod, hand_kg * push_mps, atol=1e-9)

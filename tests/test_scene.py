@@ -297,8 +297,7 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
     """With its middle above the stand, but not above the stand's: it neither creeps nor sinks in nor tips."""
     middle = np.array([0.4, 0.2, 0.0])
     thing = rod_on_stand(middle, axis)
-    x, y, z, w = axis[1], axis[2], axis[3], axis[0]
-    direction = Rotation.from_quat([x, y, z, w]).apply(UP)
+    direction = Rotation.from_quat(axis, scalar_first=True).apply(UP)
     reach_m = np.abs(np.array(STAND["size_m"]) @ np.abs(direction)) / 2
     thing[0]["pose"] = (list(middle + min(along_m, 0.8 * reach_m) * direction), axis)
     with Scene([], thing) as scene:
@@ -311,6 +310,27 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
     assert np.abs(rest - start).max() < 1e-4
     assert (rotation.inv() * upright).magnitude() < 1e-3
     assert ode_messages == []
+
+
+@pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
+def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
+    """Friction of 0.6 on the two sides of a V of 90 degrees is 0.6 sqrt(2) of what presses the rod into it; less while
+    it settles, as friction across bears part of the weight. Held, each of four contacts creeps by 1 mm/s per N."""
+    slope = Rotation.from_euler("x", slope_deg, degrees=True)
+    rod, stand = rod_on_stand(HAND_M)
+    stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))
+    lying = slope * Rotation.from_quat(ALONG_Y, scalar_first=True)
+    rod["pose"] = (list(HAND_M), list(lying.as_quat(scalar_first=True)))
+    with Scene([], [rod, stand]) as scene:
+        duration_s = 0.15
+        scene.step(150)
+        way_m = np.linalg.norm(scene.thing()[0] - HAND_M)
+    pull, press = np.sin(slope.magnitude()), np.cos(slope.magnitude())
+    if slides:
+        expected_m = 0.5 * GRAVITY_MPS2 * (pull - 0.6 * 2**0.5 * press) * duration_s**2
+        assert way_m == pytest.approx(expected_m, rel=0.15)  # without friction it would be twice as far
+    else:
+        assert way_m == pytest.approx(1e-3 * WEIGHT_N * pull / 4 * duration_s, abs=3e-5)
 
 
 def test_rod_is_lifted_off_its_stand_with_its_weight_alone(ode_messages):
@@ -327,7 +347,12 @@ def test_rod_is_lifted_off_its_stand_with_its_weight_alone(ode_messages):
             largest_N = max(largest_N, np.linalg.norm(scene.hand_force()))
         assert scene.hand_force() == pytest.approx(-WEIGHT_N * UP, abs=1e-3)
         assert scene.thing()[0][2] - HAND_M[2] == pytest.approx(lift_m - WEIGHT_N / PERSON["stiffness_Npm"], abs=1e-4)
-    assert largest_N < WEIGHT_N + ROD["mass_kg"] * 5.8 * lift_m / lift_s**2 + 0.05  # peak of minimum jerk's acceleration
+        assert scene.times("object0.dropped") == 0
+        lib.scene_open_hand(scene.scene, 0)
+        scene.step(30)
+        assert scene.times("object0.dropped") == 1
+    push_N = ROD["mass_kg"] * 5.8 * lift_m / lift_s**2  # peak of minimum jerk's acceleration
+    assert largest_N < WEIGHT_N + push_N + 0.05
     assert ode_messages == []
 
 

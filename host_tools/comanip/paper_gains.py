@@ -28,9 +28,9 @@ TORSO, TARGET = 0.0, 1.0
 
 PAPER_GAINS = law_parameters(
     error_frame=TORSO,
-    gain_rotation_per_s=4.0,
-    gain_dual_per_s=400.0,
+    gain_rotation_per_s=1.0,
+    gain_dual_per_s=64.0,
     weight_rotation=1.0,
     weight_dual=1.0,
-    damping=1e-4,
+    damping=3e-3,
 )

@@ -41,13 +41,14 @@ void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robo
     begin_move(self, aim, robot_follows, error_m, self->step->lift_m, begin_s, self->step->duration_s);
 }
 
-double approach_end_s(const approach_t *self) {
+/* When the hand has done its last move, and the robot has followed. */
+static double end_s(const approach_t *self) {
     const double settle_s = self->step->action == PERSON_GUIDE ? SETTLE_S : 0.0;
     return self->path.begin_s + self->path.duration_s + settle_s;
 }
 
 approach_status_t approach_look(approach_t *self, const double robot_follows[3], double now_s, double *miss_m) {
-    if (now_s < approach_end_s(self) - TIME_TOLERANCE_S) {
+    if (now_s < end_s(self) - TIME_TOLERANCE_S) {
         return APPROACH_MOVES;
     }
     double error_m[3];

@@ -3,7 +3,6 @@
 #ifndef COMANIP_SIM_APPROACH_H
 #define COMANIP_SIM_APPROACH_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "../scene/scene.h"
@@ -24,8 +23,5 @@ void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robo
 
 /* Looks at the scene of now_s, and begins a correction where one is needed. miss_m: how far off it is. */
 approach_status_t approach_look(approach_t *self, const double robot_follows[3], double now_s, double *miss_m);
-
-/* When the hand has done its last move, and the robot has followed. */
-double approach_end_s(const approach_t *self);
 
 #endif

@@ -10,6 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "hand_path.h"
+
 #define LINE_BYTES 1024
 #define MAX_COLUMNS 13
 #define QUATERNION_COLUMNS 8
@@ -190,10 +192,8 @@ static bool convert_row(reader_t *self, const double value[], double first_time_
                                               : convert_matrix(self, &value[4], rotation))) {
         return false;
     }
-    if (before != NULL && rotation_dot(before->pose.rotation, rotation) < 0.0) {
-        for (int i = 0; i < 4; i++) {
-            rotation[i] = -rotation[i];
-        }
+    if (before != NULL) {
+        pose_choose_side(&sample->pose, &before->pose);
     }
     return true;
 }

@@ -5,10 +5,8 @@
 
 #include "crank_turn.h"
 
-#define TWO_PI 6.283185307179586
-
 double sight_crank_rad(const scene_t *scene, size_t object) {
-    return TWO_PI * scene_crank_turns(scene, object);
+    return 2.0 * ROBOT_PI * scene_crank_turns(scene, object);
 }
 
 double sight_distance_m(const scene_t *scene, const scenario_t *scenario, size_t person, size_t object) {

@@ -227,8 +227,10 @@ static void await_answer(operator_node_t *self, int64_t from_ns, int64_t until_n
     }
     if (self->sendings > OPERATOR_RETRIES) {
         const bool asks_gripper = self->steps[self->current].action == OPERATOR_MOVE_GRIPPER;
-        fail(self, from_ns, asks_gripper ? "no answer from the gripper to 4 sendings, 50 ms each"
-                                         : "no answer from the firmware to 4 sendings, 50 ms each");
+        char what[TEXT_BYTES];
+        (void)snprintf(what, sizeof what, "no answer from the %s to %d sendings, %g ms each",
+                       asks_gripper ? "gripper" : "firmware", OPERATOR_RETRIES + 1, 1e3 * OPERATOR_ACK_TIMEOUT_S);
+        fail(self, from_ns, what);
     } else {
         send_step(self, self->timeout_ns > from_ns ? self->timeout_ns : from_ns);
     }

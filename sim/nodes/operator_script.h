@@ -10,7 +10,7 @@
 #include "../scenario/scenario.h"
 #include "operator_node.h"
 
-#define SCENARIO_CLUTCH_MIN_S 1.0 /* no clutch before: the cooperation has begun */
+#define OPERATOR_SCRIPT_CLUTCH_MIN_S 1.0 /* no clutch before: the cooperation has begun */
 #define OPERATOR_SCRIPT_MAX_STEPS (PARAMETER_COUNT + SCENARIO_MAX_STEPS + 3)
 
 /* What the operator shall do beside the scenario's script. */

@@ -63,7 +63,7 @@ static const struct {
     {OPTION_NOISE_DEG, offsetof(options_t, tracker.noise_rotation_rad), ROBOT_RAD_PER_DEG, 0.0, 57.0,
      "a standard deviation in degrees from 0 to 57"},
     {OPTION_LATENCY_MS, offsetof(options_t, tracker.latency_s), 1e-3, 0.0, 500.0, "a number of ms from 0 to 500"},
-    {OPTION_CLUTCH, offsetof(options_t, operator.clutch_s), 1.0, SCENARIO_CLUTCH_MIN_S, 86400.0,
+    {OPTION_CLUTCH, offsetof(options_t, operator.clutch_s), 1.0, OPERATOR_SCRIPT_CLUTCH_MIN_S, 86400.0,
      "a number of seconds from 1 to 86400"},
     {OPTION_DROPOUT, offsetof(options_t, tracker.dropout_probability), 1.0, 0.0, 1.0, "a probability from 0 to 1"},
 };

@@ -20,10 +20,14 @@ static double simulated_s(const world_t *world) {
 
 static void write_followable(json_writer_t *json, const tracking_sums_t *sums) {
     const bool measured = sums->ticks > 0;
+    if (!measured) {
+        json_null(json, "followable");
+        return;
+    }
     json_begin(json, "followable", '{');
     json_number(json, "s", (double)sums->ticks * WORLD_TICK_NS * 1e-9);
-    json_number(json, "rms_position_mm", measured ? tracking_rms_position_mm(sums) : (double)NAN);
-    json_number(json, "rms_orientation_deg", measured ? tracking_rms_orientation_deg(sums) : (double)NAN);
+    json_number(json, "rms_position_mm", tracking_rms_position_mm(sums));
+    json_number(json, "rms_orientation_deg", tracking_rms_orientation_deg(sums));
     json_end(json, '}');
 }
 

@@ -190,11 +190,11 @@ typedef struct {
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between ODE's hand and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, of the same */
-    MEASURE_DISPLACEMENT,     /* mm, way of ODE's hand from `since` to `until` less expected_m times motion_scale */
-    MEASURE_WAY_X, MEASURE_WAY_Y, MEASURE_WAY_Z, /* mm, ODE's hand along this axis from `since` to `until`; signed */
+    MEASURE_DISPLACEMENT,     /* mm, way of ODE's hand from `from` to `until` less expected_m times motion_scale */
+    MEASURE_WAY_X, MEASURE_WAY_Y, MEASURE_WAY_Z, /* mm, ODE's hand along this axis from `from` to `until`; signed */
     MEASURE_TILT,             /* deg, least angle between torso z and the hand's axis that was along it at the start */
     MEASURE_CUP_TILT_PEAK,    /* deg, largest angle between torso z and the axis of the robot's cup */
-    MEASURE_TURN,             /* deg, by which the hand has turned since the start command, less expected_deg */
+    MEASURE_TURN,             /* deg, by which the hand has turned from `from` to `until`, less expected_deg */
     MEASURE_WATER_POURED,     /* %, of the particles, that left the robot's cup */
     MEASURE_WATER_CAUGHT,     /* %, of these, that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
@@ -218,7 +218,7 @@ typedef struct {
     scenario_name_t name;
     measure_t measure;
     moment_t from, until; /* the window. A single instant: `until` */
-    bool has_from, has_until; /* else from the start command, to the operator's stop */
+    bool has_from, has_until; /* else as check_window.h says */
     double expected_m[3];
     double expected_deg;
     size_t object, person;

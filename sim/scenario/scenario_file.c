@@ -126,7 +126,8 @@ bool scenario_load(scenario_t *self, const char *name_or_path, const char *folde
         read_sections(&yaml, self);
     }
     yaml_reader_close(&yaml);
-    return !yaml.failed && scenario_check_geometry(self, error, error_size);
+    return !yaml.failed && scenario_check_geometry(self, error, error_size) &&
+           scenario_check_water(self, error, error_size);
 }
 
 bool scenario_list(const char *folder, scenario_visitor_t *visit, void *context, char error[], size_t error_size) {

@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #define START_RANGE_M 2.0
-#define PACKING_MAX 0.64 /* volume of spheres over the cup's: random close packing */
 
 static bool check_people(const scenario_t *self, char error[], size_t error_size) {
     for (size_t i = 0; i < self->person_count; i++) {
@@ -12,32 +11,11 @@ static bool check_people(const scenario_t *self, char error[], size_t error_size
         const double distance_m = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
         if (distance_m > START_RANGE_M) {
             (void)snprintf(error, error_size,
-                           "%s: people.%s.position_m '[%g, %g, %g]': expected at most %g m from the torso; are the numbers "
-                           "in m?",
+                           "%s: people.%s.position_m '[%g, %g, %g]': expected at most %g m from the torso; are the "
+                           "numbers in m?",
                            self->path, self->person[i].name, p[0], p[1], p[2], START_RANGE_M);
             return false;
         }
-    }
-    return true;
-}
-
-static bool check_water(const scenario_t *self, char error[], size_t error_size) {
-    if (self->water.particles == 0) {
-        return true;
-    }
-    const double r = self->water.particle_radius_m, radius_m = self->cup.radius_m;
-    const double cup_m3 = ROBOT_PI * radius_m * radius_m * self->cup.height_m;
-    const double most = PACKING_MAX * cup_m3 / (4.0 / 3.0 * ROBOT_PI * r * r * r);
-    if (r >= radius_m) {
-        (void)snprintf(error, error_size, "%s: water.particle_radius_m '%g': expected less than the robot cup's %g m",
-                       self->path, r, radius_m);
-        return false;
-    }
-    if (self->water.particles > most) {
-        (void)snprintf(error, error_size,
-                       "%s: water.particles '%d': expected at most %.0f, which fill the robot's cup to the rim", self->path,
-                       self->water.particles, floor(most));
-        return false;
     }
     return true;
 }
@@ -74,7 +52,7 @@ static bool check_held(const scenario_t *self, char error[], size_t error_size) 
             continue;
         }
         if (held != NULL) {
-            (void)snprintf(error, error_size, "%s: objects.%s.held_by 'robot': expected one held object; %s is held already",
+            (void)snprintf(error, error_size, "%s: objects.%s.held_by 'robot': expected one held object; %s is another",
                            self->path, object->name, held->name);
             return false;
         }
@@ -82,8 +60,8 @@ static bool check_held(const scenario_t *self, char error[], size_t error_size) 
         const double distance_m = distance_from_gripper_m(self, object);
         if (distance_m > self->gripper.capture_m) {
             (void)snprintf(error, error_size,
-                           "%s: objects.%s.held_by 'robot': expected its axis within %g mm of the gripper's middle; it is "
-                           "%.1f mm away",
+                           "%s: objects.%s.held_by 'robot': expected its axis within %g mm of the gripper's middle; it "
+                           "is %.1f mm away",
                            self->path, object->name, 1e3 * self->gripper.capture_m, 1e3 * distance_m);
             return false;
         }
@@ -92,7 +70,6 @@ static bool check_held(const scenario_t *self, char error[], size_t error_size) 
 }
 
 bool scenario_check_geometry(const scenario_t *self, char error[], size_t error_size) {
-    return check_people(self, error, error_size) && check_water(self, error, error_size) &&
-           check_held(self, error, error_size) && scenario_check_motion(self, error, error_size) &&
-           scenario_check_overlap(self, error, error_size);
+    return check_people(self, error, error_size) && check_held(self, error, error_size) &&
+           scenario_check_motion(self, error, error_size) && scenario_check_overlap(self, error, error_size);
 }

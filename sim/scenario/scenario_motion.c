@@ -28,8 +28,8 @@ static bool check_speed(const motion_t *self, size_t number, const person_step_t
     const double speed_mps = PEAK_OF_MINIMUM_JERK * way_m / step->duration_s;
     if (speed_mps > SPEED_MAX_MPS) {
         (void)snprintf(self->error, self->error_size,
-                       "%s: people.%s.%s[%zu].duration_s '%g': expected more time: over %.3g m the hand reaches %.3g m/s, "
-                       "above %g m/s",
+                       "%s: people.%s.%s[%zu].duration_s '%g': expected more time: over %.3g m the hand reaches %.3g "
+                       "m/s, above %g m/s",
                        self->scenario->path, self->person, self->program, number, step->duration_s, way_m, speed_mps,
                        SPEED_MAX_MPS);
         return false;

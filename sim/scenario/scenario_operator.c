@@ -1,6 +1,4 @@
 /* Section operator. */
-#include <string.h>
-
 #include "scenario_sections.h"
 #include "yaml_choice.h"
 

@@ -53,7 +53,8 @@ static size_t list_points(const scenario_t *self, point_t points[POINTS_MAX],
     for (size_t i = 0; i < self->object_count; i++) {
         for (size_t j = 0; j < self->object[i].point_count; j++) {
             points[count] = (point_t){.kind = POINT_OBJECT, .index = i, .point = j};
-            (void)snprintf(names[count++], sizeof names[0], "%s.%s", self->object[i].name, self->object[i].point[j].name);
+            (void)snprintf(names[count++], sizeof names[0], "%s.%s", self->object[i].name,
+                           self->object[i].point[j].name);
         }
     }
     return count;

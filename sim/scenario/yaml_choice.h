@@ -1,5 +1,5 @@
-/* Words of which a file must use one: keys, kinds, names of things. A wrong one is refused with the one that was perhaps
- * meant. */
+/* Words of which a file must use one: keys, kinds, names of things. A wrong one is refused with the one that was
+ * perhaps meant. */
 #ifndef COMANIP_SIM_YAML_CHOICE_H
 #define COMANIP_SIM_YAML_CHOICE_H
 

@@ -25,9 +25,10 @@ static bool find_path(yaml_reader_t *self, const yaml_node_t *node, const yaml_n
         return true;
     }
     const size_t length = strlen(path);
-    for (size_t i = 0; yaml_is_list(node) && i < yaml_length(node); i++) {
+    for (size_t i = 0; i < yaml_length(node); i++) {
+        const yaml_node_t *item = yaml_document_get_node(&self->document, node->data.sequence.items.start[i]);
         (void)snprintf(path + length, YAML_PATH_BYTES - length, "[%zu]", i);
-        if (find_path(self, yaml_document_get_node(&self->document, node->data.sequence.items.start[i]), target, path)) {
+        if (find_path(self, item, target, path)) {
             return true;
         }
     }

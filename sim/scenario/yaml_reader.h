@@ -1,6 +1,6 @@
-/* A YAML file (libyaml) as a tree of mappings and lists. The first error is kept as one line that names file, line, the
- * path of keys, value and what was expected; after it every reader gives its default, so that callers need to look once,
- * at the end. Values: yaml_values.h. */
+/* A YAML file (libyaml) as a tree of mappings and lists. The first error is kept as one line that names file, line,
+ * path of keys, value and what was expected; after it every reader gives its default, so that callers need to look
+ * once, at the end. Values: yaml_values.h. */
 #ifndef COMANIP_SIM_YAML_READER_H
 #define COMANIP_SIM_YAML_READER_H
 

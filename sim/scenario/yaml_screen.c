@@ -17,11 +17,28 @@ typedef struct {
     bool key_is_next[MAX_DEPTH + 1];
 } screen_t;
 
+/* Bytes before the first that could move a terminal's cursor or end a line: ASCII's controls, U+0080 to U+009F, U+2028
+ * and U+2029. The text ends with a zero byte. */
+static size_t plain_bytes(const yaml_char_t *text, size_t length) {
+    for (size_t i = 0; i < length; i++) {
+        const bool is_control = text[i] < ' ' || text[i] == 0x7F || (text[i] == 0xC2 && text[i + 1] < 0xA0);
+        const bool is_separator = text[i] == 0xE2 && text[i + 1] == 0x80 && (text[i + 2] & 0xFE) == 0xA8;
+        if (is_control || is_separator) {
+            return i;
+        }
+    }
+    return length;
+}
+
 /* mark: '&' of an anchor, '*' of an alias; "" before what shows it itself. */
 static bool refuse(const screen_t *self, const yaml_event_t *event, const char *mark, const yaml_char_t *value,
                    const char *expected) {
+    size_t shown = plain_bytes(value, strnlen((const char *)value, SHOWN_BYTES));
+    while (shown > 0 && (value[shown] & 0xC0) == 0x80) { /* no character of UTF-8 is cut in two */
+        shown--;
+    }
     (void)snprintf(self->error, self->error_size, "%s:%zu: '%s%.*s': expected %s", self->path,
-                   event->start_mark.line + 1, mark, SHOWN_BYTES, (const char *)value, expected);
+                   event->start_mark.line + 1, mark, (int)shown, (const char *)value, expected);
     return false;
 }
 
@@ -32,19 +49,6 @@ static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
                    parser->problem != NULL ? parser->problem : "no memory", parser->context != NULL ? " " : "",
                    parser->context != NULL ? parser->context : "");
     return false;
-}
-
-/* Nothing that moves a terminal's cursor or ends a line: ASCII's controls, U+0080 to U+009F, U+2028 and U+2029. */
-static bool is_in_one_line(const yaml_event_t *event) {
-    const yaml_char_t *text = event->data.scalar.value;
-    for (size_t i = 0; i < event->data.scalar.length; i++) {
-        const bool is_control = text[i] < ' ' || text[i] == 0x7F || (text[i] == 0xC2 && text[i + 1] < 0xA0);
-        const bool is_separator = text[i] == 0xE2 && text[i + 1] == 0x80 && (text[i + 2] == 0xA8 || text[i + 2] == 0xA9);
-        if (is_control || is_separator) {
-            return false;
-        }
-    }
-    return true;
 }
 
 /* Every second node of a mapping is a key. */
@@ -79,7 +83,7 @@ static bool is_plain_node(const screen_t *self, const yaml_event_t *event, const
 }
 
 static bool screen_scalar(screen_t *self, const yaml_event_t *event) {
-    if (!is_in_one_line(event)) {
+    if (plain_bytes(event->data.scalar.value, event->data.scalar.length) < event->data.scalar.length) {
         return refuse(self, event, "", event->data.scalar.value, "text in one line, without control characters");
     }
     return is_plain_node(self, event, event->data.scalar.anchor, event->data.scalar.tag) &&

@@ -2,7 +2,6 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -149,7 +148,7 @@ void yaml_name(yaml_reader_t *self, const yaml_node_t *node, char name[], size_t
     if (is_name) {
         memcpy(name, text, length + 1);
     } else if (!self->failed) {
-        yaml_refuse(self, node, "a name: a lower-case letter, then such letters, digits, underscores; at most %zu in all",
+        yaml_refuse(self, node, "a name: a lower-case letter, then such letters, digits or _; at most %zu in all",
                     size - 1);
     }
 }

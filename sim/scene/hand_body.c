@@ -68,8 +68,3 @@ void hand_body_pose(const hand_body_t *self, rigid_pose_t *pose) {
     memcpy(pose->position_m, dBodyGetPosition(self->body), sizeof pose->position_m);
     memcpy(pose->rotation, dBodyGetQuaternion(self->body), sizeof pose->rotation);
 }
-
-double hand_body_speed_mps(const hand_body_t *self) {
-    const dReal *v = dBodyGetLinearVel(self->body);
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}

@@ -29,6 +29,5 @@ void hand_body_init(hand_body_t *self, struct dxWorld *world, const person_t *pe
 void hand_body_push(hand_body_t *self, double step_s);
 
 void hand_body_pose(const hand_body_t *self, rigid_pose_t *pose);
-double hand_body_speed_mps(const hand_body_t *self);
 
 #endif

@@ -58,7 +58,7 @@ person_program_t *person_program_create(const scenario_t *scenario, size_t perso
     self->aim = self->person->start;
     tremor_init(&self->tremor, 1e-3 * self->person->tremor_mm, seed, self->person->name);
     if (recording != NULL && self->count == 0) {
-        (void)snprintf(error, error_size, "%s: %s of scenario %s has no recorded_steps that could play it", recording,
+        (void)snprintf(error, error_size, "%s: %s of scenario %s has no program_with_recording that could play it", recording,
                        self->person->name, scenario->name);
         person_program_destroy(self);
         return NULL;

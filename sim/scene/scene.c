@@ -79,7 +79,7 @@ static bool create_water(scene_t *self) {
 
 static void create_people(scene_t *self) {
     self->person_with_cup = -1;
-    for (size_t i = self->scenario->person_count; i-- > 0;) {
+    for (size_t i = self->scenario->person_count; i-- > 0;) { /* backwards: the first cup stays */
         const person_t *person = &self->scenario->person[i];
         hand_body_init(&self->hand[i], self->world, person);
         self->grip[i].properties = (grip_properties_t){.force_limit_N = person->grip_force_limit_N};
@@ -296,10 +296,6 @@ void scene_aim_hand(scene_t *self, size_t person, const rigid_pose_t *hand) {
 
 void scene_hand(const scene_t *self, size_t person, rigid_pose_t *hand) {
     hand_body_pose(&self->hand[person], hand);
-}
-
-double scene_hand_speed_mps(const scene_t *self, size_t person) {
-    return hand_body_speed_mps(&self->hand[person]);
 }
 
 bool scene_close_hand(scene_t *self, size_t person, size_t object) {

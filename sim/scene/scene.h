@@ -41,7 +41,6 @@ void scene_robot_cup(const scene_t *self, rigid_pose_t *cup);
  * scene_step(). */
 void scene_aim_hand(scene_t *self, size_t person, const rigid_pose_t *hand);
 void scene_hand(const scene_t *self, size_t person, rigid_pose_t *hand);
-double scene_hand_speed_mps(const scene_t *self, size_t person);
 
 /* False, and nothing happens, if no part of the object is within 25 mm of the grip. */
 bool scene_close_hand(scene_t *self, size_t person, size_t object);

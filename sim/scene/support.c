@@ -20,17 +20,19 @@ typedef struct {
     double step_s;
 } contact_sink_t;
 
+/* ODE limits friction in two directions apart, `along` and across it: right for a rod that slides along its axis. */
 static void add_contact(const contact_sink_t *sink, dBodyID body, const double position_m[3], const double normal[3],
-                        double depth_m) {
+                        const double along[3], double depth_m) {
     const double total = sink->step_s * CONTACT_NPM + CONTACT_NSPM;
     dContact contact = {.surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM | dContactSlip1 |
-                                            dContactSlip2,
+                                            dContactSlip2 | dContactFDir1,
                                     .mu = FRICTION, .soft_erp = sink->step_s * CONTACT_NPM / total,
                                     .soft_cfm = 1.0 / total, .slip1 = CONTACT_SLIP_MPNS, .slip2 = CONTACT_SLIP_MPNS},
                         .geom = {.depth = depth_m}};
     for (int k = 0; k < 3; k++) {
         contact.geom.pos[k] = position_m[k];
         contact.geom.normal[k] = normal[k];
+        contact.fdir1[k] = along[k];
     }
     dJointAttach(dJointCreateContact(sink->world, sink->group, &contact), body, NULL);
 }
@@ -104,19 +106,19 @@ static void collide_groove(const contact_sink_t *sink, const scene_object_t *rod
             position[k] = now[k] - rod->data->radius_m * normal[k];
         }
         if (depth_m >= 0.0 && depth_m < GROOVE_DEPTH_M) {
-            add_contact(sink, rod->body, position, normal, depth_m);
+            add_contact(sink, rod->body, position, normal, axis, depth_m);
         }
     }
 }
 
 static void collide_ground(const contact_sink_t *sink, const scene_object_t *rod) {
-    const double up[3] = {0.0, 0.0, 1.0};
+    const double x[3] = {1.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
     for (int end = -1; end <= 1; end += 2) {
         double position[3];
         scene_object_point(rod, 0.5 * end * rod->data->length_m, position);
         position[2] -= rod->data->radius_m;
         if (position[2] < OBJECTS_GROUND_Z_M) {
-            add_contact(sink, rod->body, position, up, OBJECTS_GROUND_Z_M - position[2]);
+            add_contact(sink, rod->body, position, up, x, OBJECTS_GROUND_Z_M - position[2]);
         }
     }
 }

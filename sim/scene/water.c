@@ -6,8 +6,8 @@
 
 #include "cup.h"
 #include "particle_contacts.h"
+#include "physics.h"
 
-#define GRAVITY_MPS2 9.80665
 #define SOLVER_ITERATIONS 10 /* more change nothing that counts: the contacts are soft */
 
 /* Particles of one size settle into crystal layers that do not flow. The golden ratio's multiples spread evenly. */
@@ -148,7 +148,7 @@ water_body_t *water_create(const water_t *water, const cup_t cups[WATER_MAX_CUPS
     dAllocateODEDataForThread((unsigned int)dAllocateMaskAll);
     self->world = dWorldCreate();
     self->contacts = dJointGroupCreate(0);
-    dWorldSetGravity(self->world, 0.0, 0.0, -GRAVITY_MPS2);
+    dWorldSetGravity(self->world, 0.0, 0.0, -PHYSICS_GRAVITY_MPS2);
     dWorldSetQuickStepNumIterations(self->world, SOLVER_ITERATIONS);
     for (int i = 0; i < WATER_MAX_CUPS; i++) {
         self->cup[i] = cups[i];

@@ -1,0 +1,448 @@
+"""Scenario files: what is wrong costs one line that names file, line, key, value and what was expected, before anything
+runs; what is right arrives as it was written. Lines and numbers in the messages are worked out here, from the text."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenario_binding
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from simulation import EXIT_WRONG_USE, EXPERIMENTS, FILES, REPOSITORY, SCENARIOS, call, experiment, run
+
+ffi, lib = scenario_binding.load()
+
+# Everything that a file can hold, nothing near anything else.
+SCENE = """\
+name: scene
+summary: everything that a file can hold
+duration_s: 20
+arm: {model: hoap3_right, start_deg: [90, -5, 0, -90]}
+parameters: {task_blend_s: 2, trace: 1}
+tasks:
+  upright:
+    form: constant
+    t_task_m: [0.01, 0, -0.05]
+    q_task: [{axis: x, angle_deg: 180}, {axis: z, angle_deg: 45}]
+    q_inv: [{axis: x, angle_deg: 180}]
+    blend_s: 1.5
+robot:
+  gripper: {offset_m: [0, 0, 0.02], capture_m: 0.015}
+  cup: {radius_m: 0.03, height_m: 0.03, mount_m: [0.05, 0, 0], mount_rotation: [{axis: y, angle_deg: 90}]}
+water: {particles: 10, particle_radius_m: 0.005}
+objects:
+  pipe: {kind: rod, position_m: [0.5, -0.5, 0.03], rotation: [{axis: y, angle_deg: 90}], length_m: 0.3,
+         radius_m: 0.01, mass_kg: 0.08, points: {near: -0.1, far: 0.1}}
+  post: {kind: stand, position_m: [0.5, -0.5, 0], size_m: [0.1, 0.1, 0.04]}
+  winch: {kind: crank, position_m: [0.5, 0.5, 0], length_m: 0.2, radius_m: 0.05, mass_kg: 0.1, points: {end: 0.1}}
+people:
+  person:
+    tracked: true
+    position_m: [0.6, -0.1, 0.2]
+    rotation: [{axis: y, angle_deg: -90}]
+    elbow_m: [0.9, -0.1, 0.1]
+    cup: {radius_m: 0.04, height_m: 0.05, mount_m: [0, 0, 0.1]}
+    program:
+      - {do: rest, name: ready, duration_s: 1, after: operator.started}
+      - {do: move, name: there, to_m: [0.03, 0, 0], duration_s: 1}
+      - {do: move, to_m: [0.03, 0, 0], turn_deg: [0, 0, 10], duration_s: 1}
+      - {do: move, to_m: [0, 0, 0], duration_s: 1}
+      - {do: move, by_m: [0, 0.02, 0], duration_s: 1}
+      - {do: grip, object: pipe}
+      - {do: turn, object: winch, turns: 2, duration_s: 2}
+    program_with_recording:
+      - {do: play, name: there, position_scale: 0.1, from_s: 1, until_s: 2}
+      - {do: move, to_m: [0.03, 0, 0], duration_s: 1}
+  helper:
+    position_m: [0.6, 0.2, 0.2]
+    program:
+      - {do: reach, to: pipe.near, duration_s: 1}
+      - {do: guide, bring: robot.gripper, to: person.grip}
+operator:
+  - {do: select, task: upright}
+  - {do: start, name: started, at_s: 0.5}
+  - {do: gripper, action: close, after: [person.there, helper.done]}
+variation: {start_m: 0.01, move_m: 0.02, object_m: [0.01, 0.02, 0], duration_percent: 10}
+checks:
+  - {name: way, measure: displacement, from: 1, until: {event: person.there, plus_s: 0.1}, expected_m: [0, 0, 0], at_most: 2}
+  - {name: pipe_held, measure: held, object: pipe, by: helper, at_least: 1}
+  - {name: caught, measure: water_caught, at_least: 95}
+"""
+
+
+def written(tmp_path: Path, text: str | bytes) -> Path:
+    file = tmp_path / "scene.yaml"
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return file
+
+
+def changed(old: str, new: str, text: str = SCENE) -> tuple[str, int]:
+    """The scene with one place of it changed, and the line of that place."""
+    assert text.count(old) >= 1, old
+    place = text.index(old)
+    return text[:place] + new + text[place + len(old) :], text.count("\n", 0, place) + 1
+
+
+def assert_refused(tmp_path: Path, file: Path, start: str, *words: str) -> None:
+    """The simulator's own answer: status, one line that starts so and holds these words, and nothing written."""
+    done = run(tmp_path / "out", "--scenario", file)
+    assert done.status == EXIT_WRONG_USE, done.stderr
+    assert done.stdout == ""
+    assert re.fullmatch(r"comanip-sim: [^\x00-\x1f\x7f-\x9f]+\n", done.stderr), f"not one line: {done.stderr!r}"
+    assert done.stderr.startswith(f"comanip-sim: {start}"), done.stderr
+    assert len(done.stderr) < 2000
+    for word in words:
+        assert word in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+# ---- what is right
+
+
+def test_the_scene_of_these_tests_is_right(tmp_path):
+    scenario_binding.read(written(tmp_path, SCENE))
+
+
+@pytest.mark.parametrize("name", [*EXPERIMENTS, *(f"{name}_moves" for name in SCENARIOS)])
+def test_the_projects_files_run(tmp_path, name):
+    file = experiment(name) if name in EXPERIMENTS else REPOSITORY / "tests" / "scenarios" / f"{name}.yaml"
+    done = run(tmp_path, "--scenario", file, "--duration", 2)
+    assert done.status != EXIT_WRONG_USE, done.stderr
+    assert done.summary["ticks"] == 2000
+    assert all((tmp_path / name).exists() for name in FILES)
+
+
+def test_list_shows_each_file_with_its_summary():
+    lines = call("--list").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == sorted(EXPERIMENTS)
+    for line in lines:
+        name, summary = line.split(maxsplit=1)
+        assert f"\nsummary: {summary}\n" in experiment(name).read_text()
+
+
+def test_what_is_written_arrives(tmp_path):
+    scene = scenario_binding.read(written(tmp_path, SCENE))
+    pipe, winch, person, helper = scene.object[0], scene.object[2], scene.person[0], scene.person[1]
+    assert [list(point) for point in (pipe.pose.position_m, scene.cup.mount.position_m)] == [[0.5, -0.5, 0.03], [0.05, 0, 0]]
+    assert (pipe.length_m, pipe.radius_m, pipe.mass_kg, winch.radius_m) == (0.3, 0.01, 0.08, 0.05)
+    assert [(ffi.string(pipe.point[i].name), pipe.point[i].along_m) for i in range(2)] == [(b"near", -0.1), (b"far", 0.1)]
+    assert (scene.tracked, person.step_count, person.recorded_step_count, scene.operate_count) == (0, 7, 2, 3)
+    assert list(person.step[1].displacement_m) == [0.03, 0, 0]
+    assert person.step[2].rotation_vector_rad[2] == pytest.approx(math.radians(10), rel=1e-15)
+    assert (person.step[4].from_here, person.step[1].from_here) == (True, False)
+    assert (person.recorded_step[0].from_s, person.recorded_step[0].until_s) == (1, 2)
+    assert (helper.step[0].to.kind, helper.step[0].to.index, helper.step[0].to.point) == (lib.POINT_OBJECT, 0, 0)
+    assert (helper.step[1].what.kind, helper.step[1].to.kind) == (lib.POINT_ROBOT_GRIPPER, lib.POINT_PERSON_GRIP)
+    awaited = scene.operate[2].start
+    events = [ffi.string(scene.events.event[awaited.awaited[i]].name) for i in range(awaited.awaited_count)]
+    assert events == [b"person.there", b"helper.done"]
+    assert getattr(scene.check[0], "from").s == 1
+    assert (ffi.string(scene.events.event[scene.check[0].until.event].name), scene.check[0].until.s) == (b"person.there", 0.1)
+    assert (scene.check[1].person, scene.check[1].is_lower_bound, scene.check[1].limit) == (1, True, 1)
+
+
+def quaternion(*factors: tuple[str, float]) -> np.ndarray:
+    """w x y z of a product from left to right, as Table I writes it."""
+    product = Rotation.identity()
+    for axis, angle_deg in factors:
+        product = product * Rotation.from_euler(axis, angle_deg, degrees=True)
+    x, y, z, w = product.as_quat()
+    return np.array([w, x, y, z])
+
+
+def test_rotations_are_products_from_left_to_right(tmp_path):
+    define = scenario_binding.read(written(tmp_path, SCENE)).own_task[0].define
+    got = np.array([define.q_task.w, define.q_task.x, define.q_task.y, define.q_task.z])
+    wanted = quaternion(("x", 180), ("z", 45))
+    assert abs(got @ wanted) == pytest.approx(1, abs=1e-6)
+    assert abs(got @ quaternion(("z", 45), ("x", 180))) < 0.8, "the other order is another rotation"
+
+
+# ---- what is wrong: where it stands, what stands there, the keys that lead there, the value shown, words of the answer
+
+WRONG = [
+    ("radius_m: 0.01", "radius_m: 8 mm", "objects.pipe.radius_m", "8 mm", "a plain number in m, without a unit, from "),
+    ("radius_m: 0.01", "radius_m: 0x1", "objects.pipe.radius_m", "0x1", "a plain number in m"),
+    ("radius_m: 0.01", 'radius_m: "0.01"', "objects.pipe.radius_m", "0.01", "without quotes"),
+    ("radius_m: 0.01", "radius_m: 10", "objects.pipe.radius_m", "10", "in m from 0.001 to 1"),
+    ("radius_m: 0.01", "radius_m: .nan", "objects.pipe.radius_m", ".nan", "a plain number"),
+    ("radius_m: 0.01", "radius_m: nan", "objects.pipe.radius_m", "nan", "a plain number"),
+    ("radius_m: 0.01", "radius_m: .inf", "objects.pipe.radius_m", ".inf", "a plain number"),
+    ("radius_m: 0.01", "radius_m: 1e999", "objects.pipe.radius_m", "1e999", "a plain number"),
+    ("radius_m: 0.01", "radius_m: thin", "objects.pipe.radius_m", "thin", "a plain number"),
+    ("radius_m: 0.01", "radius_m: 0,01", "objects.pipe", "01", "one of the"),
+    ("mass_kg: 0.08", "mass_kg: 80 g", "objects.pipe.mass_kg", "80 g", "in kg, without a unit"),
+    ("points: {near: -0.1", "points: {near: -10 cm", "objects.pipe.points.near", "-10 cm", "in m, without a unit"),
+    ("points: {near: -0.1", "points: {near: -0.2", "objects.pipe.points.near", "-0.2", "from -0.15 to 0.15"),
+    ("start_m: 0.01", "start_m: 10 mm", "variation.start_m", "10 mm", "in m, without a unit"),
+    ("duration_s: 20", "duration_s: 20 s", "duration_s", "20 s", "in s, without a unit"),
+    ("duration_s: 20", "duration_s: 1", "duration_s", "1", "from 2 to 3600"),
+    ("{particles: 10", "{particles: 0", "water.particles", "0", "a plain whole number from 1 to 500"),
+    ("{particles: 10", "{particles: 10.5", "water.particles", "10.5", "a plain whole number"),
+    ("trace: 1", "trace: 0.5", "parameters.trace", "0.5", "a plain whole number from 0 to 1"),
+    ("task_blend_s: 2", "task_blend_s: 61", "parameters.task_blend_s", "61", "in s from 0 to 60"),
+    ("task_blend_s: 2", "task_blend: 2", "parameters", "task_blend", "did you mean task_blend_s?"),
+    ("start_deg: [90, -5", "start_deg: [90, 5", "arm.start_deg[1]", "5", "from -95 to 0 degrees"),
+    ("start_deg: [90, -5", "start_deg: [90, x", "arm.start_deg[1]", "x", "a plain number in degrees"),
+    ("hoap3_right", "hoap3_left", "arm.model", "hoap3_left", "one of the words hoap3_right"),
+    ("radius_m: 0.01", "radus_m: 0.01", "objects.pipe", "radus_m", "did you mean radius_m?"),
+    ("kind: rod", "kind: rope", "objects.pipe.kind", "rope", "rod, crank, stand"),
+    ("kind: rod", "kind: stand", "objects.pipe", "length_m", "one of the keys"),
+    ("size_m: [0.1", "size_m: [-0.1", "objects.post.size_m[0]", "-0.1", "in m from 0.001"),
+    ("pipe: {", "Pipe: {", "objects", "Pipe", "a name"),
+    ("pipe: {", f"{'p' * 32}: {{", "objects", "p" * 32, "at most 31"),
+    ("pipe: {", "robot: {", "objects", "robot", "another name"),
+    ("  person:", "  post:", "people", "post", "another name"),
+    ("  person:", "  operator:", "people", "operator", "another name"),
+    ("tracked: true", "tracked: yes", "people.person.tracked", "yes", "false, true"),
+    ("  upright:\n", "  teleop:\n", "tasks", "teleop", "another name"),
+    ("form: constant", "form: mirror", "tasks.upright.form", "mirror", "constant, mirrored"),
+    ("angle_deg: 45", "angle_rad: 0.7", "tasks.upright.q_task[1]", "angle_rad", "axis, angle_deg"),
+    ("axis: z", "axis: w", "tasks.upright.q_task[1].axis", "w", "x, y, z"),
+    ("{do: rest", "{do: wait", "people.person.program[0].do", "wait", "rest, move"),
+    ("name: ready", "name: done", "people.person.program[0].name", "done", "another name"),
+    ("name: ready", "name: 1st", "people.person.program[0].name", "1st", "a name"),
+    ("name: there, to_m", "name: ready, to_m", "people.person.program[1].name", "ready", "another name"),
+    ("name: started", "name: a b", "operator[1].name", "a b", "a name"),
+    ("to_m: [0.03", "to_m: [30 mm", "people.person.program[1].to_m[0]", "30 mm", "in m, without a unit"),
+    ("to_m: [0.03", "to_m: [1.6", "people.person.program[1].to_m[0]", "1.6", "in m from -1.5 to 1.5"),
+    ("after: operator.started", "after: operator.startd", "people.person.program[0].after", "operator.startd",
+     "did you mean operator.started?"),
+    ("after: operator.started", "after: nothing", "people.person.program[0].after", "nothing", "events robot.holds, "),
+    ("{do: grip, object: pipe", "{do: grip, object: pip", "people.person.program[5].object", "pip", "did you mean pipe?"),
+    ("{do: grip, object: pipe", "{do: grip, object: post", "people.person.program[5].object", "post", "a rod or a crank"),
+    ("object: winch, turns", "object: pipe, turns", "people.person.program[6].object", "pipe", "a crank"),
+    ("to: pipe.near", "to: pipe.middle", "people.helper.program[0].to", "pipe.middle", "points robot.gripper, "),
+    ("until_s: 2", "until_s: 1", "people.person.program_with_recording[0].until_s", "1", "more than from_s"),
+    ("task: upright", "task: uprite", "operator[0].task", "uprite", "upright"),
+    ("action: close", "action: shut", "operator[2].action", "shut", "open, close"),
+    ("measure: held", "measure: holds", "checks[1].measure", "holds", "did you mean held?"),
+    ("by: helper", "by: taker", "checks[1].by", "taker", "people person, helper"),
+    ("measure: held, object: pipe", "measure: held, object: post", "checks[1].object", "post", "a rod or a crank"),
+    ("expected_m: [0", "expected_deg: 1, expected_m: [0", "checks[0]", "expected_deg", "one of the keys"),
+    ("name: caught", "name: way", "checks[2].name", "way", "another name"),
+    ("from: 1,", "from: 1 s,", "checks[0].from", "1 s", "in s, without a unit"),
+    ("plus_s: 0.1", "plus_s: -1", "checks[0].until.plus_s", "-1", "in s from 0"),
+    ("summary: everything", f"summary: {'x' * 160}", "summary", "x" * 60 + "...", "at most 159 bytes"),
+    ("name: scene", "name: ../scene", "name", "../scene", "a name"),
+    ("operator:\n", "operater: 1\noperator:\n", "", "operater", "did you mean operator?"),
+]  # fmt: skip
+
+# The change, where the mapping begins then, its path, and what is missing in it.
+MISSING = [
+    ("radius_m: 0.01, ", "", "pipe: {", "objects.pipe", "radius_m"),
+    ("position_m: [0.6, 0.2, 0.2]", "tremor_mm: 0", "tremor_mm: 0", "people.helper", "position_m"),
+    ("particles: 10, ", "", "water: {", "water", "particles"),
+    ("duration_s: 1, after", "after", "{do: rest", "people.person.program[0]", "duration_s"),
+    (", duration_s: 1}", "}", "{do: move", "people.person.program[1]", "duration_s"),
+    ("turns: 2, ", "", "{do: turn", "people.person.program[6]", "turns"),
+    ("measure: held, ", "", "{name: pipe_held", "checks[1]", "measure"),
+    ("object: pipe, by", "by", "{name: pipe_held", "checks[1]", "object"),
+    ("expected_m: [0, 0, 0], ", "", "{name: way", "checks[0]", "expected_m"),
+    (", at_least: 1}", "}", "{name: pipe_held", "checks[1]", "at_least or at_most"),
+    ("to_m: [0, 0, 0], ", "", "{do: move, duration_s", "people.person.program[3]", "to_m, by_m or turn_deg"),
+    ("by_m: [0,", "to_m: [0, 0, 0], by_m: [0,", "{do: move, to_m: [0, 0, 0], by_m", "people.person.program[4]", "not both"),
+    ("name: scene", "tracking: {}", "tracking: {}", "the scenario", "name"),
+]  # fmt: skip
+
+# A bad form of the file as a whole: the text, the line that is complained of, and words of the answer.
+SPOILT = {
+    "empty": ("", 1, "the file is empty"),
+    "comment": ("# nothing\n", 1, "the file is empty"),
+    "word": ("pour\n", 1, "a mapping of keys at its top"),
+    "list": ("\n- a\n- b\n", 2, "a mapping of keys at its top"),
+    "syntax": ("name: scene\narm: [\n", None, "expected YAML in UTF-8"),
+    "tab": ("name: scene\n\tarm: 1\n", 2, "expected YAML in UTF-8"),
+    "latin": (b"name: \xe4\n", 1, "expected YAML in UTF-8"),
+    "binary": (bytes(range(256)), 1, "expected YAML in UTF-8"),
+    "documents": (SCENE + "---\n" + SCENE, SCENE.count("\n") + 1, "one document"),
+    "anchor": (*changed("name: scene", "name: &a scene"), "'&a': expected the value alone"),
+    "alias": (*changed("  person:\n", "  person: &p\n"), "'&p': expected the value alone"),
+    "unknown alias": (*changed("name: scene", "name: *a"), "'*a'"),
+    "tag": (*changed("duration_s: 20", "duration_s: !!float 20"), "tags are not taken"),
+    "own tag": (*changed("name: scene", "name: !scene scene"), "'!scene'"),
+    "list as key": (*changed("name: scene", "? [a, b]\n: c\nname: scene"), "a name as key"),
+    "escape": (*changed("summary: every", 'summary: "a\\e[31m" #'), "without control characters"),
+    "zero": (*changed("summary: every", 'summary: "a\\0b" #'), "without control characters"),
+    "newline": (*changed("summary: every", 'summary: "a\\nb" #'), "without control characters"),
+    "next line": (*changed("summary: every", 'summary: "a\\Nb" #'), "without control characters"),
+    "line separator": (*changed("summary: every", 'summary: "a\\Lb" #'), "without control characters"),
+    "long": (*changed("summary: every", "summary: &a " + 40 * "\N{EURO SIGN}" + "\nname: x #"), "'&a'"),
+    "long and wrong": (*changed("summary: every", 'summary: "' + 40 * "\N{EURO SIGN}" + '\\a" #'), "in one line"),
+    "control in a tag": (*changed("name: scene", "name: !a%c2%9b scene"), "'!a': expected the value alone"),
+    "control in a key": (*changed("name: scene", '"a\\rb": 1\nname: scene'), "without control characters"),
+    "twice": (*changed("duration_s: 20", "name: again"), "'name': expected each key once; it stands in line 1"),
+    "object twice": (*changed("post: {", "pipe: {"), "objects 'pipe': expected each key once; it stands in line 18"),
+    "deep": ("a: " + 30 * "[" + 30 * "]" + "\n", 1, "at most 12 levels"),
+    "crowded": ("name: scene\n" + "".join(f"a{i}: 1\n" for i in range(70)), 1, "at most 64 keys"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "keys", "value", "words"), WRONG, ids=[new for _, new, *_ in WRONG])
+def test_wrong_value(tmp_path, old, new, keys, value, words):
+    text, line = changed(old, new)
+    file = written(tmp_path, text)
+    assert_refused(tmp_path, file, f"{file}:{line}: {keys}{' ' if keys else ''}'{value}': expected ", words)
+
+
+@pytest.mark.parametrize(("old", "new", "mapping", "keys", "missing"), MISSING, ids=[row[-1] for row in MISSING])
+def test_missing_key(tmp_path, old, new, mapping, keys, missing):
+    text, _ = changed(old, new)
+    file = written(tmp_path, text)
+    line = text.count("\n", 0, text.index(mapping)) + 1
+    assert_refused(tmp_path, file, f"{file}:{line}: {keys}: expected ", missing)
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_spoilt_file(tmp_path, name):
+    text, line, words = SPOILT[name]
+    file = written(tmp_path, text)
+    assert_refused(tmp_path, file, f"{file}:" if line is None else f"{file}:{line}: ", words)
+
+
+def test_no_such_file(tmp_path):
+    missing = tmp_path / "missing.yaml"
+    assert_refused(tmp_path, missing, f"{missing}: expected a scenario file: No such file or directory")
+    assert_refused(tmp_path, tmp_path, f"{tmp_path}: expected a scenario file: Is a directory")
+    assert_refused(tmp_path, Path("/dev/zero"), "/dev/zero: expected a scenario file of at most 1 MB")
+    huge = written(tmp_path, SCENE + 1_000_000 * "#")
+    assert_refused(tmp_path, huge, f"{huge}: expected a scenario file of at most 1 MB")
+    long_path = "x/" * 300
+    assert_refused(tmp_path, Path(long_path), f"--scenario '{long_path[:200]}...': expected a path of at most 511 bytes")
+
+
+def many(count: int, line: str) -> str:
+    return "".join(line.format(i) + "\n" for i in range(count))
+
+
+TOO_MANY = {
+    "steps": ("    program:\n", "    program:\n" + many(34, "      - {{do: rest, duration_s: 1}}"), "people.person.program",
+              "40 items; there are 41"),
+    "commands": ("operator:\n", "operator:\n" + many(38, "  - {{do: clutch}}"), "operator", "40 items; there are 41"),
+    "checks": ("checks:\n", "checks:\n" + many(22, "  - {{name: c{}, measure: clearance, at_least: 0}}"), "checks",
+               "24 items; there are 25"),
+    "objects": ("objects:\n", "objects:\n" + many(6, "  o{}: {{kind: stand}}"), "objects", "8 objects"),
+    "points": ("{near: -0.1", "{a: 0, b: 0, c: 0, near: -0.1", "objects.pipe.points", "4 points"),
+    "people": ("people:\n", "people:\n  one: {position_m: [1, 1, 1]}\n", "people", "2 people"),
+    "tasks": ("tasks:\n", "tasks:\n" + many(8, "  t{}: {{form: constant}}"), "tasks", "8 tasks"),
+    "events": ("after: operator.started", "after: [operator.started, robot.holds, robot.lost, robot.closed]",
+               "people.person.program[0].after", "3 items; there are 4"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOO_MANY)
+def test_too_many(tmp_path, name):
+    old, new, keys, words = TOO_MANY[name]
+    text, line = changed(old, new)
+    file = written(tmp_path, text)
+    line += 1 if new.count("\n") else 0  # the list begins in the line after its key
+    assert_refused(tmp_path, file, f"{file}:{line}: {keys}: expected at most ", words)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "keys", "words"),
+    [
+        ("tracked: true", "tracked: false", "people", "one person with tracked: true; there are 0"),
+        ("  helper:\n", "  helper:\n    tracked: true\n", "people", "one person with tracked: true; there are 2"),
+        ("  - {do: start, name: started, at_s: 0.5}\n", "", "operator", "do: start"),
+        ("cup: {radius_m: 0.03, height", "cap: {radius_m: 0.03, height", "robot 'cap'", "did you mean cup?"),
+        ("    cup: {radius_m: 0.04", "    elbow: {radius_m: 0.04", "people.person 'elbow'", "did you mean elbow_m?"),
+    ],
+)
+def test_what_belongs_together(tmp_path, old, new, keys, words):
+    text, _ = changed(old, new)
+    text = text.replace("after: operator.started", "at_s: 1") if "do: start" in words else text
+    file = written(tmp_path, text)
+    with pytest.raises(ValueError, match=re.escape(words)) as refusal:
+        scenario_binding.read(file)
+    assert re.match(re.escape(str(file)) + r":\d+: " + re.escape(keys) + ": expected ", str(refusal.value))
+
+
+def without(section: str) -> str:
+    """The scene without a section of its top level."""
+    return re.sub(rf"^{section}:.*\n(?:[ ].*\n)*", "", SCENE, flags=re.MULTILINE)
+
+
+def test_what_a_check_is_about_must_be_there(tmp_path):
+    with pytest.raises(ValueError, match=r"checks\[2\].measure 'water_caught': expected water in the scenario"):
+        scenario_binding.read(written(tmp_path, without("water")))
+    with pytest.raises(ValueError, match=r": water: expected a cup that holds it"):
+        scenario_binding.read(written(tmp_path, changed("  cup: {radius_m: 0.03", "# {")[0]))
+    with pytest.raises(ValueError, match=r"checks\[2\].measure 'water_caught': expected a person with a cup"):
+        scenario_binding.read(written(tmp_path, changed("    cup: {radius_m: 0.04", "# {")[0]))
+    with pytest.raises(ValueError, match=r"object 'pipe': expected one of the objects: there are none"):
+        scenario_binding.read(written(tmp_path, without("objects")))
+
+
+@pytest.mark.parametrize("section", ["arm", "people", "operator"])
+def test_a_section_that_must_be_there(tmp_path, section):
+    with pytest.raises(ValueError, match=rf":1: the scenario: expected a key {section} in it"):
+        scenario_binding.read(written(tmp_path, without(section)))
+
+
+@pytest.mark.parametrize("section", ["arm", "parameters", "tasks", "robot", "water", "objects", "people", "variation",
+                                     "tracking"])  # fmt: skip
+def test_a_section_of_the_wrong_form(tmp_path, section):
+    for wrong in ("[1, 2]", "5"):
+        with pytest.raises(ValueError, match=rf":1: {section}(| '5'): expected a mapping"):
+            scenario_binding.read(written(tmp_path, f"{section}: {wrong}\n" + without(section)))
+
+
+@settings(max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_any_damage_is_taken_or_refused_in_one_line(tmp_path, data):
+    """The sanitiser ends the process at the first fault of the C code."""
+    text = without("water").replace("  - {name: caught, measure: water_caught, at_least: 95}\n", "")
+    for _ in range(data.draw(st.integers(1, 3))):
+        begin = data.draw(st.integers(0, len(text)))
+        end = min(len(text), begin + data.draw(st.integers(0, 12)))
+        insert = data.draw(st.sampled_from(["", "[", "]", "{", "}", ": ", ", ", "-", "\n", "1e9", "x", "'", '"', "\0", "~"]))
+        text = text[:begin] + insert + text[end:]
+    file = written(tmp_path, text)
+    try:
+        scenario_binding.read(file)
+    except ValueError as refusal:
+        assert re.fullmatch(re.escape(str(file)) + r":[^\x00-\x1f]*expected [^\x00-\x1f]+", str(refusal))
+
+
+# ---- what cannot be, though each value could
+
+
+def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
+    """What the reader says of the scene with these changes; "": nothing."""
+    text = SCENE
+    for old, new in changes:
+        text, _ = changed(old, new, text)
+    try:
+        scenario_binding.read(written(tmp_path, text))
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+def test_an_object_inside_another(tmp_path):
+    """The rod, of radius 10 mm at z = 30 mm, lies on the stand, whose top is at 20 mm: raised, the stand is inside."""
+    for raised_m in (0.0005, 0.0009):
+        assert refusal_of(tmp_path, ("[0.5, -0.5, 0]", f"[0.5, -0.5, {raised_m}]")) == ""
+    for raised_m in (0.0015, 0.004):
+        text = refusal_of(tmp_path, ("[0.5, -0.5, 0]", f"[0.5, -0.5, {raised_m}]"))
+        found = re.search(rf"objects.post.position_m '\[0.5, -0.5, {raised_m}\]'.* post is (.*) mm inside pipe", text)
+        assert 1e3 * raised_m - 0.06 <= float(found.group(1)) <= 1e3 * raised_m + 0.36
+
+
+# The hand is at (0.156, -0.121, 0.014) m with the gripper; the robot's cup lies 50 mm above its wrist.
+OVERLAPS = [
+    (("[0.5, 0.5, 0]", "[0.45, -0.5, 0.03]"), "objects.winch", "winch", "pipe"),
+    (("[0.6, -0.1, 0.2]", "[0.1, -0.1, 0.0]"), "people.person.position_m", "person's hand", "the robot's"),
+    (("[0.6, -0.1, 0.2]", "[0, 0, 0.3]"), "people.person.position_m", "person's hand", "the robot's head"),
+    (("[0.6, -0.1, 0.2]", "[0.25, -0.12, 0.08]"), "people.person.cup.mount_m", "person's cup", "the robot's cup"),
+    (("[0.6, -0.1, 0.2]", "[0.5, -0.5, 0.13]"), "people.person.cup.mount_m", "", ""),
+    (("[0.5, -0.5, 0.03]", "[0.15, -0.12, 0.07]"), "objects.pipe.position_m", "pipe", "the robot's cup"),
+    (("[0.5, -0.5, 0.03]", "[0, 0, 0.05]"), "objects.pipe.position_m", "pipe", "the robot's torso"),
+    (("mount_m: [0.05, 0, 0]", "mount_m: [0, 0, -0.15]"), "robot.cup.mount_m", "the robot's cup", "the robot's"),
+]  # fmt: skip
