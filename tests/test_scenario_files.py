@@ -381,8 +381,9 @@ def test_what_a_check_is_about_must_be_there(tmp_path):
 
 @pytest.mark.parametrize("section", ["arm", "people", "operator"])
 def test_a_section_that_must_be_there(tmp_path, section):
+    text = without(section).replace("after: operator.started", "at_s: 1")
     with pytest.raises(ValueError, match=rf":1: the scenario: expected a key {section} in it"):
-        scenario_binding.read(written(tmp_path, without(section)))
+        scenario_binding.read(written(tmp_path, text))
 
 
 @pytest.mark.parametrize("section", ["arm", "parameters", "tasks", "robot", "water", "objects", "people", "variation",
@@ -435,14 +436,214 @@ def test_an_object_inside_another(tmp_path):
         assert 1e3 * raised_m - 0.06 <= float(found.group(1)) <= 1e3 * raised_m + 0.36
 
 
-# The hand is at (0.156, -0.121, 0.014) m with the gripper; the robot's cup lies 50 mm above its wrist.
+# The robot's hand is at (0.136, -0.121, 0.014) m and points forward, its cup stands 50 mm above. The person's hand points
+# backward, and its cup lies 100 mm in front of it, open to the robot.
 OVERLAPS = [
-    (("[0.5, 0.5, 0]", "[0.45, -0.5, 0.03]"), "objects.winch", "winch", "pipe"),
-    (("[0.6, -0.1, 0.2]", "[0.1, -0.1, 0.0]"), "people.person.position_m", "person's hand", "the robot's"),
-    (("[0.6, -0.1, 0.2]", "[0, 0, 0.3]"), "people.person.position_m", "person's hand", "the robot's head"),
-    (("[0.6, -0.1, 0.2]", "[0.25, -0.12, 0.08]"), "people.person.cup.mount_m", "person's cup", "the robot's cup"),
-    (("[0.6, -0.1, 0.2]", "[0.5, -0.5, 0.13]"), "people.person.cup.mount_m", "", ""),
-    (("[0.5, -0.5, 0.03]", "[0.15, -0.12, 0.07]"), "objects.pipe.position_m", "pipe", "the robot's cup"),
-    (("[0.5, -0.5, 0.03]", "[0, 0, 0.05]"), "objects.pipe.position_m", "pipe", "the robot's torso"),
-    (("mount_m: [0.05, 0, 0]", "mount_m: [0, 0, -0.15]"), "robot.cup.mount_m", "the robot's cup", "the robot's"),
+    ("[0.5, 0.5, 0]", "[0.45, -0.5, 0.03]", "objects.winch.position_m", "winch", "pipe"),
+    ("[0.5, -0.5, 0.03]", "[0.15, -0.12, 0.07]", "objects.pipe.position_m", "pipe", "the robot's cup"),
+    ("[0.5, -0.5, 0.03]", "[0, 0, 0.05]", "objects.pipe.position_m", "pipe", "the robot's torso"),
+    ("[0.6, -0.1, 0.2]", "[0.6, -0.5, 0.05]", "objects.pipe.position_m", "pipe", "person's cup"),
+    ("[0.6, -0.1, 0.2]", "[0.25, -0.12, 0.08]", "robot.cup.mount_m", "the robot's cup", "person's cup"),
+    ("[0.6, -0.1, 0.2]", "[0.1, -0.1, 0]", "people.person.position_m", "person's hand", "the robot's forearm"),
+    ("[0.6, -0.1, 0.2]", "[0, 0, 0.3]", "people.person.position_m", "person's hand", "the robot's head"),
+    ("mount_m: [0.05, 0, 0]", "mount_m: [0, 0, -0.15]", "robot.cup.mount_m", "the robot's cup", "the robot's upper_arm"),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "key", "what", "inside"), OVERLAPS, ids=[f"{r[3]} in {r[4]}" for r in OVERLAPS])
+def test_a_thing_inside_another(tmp_path, old, new, key, what, inside):
+    pattern = rf"scene.yaml: {re.escape(key)} '\[.*\]': expected .*; {what} is [0-9.]+ mm inside {inside}"
+    assert re.search(pattern, refusal_of(tmp_path, (old, new)))
+
+
+def test_cups_of_two_people(tmp_path):
+    """Side by side, outside 42 mm wide each."""
+    cup = "{radius_m: 0.04, height_m: 0.05, mount_m: [0, 0, 0.1]}"
+    for z_m, is_apart in ((0.2 + 2 * 0.042 + 0.001, True), (0.2 + 2 * 0.042 - 0.003, False)):
+        other = f"  helper:\n    cup: {cup}\n    rotation: [{{axis: y, angle_deg: -90}}]\n"
+        text = refusal_of(tmp_path, ("  helper:\n", other), ("[0.6, 0.2, 0.2]", f"[0.6, -0.1, {z_m}]"))
+        assert (text == "") == is_apart, text
+        assert is_apart or "people.helper.cup.mount_m" in text and "helper's cup is" in text
+
+
+def test_what_the_robot_holds_is_in_its_gripper(tmp_path):
+    """The gripper's middle is 20 mm in front of the hand; it captures within 15 mm."""
+    hand_m = np.array([0.136, -0.1206743, 0.0144224])
+    for offset_mm, is_held in ((0, True), (14.9, True), (15.1, False)):
+        x, y, z = hand_m + [0.02, 0, -1e-3 * offset_mm]
+        text = refusal_of(tmp_path, ("[0.5, -0.5, 0.03]", f"[{x}, {y}, {z}]"), ("mass_kg: 0.08", "mass_kg: 0.08, held_by: robot"))
+        assert (text == "") == is_held, text
+        assert is_held or re.search(r"objects.pipe.held_by 'robot': expected .* 15 mm .*; it is 15.1 mm away", text)
+
+
+@pytest.mark.parametrize("program", ["program", "program_with_recording"])
+def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
+    """A minimum-jerk move has its peak speed at 15/8 of the mean speed (Flash, Hogan 1985). After a rest the hand is where
+    it was; after a move by_m it is that much further."""
+    way_m = 0.3 - 0.03 + 0.1
+    least_s = 15 / 8 * way_m / 5
+    place = "      - {do: rest, name: ready" if program == "program" else "      - {do: play"
+    for duration_s, is_slow in ((1.001 * least_s, True), (0.999 * least_s, False)):
+        steps = (
+            "      - {do: move, to_m: [0.03, 0, 0], duration_s: 1}\n      - {do: move, by_m: [-0.1, 0, 0], duration_s: 1}\n"
+            f"      - {{do: rest, duration_s: 1}}\n      - {{do: move, to_m: [0.3, 0, 0], duration_s: {duration_s}}}\n"
+        )
+        text = refusal_of(tmp_path, (place, steps + place))
+        assert (text == "") == is_slow, text
+        assert is_slow or f"scene.yaml: people.person.{program}[3].duration_s '{duration_s:.6g}': expected more time" in text
+
+
+def test_nobody_goes_further_than_an_arm(tmp_path):
+    step = "      - {do: move, by_m: [0, 0.02, 0], duration_s: 1}\n"
+    for times, is_near in ((1, True), (2, False)):
+        text = refusal_of(tmp_path, (step, times * step.replace("0.02", "0.8")))
+        assert (text == "") == is_near, text
+        assert is_near or "people.person.program[5] '[0, 1.6, 0]': expected a place at most 1.5 m" in text
+
+
+def test_people_start_near_the_torso(tmp_path):
+    assert refusal_of(tmp_path, ("[0.6, 0.2, 0.2]", "[1.9, 0.5, 0]")) == ""
+    text = refusal_of(tmp_path, ("[0.6, 0.2, 0.2]", "[1.9, 0.7, 0]"))
+    assert "people.helper.position_m '[1.9, 0.7, 0]': expected at most 2 m" in text
+
+
+def test_water_fits_its_cup(tmp_path):
+    """Spheres fill at most 64 % of the volume (random close packing). Fewer may heap up and fall over the rim, and so do
+    all from a cup that stands on its head."""
+    most = math.floor(0.64 * math.pi * 0.03**2 * 0.03 / (4 / 3 * math.pi * 0.005**3))
+    text = refusal_of(tmp_path, ("particles: 10", f"particles: {most + 1}"))
+    assert f"water.particles '{most + 1}': expected at most {most}," in text
+    text = refusal_of(tmp_path, ("particle_radius_m: 0.005", "particle_radius_m: 0.03"))
+    assert "water.particle_radius_m '0.03': expected less than the robot cup's 0.03 m" in text
+    text = refusal_of(tmp_path, ("mount_rotation: [{axis: y, angle_deg: 90}]", "mount_rotation: [{axis: y, angle_deg: -90}]"))
+    assert re.search("water.particles '10': expected fewer, or an upright cup", text)
+
+
+# ---- what a seed varies
+
+
+def varied(scene: object, seed: int) -> object:
+    """A copy of the scenario as this seed varies it."""
+    copy = ffi.new("scenario_t *", scene[0])
+    lib.scenario_vary(copy, seed)
+    return copy
+
+
+def bytes_of(struct: object) -> bytes:
+    return bytes(ffi.buffer(struct if ffi.typeof(struct).kind == "pointer" else ffi.addressof(struct)))
+
+
+DRY = without("water").replace("  - {name: caught, measure: water_caught, at_least: 95}\n", "")
+
+
+@pytest.fixture
+def scene(tmp_path) -> object:
+    return scenario_binding.read(written(tmp_path, DRY))
+
+
+def test_seed_0_varies_nothing_and_each_other_always_the_same(scene):
+    assert bytes_of(varied(scene, 0)) == bytes_of(scene)
+    assert bytes_of(varied(scene, 1)) == bytes_of(varied(scene, 1))
+    assert len({bytes_of(varied(scene, seed)) for seed in (0, 1, 2, 2**32 + 1, 2**63)}) == 5
+
+
+def test_without_a_variation_nothing_varies(tmp_path):
+    scene = scenario_binding.read(written(tmp_path, re.sub(r"^variation:.*\n", "", DRY, flags=re.MULTILINE)))
+    assert bytes_of(varied(scene, 5)) == bytes_of(scene)
+
+
+def test_moves_to_one_place_stay_moves_to_one_place(scene):
+    was = scene.person[0]
+    for seed in range(1, 20):
+        now = varied(scene, seed).person[0]
+        there, again, home = (np.array(list(now.step[i].displacement_m)) for i in (1, 2, 3))
+        assert (there == again).all()
+        assert (home != 0).all(), "a draw moves home as well"
+        assert not np.isclose(there - [0.03, 0, 0], home).any(), "each place has a draw of its own"
+        assert list(now.step[4].displacement_m) == [0, 0.02, 0], "a move by_m follows the step before it"
+        assert list(now.step[2].rotation_vector_rad) == list(was.step[2].rotation_vector_rad)
+        assert now.recorded_step[0].position_scale == 0.1
+
+
+def test_objects_stay_together_and_with_the_gripper(tmp_path):
+    text, _ = changed("[0.5, -0.5, 0.03]", "[0.156, -0.12, 0.014]", DRY)
+    scene = scenario_binding.read(written(tmp_path, changed("mass_kg: 0.08", "mass_kg: 0.08, held_by: robot", text)[0]))
+    for seed in range(1, 20):
+        now = varied(scene, seed)
+        places = [[np.array(list(s.object[i].pose.position_m)) for i in range(3)] for s in (scene, now)]
+        held, stand, crank = np.subtract(places[1], places[0])
+        assert (held == 0).all()
+        np.testing.assert_allclose(stand, crank, atol=1e-15)
+        assert (np.abs(stand) <= [0.01, 0.02, 0]).all() and (stand[:2] != 0).all()
+
+
+def test_draws_are_uniform_and_within_bounds(scene):
+    """Against the uniform distribution: Kolmogorov and Smirnov's distance of n draws is below 1.95 / sqrt(n) but for one
+    in a thousand; the seeds are fixed."""
+    count, before = 400, scene.person[0]
+    draws = {name: [] for name in ("start", "elbow", "move", "recorded", "duration", "turn")}
+    for seed in range(1, count + 1):
+        now = varied(scene, seed)
+        person = now.person[0]
+        draws["start"].append((person.start.position_m[1] - before.start.position_m[1]) / 0.01)
+        draws["elbow"].append((person.elbow_m[1] - before.elbow_m[1]) / 0.01)
+        draws["move"].append(person.step[1].displacement_m[2] / 0.02)
+        draws["recorded"].append(person.recorded_step[1].displacement_m[2] / 0.02)
+        draws["duration"].append((person.step[0].duration_s - 1) / 0.1)
+        draws["turn"].append((person.step[6].duration_s / 2 - 1) / 0.1)
+        assert bytes_of(now.person[1].start) == bytes_of(scene.person[1].start), "only the tracked person's start"
+    np.testing.assert_allclose(draws["elbow"], draws["start"], atol=1e-12)
+    steps = np.arange(count + 1) / count
+    for name, values in draws.items():
+        share = (np.sort(values) + 1) / 2
+        assert share[0] >= -1e-12 and share[-1] <= 1 + 1e-12, name
+        assert max(np.abs(share - steps[1:]).max(), np.abs(share - steps[:-1]).max()) < 1.95 / math.sqrt(count), name
+    for one, other in (("move", "recorded"), ("move", "duration"), ("start", "move"), ("duration", "turn")):
+        assert abs(np.corrcoef(draws[one], draws[other])[0, 1]) < 4 / math.sqrt(count), (one, other)
+
+
+def test_one_more_step_shifts_no_other_draws(scene, tmp_path):
+    step = "      - {do: rest, name: ready"
+    longer = scenario_binding.read(written(tmp_path, DRY.replace(step, "      - {do: rest, duration_s: 1}\n" + step)))
+    one, other = varied(scene, 7), varied(longer, 7)
+    assert other.person[0].step_count == one.person[0].step_count + 1
+    for number in (0, 1):
+        was, now = one.person[0].recorded_step[number], other.person[0].recorded_step[number]
+        assert list(was.displacement_m) == list(now.displacement_m) and was.duration_s == now.duration_s
+    assert one.person[1].step[0].duration_s == other.person[1].step[0].duration_s
+    assert bytes_of(one.person[0].start) == bytes_of(other.person[0].start)
+    assert bytes_of(one.object[0].pose) == bytes_of(other.object[0].pose)
+
+
+# ---- what is documented
+
+MAPPINGS = [
+    ("name: scene", "qqqqqqqqqqqq: 1\nname: scene"),
+    ("{model", "{qqqqqqqqqqqq: 1, model"),
+    ("    form:", "    qqqqqqqqqqqq: 1\n    form:"),
+    ("{offset_m", "{qqqqqqqqqqqq: 1, offset_m"),
+    ("cup: {", "cup: {qqqqqqqqqqqq: 1, "),
+    ("water: {", "water: {qqqqqqqqqqqq: 1, "),
+    *((f"{kind},", f"{kind}, qqqqqqqqqqqq: 1,") for kind in ("kind: rod", "kind: crank", "kind: stand")),
+    ("    tracked", "    qqqqqqqqqqqq: 1\n    tracked"),
+    *((f"{{do: {do}", f"{{qqqqqqqqqqqq: 1, do: {do}") for do in ("rest", "move", "play", "reach", "guide", "grip", "turn",
+                                                               "select", "start", "gripper")),
+    ("variation: {", "variation: {qqqqqqqqqqqq: 1, "),
+    ("variation: {", "tracking: {qqqqqqqqqqqq: 1}\nvariation: {"),
+    ("{event", "{qqqqqqqqqqqq: 1, event"),
+    ("measure: displacement", "qqqqqqqqqqqq: 1, measure: displacement"),
+    ("measure: held", "qqqqqqqqqqqq: 1, measure: held"),
+    ("kind: rod", "kind: qqqqqqqqqqqq"),
+    ("do: rest", "do: qqqqqqqqqqqq"),
+    ("do: select", "do: qqqqqqqqqqqq"),
+    ("measure: held", "measure: qqqqqqqqqqqq"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new"), MAPPINGS, ids=[new.strip()[:40] for _, new in MAPPINGS])
+def test_each_key_and_word_is_documented(tmp_path, old, new):
+    """What the reader says that it knows stands in docs/scenario-files.md."""
+    text = (REPOSITORY / "docs" / "scenario-files.md").read_text()
+    known = re.search(r"'qqqqqqqqqqqq': expected one of the (?:keys|words) (.*)", refusal_of(tmp_path, (old, new)))
+    for word in known.group(1).split(", "):
+        assert f"`{word}`" in text or f"`{word}:" in text, word

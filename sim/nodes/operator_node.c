@@ -211,7 +211,9 @@ static void send_step(operator_node_t *self, int64_t ready_ns) {
 
 static void await_mode(operator_node_t *self, int64_t now_ns) {
     const operator_step_t *step = &self->steps[self->current];
-    if (self->mode == step->mode) {
+    /* Stopped is stopped: without a tracker the firmware falls from ready to idle at once. */
+    const bool is_stopped = self->current >= self->script_count && self->mode == MODE_IDLE;
+    if (self->mode == step->mode || is_stopped) {
         finish_step(self, now_ns);
     } else if (now_ns - self->due_ns > ns_from_s(step->mode_patience_s)) {
         char what[TEXT_BYTES];

@@ -25,6 +25,10 @@ static bool needs_water(measure_t measure) {
     return measure == MEASURE_WATER_POURED || measure == MEASURE_WATER_CAUGHT || measure == MEASURE_FLOW_WHILE_MOVING;
 }
 
+static bool is_force(measure_t measure) {
+    return measure == MEASURE_FORCE_RMS || measure == MEASURE_FORCE_PEAK;
+}
+
 static bool knows_person(measure_t measure) {
     return needs_person(measure) || measure == MEASURE_FLOW_WHILE_MOVING;
 }
@@ -73,7 +77,7 @@ static void read_limit(yaml_reader_t *yaml, yaml_node_t *map, scenario_check_t *
 static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure) {
     const char *keys[12] = {"name", "measure", "from", "until", "at_least", "at_most"};
     size_t count = 6;
-    if (needs_object(measure)) {
+    if (needs_object(measure) || is_force(measure)) {
         keys[count++] = "object";
     }
     if (knows_person(measure)) {
@@ -88,20 +92,37 @@ static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure)
     yaml_check_keys(yaml, map, keys);
 }
 
-static void read_subject(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, scenario_check_t *check) {
-    check->person = self->tracked;
-    if (yaml_find(yaml, map, "by") != NULL || needs_person(check->measure)) {
-        check->person = scenario_person_number(yaml, yaml_need(yaml, map, "by"), self);
-    }
-    if (!needs_object(check->measure)) {
-        return;
-    }
-    const yaml_node_t *node = yaml_need(yaml, map, "object");
+static void read_object(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self,
+                        scenario_check_t *check) {
     check->object = scenario_object_number(yaml, node, self);
     const object_kind_t kind = self->object[check->object].kind;
     const bool needs_crank = check->measure == MEASURE_TURNS;
     if (!yaml->failed && (kind == OBJECT_STAND || (needs_crank && kind != OBJECT_CRANK))) {
         yaml_refuse(yaml, node, "%s", needs_crank ? "a crank" : "a rod or a crank");
+    }
+}
+
+/* The first object that a hand can hold. */
+static size_t first_held(yaml_reader_t *yaml, const yaml_node_t *word, const scenario_t *self) {
+    for (size_t i = 0; i < self->object_count; i++) {
+        if (self->object[i].kind != OBJECT_STAND) {
+            return i;
+        }
+    }
+    yaml_refuse(yaml, word, "a rod or a crank among the objects");
+    return 0;
+}
+
+static void read_subject(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, scenario_check_t *check) {
+    check->person = self->tracked;
+    if (yaml_find(yaml, map, "by") != NULL || needs_person(check->measure)) {
+        check->person = scenario_person_number(yaml, yaml_need(yaml, map, "by"), self);
+    }
+    const yaml_node_t *node = yaml_find(yaml, map, "object");
+    if (node == NULL && is_force(check->measure)) {
+        check->object = first_held(yaml, yaml_find(yaml, map, "measure"), self);
+    } else if (node != NULL || needs_object(check->measure)) {
+        read_object(yaml, yaml_need(yaml, map, "object"), self, check);
     }
 }
 

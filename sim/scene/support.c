@@ -96,6 +96,13 @@ static void collide_groove(const contact_sink_t *sink, const scene_object_t *rod
     }
     const double side[3] = {up[1] * axis[2] - up[2] * axis[1], up[2] * axis[0] - up[0] * axis[2],
                             up[0] * axis[1] - up[1] * axis[0]};
+    double aside_m = 0.0;
+    for (int k = 0; k < 3; k++) {
+        aside_m += side[k] * (now[k] - edge[k]);
+    }
+    if (fabs(aside_m) > GROOVE_DEPTH_M) {
+        return; /* beside the stand */
+    }
     for (int sign = -1; sign <= 1; sign += 2) {
         double normal[3], position[3], depth_m = 0.0;
         for (int k = 0; k < 3; k++) {
