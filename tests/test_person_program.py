@@ -393,7 +393,7 @@ def test_recordings_that_cannot_be_played_are_named(tmp_path, step, error):
 def test_recording_without_steps_for_it(tmp_path):
     person = Person({"action": "rest"}, recording="hand.csv")
     assert person.program is None
-    assert person.error == "hand.csv: ann of scenario test has no recorded_steps that could play it"
+    assert person.error == "hand.csv: ann of scenario test has no program_with_recording that could play it"
 
 
 def test_tremor_is_added_to_whatever_the_hand_does():
