@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import synthetic_run
 from hoap3 import STOPS_DEG
+from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 from simulation import EXPERIMENTS, experiment
 
@@ -158,6 +159,10 @@ def test_pictures_of_each_experiment(tmp_path, capsys, scenario):
     pictures = {path.stem: path.read_bytes() for path in (folder / "report").iterdir()}
     assert set(pictures) == ALWAYS | ALSO[scenario]
     assert all(data.startswith(PNG) and len(data) > 3_000 for data in pictures.values())
+    for path in (folder / "report").iterdir():
+        paper = imread(path)[..., :3]
+        edges = (paper[0], paper[-1], paper[:, 0], paper[:, -1])
+        assert all(np.all(edge == 1.0) for edge in edges), f"{path.name}: something is cut off at the edge"
 
 
 @pytest.mark.parametrize("scenario", ["pour", "mirror", "handover", "own"])

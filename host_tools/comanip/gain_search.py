@@ -50,7 +50,7 @@ OUR_GAINS_PER_S = (10.0, 20.0, 35.0, 50.0, 75.0, 100.0)
 WEIGHT_RATIOS = (20.0, 200.0, 2000.0, 20000.0, 200000.0)
 DAMPINGS = (1e-4, 1e-3, 1e-2, 1e-1)
 WEIGHT_DUAL = 100.0
-BEST = 3  # are refined
+BEST = 5  # are refined, and confirmed
 SHOWN = 10
 ORDER_SEED = 1
 
@@ -284,7 +284,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="comanip.gain_search", description="Searches gains for law (4).")
     parser.add_argument("--out", type=Path, required=True, help="folder for tried.csv and gains.md")
     parser.add_argument("--budget-s", type=positive_number, default=3600.0, help="wall time, about (default 3600)")
-    parser.add_argument("--seeds", type=positive_integer, default=3, help="of the confirming runs (default 3)")
+    parser.add_argument("--seeds", type=positive_integer, default=5, help="of the confirming runs (default 5)")
     parser.add_argument("--scenarios", nargs="+", choices=SCENARIOS, default=list(SCENARIOS), help="default: all")
     parser.add_argument("--laws", nargs="+", choices=("paper", "ours"), default=["paper", "ours"], help="default: both")
     parser.add_argument("--jobs", type=positive_integer, default=2, help="processes at a time (default 2)")

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
+from matplotlib.transforms import Bbox
+from mpl_toolkits.mplot3d import Axes3D, proj3d
 
 from comanip.plotting import style
 from comanip.plotting.run_data import RunData
 
 LEAST_HALF_MM = 60.0  # of an axis' range
 TICK_MM = 50.0
-ZOOM = 1.25
+FRAME = (0.02, 0.02, 0.96, 0.84)  # left, bottom, width, height of the figure: below heading and legend
+FITTINGS = 3  # names and numbers keep their size when the box changes: the fit is found in a few rounds
 WAYS = (
     ("target", "target", style.TARGET, 0.8),
     ("hand", "robot's hand", style.ROBOT, 1.6),
@@ -22,10 +27,36 @@ WAYS = (
 )
 
 
+def _corners(axes: Axes3D) -> np.ndarray:
+    """Of the box, on paper: (8, 2) in pixels."""
+    corners = np.array(list(itertools.product(axes.get_xlim(), axes.get_ylim(), axes.get_zlim())))
+    x, y, _ = proj3d.proj_transform(*corners.T, axes.get_proj())
+    return axes.transData.transform(np.column_stack([x, y]))
+
+
+def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
+    """The box with sides in this proportion, with its names and numbers, as large as FRAME has room for."""
+    left, bottom, width, height = FRAME
+    zoom = 1.0
+    for line in axes.lines:
+        line.set_clip_on(False)  # the box is drawn beyond the rectangle of its axes
+    for _ in range(FITTINGS):
+        axes.set_box_aspect(tuple(sides), zoom=zoom)  # one scale for all axes
+        figure.canvas.draw()
+        drawn = [axis.get_tightbbox(figure.canvas.get_renderer()) for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+        low, high = _corners(axes).min(axis=0), _corners(axes).max(axis=0)
+        box = Bbox.union([*drawn, Bbox([low, high])]).transformed(figure.transFigure.inverted())
+        zoom *= min(width / box.width, height / box.height)
+        place = axes.get_position()
+        x_shift = left + width / 2 - (box.x0 + box.x1) / 2
+        y_shift = bottom + height / 2 - (box.y0 + box.y1) / 2
+        axes.set_position((place.x0 + x_shift, place.y0 + y_shift, place.width, place.height))
+
+
 def paths(run: RunData) -> Figure:
     """In 3D with equal axes; a ring marks each start, a square each end."""
     figure = plt.figure(figsize=(8.6, 5.8))
-    axes = figure.add_axes((0.04, 0.0, 0.90, 0.90), projection="3d")
+    axes = figure.add_axes(FRAME, projection="3d")
     part = style.thinned(run)
     seen = []
     for what, label, colour, width in WAYS:
@@ -45,7 +76,6 @@ def paths(run: RunData) -> Figure:
     low, high = middle - half, middle + half
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_zlim(low[2], high[2])
-    axes.set_box_aspect(tuple(half), zoom=ZOOM)  # one scale for all axes
     tick = TICK_MM * (2.0 if half.max() > 200.0 else 1.0)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_major_locator(MultipleLocator(tick))
@@ -53,6 +83,7 @@ def paths(run: RunData) -> Figure:
     axes.view_init(elev=22, azim=-58)
     axes.set(xlabel="x, forward [mm]", ylabel="y, left [mm]")
     axes.set_zlabel("z, up [mm]")
+    _fit(figure, axes, half)
     figure.legend(loc="upper left", bbox_to_anchor=(0.012, 0.94), ncols=4)
     figure.text(0.02, 0.97, style.heading(run, "Paths"), fontsize=11, fontweight="bold", va="top")
     return figure

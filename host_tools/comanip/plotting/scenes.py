@@ -83,9 +83,9 @@ SCENES = {
     "crank": Scene(
         "Turning a crank",
         (
-            ("operator.started", 0.0, "start"),
             ("person.holds", 0.0, "both hold the handle"),
-            ("person.holds", 5.0, "turning"),
+            ("operator.started", 4.0, "turning"),
+            ("operator.started", 9.0, "turning"),
             ("person.turned", 0.0, "turned"),
         ),
         "crank",

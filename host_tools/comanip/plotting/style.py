@@ -139,7 +139,7 @@ def time_figure(run: RunData, what: str, rows: int, row_inch: float = 1.5) -> tu
     top_inch = 0.4 + (0.2 + CHARACTER_INCH * longest if longest else 0.0)
     height = top_inch + rows * row_inch + 0.45
     figure, axes = plt.subplots(rows, 1, sharex=True, squeeze=False, figsize=(9.5, height))
-    figure.subplots_adjust(left=0.085, right=0.845, bottom=0.42 / height, top=1 - top_inch / height, hspace=0.13)
+    figure.subplots_adjust(left=0.085, right=0.825, bottom=0.42 / height, top=1 - top_inch / height, hspace=0.13)
     figure.text(0.01, 1 - 0.12 / height, heading(run, what), fontsize=11, fontweight="bold", va="top")
     return figure, list(axes[:, 0])
 

@@ -12,6 +12,7 @@ from comanip.plotting import geometry, style
 from comanip.plotting.run_data import JOINTS, RunData
 
 LOG_RATIO = 30.0  # of the largest to the least clearance: from there on a logarithmic axis
+FORCE_COLUMNS = ("force_x_N", "force_y_N", "force_z_N", "second_force_N")
 FORCE_LIMITS_N = ((5.0, "limit RMS"), (15.0, "limit peak"))
 
 
@@ -119,8 +120,8 @@ def plot_force(run: RunData, axes: Axes) -> None:
 
 
 def force(run: RunData) -> Figure | None:
-    if not (run.has("force_x_N") or run.has("second_force_N")):
-        return None
+    if not any(run.has(name) and np.any(run.column(name)) for name in FORCE_COLUMNS):
+        return None  # nothing was ever held
     figure, (axes,) = style.time_figure(run, "Force at the hands", 1, 2.6)
     plot_force(run, axes)
     style.legend_beside(axes)
