@@ -2,29 +2,29 @@
 
 #define PI 3.14159265358979324f
 
-/* In the order of parameter_id_t. Gains and weights: the defaults give a 4-joint arm equal rates in all directions and
- * near-exact position, at the cost of orientation; weights of 1 in the torso frame are the paper. Gains of 100/s would
- * halve the lag of 20 ms, but turn a tracker's noise of 0.05 mm into accelerations at the limit in 34 to 44 % of the ticks
- * of the built-in scenarios (2 to 7 % with 50/s). */
+/* In the order of parameter_id_t. Gain, weights and damping: the best of a search over the five experiments (docs/gains.md).
+ * They give a 4-joint arm equal rates in all directions and near-exact position, at the cost of orientation; weights of 1
+ * in the torso frame are the paper. A higher gain lags less than these 29 ms, but turns the tracker's noise into
+ * accelerations at the limit. */
 const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     /* name, minimum, maximum, default, whole numbers only */
-    {"gain_w_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_x_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_y_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_z_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_dual_w_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_dual_x_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_dual_y_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"gain_dual_z_per_s", 0.0f, 500.0f, 50.0f, false},
-    {"weight_w", 0.0f, 10000.0f, 0.05f, false},
-    {"weight_x", 0.0f, 10000.0f, 0.05f, false},
-    {"weight_y", 0.0f, 10000.0f, 0.05f, false},
-    {"weight_z", 0.0f, 10000.0f, 0.05f, false},
+    {"gain_w_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_x_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_y_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_z_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_dual_w_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_dual_x_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_dual_y_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"gain_dual_z_per_s", 0.0f, 500.0f, 35.0f, false},
+    {"weight_w", 0.0f, 10000.0f, 0.01f, false},
+    {"weight_x", 0.0f, 10000.0f, 0.01f, false},
+    {"weight_y", 0.0f, 10000.0f, 0.01f, false},
+    {"weight_z", 0.0f, 10000.0f, 0.01f, false},
     {"weight_dual_w", 0.0f, 10000.0f, 100.0f, false},
     {"weight_dual_x", 0.0f, 10000.0f, 100.0f, false},
     {"weight_dual_y", 0.0f, 10000.0f, 100.0f, false},
     {"weight_dual_z", 0.0f, 10000.0f, 100.0f, false},
-    {"damping", 0.0f, 1.0f, 0.001f, false},
+    {"damping", 0.0f, 1.0f, 0.01f, false},
     {"error_frame", 0.0f, 1.0f, 1.0f, true},
     {"motion_scale", 0.01f, 10.0f, 1.0f, false},
     {"tracker_rotation_x_rad", -PI, PI, -0.5f * PI, false},

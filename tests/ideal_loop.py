@@ -42,12 +42,12 @@ def law_with_blocked_joints(jacobian, hand, target, q, *settings):
         free &= ~blocked
 
 
-def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=50.0, weight=None, damping=1e-3,
+def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=35.0, weight=None, damping=1e-2,
         error_frame="target") -> np.ndarray:
     """targets (N, 8), one a tick; cooperating (N,) bool: elsewhere the arm brakes. Returns the hand (N, 8) at each tick,
     before that tick's command acts."""
     arm = oracle.hoap3()
-    weight = np.r_[[0.05] * 4, [100.0] * 4] if weight is None else weight
+    weight = np.r_[[0.01] * 4, [100.0] * 4] if weight is None else weight
     q, v = q0.astype(float).copy(), np.zeros(len(q0))
     hands = np.empty((len(targets), 8))
     for k, target in enumerate(targets):
