@@ -63,10 +63,10 @@ static bool load_scenario(scenario_t *scenario, const options_t *options, const 
     if (!scenario_check_geometry(scenario, error, error_size)) {
         return false;
     }
-    const double longest_s = options->duration_s > 0.0 ? options->duration_s : scenario->duration_s;
-    const double stop_s = longest_s - SCENARIO_STOP_BEFORE_END_S;
+    const bool is_shortened = options->duration_s > 0.0 && options->duration_s < scenario->duration_s;
+    const double stop_s = (is_shortened ? options->duration_s : scenario->duration_s) - SCENARIO_STOP_BEFORE_END_S;
     if (options->operator.clutch_s >= stop_s) {
-        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, where the operator stops",
+        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, by when all is done",
                        options->operator.clutch_s, stop_s);
         return false;
     }

@@ -51,9 +51,10 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
     self->interrupted = interrupted;
     self->events = scenario->events;
     self->stop_s = -1.0;
-    self->is_shortened = options->duration_s > 0.0;
+    self->has_fixed_end = options->duration_s > 0.0;
+    self->is_shortened = self->has_fixed_end && options->duration_s < scenario->duration_s;
     self->has_recording = options->tracker_path != NULL || options->second_path != NULL;
-    self->end_ns = ns_from_s(self->is_shortened ? options->duration_s : scenario->duration_s);
+    self->end_ns = ns_from_s(self->has_fixed_end ? options->duration_s : scenario->duration_s);
     self->scene = scene_create(scenario, &self->events);
     self->hand_history = hand_history_create();
     if (self->scene == NULL || self->hand_history == NULL) {
@@ -129,12 +130,14 @@ static bool everybody_is_done(const world_t *self) {
 /* The operator stops the arm when there is nothing more to do, or half a second before the time is over. */
 static void stop_when_due(world_t *self) {
     const int64_t closing_ns = ns_from_s(SCENARIO_STOP_BEFORE_END_S);
-    const bool is_late = self->now_ns >= self->end_ns - closing_ns;
     const bool is_done = everybody_is_done(self);
-    if (self->stop_s >= 0.0 || !(is_late || (is_done && !self->is_shortened))) {
+    const bool is_overdue =
+        !is_done && !self->is_shortened && self->now_ns >= ns_from_s(self->scenario->duration_s) - closing_ns;
+    const bool is_late = self->now_ns >= self->end_ns - closing_ns;
+    if (self->stop_s >= 0.0 || !(is_overdue || is_late || (is_done && !self->has_fixed_end))) {
         return;
     }
-    if (!is_done && !self->is_shortened) {
+    if (is_overdue) {
         char text[WORLD_TEXT_BYTES];
         (void)snprintf(text, sizeof text, "not everything was done in the scenario's %g s: the operator and the people "
                        "wait for each other", self->scenario->duration_s);
@@ -142,7 +145,7 @@ static void stop_when_due(world_t *self) {
     }
     self->stop_s = (double)self->now_ns * 1e-9;
     operator_node_stop(self->operator);
-    if (!self->is_shortened) {
+    if (!self->has_fixed_end) {
         self->end_ns = self->now_ns + closing_ns;
     }
 }

@@ -41,7 +41,8 @@ struct world {
     int64_t now_ns;
     int64_t end_ns;    /* an upper bound until everybody is done */
     double stop_s;     /* when the operator's stop was due; negative: not yet */
-    bool is_shortened; /* --duration cut it: what was not done by then is nobody's failure */
+    bool has_fixed_end; /* --duration: it goes on to its end though everybody is done */
+    bool is_shortened;  /* and ends before the scenario's time is over: what is not done by then is nobody's failure */
     bool has_recording;
     uint64_t ticks;
 

@@ -63,6 +63,16 @@ def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
     run(tmp_path / "out", "--scenario", experiment("teleop"), *both).require_pass()
 
 
+@pytest.mark.parametrize("duration", [[], ["--duration", "150"]])
+def test_who_waits_in_vain_fails_however_long_it_takes(tmp_path, duration):
+    """The gripper is never told to close: teleoperator and operator wait for robot.holds."""
+    path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
+    done = run(tmp_path / "out", "--scenario", path, *duration)
+    assert done.status == EXIT_CHECK_FAILED
+    assert "the operator and the people wait for each other" in done.summary["reason"]
+    assert done.summary["sim_s"] < 100
+
+
 # ---- each criterion can fail
 
 

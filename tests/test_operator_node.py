@@ -243,10 +243,6 @@ def test_clutch_comes_at_its_time_between_the_steps_that_wait(dbc, event_s, orde
     assert bench.times()[2 + order.index("clutch")] == pytest.approx(2.0, abs=0.0003)
 
 
-def test_clutch_after_the_end_is_left_out(dbc):
-    assert Bench(dbc, SELECT, START, wishes={"clutch_s": 29.6}).count == Bench(dbc, SELECT, START).count
-
-
 def test_patience_names_the_event(dbc):
     bench = Bench(dbc, SELECT, command("start", awaited=["person.there"], patience_s=0.8))
     bench.run(3.0)

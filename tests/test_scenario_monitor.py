@@ -210,6 +210,17 @@ def test_distance_from_the_target(rng):
     assert watch.value(2) == pytest.approx(np.sqrt(np.mean(distance_mm**2)), rel=1e-12)
 
 
+@pytest.mark.parametrize("motion_scale", [1.0, 0.5])
+def test_relation_is_of_the_two_hands_ways(rng, motion_scale):
+    """Since the window's begin, whatever target the firmware tells."""
+    robot, person = random_walk(rng, 400), random_walk(rng, 400)
+    watch = Watch(Check("relation_rms", 0.1, 0.3), motion_scale=motion_scale)
+    watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
+    window = slice(100, 301)
+    error_mm = 1e3 * ((robot[window] - robot[100]) - motion_scale * (person[window] - person[100]))
+    assert watch.value() == pytest.approx(np.sqrt(np.mean((error_mm**2).sum(axis=1))), rel=1e-12)
+
+
 def test_orientation_is_a_rest_beside_the_following(rng):
     angle_deg = rng.uniform(0, 170, 50)
     watch = Watch(Check("following_rms"), Check("settled_position"))
@@ -486,7 +497,7 @@ def test_every_measure_has_a_unit_or_counts():
     names = [name for name in dir(lib) if name.startswith("MEASURE_")]
     units = {name[8:].lower(): ffi.string(lib.measure_unit(getattr(lib, name))).decode() for name in names}
     counts = {name for name, unit in units.items() if unit == ""}
-    assert len(units) == 20 and counts == {"flow_while_moving", "drops", "held"}
+    assert len(units) == 21 and counts == {"flow_while_moving", "drops", "held"}
     assert {name for name, unit in units.items() if unit == "N"} == {"force_rms", "force_peak"}
     assert {name for name, unit in units.items() if unit == "deg"} == {"tilt", "cup_tilt_peak", "turn"}
 

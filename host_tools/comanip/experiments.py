@@ -84,6 +84,7 @@ DECISIVE = {
         Figure("carried_for", True),
         Figure("force_rms", False),
         Figure("force_peak", False),
+        Figure("relation", False),
         Figure("following", False),
     ),
     "handover": (Figure("baton_with_person", True), Figure("baton_drops", False)),

@@ -4,6 +4,7 @@ const char *measure_unit(measure_t measure) {
     switch (measure) {
     case MEASURE_SETTLED_POSITION:
     case MEASURE_FOLLOWING_RMS:
+    case MEASURE_RELATION_RMS:
     case MEASURE_DISPLACEMENT:
     case MEASURE_WAY_X:
     case MEASURE_WAY_Y:
@@ -35,7 +36,7 @@ static bool is_way(measure_t measure) {
 }
 
 bool measure_compares_with_begin(measure_t measure) {
-    return measure == MEASURE_DISPLACEMENT || measure == MEASURE_TURN || is_way(measure);
+    return measure == MEASURE_RELATION_RMS || measure == MEASURE_DISPLACEMENT || measure == MEASURE_TURN || is_way(measure);
 }
 
 bool measure_is_of_built_in_motion(measure_t measure) {

@@ -96,6 +96,15 @@ static void add_following(measurement_t *self, const tick_record_t *tick) {
     self->square_orientation_deg2 += orientation_deg * orientation_deg;
 }
 
+/* How far the robot's hand is from where the person's has led it since the window began. */
+static double relation_error_mm(const measurement_t *self, const rigid_pose_t *person, const measurement_sight_t *sight) {
+    double person_m[3];
+    for (int k = 0; k < 3; k++) {
+        person_m[k] = person->position_m[k] - self->begin_person.position_m[k];
+    }
+    return displacement_error_mm(&self->begin_hand, &sight->tick->hand, person_m, sight->motion_scale);
+}
+
 static void measure_hand(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
     const tick_record_t *tick = sight->tick;
     if (measure_needs_target(check->measure) && !tick->has_target) {
@@ -104,6 +113,9 @@ static void measure_hand(measurement_t *self, const scenario_check_t *check, con
     switch (check->measure) {
     case MEASURE_SETTLED_POSITION: keep_largest(self, tracking_distance_mm(tick)); break;
     case MEASURE_FOLLOWING_RMS: add_following(self, tick); break;
+    case MEASURE_RELATION_RMS:
+        add_square(self, relation_error_mm(self, &sight->state->hand[check->person], sight));
+        break;
     case MEASURE_DISPLACEMENT:
         keep_last(self, displacement_error_mm(&self->begin_hand, &tick->hand, check->expected_m, sight->motion_scale));
         break;
@@ -176,6 +188,7 @@ void measurement_sample(measurement_t *self, const scenario_check_t *check, cons
     }
     if (self->window.ticks == 1) {
         self->begin_hand = sight->tick->hand;
+        self->begin_person = sight->state->hand[check->person];
         self->begin_left_cup = sight->state->water.left_robot_cup;
         self->begin_turns = sight->state->crank_turns[check->object];
     }
@@ -190,7 +203,8 @@ bool measurement_is_valid(const measurement_t *self, const scenario_check_t *che
 }
 
 double measurement_value(const measurement_t *self, const scenario_check_t *check) {
-    const bool is_rms = check->measure == MEASURE_FOLLOWING_RMS || check->measure == MEASURE_FORCE_RMS;
+    const bool is_rms = check->measure == MEASURE_FOLLOWING_RMS || check->measure == MEASURE_RELATION_RMS ||
+                        check->measure == MEASURE_FORCE_RMS;
     return is_rms ? sqrt(self->square / (double)self->ticks) : self->value;
 }
 

@@ -67,7 +67,7 @@ size_t operator_script(const scenario_t *scenario, const operator_wishes_t *wish
     steps[count++] = (operator_step_t){OPERATOR_AWAIT_MODE, .done_event = EVENT_NONE, .mode = MODE_READY,
                                        .mode_patience_s = READY_PATIENCE_S};
     bool define_is_due = wishes->defines_task;
-    bool clutch_is_due = wishes->clutch_s > 0.0 && wishes->clutch_s < scenario->duration_s - SCENARIO_STOP_BEFORE_END_S;
+    bool clutch_is_due = wishes->clutch_s > 0.0;
     for (size_t i = 0; i < scenario->operate_count; i++) {
         const operate_step_t *from = &scenario->operate[i];
         if (define_is_due && starts(from)) { /* the scenario chooses no task before */

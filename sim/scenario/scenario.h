@@ -190,6 +190,7 @@ typedef struct {
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between ODE's hand and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, of the same */
+    MEASURE_RELATION_RMS,     /* mm, way of ODE's hand since `from` less the person's times motion_scale */
     MEASURE_DISPLACEMENT,     /* mm, way of ODE's hand from `from` to `until` less expected_m times motion_scale */
     MEASURE_WAY_X, MEASURE_WAY_Y, MEASURE_WAY_Z, /* mm, ODE's hand along this axis from `from` to `until`; signed */
     MEASURE_TILT,             /* deg, least angle between torso z and the hand's axis that was along it at the start */

@@ -6,8 +6,8 @@
 
 /* In the order of measure_t. */
 static const char *const measures[] = {
-    "settled_position", "following_rms", "displacement", "way_x", "way_y", "way_z", "tilt", "cup_tilt_peak", "turn",
-    "water_poured", "water_caught", "flow_while_moving", "drops", "held", "force_rms", "force_peak", "turns",
+    "settled_position", "following_rms", "relation_rms", "displacement", "way_x", "way_y", "way_z", "tilt",
+    "cup_tilt_peak", "turn", "water_poured", "water_caught", "flow_while_moving", "drops", "held", "force_rms", "force_peak", "turns",
     "carried_for", "clearance", "self_clearance", NULL,
 };
 
@@ -30,7 +30,7 @@ static bool is_force(measure_t measure) {
 }
 
 static bool knows_person(measure_t measure) {
-    return needs_person(measure) || measure == MEASURE_FLOW_WHILE_MOVING;
+    return needs_person(measure) || measure == MEASURE_FLOW_WHILE_MOVING || measure == MEASURE_RELATION_RMS;
 }
 
 /* A number of seconds, an event, or {event: NAME, plus_s: S}. */
