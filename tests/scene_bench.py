@@ -108,7 +108,7 @@ STAND = {"kind": lib.OBJECT_STAND, "size_m": [0.06, 0.12, 0.04]}
 OBJECT = {lib.OBJECT_ROD: ROD, lib.OBJECT_CRANK: CRANK, lib.OBJECT_STAND: STAND}
 GRIPPER = {
     "offset_m": [0, 0, 0.03], "stroke_s": 0.3, "capture_m": 0.015, "stiffness_Npm": 3000.0, "damping_Nspm": 30.0,
-    "stiffness_Nmprad": 20.0, "damping_Nmspprad": 0.2, "force_limit_N": 25.0, "torque_limit_Nm": 1.0,
+    "force_limit_N": 25.0, "torque_limit_Nm": 1.0,
 }  # fmt: skip
 
 

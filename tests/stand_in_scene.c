@@ -42,6 +42,10 @@ bool scene_close_hand(scene_t *self, size_t person, size_t object) {
     return self->state.can_grip;
 }
 
+bool scene_holds(const scene_t *self, size_t holder, size_t object) {
+    return holder == 0 && self->state.holds[object];
+}
+
 void scene_open_hand(scene_t *self, size_t person) {
     (void)person;
     self->state.openings++;

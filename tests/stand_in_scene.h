@@ -13,6 +13,7 @@ typedef struct {
     rigid_pose_t object[SCENARIO_MAX_OBJECTS];
     double crank_turns;
     bool can_grip;
+    bool holds[SCENARIO_MAX_OBJECTS]; /* in the first person's hand */
     int closings, openings; /* calls */
 } fake_state_t;
 

@@ -311,6 +311,13 @@ def test_grip_in_vain_says_how_far_it_is(object_, name):
     assert person.failure == f"ann: cannot grip {name}: it is {distance_mm:.0f} mm away"
 
 
+def test_a_full_hand_grips_nothing_more():
+    person = Person({"action": "grip", "object": 0})
+    person.state.holds[1] = True
+    person.run(0.4)
+    assert person.failure == "ann: cannot grip pipe: the hand holds crank already"
+
+
 @pytest.mark.parametrize("turns", [3.0, -1.5, 0.5])
 def test_turn_takes_the_hand_around_with_the_handle(turns):
     person = Person({"action": "turn", "object": 1, "turns": turns, "duration_s": 2.0})
@@ -330,7 +337,6 @@ def test_turn_takes_the_hand_around_with_the_handle(turns):
     assert (rotation.inv() * START).magnitude().max() < 1e-9
     duration_s = abs(turns) * 2.0 + min(2.0, 2.0 * abs(turns))
     assert person.time_of("ann.done") == pytest.approx(duration_s)
-    assert lib.person_program_duration_s(person.program) == pytest.approx(duration_s)
 
 
 # ---- recordings and tremor
@@ -361,7 +367,6 @@ def test_recorded_steps_play_the_recording_from_here(tmp_path):
     hidden_ms = set(np.flatnonzero(hidden))  # before step n the hand is where it was at n ms
     assert hidden_ms | {900, 1100} == set(range(900, 1101)), "its ends are a matter of rounding"
     assert person.time_of("ann.done") == pytest.approx(1.9)
-    assert lib.person_program_duration_s(person.program) == pytest.approx(1.9)
     description = ffi.string(lib.person_program_description(person.program)).decode()
     assert description.startswith(f"ann: recording {path}: samples 182, 2.00 s, 100.0 Hz, gaps 1 (longest 200 ms)")
     assert description.endswith("played from 0.20 s until 1.50 s, positions times 0.5, rotations times 1")

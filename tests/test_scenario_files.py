@@ -493,6 +493,37 @@ def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
         assert is_slow or f"scene.yaml: people.person.{program}[3].duration_s '{duration_s:.6g}': expected more time" in text
 
 
+def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
+    """duration_s is of one turn, of a handle at 50 mm."""
+    least_s = 2 * math.pi * 0.05 / 5
+    for duration_s, is_slow in ((1.001 * least_s, True), (0.999 * least_s, False)):
+        text = refusal_of(tmp_path, ("turns: 2, duration_s: 2", f"turns: 2, duration_s: {duration_s}"))
+        assert (text == "") == is_slow, text
+        assert is_slow or "people.person.program[6].duration_s" in text and "expected more time" in text
+
+
+@pytest.mark.parametrize(("key", "gyration_m"), [("stiffness_Npm", 1.0), ("stiffness_Nmprad", 0.06)])
+@pytest.mark.parametrize("damping_ratio", [0.05, 0.7, 3.0])
+def test_a_hand_is_stable_at_two_milliseconds(tmp_path, key, gyration_m, damping_ratio):
+    """v += h (-w^2 x - 2 d w v), then x += h v: its eigenvalues, for a hand of 0.1 kg."""
+    h = 2e-3
+
+    def radius(stiffness: float) -> float:
+        w = math.sqrt(stiffness / (0.1 * gyration_m**2))
+        v_row = np.array([-h * w**2, 1 - 2 * h * damping_ratio * w])
+        return np.abs(np.linalg.eigvals([[1 + h * v_row[0], h * v_row[1]], v_row])).max()
+
+    low, high = 1e-3, 1e9
+    for _ in range(100):
+        low, high = (middle, high) if radius(middle := math.sqrt(low * high)) < 1 else (low, middle)
+    other = "stiffness_Nmprad: 0.02" if key == "stiffness_Npm" else "stiffness_Npm: 20"
+    for stiffness, is_stable in ((0.99 * low, True), (1.01 * low, False)):
+        hand = f"tracked: true\n    mass_kg: 0.1\n    damping_ratio: {damping_ratio}\n    {other}\n    {key}: {stiffness:.6g}"
+        text = refusal_of(tmp_path, ("tracked: true", hand))
+        assert (text == "") == is_stable, text
+        assert is_stable or f"people.person.{key} '{stiffness:.6g}': expected {key} below" in text
+
+
 def test_nobody_goes_further_than_an_arm(tmp_path):
     step = "      - {do: move, by_m: [0, 0.02, 0], duration_s: 1}\n"
     for times, is_near in ((1, True), (2, False)):

@@ -67,9 +67,6 @@ class Outcome:
     def checks(self) -> list[dict]:
         return self.summary.get("checks", [])
 
-    def check_value(self, name: str) -> float | None:
-        return next((check["value"] for check in self.checks if check["name"] == name), None)
-
 
 @dataclass
 class _Child:

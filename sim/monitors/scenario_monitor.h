@@ -3,7 +3,8 @@
  * that leaves a choice:
  *
  * - Displacement, way, turn, turns and water_poured count from the first tick of the window. Their value is that of its
- *   last tick, as for held and water_caught. water_caught is a share of all that ever left the cup.
+ *   last tick, as for held and water_caught. water_caught is a share of all that left the cup
+ *   and did not fall back into it.
  * - A hand moves, for flow_while_moving, if it came further than 5 mm/s in the last 0.2 s: tremor alone is as fast, but
  *   leads nowhere.
  * - drops counts two things: 20 ms in nobody's hand, and each robot.lost or PERSON.lost of who held the object then. An

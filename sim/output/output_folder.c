@@ -84,7 +84,7 @@ static bool ends_with(const char *name, const char *end) {
     return length >= end_length && strcmp(name + length - end_length, end) == 0;
 }
 
-/* Pictures and texts that were made from a former run. What else lies there is somebody's own. */
+/* Pictures that were made of a former run. What else lies there is somebody's own. */
 static bool remove_report(const char *folder, char error[], size_t error_size) {
     char *path = join(folder, "report", "");
     /* Not through a link: what it leads to is not this run's. */
@@ -92,7 +92,7 @@ static bool remove_report(const char *folder, char error[], size_t error_size) {
     DIR *report = opened >= 0 ? fdopendir(opened) : NULL;
     bool removed = true;
     for (struct dirent *entry; removed && report != NULL && (entry = readdir(report)) != NULL;) {
-        if (ends_with(entry->d_name, ".png") || ends_with(entry->d_name, ".md")) {
+        if (ends_with(entry->d_name, ".png")) {
             removed = unlinkat(opened, entry->d_name, 0) == 0 || fail(error, error_size, path, "cannot be emptied");
         }
     }

@@ -81,7 +81,6 @@ typedef struct {
     double stroke_s;    /* from open to closed */
     double capture_m;   /* an axis so close to its middle is gripped as the jaws close */
     double stiffness_Npm, damping_Nspm;            /* of the pads, along each axis */
-    double stiffness_Nmprad, damping_Nmspprad;     /* and about it; GRIP_FIXED only */
     double force_limit_N, torque_limit_Nm; /* more, and the object slips out */
 } gripper_t;
 
@@ -143,13 +142,15 @@ typedef struct {
     double from_s, until_s;              /* play: which part; until_s 0: to its end */
 } person_step_t;
 
+#define PERSON_GYRATION_M 0.06
+
 typedef struct {
     scenario_name_t name;
     bool tracked;      /* wears the marker; one person does */
     rigid_pose_t start; /* of the hand. Hand frame as the robot's: z forward along the forearm, x up, palm down */
     double grip_m[3];  /* where it holds things, in the hand's frame */
     double elbow_m[3]; /* at the start; the forearm points there */
-    double mass_kg;    /* of hand and forearm as the hand feels it */
+    double mass_kg;    /* of hand and forearm as the hand feels it; their radius of gyration: PERSON_GYRATION_M */
     double stiffness_Npm, damping_ratio; /* of the arm against what pulls at the hand */
     double stiffness_Nmprad;             /* of the wrist */
     double grip_force_limit_N;

@@ -24,8 +24,9 @@ static double length_m(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-static bool check_speed(const motion_t *self, size_t number, const person_step_t *step, double way_m) {
-    const double speed_mps = PEAK_OF_MINIMUM_JERK * way_m / step->duration_s;
+/* The hand's speed is at most `peak` times the mean. */
+static bool check_speed(const motion_t *self, size_t number, const person_step_t *step, double way_m, double peak) {
+    const double speed_mps = peak * way_m / step->duration_s;
     if (speed_mps > SPEED_MAX_MPS) {
         (void)snprintf(self->error, self->error_size,
                        "%s: people.%s.%s[%zu].duration_s '%g': expected more time: over %.3g m the hand reaches %.3g "
@@ -56,7 +57,7 @@ static bool check_move(const motion_t *self, size_t number, const person_step_t 
     }
     const bool is_way_known = step->from_here || place->is_known;
     place->is_known = place->is_known || !step->from_here;
-    return (!is_way_known || check_speed(self, number, step, length_m(way_m))) && check_distance(self, number, place);
+    return (!is_way_known || check_speed(self, number, step, length_m(way_m), PEAK_OF_MINIMUM_JERK)) && check_distance(self, number, place);
 }
 
 static bool check_program(const motion_t *self, const person_step_t steps[], size_t count) {
@@ -70,8 +71,15 @@ static bool check_program(const motion_t *self, const person_step_t steps[], siz
             break;
         case PERSON_REACH:
         case PERSON_GUIDE:
-        case PERSON_PLAY:
-        case PERSON_TURN: place.is_known = false; break;
+        case PERSON_PLAY: place.is_known = false; break;
+        case PERSON_TURN: {
+            const double around_m = 2.0 * ROBOT_PI * self->scenario->object[steps[i].object].radius_m;
+            if (!check_speed(self, i, &steps[i], around_m, 1.0)) { /* duration_s is per turn, at an even speed */
+                return false;
+            }
+            place.is_known = false;
+            break;
+        }
         case PERSON_REST:
         case PERSON_GRIP:
         case PERSON_RELEASE: break;

@@ -1,4 +1,5 @@
 /* Section people. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -6,6 +7,7 @@
 
 #define STEP_KEYS "do", "name", STEP_START_KEYS
 #define MOVE_MAX_M 1.5
+#define LONGEST_STEP_S 2e-3 /* of physics: what --physics-step-us takes at most */
 
 /* In the order of person_action_t. */
 static const char *const actions[] = {"rest", "move", "reach", "guide", "play", "grip", "release", "turn", NULL};
@@ -18,7 +20,7 @@ static const char *const action_keys[][16] = {
     {STEP_KEYS, "duration_s", "bring", "to", "offset_m", "tolerance_m", "lift_m", NULL},
     {STEP_KEYS, "recording", "axes", "position_scale", "rotation_scale", "from_s", "until_s", NULL},
     {STEP_KEYS, "object", NULL},
-    {STEP_KEYS, "object", NULL},
+    {STEP_KEYS, NULL},
     {STEP_KEYS, "object", "turns", "duration_s", NULL},
 };
 
@@ -108,13 +110,13 @@ static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     }
     yaml_get_number(yaml, map, "duration_s", 0.01, LONG_S, &step->duration_s);
     switch (step->action) {
-    case PERSON_REST: break;
+    case PERSON_REST:
+    case PERSON_RELEASE: break;
     case PERSON_MOVE: read_move(yaml, map, step); break;
     case PERSON_REACH:
     case PERSON_GUIDE: read_way(yaml, map, self, step); break;
     case PERSON_PLAY: read_play(yaml, map, self, step); break;
     case PERSON_GRIP:
-    case PERSON_RELEASE:
     case PERSON_TURN: read_object(yaml, map, self, step); break;
     }
 }
@@ -137,6 +139,19 @@ static void set_defaults(person_t *person) {
     person->tremor_mm = 0.1;
 }
 
+/* Spring and damper act once per step (scene/hand_body.h): with w = sqrt(stiffness / inertia) and step h the hand comes to
+ * rest only if 4 * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
+static void check_is_stable(yaml_reader_t *yaml, yaml_node_t *map, const char *key, const person_t *person,
+                            double stiffness, double inertia) {
+    const double wh = 2.0 * (hypot(person->damping_ratio, 1.0) - person->damping_ratio);
+    const double limit = inertia * (wh / LONGEST_STEP_S) * (wh / LONGEST_STEP_S);
+    if (!yaml->failed && !(stiffness < limit)) {
+        const yaml_node_t *node = yaml_find(yaml, map, key);
+        yaml_refuse(yaml, node != NULL ? node : map, "%s below %.3g, where a hand of %g kg and damping_ratio %g is stable",
+                    key, limit, person->mass_kg, person->damping_ratio);
+    }
+}
+
 static void read_person(yaml_reader_t *yaml, yaml_node_t *map, scenario_t *self, person_t *person) {
     static const char *const keys[] = {"tracked", "position_m", "rotation", "grip_m", "elbow_m", "mass_kg",
                                        "stiffness_Npm", "damping_ratio", "stiffness_Nmprad", "grip_force_limit_N",
@@ -157,6 +172,9 @@ static void read_person(yaml_reader_t *yaml, yaml_node_t *map, scenario_t *self,
     yaml_get_number(yaml, map, "stiffness_Npm", 10.0, 1e5, &person->stiffness_Npm);
     yaml_get_number(yaml, map, "damping_ratio", 0.0, 5.0, &person->damping_ratio);
     yaml_get_number(yaml, map, "stiffness_Nmprad", 0.01, 1e3, &person->stiffness_Nmprad);
+    check_is_stable(yaml, map, "stiffness_Npm", person, person->stiffness_Npm, person->mass_kg);
+    check_is_stable(yaml, map, "stiffness_Nmprad", person, person->stiffness_Nmprad,
+                    person->mass_kg * PERSON_GYRATION_M * PERSON_GYRATION_M);
     yaml_get_number(yaml, map, "grip_force_limit_N", 0.01, 1e4, &person->grip_force_limit_N);
     yaml_get_number(yaml, map, "tremor_mm", 0.0, 20.0, &person->tremor_mm);
     scenario_read_cup(yaml, yaml_find(yaml, map, "cup"), &person->cup);

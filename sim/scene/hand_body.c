@@ -4,12 +4,10 @@
 #include <ode/ode.h>
 #include <string.h>
 
-#define GYRATION_M 0.06
-
 void hand_body_init(hand_body_t *self, dWorldID world, const person_t *person) {
     memset(self, 0, sizeof *self);
     self->mass_kg = person->mass_kg;
-    self->inertia_kgm2 = person->mass_kg * GYRATION_M * GYRATION_M;
+    self->inertia_kgm2 = person->mass_kg * PERSON_GYRATION_M * PERSON_GYRATION_M;
     self->stiffness_Npm = person->stiffness_Npm;
     self->damping_Nspm = 2.0 * person->damping_ratio * sqrt(self->stiffness_Npm * self->mass_kg);
     self->stiffness_Nmprad = person->stiffness_Nmprad;

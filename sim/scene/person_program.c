@@ -177,10 +177,18 @@ static bool has_gripped(person_program_t *self, double now_s) {
     if (scene_close_hand(self->scene, self->index, object)) {
         return true;
     }
-    if (now_s - self->begin_s >= GRIP_PATIENCE_S) {
-        fail(self, "cannot grip %s: it is %.0f mm away", self->scenario->object[object].name,
-             1e3 * sight_distance_m(self->scene, self->scenario, self->index, object));
+    if (now_s - self->begin_s < GRIP_PATIENCE_S) {
+        return false;
     }
+    const char *name = self->scenario->object[object].name;
+    for (size_t i = 0; i < self->scenario->object_count; i++) {
+        if (scene_holds(self->scene, self->index, i)) {
+            fail(self, "cannot grip %s: the hand holds %s already", name, self->scenario->object[i].name);
+            return false;
+        }
+    }
+    fail(self, "cannot grip %s: it is %.0f mm away", name,
+         1e3 * sight_distance_m(self->scene, self->scenario, self->index, object));
     return false;
 }
 
@@ -268,22 +276,4 @@ const char *person_program_failure(const person_program_t *self) {
 
 const char *person_program_description(const person_program_t *self) {
     return self->playlist.description;
-}
-
-double person_program_duration_s(const person_program_t *self) {
-    double duration_s = 0.0;
-    for (size_t n = 0; n < self->count; n++) {
-        const person_step_t *step = &self->steps[n];
-        switch (step->action) {
-        case PERSON_REST:
-        case PERSON_MOVE:
-        case PERSON_REACH:
-        case PERSON_GUIDE: duration_s += step->duration_s; break;
-        case PERSON_PLAY: duration_s += playback_duration_s(&self->playlist.playback[n]); break;
-        case PERSON_TURN: duration_s += smooth_turn_duration_s(step->turns, step->duration_s); break;
-        case PERSON_GRIP:
-        case PERSON_RELEASE: break;
-        }
-    }
-    return duration_s;
 }

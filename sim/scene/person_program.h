@@ -29,7 +29,5 @@ const char *person_program_failure(const person_program_t *self);
 /* One line for a person about the recording that is played: file, samples, gaps, scale. "": none. */
 const char *person_program_description(const person_program_t *self);
 
-/* Length of the steps' motions, without waiting and corrections. */
-double person_program_duration_s(const person_program_t *self);
 
 #endif

@@ -42,7 +42,8 @@ void scene_robot_cup(const scene_t *self, rigid_pose_t *cup);
 void scene_aim_hand(scene_t *self, size_t person, const rigid_pose_t *hand);
 void scene_hand(const scene_t *self, size_t person, rigid_pose_t *hand);
 
-/* False, and nothing happens, if no part of the object is within 25 mm of the grip. */
+/* False, and nothing happens, if the hand holds something already, if the object is a stand, or if no part of it is
+ * within 25 mm of the grip. */
 bool scene_close_hand(scene_t *self, size_t person, size_t object);
 void scene_open_hand(scene_t *self, size_t person);
 

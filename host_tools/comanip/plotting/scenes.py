@@ -23,7 +23,7 @@ class Scene:
 
     title: str
     instants: tuple[tuple[str, float, str], ...]
-    decisive: str  # "water", "carrying", "handing", "crank"
+    decisive: str  # "water", "carrying", "handing", "crank", "tracking"
     view_deg: tuple[float, float] = (-62.0, 16.0)
     rod_length_m: float = 0.0
     crank_radius_m: float = 0.0
