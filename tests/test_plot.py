@@ -198,14 +198,18 @@ def test_a_run_without_targets_and_events_is_drawn(tmp_path):
 def test_curves_and_limits_are_the_runs(tmp_path):
     from comanip.plotting import time_plots
 
-    run = read_run(synthetic_run.write(tmp_path, "mirror"))
+    checks = [{"name": name, "value": 1.0, "limit": limit, "unit": unit, "pass": True}
+              for name, limit, unit in (("force_rms", 4.5, "N"), ("force_peak", 13.0, "N"), ("turns", 3, "turn"))]  # fmt: skip
+    run = read_run(synthetic_run.write(tmp_path, "mirror", checks=checks))
     x, error = time_plots.tracking(run).axes[:2]
     np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # mm behind, by construction
     np.testing.assert_allclose(x.lines[0].get_ydata()[-1], 168.0, atol=1e-3)
     force = time_plots.force(run).axes[0]
     np.testing.assert_allclose(np.nanmax(force.lines[0].get_ydata()), 5.0)  # of (3, 4, 0) N
-    levels = {float(line.get_ydata()[0]) for line in force.lines if line.get_linestyle() in ("--", ":")}
-    assert {5.0, 15.0} <= levels
+    levels = {float(line.get_ydata()[0]): line.get_label() for line in force.lines[1:] if line.get_label()[0] != "_"}
+    assert levels == {4.5: "force rms: 4.5 N", 13.0: "force peak: 13 N"}
+    unlimited = time_plots.force(read_run(synthetic_run.write(tmp_path / "other", "mirror"))).axes[0]
+    assert len([line for line in unlimited.lines if line.get_label()[0] != "_"]) == 1, "limits that nobody set"
 
 
 def test_labels_are_spread_in_order(rng):

@@ -90,10 +90,14 @@ static char *write_poses(char *out, const physical_state_t *state) {
 
 static char *write_contacts(char *out, const physical_state_t *state) {
     out = write_cell(out, state->gripper_opening, 4);
-    for (int k = 0; k < 3; k++) {
-        out = write_cell(out, state->hand_force_N[state->tracked][k], 4);
+    if (physical_state_holds_any(state, state->tracked)) {
+        for (int k = 0; k < 3; k++) {
+            out = write_cell(out, state->hand_force_N[state->tracked][k], 4);
+        }
+    } else {
+        out = write_empty(out, 3);
     }
-    if (state->second >= 0) {
+    if (state->second >= 0 && physical_state_holds_any(state, (size_t)state->second)) {
         out = write_cell(out, physical_state_force_N(state, (size_t)state->second), 4);
     } else {
         out = write_empty(out, 1);

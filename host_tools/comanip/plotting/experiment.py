@@ -177,7 +177,7 @@ def _plot_water(run: RunData, rows: list[Axes], scene: Scene) -> None:
     cup = next(cup for cup in scene.cups if cup.carrier == "hand")
     tilt = geometry.tilt_deg(run.rotation("hand")[part], np.array(cup.axis))
     rows[1].plot(run.t_s[part], tilt, color=style.ROBOT, label="tilt of the glass")
-    rows[1].axhline(35.0, color=style.LIMIT, ls="--", lw=1.0, label="35 deg")
+    time_plots.draw_limits(rows[1], run.limits("deg"), "deg")
     rows[1].set_ylabel("tilt [deg]")
 
 

@@ -62,6 +62,11 @@ class RunData:
     def has(self, name: str) -> bool:
         return bool(np.isfinite(self.column(name)).any())
 
+    def limits(self, unit: str) -> list[tuple[str, float]]:
+        """Names and limits of the run's checks in this unit."""
+        checks = self.summary.get("checks") or []
+        return [(check["name"].replace("_", " "), check["limit"]) for check in checks if check.get("unit") == unit]
+
     def position_m(self, what: str) -> np.ndarray:
         """(N, 3) of "target", "hand", "person", "second" or "object", in torso axes."""
         return np.stack([self.column(f"{what}_{axis}_m") for axis in "xyz"], axis=1)

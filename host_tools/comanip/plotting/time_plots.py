@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,8 +14,6 @@ from comanip.plotting import geometry, style
 from comanip.plotting.run_data import JOINTS, RunData
 
 LOG_RATIO = 30.0  # of the largest to the least clearance: from there on a logarithmic axis
-FORCE_COLUMNS = ("force_x_N", "force_y_N", "force_z_N", "second_force_N")
-FORCE_LIMITS_N = ((5.0, "limit RMS"), (15.0, "limit peak"))
 
 
 def tracking(run: RunData) -> Figure | None:
@@ -106,22 +106,28 @@ def clearance(run: RunData) -> Figure | None:
     return figure
 
 
+def draw_limits(axes: Axes, limits: list[tuple[str, float]], unit: str) -> None:
+    """What the scenario's checks allow, a line each."""
+    for (name, limit), line in zip(limits, itertools.cycle(("--", ":", "-.")), strict=False):
+        axes.axhline(limit, color=style.LIMIT, ls=line, lw=1.0, label=f"{name}: {limit:g} {unit}")
+
+
 def plot_force(run: RunData, axes: Axes) -> None:
-    """Magnitude at the people's hands, and the limits that hold while something is held."""
+    """Magnitude at the people's hands while they hold something, and what the scenario allows."""
     part = style.thinned(run)
     force = np.sqrt(sum(run.column(f"force_{axis}_N") ** 2 for axis in "xyz"))
-    axes.plot(run.t_s[part], force[part], color=style.PERSON, label="at the person's hand")
+    if run.has("force_x_N"):
+        axes.plot(run.t_s[part], force[part], color=style.PERSON, label="at the person's hand")
     if run.has("second_force_N"):
         axes.plot(run.t_s[part], run.column("second_force_N")[part], color=style.SECOND, label="second person's")
-    for limit, label in FORCE_LIMITS_N:
-        axes.axhline(limit, color=style.LIMIT, ls="--" if limit == 5.0 else ":", lw=1.0, label=f"{label} {limit:g} N")
+    draw_limits(axes, run.limits("N"), "N")
     axes.set_ylabel("force [N]")
     axes.set_ylim(bottom=0.0)
 
 
 def force(run: RunData) -> Figure | None:
-    if not any(run.has(name) and np.any(run.column(name)) for name in FORCE_COLUMNS):
-        return None  # nothing was ever held
+    if not (run.has("force_x_N") or run.has("second_force_N")):
+        return None
     figure, (axes,) = style.time_figure(run, "Force at the hands", 1, 2.6)
     plot_force(run, axes)
     style.legend_beside(axes)
@@ -154,7 +160,7 @@ def water(run: RunData) -> Figure | None:
 def plot_crank(run: RunData, axes: Axes) -> None:
     part = style.thinned(run)
     axes.plot(run.t_s[part], run.column("crank_turns")[part], color=style.OBJECT, label="crank")
-    axes.axhline(3.0, color=style.LIMIT, ls="--", lw=1.0, label="three turns")
+    draw_limits(axes, run.limits("turn"), "turns")
     axes.set_ylabel("turns")
 
 
