@@ -83,7 +83,9 @@ sim: export RUN_TRACKER := $(TRACKER)
 sim: export RUN_SEED := $(SEED)
 sim: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
-	@set --; \
+	@case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
+		echo "make sim: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
+	set --; \
 	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
 	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \

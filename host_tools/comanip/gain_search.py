@@ -136,8 +136,6 @@ def _mean(values: Iterable[float]) -> float:
 
 def score(outcomes: Sequence[Outcome]) -> Score:
     measured = [figures(o) for o in outcomes if o.summary]
-    if not measured:
-        raise CampaignError(f"no run could be scored: {outcomes[0].job.label}: {outcomes[0].reason}")
     scores = [run_score(values) for values in measured] + [WORST] * (len(outcomes) - len(measured))
     columns = [_mean(values[k] for values in measured) for k in range(4)]
     return Score(_mean(scores), *columns, sum(o.passed for o in outcomes), len(outcomes))
@@ -257,7 +255,10 @@ def run_search(arguments: argparse.Namespace) -> int:
         ]
         for job in jobs:
             (job.out / "trace.csv").unlink(missing_ok=True)  # of the candidate before
-        return score(run_jobs(jobs, arguments.simulator, arguments.jobs))
+        outcomes = run_jobs(jobs, arguments.simulator, arguments.jobs)
+        if not search.tried and not any(o.summary for o in outcomes):
+            raise CampaignError(f"no run could be scored: {outcomes[0].job.label}: {outcomes[0].reason}")
+        return score(outcomes)
 
     search = Search(run, arguments.budget_s)
     begin_s = time.monotonic()
