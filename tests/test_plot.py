@@ -15,6 +15,7 @@ from hoap3 import STOPS_DEG
 from matplotlib.image import imread
 from scipy.spatial.transform import Rotation
 from simulation import EXPERIMENTS, experiment
+from simulation import run as simulate
 
 from comanip.arm import Arm
 from comanip.plot import main
@@ -238,23 +239,35 @@ def numbers(text: str, key: str) -> list[float]:
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_things_are_as_large_as_in_the_scenario_file(name):
-    text, scene = re.sub(r"#.*", "", experiment(name).read_text()), SCENES[name]
-    if scene.rod_length_m:
-        assert numbers(text, "length_m") == [scene.rod_length_m]
-    if scene.crank_handle_m:
-        assert numbers(text, "length_m") == [scene.crank_handle_m]
-        assert scene.crank_radius_m in numbers(text, "radius_m")
+def test_things_are_as_large_as_in_the_scenario_file(tmp_path, name):
+    simulate(tmp_path, "--scenario", experiment(name), "--duration", 2)
+    text, run = re.sub(r"#.*", "", experiment(name).read_text()), read_run(tmp_path)
+    if name == "pour":
+        assert run.thing is None
+    else:
+        assert numbers(text, "length_m") == [run.thing.length_m] and run.thing.radius_m in numbers(text, "radius_m")
+        assert run.thing.kind == ("crank" if name == "crank" else "rod")
     cup_row = r"cup:\s*\{radius_m: ([\d.]+), height_m: ([\d.]+).*?mount_m: \[(.*?)\],\s*mount_rotation: \[(.*?)\]"
     mounts = re.findall(cup_row, text, re.DOTALL)
-    assert len(mounts) == len(scene.cups)
-    for (radius, height, mount, turns), cup in zip(mounts, scene.cups, strict=True):
+    assert len(mounts) == len(run.cups) == (2 if name == "pour" else 0)
+    for (radius, height, mount, turns), cup in zip(mounts, run.cups, strict=True):
         assert (float(radius), float(height)) == (cup.radius_m, cup.height_m)
         assert tuple(map(float, mount.split(","))) == cup.mount_m
         turn = Rotation.identity()
         for axis, angle in re.findall(r"axis: (\w), angle_deg: ([-\d.]+)", turns):
             turn = turn * Rotation.from_euler(axis, float(angle), degrees=True)
-        np.testing.assert_allclose(cup.axis, turn.apply([0.0, 0.0, 1.0]), atol=1e-4)
+        np.testing.assert_allclose(cup.axis, turn.apply([0.0, 0.0, 1.0]), atol=1e-8)
+
+
+@pytest.mark.parametrize(("name", "curves"), [("pour", "particles"), ("mirror", "object's distance"), ("crank", "turns")])
+def test_a_scene_of_ones_own_is_drawn_with_what_is_in_it(tmp_path, name, curves):
+    path = tmp_path / "mine.yaml"
+    path.write_text(re.sub(r"^name: .*", "name: mine", experiment(name).read_text(), flags=re.MULTILINE))
+    simulate(tmp_path / "out", "--scenario", path, "--duration", 2)
+    from comanip.plotting import experiment as picture
+
+    upper = picture.experiment(read_run(tmp_path / "out")).axes[4]
+    assert upper.get_ylabel().startswith(curves)
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -106,6 +106,55 @@ static void write_water(json_writer_t *json, const world_t *world) {
     json_end(json, '}');
 }
 
+/* ---- what the trace's poses are of */
+
+static void write_vector(json_writer_t *json, const char *key, const double value[3]) {
+    json_begin(json, key, '[');
+    for (int k = 0; k < 3; k++) {
+        json_number(json, NULL, value[k]);
+    }
+    json_end(json, ']');
+}
+
+static void write_cup(json_writer_t *json, const char *columns, const cup_t *cup) {
+    static const double to_opening[3] = {0.0, 0.0, 1.0};
+    double axis[3];
+    if (!cup->present) {
+        return;
+    }
+    rotation_apply(cup->mount.rotation, to_opening, axis);
+    json_begin(json, NULL, '{');
+    json_text(json, "columns", columns);
+    json_number(json, "radius_m", cup->radius_m);
+    json_number(json, "height_m", cup->height_m);
+    write_vector(json, "mount_m", cup->mount.position_m);
+    write_vector(json, "axis", axis);
+    json_end(json, '}');
+}
+
+static void write_things(json_writer_t *json, const world_t *world) {
+    static const char *const kinds[] = {[OBJECT_ROD] = "rod", [OBJECT_CRANK] = "crank", [OBJECT_STAND] = "stand"};
+    const scenario_t *scenario = world->scenario;
+    const int thing = world->state.thing;
+    if (thing >= 0) {
+        const object_t *object = &scenario->object[thing];
+        json_begin(json, "object", '{');
+        json_text(json, "name", object->name);
+        json_text(json, "kind", kinds[object->kind]);
+        json_number(json, "length_m", object->length_m);
+        json_number(json, "radius_m", object->radius_m);
+        json_end(json, '}');
+    } else {
+        json_null(json, "object");
+    }
+    json_begin(json, "cups", '[');
+    write_cup(json, "hand", &scenario->cup);
+    for (size_t i = 0; i < scenario->person_count; i++) {
+        write_cup(json, i == scenario->tracked ? "person" : "second", &scenario->person[i].cup);
+    }
+    json_end(json, ']');
+}
+
 static int compare_times(const void *a, const void *b) {
     const event_t *const *x = a, *const *y = b;
     if ((*x)->first_s != (*y)->first_s) {
@@ -141,4 +190,5 @@ void summary_write_scene(json_writer_t *json, const world_t *world) {
     write_clearance(json, world);
     write_water(json, world);
     write_events(json, &world->events);
+    write_things(json, world);
 }

@@ -8,20 +8,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from comanip.plotting import geometry, style, time_plots
-from comanip.plotting.run_data import RunData
-from comanip.plotting.scenes import SCENES, Cup, Scene
+from comanip.plotting.run_data import Cup, RunData
+from comanip.plotting.scenes import SCENES, Scene
 
 SNAPSHOTS = 4
 WIDTH_INCH = 11.0
 TORSO_M = np.array([[0.0, 0.0, 0.0], [-0.035, 0.0, 0.125]])  # waist and chest, HOAP-3 manual
 FOREARM_M = 0.16  # drawn of the person's
 SCALE_BAR_M = 0.1
+CARRIER_COLOURS = {"hand": style.ROBOT, "person": style.PERSON, "second": style.SECOND}
 RING = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
-def plain_scene(name: str) -> Scene:
-    """Of a scenario of one's own."""
-    return Scene(name, (), "tracking")
+def plain_scene(run: RunData) -> Scene:
+    """Of a scenario of one's own: the curve of what is in it."""
+    of_thing = {"rod": "handing", "crank": "crank"}
+    decisive = "water" if run.has("water_robot") else of_thing[run.thing.kind] if run.thing else "tracking"
+    return Scene(run.scenario, (), decisive)
 
 
 def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
@@ -84,23 +87,21 @@ def _draw_person(axes: Axes, view: View, run: RunData, row: int, what: str, colo
     _line(axes, view, hand[None], color=colour, marker="o", ms=7, mec="white", mew=0.8, zorder=7)
 
 
-def _draw_object(axes: Axes, view: View, run: RunData, row: int, scene: Scene) -> None:
-    middle = run.position_m("object")[row]
-    if not np.isfinite(middle).all():
+def _draw_object(axes: Axes, view: View, run: RunData, row: int) -> None:
+    middle, thing = run.position_m("object")[row], run.thing
+    if thing is None or not np.isfinite(middle).all():
         return
     turn = np.repeat(run.rotation("object")[row : row + 1], 2, axis=0)
     outward, along = geometry.rotate(turn, np.eye(3)[[0, 2]])
     ends = np.array([[-0.5], [0.5]]) * along
     thick = {"color": style.OBJECT, "lw": 3.2, "zorder": 5}
-    if scene.rod_length_m > 0.0:
-        _line(axes, view, middle + scene.rod_length_m * ends, **thick)
-    elif scene.crank_handle_m > 0.0:
-        handle = middle + scene.crank_radius_m * outward
-        _line(axes, view, handle + scene.crank_handle_m * ends, **thick)
+    if thing.kind == "rod":
+        _line(axes, view, middle + thing.length_m * ends, **thick)
+    else:
+        handle = middle + thing.radius_m * outward
+        _line(axes, view, handle + thing.length_m * ends, **thick)
         _line(axes, view, np.stack([middle, handle]), color=style.OBJECT, lw=1.8, zorder=5)
         _line(axes, view, middle[None], color="white", marker="o", ms=5, mec=style.OBJECT, mew=1.4, zorder=8)
-    else:
-        _line(axes, view, middle[None], color=style.OBJECT, marker="D", ms=5, zorder=5)
 
 
 def _draw_trails(axes: Axes, view: View, run: RunData, row: int) -> None:
@@ -109,7 +110,7 @@ def _draw_trails(axes: Axes, view: View, run: RunData, row: int) -> None:
         _line(axes, view, run.position_m(what)[: row + 1 : step], color=colour, lw=0.7, alpha=0.8, zorder=3)
 
 
-def _draw_snapshot(axes: Axes, view: View, run: RunData, row: int, scene: Scene, arm_m: np.ndarray) -> None:
+def _draw_snapshot(axes: Axes, view: View, run: RunData, row: int, arm_m: np.ndarray) -> None:
     _draw_trails(axes, view, run, row)
     _line(axes, view, np.vstack([TORSO_M, arm_m[:1]]), color=style.PALE, lw=7.0, zorder=1)
     _line(axes, view, arm_m, color=style.ROBOT, lw=4.5, alpha=0.65, zorder=4)
@@ -117,10 +118,10 @@ def _draw_snapshot(axes: Axes, view: View, run: RunData, row: int, scene: Scene,
     _line(axes, view, arm_m[-1:], color=style.ROBOT, marker="o", ms=7, mec="white", mew=0.8, zorder=7)
     _draw_person(axes, view, run, row, "person", style.PERSON)
     _draw_person(axes, view, run, row, "second", style.SECOND)
-    _draw_object(axes, view, run, row, scene)
-    for cup in scene.cups:
+    _draw_object(axes, view, run, row)
+    for cup in run.cups:
         if np.isfinite(run.position_m(cup.carrier)[row]).all():
-            _draw_cup(axes, view, run, row, cup, style.ROBOT if cup.carrier == "hand" else style.PERSON)
+            _draw_cup(axes, view, run, row, cup, CARRIER_COLOURS[cup.carrier])
 
 
 def _frame(panels: list[Axes]) -> float:
@@ -171,17 +172,18 @@ def _displacement_mm(run: RunData, what: str, since_s: float) -> np.ndarray:
     return 1e3 * (position - position[run.row_at(since_s)])
 
 
-def _plot_water(run: RunData, rows: list[Axes], scene: Scene) -> None:
+def _plot_water(run: RunData, rows: list[Axes]) -> None:
     time_plots.plot_water(run, rows[0])
     part = style.thinned(run)
-    cup = next(cup for cup in scene.cups if cup.carrier == "hand")
-    tilt = geometry.tilt_deg(run.rotation("hand")[part], np.array(cup.axis))
-    rows[1].plot(run.t_s[part], tilt, color=style.ROBOT, label="tilt of the glass")
+    for cup in run.cups:
+        if cup.carrier == "hand":
+            tilt = geometry.tilt_deg(run.rotation("hand")[part], np.array(cup.axis))
+            rows[1].plot(run.t_s[part], tilt, color=style.ROBOT, label="tilt of the glass")
     time_plots.draw_limits(rows[1], run.limits("deg"), "deg")
     rows[1].set_ylabel("tilt [deg]")
 
 
-def _plot_carrying(run: RunData, rows: list[Axes], scene: Scene) -> None:
+def _plot_carrying(run: RunData, rows: list[Axes]) -> None:
     part, since_s = style.thinned(run), run.event_s("operator.started") or float(run.t_s[0])
     for k, (axis, colour) in enumerate(zip("xyz", (style.BLUE, style.ORANGE, style.GREEN), strict=True)):
         for what, line, width in (("hand", "-", 1.4), ("person", ":", 1.8)):
@@ -192,7 +194,7 @@ def _plot_carrying(run: RunData, rows: list[Axes], scene: Scene) -> None:
     time_plots.plot_force(run, rows[1])
 
 
-def _plot_handing(run: RunData, rows: list[Axes], scene: Scene) -> None:
+def _plot_handing(run: RunData, rows: list[Axes]) -> None:
     part = style.thinned(run)
     taker, name = ("second", "2nd person") if run.has("second_x_m") else ("person", "person")
     colour = style.SECOND if taker == "second" else style.PERSON
@@ -204,12 +206,12 @@ def _plot_handing(run: RunData, rows: list[Axes], scene: Scene) -> None:
     rows[1].set_ylabel("z [mm]")
 
 
-def _plot_crank(run: RunData, rows: list[Axes], scene: Scene) -> None:
+def _plot_crank(run: RunData, rows: list[Axes]) -> None:
     time_plots.plot_crank(run, rows[0])
     time_plots.plot_force(run, rows[1])
 
 
-def _plot_tracking(run: RunData, rows: list[Axes], scene: Scene) -> None:
+def _plot_tracking(run: RunData, rows: list[Axes]) -> None:
     part, since_s = style.thinned(run), float(run.t_s[0])
     for k, (axis, colour) in enumerate(zip("xyz", (style.BLUE, style.ORANGE, style.GREEN), strict=True)):
         way = _displacement_mm(run, "hand", since_s)[part, k]
@@ -230,7 +232,7 @@ DECISIVE = {
 
 
 def experiment(run: RunData) -> Figure:
-    scene = SCENES.get(run.scenario) or plain_scene(run.scenario)
+    scene = SCENES.get(run.scenario) or plain_scene(run)
     moments = instants(run, scene)
     figure = plt.figure()
     panels = [figure.add_subplot(3, SNAPSHOTS, k + 1) for k in range(SNAPSHOTS)]
@@ -241,11 +243,11 @@ def experiment(run: RunData) -> Figure:
     at = [run.row_at(t_s) for t_s, _ in moments]
     arms = geometry.arm_points_m(run.joints_rad()[at])
     for k, (panel, row, (t_s, caption)) in enumerate(zip(panels, at, moments, strict=True)):
-        _draw_snapshot(panel, view, run, row, scene, arms[k])
+        _draw_snapshot(panel, view, run, row, arms[k])
         panel.set_title(f"({'abcd'[k]}) {t_s:.1f} s{': ' if caption else ''}{caption}", fontsize=9)
     height = _lay_out(figure, panels, rows, _frame(panels))
 
-    DECISIVE[scene.decisive](run, rows, scene)
+    DECISIVE[scene.decisive](run, rows)
     for row in rows:
         style.legend_beside(row)
     style.mark_time(run, rows, labels=False)

@@ -23,6 +23,26 @@ class Event:
 
 
 @dataclass(frozen=True)
+class Cup:
+    """Seen from the hand that carries it: the centre of its inner bottom, and the axis to its opening."""
+
+    carrier: str  # "hand", "person" or "second", as the trace's columns
+    mount_m: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    radius_m: float
+    height_m: float
+
+
+@dataclass(frozen=True)
+class Thing:
+    """What the trace's object_* columns are of. Of a crank, `length_m` is the handle's and `radius_m` its lever."""
+
+    kind: str  # "rod" or "crank"
+    length_m: float
+    radius_m: float
+
+
+@dataclass(frozen=True)
 class RunData:
     """One row per tick. Cells that are empty in the file are NaN, and so is all of a column that the file lacks."""
 
@@ -54,6 +74,18 @@ class RunData:
         changes = self.summary["modes"]
         ends = [change["t_s"] for change in changes[1:]] + [float(self.t_s[-1])]
         return [(change["t_s"], end, change["mode"]) for change, end in zip(changes, ends, strict=True)]
+
+    @property
+    def thing(self) -> Thing | None:
+        found = self.summary.get("object")
+        return Thing(found["kind"], found["length_m"], found["radius_m"]) if found else None
+
+    @property
+    def cups(self) -> list[Cup]:
+        return [
+            Cup(cup["columns"], tuple(cup["mount_m"]), tuple(cup["axis"]), cup["radius_m"], cup["height_m"])
+            for cup in self.summary.get("cups") or []
+        ]
 
     def column(self, name: str) -> np.ndarray:
         """(N,)"""

@@ -1,20 +1,8 @@
-"""What the trace does not hold of the five experiments: sizes of the things in them, as their scenario files have them,
-and the instants that tell the story, as the paper's Figs. 5 to 7 do."""
+"""The instants that tell the story of the five experiments, as the paper's Figs. 5 to 7 do, and the curves that decide."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class Cup:
-    """Seen from the hand that carries it: the centre of its inner bottom, and the axis to its opening."""
-
-    carrier: str  # "hand" or "person"
-    mount_m: tuple[float, float, float]
-    axis: tuple[float, float, float]
-    radius_m: float
-    height_m: float
 
 
 @dataclass(frozen=True)
@@ -25,10 +13,6 @@ class Scene:
     instants: tuple[tuple[str, float, str], ...]
     decisive: str  # "water", "carrying", "handing", "crank", "tracking"
     view_deg: tuple[float, float] = (-62.0, 16.0)
-    rod_length_m: float = 0.0
-    crank_radius_m: float = 0.0
-    crank_handle_m: float = 0.0  # its length
-    cups: tuple[Cup, ...] = ()
 
 
 SCENES = {
@@ -42,10 +26,6 @@ SCENES = {
         ),
         "water",
         view_deg=(-28.0, 12.0),
-        cups=(
-            Cup("hand", (0.0098, 0.0173, 0.0017), (0.49207, 0.86618, 0.08716), 0.034, 0.021),
-            Cup("person", (0.0, 0.0, 0.06), (1.0, 0.0, 0.0), 0.045, 0.08),
-        ),
     ),
     "teleop": Scene(
         "Teleoperation and handing over",
@@ -56,7 +36,6 @@ SCENES = {
             ("taker.away", 0.0, "and carries it away"),
         ),
         "handing",
-        rod_length_m=0.28,
     ),
     "mirror": Scene(
         "Simultaneous handling",
@@ -67,7 +46,6 @@ SCENES = {
             ("person.carried", 0.0, "carried together"),
         ),
         "carrying",
-        rod_length_m=0.32,
     ),
     "handover": Scene(
         "Handing over an object",
@@ -78,7 +56,6 @@ SCENES = {
             ("person.away", 0.0, "and takes it away"),
         ),
         "handing",
-        rod_length_m=0.20,
     ),
     "crank": Scene(
         "Turning a crank",
@@ -89,7 +66,5 @@ SCENES = {
             ("person.turned", 0.0, "turned"),
         ),
         "crank",
-        crank_radius_m=0.025,
-        crank_handle_m=0.24,
     ),
 }
