@@ -24,9 +24,9 @@
 #include "nodes/tracker_node.h"
 #include "options/options.h"
 #include "output/trace_csv.h"
+#include "people/person_program.h"
 #include "proximity/proximity.h"
 #include "scenario/scenario.h"
-#include "scene/person_program.h"
 #include "scene/scene.h"
 
 #define WORLD_TICK_NS 1000000

@@ -24,10 +24,10 @@ PARTS = [
     REPOSITORY / "sim" / name
     for name in (
         "bus/bus", "bus/candump_log", "bus/frame_time", "common/events", "common/names", "common/random",
-        "common/rigid_pose", "hand/approach", "hand/crank_turn", "hand/hand_history", "hand/hand_path",
-        "hand/minimum_jerk", "hand/playback", "hand/playlist", "hand/recorded_motion", "hand/recording", "hand/sight",
-        "hand/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
-        "scene/person_program",
+        "common/rigid_pose", "people/approach", "people/crank_turn", "hand/hand_history", "hand/hand_path",
+        "hand/minimum_jerk", "hand/playback", "people/playlist", "hand/recorded_motion", "hand/recording", "people/sight",
+        "scenario/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
+        "people/person_program",
     )
 ] + [REPOSITORY / "tests" / "stand_in_scene"]  # fmt: skip
 FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]

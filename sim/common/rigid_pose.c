@@ -117,3 +117,18 @@ rigid_pose_t rigid_pose_inverse(const rigid_pose_t *pose) {
     }
     return inverse;
 }
+
+void rigid_pose_interpolate(const rigid_pose_t *a, const rigid_pose_t *b, double fraction, rigid_pose_t *pose) {
+    for (int i = 0; i < 3; i++) {
+        pose->position_m[i] = a->position_m[i] + fraction * (b->position_m[i] - a->position_m[i]);
+    }
+    rotation_interpolate(a->rotation, b->rotation, fraction, pose->rotation);
+}
+
+void rigid_pose_choose_side(rigid_pose_t *pose, const rigid_pose_t *reference) {
+    if (rotation_dot(pose->rotation, reference->rotation) < 0.0) {
+        for (int i = 0; i < 4; i++) {
+            pose->rotation[i] = -pose->rotation[i];
+        }
+    }
+}

@@ -31,4 +31,10 @@ void rotation_interpolate(const double a[4], const double b[4], double fraction,
 rigid_pose_t rigid_pose_multiply(const rigid_pose_t *a_to_b, const rigid_pose_t *b_to_c);
 rigid_pose_t rigid_pose_inverse(const rigid_pose_t *pose);
 
+/* Linear in position, along the great circle in rotation. */
+void rigid_pose_interpolate(const rigid_pose_t *a, const rigid_pose_t *b, double fraction, rigid_pose_t *pose);
+
+/* The other sign of the quaternion, which is the same rotation, if it is nearer to that of `reference`. */
+void rigid_pose_choose_side(rigid_pose_t *pose, const rigid_pose_t *reference);
+
 #endif

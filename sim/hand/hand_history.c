@@ -4,7 +4,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#include "hand_path.h"
 
 typedef struct {
     int64_t time_ns;
@@ -35,7 +34,7 @@ void hand_history_push(hand_history_t *self, int64_t time_ns, const rigid_pose_t
     if (self->count > 0) {
         const entry_t *newest = entry(self, self->count - 1);
         assert(time_ns > newest->time_ns);
-        pose_choose_side(&new.pose, &newest->pose);
+        rigid_pose_choose_side(&new.pose, &newest->pose);
     }
     self->ring[(self->first + self->count) % HAND_HISTORY_POSES] = new;
     if (self->count < HAND_HISTORY_POSES) {
@@ -76,6 +75,6 @@ bool hand_history_sample(const hand_history_t *self, int64_t time_ns, rigid_pose
         return to->visible;
     }
     const double fraction = (double)(time_ns - from->time_ns) / (double)(to->time_ns - from->time_ns);
-    pose_interpolate(&from->pose, &to->pose, fraction < 2.0 ? fraction : 2.0, pose);
+    rigid_pose_interpolate(&from->pose, &to->pose, fraction < 2.0 ? fraction : 2.0, pose);
     return from->visible && to->visible;
 }

@@ -4,25 +4,10 @@
 
 #include "minimum_jerk.h"
 
-void pose_interpolate(const rigid_pose_t *a, const rigid_pose_t *b, double fraction, rigid_pose_t *pose) {
-    for (int i = 0; i < 3; i++) {
-        pose->position_m[i] = a->position_m[i] + fraction * (b->position_m[i] - a->position_m[i]);
-    }
-    rotation_interpolate(a->rotation, b->rotation, fraction, pose->rotation);
-}
-
-void pose_choose_side(rigid_pose_t *pose, const rigid_pose_t *reference) {
-    if (rotation_dot(pose->rotation, reference->rotation) < 0.0) {
-        for (int i = 0; i < 4; i++) {
-            pose->rotation[i] = -pose->rotation[i];
-        }
-    }
-}
-
 void hand_path_init(hand_path_t *self, const rigid_pose_t *from, const rigid_pose_t *to, const double bow_m[3],
                     double begin_s, double duration_s) {
     *self = (hand_path_t){.from = *from, .to = *to, .begin_s = begin_s, .duration_s = duration_s};
-    pose_choose_side(&self->to, from);
+    rigid_pose_choose_side(&self->to, from);
     for (int i = 0; i < 3 && bow_m != NULL; i++) {
         self->bow_m[i] = bow_m[i];
     }
@@ -36,7 +21,7 @@ void hand_path_sample(const hand_path_t *self, double time_s, rigid_pose_t *pose
     }
     const double share = minimum_jerk_share(since_s / self->duration_s);
     const double bow = 16.0 * share * share * (1.0 - share) * (1.0 - share);
-    pose_interpolate(&self->from, &self->to, share, pose);
+    rigid_pose_interpolate(&self->from, &self->to, share, pose);
     for (int i = 0; i < 3; i++) {
         pose->position_m[i] += bow * self->bow_m[i];
     }

@@ -17,10 +17,4 @@ void hand_path_init(hand_path_t *self, const rigid_pose_t *from, const rigid_pos
 /* Before its begin the first pose, after its end the last. */
 void hand_path_sample(const hand_path_t *self, double time_s, rigid_pose_t *pose);
 
-/* Linear in position, along the great circle in rotation. */
-void pose_interpolate(const rigid_pose_t *a, const rigid_pose_t *b, double fraction, rigid_pose_t *pose);
-
-/* The other sign of the quaternion, which is the same rotation, if it is nearer to that of `reference`. */
-void pose_choose_side(rigid_pose_t *pose, const rigid_pose_t *reference);
-
 #endif

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hand_path.h"
 #include "recording.h"
 
 #define GAP_FACTOR 1.5 /* times the median interval */
@@ -124,7 +123,7 @@ bool recorded_motion_sample(const recorded_motion_t *self, double time_s, rigid_
     }
     const double interval_s = sample[to].time_s - sample[from].time_s;
     const double since_s = time_s - sample[from].time_s;
-    pose_interpolate(&sample[from].pose, &sample[to].pose, since_s / interval_s, pose);
+    rigid_pose_interpolate(&sample[from].pose, &sample[to].pose, since_s / interval_s, pose);
     return interval_s <= self->gap_interval_s || since_s <= 0.0;
 }
 

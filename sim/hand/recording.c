@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "hand_path.h"
 
 #define LINE_BYTES 1024
 #define MAX_COLUMNS 13
@@ -193,7 +192,7 @@ static bool convert_row(reader_t *self, const double value[], double first_time_
         return false;
     }
     if (before != NULL) {
-        pose_choose_side(&sample->pose, &before->pose);
+        rigid_pose_choose_side(&sample->pose, &before->pose);
     }
     return true;
 }

@@ -5,7 +5,7 @@
 
 #include "../../firmware/parameters.h"
 #include "../common/names.h"
-#include "../hand/step_wait.h"
+#include "../scenario/step_wait.h"
 
 #define TEXT_BYTES 160
 #define CLOSING_STEPS 2

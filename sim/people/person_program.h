@@ -3,7 +3,7 @@
 #ifndef COMANIP_SIM_PERSON_PROGRAM_H
 #define COMANIP_SIM_PERSON_PROGRAM_H
 
-#include "scene.h"
+#include "../scene/scene.h"
 
 typedef struct person_program person_program_t;
 

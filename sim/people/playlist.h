@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #include "../scenario/scenario.h"
-#include "playback.h"
+#include "../hand/playback.h"
 
 #define PLAYLIST_TEXT_BYTES 1024
 

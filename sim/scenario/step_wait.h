@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "../scenario/scenario.h"
+#include "scenario.h"
 
 /* ready_s: when the step before it ended. False: an event is still to happen. */
 bool step_wait_begin_s(const step_start_t *start, const events_t *events, double ready_s, double *begin_s);

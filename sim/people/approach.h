@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #include "../scene/scene.h"
-#include "hand_path.h"
+#include "../hand/hand_path.h"
 
 typedef struct {
     const person_step_t *step; /* PERSON_REACH or PERSON_GUIDE */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "minimum_jerk.h"
+#include "../hand/minimum_jerk.h"
 
 void crank_handle(const rigid_pose_t *hinge, double radius_m, double angle_rad, double position_m[3]) {
     const double arm_m[3] = {radius_m * cos(angle_rad), radius_m * sin(angle_rad), 0.0};

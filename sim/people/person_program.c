@@ -5,13 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "../hand/approach.h"
-#include "../hand/crank_turn.h"
 #include "../hand/minimum_jerk.h"
-#include "../hand/playlist.h"
-#include "../hand/sight.h"
-#include "../hand/step_wait.h"
 #include "../hand/tremor.h"
+#include "../scenario/step_wait.h"
+#include "approach.h"
+#include "crank_turn.h"
+#include "playlist.h"
+#include "sight.h"
 
 #define TEXT_BYTES 1024
 #define GRIP_PATIENCE_S 0.3
