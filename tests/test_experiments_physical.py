@@ -112,6 +112,7 @@ def test_without_the_latch_the_robot_does_not_go_along(tmp_path):
         ("after: operator.latched, delay_s: 0.3", "after: person.holds, delay_s: 0.3"),
         *((f"measure: {measure}, by: person, from: operator.latched", f"measure: {measure}, by: person")
           for measure in ("force_rms", "force_peak")),
+        ("measure: relation_rms, by: person, from: operator.latched", "measure: relation_rms, by: person, from: person.holds"),
         ("measure: following_rms, from: operator.latched", "measure: following_rms, from: person.holds"),
     )  # fmt: skip
     done = run(tmp_path / "out", "--scenario", path)

@@ -73,14 +73,6 @@ static void add_square(measurement_t *self, double value) {
     self->ticks++;
 }
 
-static bool is_held(const physical_state_t *state, size_t object) {
-    bool held = false;
-    for (size_t i = 0; i <= SCENARIO_MAX_PEOPLE; i++) {
-        held = held || state->holds[i][object];
-    }
-    return held;
-}
-
 static double held_alone(const physical_state_t *state, size_t person, size_t object) {
     for (size_t i = 0; i <= SCENARIO_MAX_PEOPLE; i++) {
         if (state->holds[i][object] != (i == person)) {
@@ -153,12 +145,11 @@ static void measure_water(measurement_t *self, const scenario_check_t *check, co
     }
 }
 
-static void measure_contact(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight,
-                            bool is_dropped) {
+static void measure_contact(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
     const physical_state_t *state = sight->state;
     const bool holds = state->holds[check->person][check->object];
     switch (check->measure) {
-    case MEASURE_DROPS: add(self, (double)(sight->lost[check->object] + (is_dropped ? 1 : 0))); break;
+    case MEASURE_DROPS: add(self, (double)(sight->lost[check->object] + sight->dropped[check->object])); break;
     case MEASURE_HELD: keep_last(self, held_alone(state, check->person, check->object)); break;
     case MEASURE_FORCE_RMS:
         if (holds) {
@@ -182,7 +173,6 @@ static void measure_contact(measurement_t *self, const scenario_check_t *check, 
 
 void measurement_sample(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
     const double t_s = (double)sight->tick->time_ns * 1e-9;
-    const bool is_dropped = drop_counter_sample(&self->drops, is_held(sight->state, check->object));
     if (!check_window_contains(&self->window, check, t_s, sight->tick->mode, sight->events)) {
         return;
     }
@@ -194,7 +184,7 @@ void measurement_sample(measurement_t *self, const scenario_check_t *check, cons
     }
     measure_hand(self, check, sight);
     measure_water(self, check, sight);
-    measure_contact(self, check, sight, is_dropped);
+    measure_contact(self, check, sight);
 }
 
 bool measurement_is_valid(const measurement_t *self, const scenario_check_t *check) {

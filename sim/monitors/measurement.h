@@ -4,7 +4,6 @@
 
 #include "../scenario/scenario.h"
 #include "check_window.h"
-#include "drop_counter.h"
 #include "observer.h"
 #include "physical_state.h"
 
@@ -14,7 +13,6 @@ typedef struct {
     rigid_pose_t begin_hand, begin_person; /* robot's and person's */
     int begin_left_cup;
     double begin_turns;
-    drop_counter_t drops;
     double value;                   /* so far: the largest, the least, the last, the sum */
     double square;                  /* sum of squares */
     double square_orientation_deg2; /* MEASURE_FOLLOWING_RMS: what the arm cannot turn */
@@ -30,7 +28,8 @@ typedef struct {
     int particles;             /* of water */
     int newly_left_cup;
     bool is_moving[SCENARIO_MAX_PEOPLE];
-    int lost[SCENARIO_MAX_OBJECTS]; /* so often it slipped out of a hand or gripper */
+    int lost[SCENARIO_MAX_OBJECTS];    /* so often it slipped out of a hand or gripper in this tick */
+    int dropped[SCENARIO_MAX_OBJECTS]; /* and so often it became dropped */
 } measurement_sight_t;
 
 /* Call in each tick, in the window or not. */

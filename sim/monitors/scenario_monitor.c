@@ -13,6 +13,11 @@ void scenario_monitor_init(scenario_monitor_t *self, const scenario_t *scenario)
         self->lost_event[i] = i < scenario->person_count ? events_find(&scenario->events, name) : EVENT_NONE;
     }
     self->lost_event[SCENE_HOLDER_ROBOT] = events_find(&scenario->events, "robot.lost");
+    for (size_t i = 0; i < scenario->object_count; i++) {
+        char name[EVENT_NAME_BYTES];
+        (void)snprintf(name, sizeof name, "%s.dropped", scenario->object[i].name);
+        self->dropped_event[i] = events_find(&scenario->events, name);
+    }
 }
 
 static void see_hands(scenario_monitor_t *self, const physical_state_t *state, measurement_sight_t *sight) {
@@ -42,6 +47,14 @@ static void see_losses(scenario_monitor_t *self, const physical_state_t *state, 
     memcpy(self->held_before, state->holds, sizeof self->held_before);
 }
 
+static void see_drops(scenario_monitor_t *self, const events_t *events, measurement_sight_t *sight) {
+    for (size_t i = 0; i < self->scenario->object_count; i++) {
+        const int times = self->dropped_event[i] == EVENT_NONE ? 0 : events->event[self->dropped_event[i]].times;
+        sight->dropped[i] = times - self->dropped_before[i];
+        self->dropped_before[i] = times;
+    }
+}
+
 void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                              const events_t *events, double motion_scale) {
     if (!self->has_start && tick->mode == MODE_COOPERATING) {
@@ -58,6 +71,7 @@ void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick
         .newly_left_cup = state->water.left_robot_cup - self->left_cup_before,
     };
     see_losses(self, state, events, &sight);
+    see_drops(self, events, &sight);
     see_hands(self, state, &sight);
     for (size_t i = 0; i < self->scenario->check_count; i++) {
         measurement_sample(&self->measurement[i], &self->scenario->check[i], &sight);
