@@ -75,6 +75,8 @@ typedef struct {
     size_t point_count;
 } object_t;
 
+#define OBJECT_HANDLE_RADIUS_M 0.01 /* how thick a crank's handle is */
+
 /* The robot's gripper: two padded jaws, compliant, and slipping beyond a load. */
 typedef struct {
     double offset_m[3]; /* its middle in the frame of the robot's hand */

@@ -7,7 +7,6 @@
 #include "scenario_geometry.h"
 
 #define CONTACT_M 0.001 /* what rests on something may overlap it by so much */
-#define HANDLE_RADIUS_M 0.01
 #define SOLIDS_MAX (SCENARIO_MAX_OBJECTS + BODIES_ROBOT_PARTS + SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS)
 #define NAME_BYTES 80
 #define KEY_BYTES 100
@@ -66,7 +65,7 @@ static void add_object(solids_t *self, const object_t *object) {
                                  .size_m = {object->size_m[0], object->size_m[1], object->size_m[2]}};
     } else if (object->kind == OBJECT_CRANK) {
         const rigid_pose_t offset = {{object->radius_m, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
-        shape.radius_m = HANDLE_RADIUS_M;
+        shape.radius_m = OBJECT_HANDLE_RADIUS_M;
         shape.pose = rigid_pose_multiply(&object->pose, &offset);
     }
     convex_shape_finish(&shape);

@@ -55,7 +55,7 @@ void scene_object_init(scene_object_t *self, dWorldID world, const object_t *dat
         create_body(self, world, &data->pose, data->radius_m);
     } else if (data->kind == OBJECT_CRANK) {
         const rigid_pose_t handle = crank_handle(data);
-        create_body(self, world, &handle, 0.01);
+        create_body(self, world, &handle, OBJECT_HANDLE_RADIUS_M);
         create_hinge(self, world);
         if (data->damping_Nmspprad > 0.0) {
             create_damper(self, world);
