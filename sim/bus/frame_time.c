@@ -16,6 +16,12 @@
 #define CRC21_FIELD_BITS (4 + 21 + 7)
 #define CRC17_MAX_BYTES 16
 
+/* Classic: SOF, id 11, RTR, IDE, FDF, DLC 4, CRC 15; CRC delimiter, ACK, its delimiter, EOF 7, intermission 3. */
+#define CLASSIC_BITS (19 + 15 + 13)
+#define CLASSIC_MAX_BYTES 8
+#define CRC15_POLYNOMIAL 0x4599U
+#define CRC15_MASK 0x7FFFU
+
 #define ID_MAX 0x7FFU
 #define STUFF_RUN 5U
 
@@ -110,4 +116,41 @@ int64_t frame_time_ns(const can_frame_t *frame) {
     const unsigned int crc_field_bits = frame->length <= CRC17_MAX_BYTES ? CRC17_FIELD_BITS : CRC21_FIELD_BITS;
     const unsigned int data_bits = DATA_PHASE_BITS + 8U * frame->length + data_stuff_bits + crc_field_bits;
     return (int64_t)(NOMINAL_BITS + nominal_stuff_bits) * NOMINAL_BIT_NS + (int64_t)data_bits * DATA_BIT_NS;
+}
+
+static unsigned int crc15(unsigned int crc, unsigned int octet) {
+    for (int shift = 7; shift >= 0; shift--) {
+        const unsigned int is_one = ((crc >> 14) ^ (octet >> shift)) & 1U;
+        crc = ((crc << 1) & CRC15_MASK) ^ (is_one * CRC15_POLYNOMIAL);
+    }
+    return crc;
+}
+
+static unsigned int add_stuff_bits(unsigned int *state, unsigned int octet) {
+    const stuffing_t *stuffing = &stuffing_table()[*state][octet];
+    *state = stuffing->state;
+    return stuffing->stuff_bits;
+}
+
+int64_t frame_time_classic_ns(const can_frame_t *frame) {
+    if (frame->length > CLASSIC_MAX_BYTES || frame->id > ID_MAX) {
+        return -1;
+    }
+    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five bits before are zeros for the CRC, which starts with 0 and does not
+     * see them, and 10101 for the stuffing: bus idle that causes none. */
+    const unsigned int header = ((unsigned int)frame->id << 7) | frame->length;
+    const unsigned int idle = 0xA80000U;
+    unsigned int state = STATE(1U, 1U), stuff_bits = 0, crc = 0;
+    for (int shift = 16; shift >= 0; shift -= 8) {
+        crc = crc15(crc, (header >> shift) & 0xFFU);
+        stuff_bits += add_stuff_bits(&state, ((header | idle) >> shift) & 0xFFU);
+    }
+    for (int i = 0; i < frame->length; i++) {
+        crc = crc15(crc, frame->data[i]);
+        stuff_bits += add_stuff_bits(&state, frame->data[i]);
+    }
+    const unsigned int crc_and_delimiter = (crc << 1) | 1U; /* a run that ends with the CRC is stuffed, before the delimiter */
+    stuff_bits += add_stuff_bits(&state, crc_and_delimiter >> 8);
+    stuff_bits += add_stuff_bits(&state, crc_and_delimiter & 0xFFU);
+    return (int64_t)(CLASSIC_BITS + 8U * frame->length + stuff_bits) * NOMINAL_BIT_NS;
 }

@@ -1,0 +1,34 @@
+"""A classic CAN data frame bit by bit, as ISO 11898-1 puts it on the wire: what the simulated durations and the computed
+worst cases are tested against. The CRC is crccheck's CRC-15/CAN, stuffing acts on the list of bits."""
+
+from __future__ import annotations
+
+from can_fd_bits import bits
+from crccheck.crc import Crc15
+
+NOMINAL_NS = 1000
+NOT_STUFFED = [1, 1, 1, *[1] * 7, *[1] * 3]  # CRC delimiter, ACK, its delimiter, end of frame, intermission
+
+
+def unstuffed(identifier: int, data: bytes) -> list[int]:
+    """SOF, id, RTR, IDE, FDF, DLC, data, CRC."""
+    covered = [0, *bits(identifier, 11), 0, 0, 0, *bits(len(data), 4), *(bit for octet in data for bit in bits(octet, 8))]
+    octets = int("".join(map(str, covered)), 2).to_bytes((len(covered) + 7) // 8, "big")  # zeros before do not change it
+    return covered + bits(Crc15.calc(octets), 15)
+
+
+def stuffed(sent: list[int]) -> list[int]:
+    """A complement after each five equal bits, stuff bits included; also after the last ones."""
+    wire, last, run = [], None, 0
+    for bit in sent:
+        wire.append(bit)
+        last, run = bit, run + 1 if bit == last else 1
+        if run == 5:
+            last, run = 1 - bit, 1
+            wire.append(last)
+    return wire
+
+
+def frame_duration_ns(identifier: int, data: bytes) -> int:
+    """From the start of frame to the end of the intermission."""
+    return NOMINAL_NS * (len(stuffed(unstuffed(identifier, data))) + len(NOT_STUFFED))
