@@ -1,0 +1,173 @@
+"""Worst-case response times on a CAN bus: non-preemptive fixed priorities.
+
+R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability analysis: refuted, revisited
+and revised. Real-Time Systems 35 (2007), with all instances of the busy period. Frames that answer others get their jitter
+from these, until nothing changes any more (holistic analysis: K. Tindell, J. Clark, 1994).
+
+Assumed: ids are priorities; each node offers its lowest id first; frames of two streams with one id delay each other; no
+errors. All times are whole nanoseconds.
+
+An answer is not independent of the frame it answers, and the sum of both worst cases would count most frames twice. So if
+the answers to a frame are through before it is queued again, and no other frame comes between them in the order of
+priority, then from the queueing of the asking frame on, or from the start of its busy period if that is earlier, all of
+them are sent once, and no earlier one: while frames of higher priority wait, none of those starts. This bounds an answer
+that is queued while the busy period of the asking frame lasts. Otherwise the bus was free of these frames between the end
+of the asking frame and the queueing, and a busy period without what was queued together with the asking frame bounds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+UNBOUNDED_NS = 10_000_000_000  # a response beyond is none
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Frames of one kind. The n-th is queued `earliest_ns` to `earliest_ns + jitter_ns` after its event, the events are
+    `period_ns` or more apart. Jitter is also how frames on events come in bursts: with a period of 20 ms and a jitter of
+    19 ms two are at least 1 ms apart, and in the long run one comes in 20 ms.
+
+    `batch`: streams of one batch are queued at the same instants, those of one period always together.
+    `one_of`: of the streams with this name, alike in period and jitter, only one is sent at a time.
+    `answers`: is queued `answer_delay_ns` after the end of that frame; its event and period are that frame's, `earliest_ns`
+    and `jitter_ns` are then found by ``analyse``.
+    """
+
+    name: str
+    identifier: int
+    longest_ns: int
+    shortest_ns: int
+    period_ns: int
+    jitter_ns: int = 0
+    earliest_ns: int = 0
+    batch: str | None = None
+    one_of: str | None = None
+    answers: str | None = None
+    answer_delay_ns: int = 0
+
+
+@dataclass(frozen=True)
+class Response:
+    """Up to the end of the frame: since it was queued, and since its event. None: unbounded, the bus is overloaded."""
+
+    queued_ns: int | None
+    event_ns: int | None
+
+
+def load(streams: Sequence[Stream]) -> float:
+    """The share of the time that the longest frames take."""
+    return sum(stream.longest_ns / stream.period_ns for stream in one_of_each(streams))
+
+
+def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
+    """The longest stream of each `one_of`, and all without."""
+    chosen: dict[str, Stream] = {}
+    for stream in streams:
+        key = stream.one_of or stream.name
+        if key not in chosen or stream.longest_ns > chosen[key].longest_ns:
+            chosen[key] = stream
+    return list(chosen.values())
+
+
+def analyse(streams: Sequence[Stream], bit_ns: int) -> dict[str, Response]:
+    """By name. `bit_ns`: of the arbitration phase. KeyError if a stream answers one that is not there."""
+    known = {stream.name: Response(0, 0) for stream in streams}
+    while True:
+        by_name = {stream.name: stream for stream in streams}
+        streams = [_resolve(stream, by_name, known) for stream in streams]
+        found = {stream.name: _response(streams, stream, known, bit_ns) for stream in streams}
+        if found == known:
+            return found
+        known = found
+
+
+def _resolve(stream: Stream, by_name: dict[str, Stream], known: dict[str, Response]) -> Stream:
+    if stream.answers is None:
+        return stream
+    asked, response_ns = by_name[stream.answers], known[stream.answers].event_ns
+    earliest_ns = asked.earliest_ns + asked.shortest_ns + stream.answer_delay_ns
+    latest_ns = UNBOUNDED_NS if response_ns is None else max(earliest_ns, response_ns + stream.answer_delay_ns)
+    return replace(stream, period_ns=asked.period_ns, earliest_ns=earliest_ns, jitter_ns=latest_ns - earliest_ns)
+
+
+def _response(streams: Sequence[Stream], stream: Stream, known: dict[str, Response], bit_ns: int) -> Response:
+    others = [o for o in streams if o is not stream and (o.one_of is None or o.one_of != stream.one_of)]
+    higher = one_of_each(other for other in others if other.identifier <= stream.identifier)
+    blocking_ns = max((o.longest_ns for o in streams if o.identifier > stream.identifier), default=0)
+    if load([stream, *higher]) >= 1.0 or stream.jitter_ns >= UNBOUNDED_NS:
+        return Response(None, None)
+    answer = _answer(stream, higher, blocking_ns, known, bit_ns)
+    return answer or _independent(stream, higher, blocking_ns, bit_ns)
+
+
+def _instances(stream: Stream, window_ns: int) -> int:
+    """How many are queued in a window at most."""
+    return -(-(window_ns + stream.jitter_ns) // stream.period_ns)
+
+
+def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
+    """The least that is as long as the work that comes in it."""
+    window_ns = start_ns
+    while (needed_ns := work_ns(window_ns)) != window_ns:
+        window_ns = needed_ns
+    return window_ns
+
+
+def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int) -> int:
+    """Until a frame starts: base_ns of work that is there anyway, and all that comes with a higher priority meanwhile, up
+    to the bit in which the arbitration begins."""
+    return _least_window(
+        base_ns, lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher)
+    )
+
+
+def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit_ns: int) -> Response:
+    """Davis et al., (7) to (13)."""
+    level = [stream, *higher]
+    busy_ns = _least_window(
+        stream.longest_ns, lambda ns: blocking_ns + sum(_instances(other, ns) * other.longest_ns for other in level)
+    )
+    queued, event = [], []
+    for instance in range(_instances(stream, busy_ns)):
+        ends_ns = _waits(blocking_ns + instance * stream.longest_ns, higher, bit_ns) + stream.longest_ns
+        since_first_ns = ends_ns - instance * stream.period_ns
+        event.append(stream.earliest_ns + stream.jitter_ns + since_first_ns)
+        queued.append(since_first_ns + (stream.jitter_ns if instance else 0))
+    return Response(max(queued), max(event))
+
+
+def _answer(
+    stream: Stream, higher: Sequence[Stream], blocking_ns: int, known: dict[str, Response], bit_ns: int
+) -> Response | None:
+    """As the head of this file has it; None where that does not hold."""
+    asked = next((other for other in higher if other.name == stream.answers), None)
+    if asked is None:
+        return None
+    answers = [other for other in higher if other.answers == stream.answers]
+    rest = [other for other in higher if other not in answers]
+    first_identifier = min(answer.identifier for answer in [stream, *answers])
+    again_ns = asked.period_ns + asked.earliest_ns
+    ends = [known[answer.name].event_ns for answer in [stream, *answers]]
+    if any(other.identifier >= first_identifier for other in rest) or any(end is None or end > again_ns for end in ends):
+        return None
+
+    base_ns = max(blocking_ns, *(answer.longest_ns for answer in [stream, *answers]))
+    base_ns += sum(answer.longest_ns for answer in answers)
+    batch = [other for other in rest if other is asked or (asked.batch is not None and other.batch == asked.batch)]
+    together = [other for other in batch if other.period_ns == asked.period_ns and other.one_of is None]
+    others = [other for other in rest if other not in together]
+    once_ns = base_ns + sum(other.longest_ns for other in together)
+    # Either what is queued together is in the busy period once, or this began a period earlier.
+    waits_ns = max(_waits(once_ns, others, bit_ns), _waits(base_ns, rest, bit_ns) - asked.period_ns + asked.jitter_ns)
+    ends_ns = waits_ns + stream.longest_ns
+    way_ns = asked.shortest_ns + stream.answer_delay_ns
+    connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)
+
+    follows = [o for o in together if o.identifier > asked.identifier and o.shortest_ns >= stream.answer_delay_ns]
+    if follows:  # one more frame was queued with the asking one and comes after it: the busy period lasts
+        return connected
+    ends_ns = _waits(base_ns, [other for other in rest if other not in batch], bit_ns) + stream.longest_ns
+    apart = Response(ends_ns, known[asked.name].event_ns + stream.answer_delay_ns + ends_ns)
+    return Response(max(connected.queued_ns, apart.queued_ns), max(connected.event_ns, apart.event_ns))
