@@ -9,10 +9,11 @@ errors. All times are whole nanoseconds.
 
 An answer is not independent of the frame it answers, and the sum of both worst cases would count most frames twice. So if
 the answers to a frame are through before it is queued again, and no other frame comes between them in the order of
-priority, then from the queueing of the asking frame on, or from the start of its busy period if that is earlier, all of
-them are sent once, and no earlier one: while frames of higher priority wait, none of those starts. This bounds an answer
-that is queued while the busy period of the asking frame lasts. Otherwise the bus was free of these frames between the end
-of the asking frame and the queueing, and a busy period without what was queued together with the asking frame bounds it.
+priority, then from the start of the busy period on in which the asking frame is queued, all of them are sent once, as is
+what is queued together with it: while frames of higher priority wait, no earlier answer starts, and earlier answers could
+not be through if those had waited for a period. This bounds an answer that is queued while that busy period lasts.
+Otherwise the bus was free of these frames at some time between the end of the asking frame and the queueing of the answer,
+and a busy period without what was queued together with the asking frame bounds it.
 """
 
 from __future__ import annotations
@@ -98,8 +99,11 @@ def _response(streams: Sequence[Stream], stream: Stream, known: dict[str, Respon
     blocking_ns = max((o.longest_ns for o in streams if o.identifier > stream.identifier), default=0)
     if load([stream, *higher]) >= 1.0 or stream.jitter_ns >= UNBOUNDED_NS:
         return Response(None, None)
+    independent = _independent(stream, higher, blocking_ns, bit_ns)
     answer = _answer(stream, higher, blocking_ns, known, bit_ns)
-    return answer or _independent(stream, higher, blocking_ns, bit_ns)
+    if answer is None:
+        return independent
+    return Response(min(answer.queued_ns, independent.queued_ns), min(answer.event_ns, independent.event_ns))
 
 
 def _instances(stream: Stream, window_ns: int) -> int:
@@ -115,11 +119,12 @@ def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
     return window_ns
 
 
-def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int) -> int:
+def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int = 0) -> int:
     """Until a frame starts: base_ns of work that is there anyway, and all that comes with a higher priority meanwhile, up
     to the bit in which the arbitration begins."""
     return _least_window(
-        base_ns, lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher)
+        max(base_ns, at_least_ns),
+        lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher),
     )
 
 
@@ -130,8 +135,10 @@ def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit
         stream.longest_ns, lambda ns: blocking_ns + sum(_instances(other, ns) * other.longest_ns for other in level)
     )
     queued, event = [], []
+    ends_ns = 0
     for instance in range(_instances(stream, busy_ns)):
-        ends_ns = _waits(blocking_ns + instance * stream.longest_ns, higher, bit_ns) + stream.longest_ns
+        waits_ns = _waits(blocking_ns + instance * stream.longest_ns, higher, bit_ns, ends_ns)
+        ends_ns = waits_ns + stream.longest_ns
         since_first_ns = ends_ns - instance * stream.period_ns
         event.append(stream.earliest_ns + stream.jitter_ns + since_first_ns)
         queued.append(since_first_ns + (stream.jitter_ns if instance else 0))
@@ -158,9 +165,7 @@ def _answer(
     batch = [other for other in rest if other is asked or (asked.batch is not None and other.batch == asked.batch)]
     together = [other for other in batch if other.period_ns == asked.period_ns and other.one_of is None]
     others = [other for other in rest if other not in together]
-    once_ns = base_ns + sum(other.longest_ns for other in together)
-    # Either what is queued together is in the busy period once, or this began a period earlier.
-    waits_ns = max(_waits(once_ns, others, bit_ns), _waits(base_ns, rest, bit_ns) - asked.period_ns + asked.jitter_ns)
+    waits_ns = _waits(base_ns + sum(other.longest_ns for other in together), others, bit_ns)
     ends_ns = waits_ns + stream.longest_ns
     way_ns = asked.shortest_ns + stream.answer_delay_ns
     connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)

@@ -1,0 +1,51 @@
+"""A bus of non-preemptive fixed priorities as a plain event model, in whole units of time: what response times are tested
+against. It knows nothing of the analysis: frames are queued at given times, answers after the frame that they answer."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from comanip.response_time import Stream
+
+
+@dataclass(frozen=True)
+class Played:
+    stream: Stream
+    event: int
+    queued: int
+    start: int
+    end: int
+
+
+@dataclass
+class PriorityBus:
+    """`lengths(stream)` gives the duration of each frame."""
+
+    streams: Sequence[Stream]
+    lengths: object = lambda stream: stream.longest_ns  # noqa: E731
+    played: list[Played] = field(default_factory=list)
+
+    def play(self, releases: Sequence[tuple[int, int, Stream]]) -> list[Played]:
+        """`releases`: event, queueing, stream. At each end of a frame the lowest id that is queued starts, of equal ids
+        the one that was queued first."""
+        coming = [(queued, number, event, stream) for number, (event, queued, stream) in enumerate(releases)]
+        heapq.heapify(coming)
+        number, now = len(coming), 0
+        waiting: list[tuple[int, int, int, int, Stream]] = []
+        while coming or waiting:
+            if not waiting:
+                now = max(now, coming[0][0])
+            while coming and coming[0][0] <= now:
+                queued, order, event, stream = heapq.heappop(coming)
+                heapq.heappush(waiting, (stream.identifier, queued, order, event, stream))
+            _, queued, _, event, stream = heapq.heappop(waiting)
+            end = now + self.lengths(stream)
+            self.played.append(Played(stream, event, queued, now, end))
+            for answer in self.streams:
+                if answer.answers == stream.name:
+                    number += 1
+                    heapq.heappush(coming, (end + answer.answer_delay_ns, number, event, answer))
+            now = end
+        return self.played
