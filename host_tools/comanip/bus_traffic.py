@@ -18,15 +18,17 @@ from comanip.response_time import Stream
 DBC_PATH = Path(__file__).with_name("comanip.dbc")
 MAX_JOINTS = 8
 NS_PER_MS, NS_PER_US = 1_000_000, 1_000
-EVENT_MS = 20
-EVENT_APART_MS = 1
+FD_TICK_MS, CLASSIC_TICK_MS = 1, 4
+EVENT_TICKS = 2
+EVENT_DEADLINE_MS = 20
 BOOT_MS = 1000
 COMPUTING_US = 50
 ANSWER_US = 20
 TICK = "tick"
 REQUEST, ACKNOWLEDGEMENT, BOOT = "request", "acknowledgement", "boot"
 ASSUMPTIONS = (
-    f"One operator, who waits for each acknowledgement: requests are {EVENT_APART_MS} ms or more apart, one in {EVENT_MS} ms in the long run.",
+    "One operator, who waits for the acknowledgement, which takes a tick: requests are at least one tick apart, in the long run"
+    f" {EVENT_TICKS}. Each of their frames is to arrive within {EVENT_DEADLINE_MS} ms.",
     f"The firmware queues its frames together, 0 to {COMPUTING_US} us after its tick.",
     f"Drives and gripper queue an answer {ANSWER_US} us after the end of the command.",
     "Each node offers its lowest id first. No errors, hence no repetitions.",
@@ -53,9 +55,13 @@ class Frame:
     def is_cyclic(self) -> bool:
         return self.one_of is None and not self.name.endswith((", answer", ", boot"))
 
+    @property
+    def deadline_ms(self) -> int:
+        return self.period_ms if self.is_cyclic else EVENT_DEADLINE_MS
+
     def stream(self, rates: BitRates) -> Stream:
         computing_ns = COMPUTING_US * NS_PER_US if self.batch else 0
-        early_ns = (self.period_ms - EVENT_APART_MS) * NS_PER_MS if self.one_of else 0
+        early_ns = self.period_ms * NS_PER_MS // EVENT_TICKS if self.one_of else 0
         return Stream(
             self.name,
             self.identifier,
@@ -81,52 +87,52 @@ def fd_frames(joints: int) -> list[Frame]:
         batch = TICK if message.senders == ["Firmware"] else None
         one_of = None if message.cycle_time else ACKNOWLEDGEMENT if batch else REQUEST
         answers = "JointCmd" if is_joint_state else None
-        period_ms = message.cycle_time or EVENT_MS
+        period_ms = message.cycle_time or EVENT_TICKS * FD_TICK_MS
         frames.append(Frame(message.name, message.frame_id, message.length, period_ms, batch, one_of, answers))
-    return [*frames, gripper_answer(8)]
+    return [*frames, gripper_answer(EVENT_TICKS * FD_TICK_MS)]
 
 
 def fd_boot_frames() -> list[Frame]:
     """What comes at boot, beside all others."""
     return [
         Frame("FirmwareIdentity, boot", 0x013, 16, BOOT_MS, batch=TICK),
-        Frame("ParameterValue, boot", 0x012, 12, 1, batch=TICK),
+        Frame("ParameterValue, boot", 0x012, 12, FD_TICK_MS, batch=TICK),
     ]
 
 
 def classic_frames(joints: int) -> list[Frame]:
     """A TrackerStatus is in two parts, so one of them comes every 10 ms."""
-    numbers = range(joints)
+    numbers, event_ms = range(joints), EVENT_TICKS * CLASSIC_TICK_MS
     return [
         Frame("FirmwareStatus", 0x010, 8, 8, TICK),
-        Frame("CommandAck", 0x011, 8, EVENT_MS, TICK, ACKNOWLEDGEMENT),
-        Frame("ParameterValue", 0x012, 8, EVENT_MS, TICK, ACKNOWLEDGEMENT),
-        *(Frame(f"JointCmd{joint}", 0x050 + joint, 8, 4, TICK) for joint in numbers),
+        Frame("CommandAck", 0x011, 8, event_ms, TICK, ACKNOWLEDGEMENT),
+        Frame("ParameterValue", 0x012, 8, event_ms, TICK, ACKNOWLEDGEMENT),
+        *(Frame(f"JointCmd{joint}", 0x050 + joint, 8, CLASSIC_TICK_MS, TICK) for joint in numbers),
         Frame("Clearance", 0x110, 8, 8),
         Frame("HandPosition", 0x120, 8, 8),
         Frame("HandRotation", 0x121, 8, 8),
-        *(Frame(f"JointState{joint}", 0x180 + joint, 8, 4, answers=f"JointCmd{joint}") for joint in numbers),
+        *(Frame(f"JointState{joint}", 0x180 + joint, 8, CLASSIC_TICK_MS, answers=f"JointCmd{joint}") for joint in numbers),
         Frame("GripperState", 0x190, 8, 20),
-        Frame("OperatorCommand", 0x200, 8, EVENT_MS, one_of=REQUEST),
-        Frame("TaskDefine", 0x201, 8, EVENT_MS, one_of=REQUEST),
-        Frame("ParameterAccess", 0x202, 8, EVENT_MS, one_of=REQUEST),
-        Frame("GripperCommand", 0x210, 8, EVENT_MS, one_of=REQUEST),
+        Frame("OperatorCommand", 0x200, 8, event_ms, one_of=REQUEST),
+        Frame("TaskDefine", 0x201, 8, event_ms, one_of=REQUEST),
+        Frame("ParameterAccess", 0x202, 8, event_ms, one_of=REQUEST),
+        Frame("GripperCommand", 0x210, 8, event_ms, one_of=REQUEST),
         Frame("TrackerStatus", 0x320, 8, 10),
         Frame("FirmwareHeartbeat", 0x701, 1, 100, TICK),
-        gripper_answer(8),
+        gripper_answer(event_ms),
     ]
 
 
 def classic_boot_frames() -> list[Frame]:
     return [
         Frame("FirmwareIdentity, boot", 0x013, 8, BOOT_MS, batch=TICK),
-        Frame("ParameterValue, boot", 0x012, 8, 4, batch=TICK),
+        Frame("ParameterValue, boot", 0x012, 8, CLASSIC_TICK_MS, batch=TICK),
     ]
 
 
-def gripper_answer(length: int) -> Frame:
+def gripper_answer(event_ms: int) -> Frame:
     """GripperState comes in its period, and after each command."""
-    return Frame("GripperState, answer", 0x190, length, EVENT_MS, answers="GripperCommand")
+    return Frame("GripperState, answer", 0x190, 8, event_ms, answers="GripperCommand")
 
 
 def streams(frames: Sequence[Frame], rates: BitRates) -> list[Stream]:
