@@ -25,7 +25,7 @@ INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_too
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim experiments gain-search test bench bus-doc check-c target target-deps clean
+.PHONY: help deps build sim experiments gain-search test bench bus-doc bus-report check-c target target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
@@ -111,6 +111,9 @@ bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scen
 
 bus-doc: deps ## write docs/bus.md anew from the DBC
 	@$(PYTHON) -m comanip.bus_doc docs/bus.md
+
+bus-report: deps ## load and worst-case response time of every frame; also build/reports/bus.json
+	@$(PYTHON) -m comanip.bus_report $(BUILD)/reports/bus.json
 
 check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings as errors
 	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }

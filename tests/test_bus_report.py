@@ -1,0 +1,124 @@
+"""The report of loads and response times: its figures against the DBC, what it marks, what it writes."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from bus_log import DBC
+from can_classic_bits import frame_duration_ns as classic_duration_ns
+from can_fd_bits import frame_duration_ns as fd_duration_ns
+from comanip import bus_report
+from comanip.bus_report import JOINTS
+from comanip.frame_length import BitRates, longest
+
+FD, CLASSIC = "CAN FD 1/5 Mbit/s", "classic 1 Mbit/s"
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "reports" / "bus.json"
+    assert bus_report.main([str(path)]) == 0
+    assert [file.name for file in path.parent.iterdir()] == ["bus.json"], "nothing unfinished is left"
+    return json.loads(path.read_text())
+
+
+@pytest.fixture(scope="module")
+def by_profile(written):
+    return {(item["profile"], item["joints"]): item for item in written["results"]}
+
+
+def test_every_profile_and_number_of_joints_is_there(by_profile):
+    assert {joints for _, joints in by_profile} == {4, 6, 7, 8}
+    assert len(by_profile) == 3 * 4
+    assert {FD, CLASSIC} < {profile for profile, _ in by_profile}
+
+
+@pytest.mark.parametrize("joints", JOINTS)
+def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
+    rows = [row for row in by_profile[FD, joints]["rows"] if "," not in row["name"]]
+    absent = {"FirmwareIdentity", *(f"JointState{joint}" for joint in range(joints, 8))}
+    expected = {m.name: (m.frame_id, m.length, bool(m.cycle_time)) for m in DBC.messages if m.name not in absent}
+    assert {row["name"]: (row["id"], row["bytes"], row["cyclic"]) for row in rows} == expected
+    assert all(row["period_ms"] == DBC.get_message_by_name(row["name"]).cycle_time for row in rows if row["cyclic"])
+
+
+@pytest.mark.parametrize("joints", JOINTS)
+def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
+    """From the payloads that make the frames longest, measured bit by bit."""
+    share = 0.0
+    for message in DBC.messages:
+        if message.cycle_time and not (message.name.startswith("JointState") and int(message.name[-1]) >= joints):
+            payload = longest(message.frame_id, message.length, BitRates(1_000_000, 5_000_000)).payload
+            share += fd_duration_ns(message.frame_id, payload) / (1e6 * message.cycle_time)
+    assert by_profile[FD, joints]["load_cyclic_percent"] == pytest.approx(100 * share)
+    assert by_profile[FD, joints]["load_percent"] > by_profile[FD, joints]["load_cyclic_percent"]
+
+
+@pytest.mark.parametrize("joints", JOINTS)
+def test_classic_is_the_assumed_set(by_profile, joints):
+    """250 Hz, a command and a state a joint, the pose in two frames at 125 Hz: each in 8 bytes."""
+    rows = {row["name"]: row for row in by_profile[CLASSIC, joints]["rows"]}
+    assert {rows[f"Joint{kind}{j}"]["period_ms"] for kind in ("Cmd", "State") for j in range(joints)} == {4}
+    assert f"JointCmd{joints}" not in rows
+    assert rows["HandPosition"]["period_ms"] == rows["HandRotation"]["period_ms"] == 8
+    assert len({row["id"] for row in rows.values()}) == len(rows) - 1, "GripperState has two rows"
+    share = sum(1e-3 * row["longest_us"] / row["period_ms"] for row in rows.values() if row["cyclic"])
+    assert by_profile[CLASSIC, joints]["load_cyclic_percent"] == pytest.approx(100 * share)
+    for row in rows.values():
+        payload = longest(row["id"], row["bytes"], BitRates(1_000_000)).payload
+        assert 1000 * row["longest_us"] == pytest.approx(classic_duration_ns(row["id"], payload))
+
+
+def test_what_is_late_is_named(written):
+    late = set()
+    for item in written["results"]:
+        for row in item["rows"]:
+            is_late = row["response_ms"] is None or row["response_ms"] > row["deadline_ms"]
+            assert row["late"] == is_late
+            assert row["deadline_ms"] == (row["period_ms"] if row["cyclic"] else 20)
+        assert item["late"] == [row["name"] for row in item["rows"] if row["late"]]
+        late.add(bool(item["late"]))
+        assert set(item["late"]) <= set(item["late_at_boot"]), "more traffic makes nothing earlier"
+    assert late == {True, False}
+
+
+def test_more_joints_and_slower_data_make_nothing_earlier(by_profile):
+    def responses(profile: str, joints: int) -> dict[str, float]:
+        return {row["name"]: row["queued_ms"] for row in by_profile[profile, joints]["rows"]}
+
+    for few, many in zip(JOINTS, JOINTS[1:], strict=False):
+        more = responses(FD, many)
+        assert all(more[name] >= response for name, response in responses(FD, few).items())
+        slow, fast = responses(FD, few), responses("CAN FD 1/8 Mbit/s", few)
+        assert all(fast[name] < slow[name] for name in slow)
+
+
+def test_the_tables_tell_the_same(capsys, written):
+    assert bus_report.main([]) == 0
+    text = capsys.readouterr().out
+    for item in written["results"]:
+        load = f"{item['load_percent']:.1f} %"
+        assert re.search(rf"{re.escape(item['profile'])} +│ +{item['joints']} │ +{re.escape(load)} │", text)
+    printed = {float(number) for number in re.findall(r"(\d+\.\d{3}) !", text)}
+    late = {round(row["response_ms"], 3) for item in written["results"] for row in item["rows"] if row["late"]}
+    assert printed == late
+    assert all(line[:60] in text for line in written["assumptions"])
+
+
+def test_late_frames_are_told_as_families():
+    assert bus_report.names(["JointState4", "JointState5", "TrackerStatus"]) == "JointState4..5, TrackerStatus"
+    assert bus_report.names([]) == "-"
+
+
+@pytest.mark.parametrize("arguments", [["a", "b"], ["--help-me"]])
+def test_wrong_use(capsys, arguments):
+    assert bus_report.main(arguments) == 2
+    assert capsys.readouterr().err.startswith("usage:")
+
+
+def test_a_file_that_cannot_be_written_is_named(capsys, tmp_path):
+    (tmp_path / "file").write_text("")
+    assert bus_report.main([str(tmp_path / "file" / "bus.json")]) == 2
+    assert str(tmp_path / "file" / "bus.json") in capsys.readouterr().err

@@ -1,0 +1,249 @@
+"""The simulated bus against the computed worst cases: arbitration under contention, responses in the worst situations that
+can be made, and in the logs of the five experiments."""
+
+from __future__ import annotations
+
+import bus_log
+import numpy as np
+import pytest
+from bus_log import DBC
+from can_fd_bits import LENGTHS, frame_duration_ns
+from comanip.bus_traffic import ANSWER_US, COMPUTING_US, Frame, fd_boot_frames, fd_frames, streams
+from comanip.frame_length import BitRates, longest
+from comanip.response_time import analyse
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sim_bus import Bus
+from simulation import EXPERIMENTS, experiment, run
+
+RATES = BitRates(1_000_000, 5_000_000)
+TICK_NS, MS_NS, US_NS = 1_000_000, 1_000_000, 1000
+COMPUTING_NS, ANSWER_NS = COMPUTING_US * US_NS, ANSWER_US * US_NS
+LOG_NS = 1000  # a log has whole microseconds
+
+
+# ---- arbitration: what must hold for any traffic
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 4), st.integers(0, 30), st.sampled_from(LENGTHS), st.integers(0, 40)), max_size=60
+    )
+)
+def test_arbitration_under_contention(traffic):
+    """The wire never rests while a frame is ready, and what starts has the lowest id of all that are ready. Of two frames
+    with one id in one node the earlier goes first, so the later counts as ready when the earlier has started."""
+    bus = Bus(5)
+    waiting = []
+    for number, (node, tens, length, ready_10us) in enumerate(traffic):
+        identifier = 8 * tens + node  # an id has one sender
+        data = bytes([number] * length)
+        ready_ns = max([10_000 * ready_10us, *(w[1] for w in waiting if w[0] == identifier)])
+        assert bus.send(node, identifier, data, 10_000 * ready_10us)
+        waiting.append((identifier, ready_ns, number, data))
+    bus.run_until(10**9)
+    assert len(bus.heard) == len(traffic)
+    free_ns = 0
+    for identifier, data, end_ns, _ in bus.heard:
+        start_ns = end_ns - frame_duration_ns(identifier, data)
+        assert start_ns == max(free_ns, min(item[1] for item in waiting)), "starts when the wire is free and one is ready"
+        own = min(item for item in waiting if item[1] <= start_ns)
+        assert (own[0], own[3]) == (identifier, data), "the lowest id of all that are ready"
+        waiting.remove(own)
+        free_ns = end_ns
+
+
+# ---- the worst situation of each frame, with the longest payloads
+
+
+def worst_situation(frames: list[Frame], frame: Frame) -> tuple[int, int]:
+    """How long the frame takes on the simulated bus, since it was queued and since the firmware's frames were: the longest
+    of lower priority has just begun when all others of higher priority are queued."""
+    node = {name: number for number, name in enumerate(("Firmware", "Drives", "Tracker", "Operator", "Gripper", "Proximity"))}
+    bus = Bus(len(node))
+    sent_by = {message.frame_id: node[message.senders[0]] for message in DBC.messages}
+    payload = {item.name: longest(item.identifier, item.length, RATES).payload for item in frames}
+
+    def send(item: Frame, ready_ns: int) -> None:
+        assert bus.send(sent_by[item.identifier], item.identifier, payload[item.name], ready_ns)
+
+    lower = [item for item in frames if item.identifier > frame.identifier]
+    if lower:
+        send(max(lower, key=lambda item: longest(item.identifier, item.length, RATES).duration_ns), 0)
+    answers = [item for item in frames if item.answers == "JointCmd" and item.identifier <= frame.identifier]
+
+    def drives(identifier: int, end_ns: int) -> None:
+        if identifier == 0x050:
+            queued_ns.setdefault("answers", end_ns + ANSWER_NS)
+            for answer in answers:
+                send(answer, end_ns + ANSWER_NS)
+
+    queued_ns: dict[str, int] = {}
+    bus.reaction[node["Drives"]] = drives
+    higher = [item for item in frames if item.identifier <= frame.identifier and item.answers is None]
+    if frame.one_of:
+        higher = [item for item in higher if item is frame or item.one_of != frame.one_of]
+    chosen: dict[str, Frame] = {}
+    for item in higher:
+        key = item.one_of or item.name
+        if key not in chosen or len(payload[item.name]) > len(payload[chosen[key].name]):
+            chosen[key] = item
+    start_ns = 1 if lower else 0
+    for item in chosen.values():
+        send(item, start_ns)
+    bus.run_until(50 * MS_NS)
+    end_ns = next(end for identifier, _, end, _ in bus.heard[1 if lower else 0 :] if identifier == frame.identifier)
+    queued = queued_ns["answers"] if frame in answers else start_ns
+    return end_ns - queued, end_ns - start_ns
+
+
+@pytest.mark.parametrize("joints", [4, 6, 8])
+def test_the_worst_situation_is_within_the_bound_and_near_it(joints):
+    """Up to the joint states that are in time the bound is reached but for the nanosecond of the head start."""
+    frames = fd_frames(joints)
+    found = analyse(streams(frames, RATES), RATES.nominal_ns)
+    reached = []
+    for frame in frames:
+        if frame.name == "GripperState, answer":
+            continue
+        queued_ns, since_tick_ns = worst_situation(frames, frame)
+        bound = found[frame.name]
+        assert queued_ns <= bound.queued_ns, frame.name
+        if frame.answers and bound.event_ns <= TICK_NS:
+            assert since_tick_ns == bound.event_ns - COMPUTING_NS - 1, frame.name
+            reached.append(frame.name)
+        elif frame.identifier <= 0x120:
+            assert queued_ns == bound.queued_ns - 1, frame.name
+            reached.append(frame.name)
+    assert len(reached) == 7 + 4, reached
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.randoms(use_true_random=False), st.sampled_from([4, 8]))
+def test_random_phases_stay_within_the_bound(chance, joints):
+    """100 ms of all that is cyclic in its longest form, each sender with its own phase, and an operator who asks at the
+    shortest distance; the firmware computes 0 to 50 us."""
+    frames = {item.name: item for item in fd_frames(joints)}
+    found = analyse(streams(list(frames.values()), RATES), RATES.nominal_ns)
+    until_ns = 100 * MS_NS
+    bus = Bus(6)
+    queued: dict[str, list[int]] = {}
+
+    def send(name: str, node: int, ready_ns: int) -> None:
+        item = frames[name]
+        assert bus.send(node, item.identifier, longest(item.identifier, item.length, RATES).payload, ready_ns)
+        queued.setdefault(name, []).append(ready_ns)
+
+    def drives(identifier: int, end_ns: int) -> None:
+        if identifier == 0x050:
+            for joint in range(joints):
+                send(f"JointState{joint}", 1, end_ns + ANSWER_NS)
+
+    bus.reaction[1] = drives
+    others = {"Clearance": 5, "HandPose": 2, "GripperState": 4, "TrackerStatus": 2}
+    due_ns = {name: chance.randrange(frames[name].period_ms * MS_NS) for name in others}
+    request_ns = chance.randrange(2 * MS_NS)
+    for tick in range(until_ns // TICK_NS):
+        tick_ns = tick * TICK_NS
+        for name in due_ns:
+            while due_ns[name] < tick_ns + TICK_NS:
+                send(name, others[name], due_ns[name])
+                due_ns[name] += frames[name].period_ms * MS_NS
+        answered = False
+        if request_ns < tick_ns + TICK_NS:
+            send(chance.choice(["OperatorCommand", "TaskDefine", "ParameterAccess"]), 3, request_ns)
+            request_ns += 2 * MS_NS
+            answered = True
+        at_ns = tick_ns + chance.choice([0, COMPUTING_NS])
+        for name, item in frames.items():
+            if item.batch and item.is_cyclic and tick % item.period_ms == 0:
+                send(name, 0, at_ns)
+        if answered:
+            send(chance.choice(["CommandAck", "ParameterValue"]), 0, at_ns)
+        bus.run_until(tick_ns + TICK_NS)
+    bus.run_until(until_ns + 100 * MS_NS)
+    assert bus.statistics.dropped == 0
+    for name, ready_ns in queued.items():
+        ends_ns = [end for identifier, _, end, _ in bus.heard if identifier == frames[name].identifier]
+        assert len(ends_ns) == len(ready_ns)
+        worst_ns = max(end - ready for end, ready in zip(ends_ns, ready_ns, strict=True))
+        assert worst_ns <= found[name].queued_ns, name
+    assert len(queued) >= 8 + joints + 2  # cyclic, states, a request and its acknowledgement
+
+
+# ---- the five experiments
+
+
+def queued_in_log(frames: dict[str, bus_log.Frames], ends_ns: dict[str, np.ndarray], name: str) -> np.ndarray | None:
+    """When each frame of this name was queued: of cyclic ones by their number, of answers by what they answer. None for
+    requests: when the operator queued them is not in the log."""
+    count = np.arange(len(frames[name]))
+    if name.startswith("JointState"):
+        return ends_ns["JointCmd"][count] + ANSWER_NS
+    if name == "GripperState":
+        asked = ends_ns.get("GripperCommand", np.array([], int)) + ANSWER_NS
+        cyclic = np.arange(len(count) - len(asked)) * 20 * MS_NS
+        return np.sort(np.concatenate([cyclic, asked]))
+    message = DBC.get_message_by_name(name)
+    if message.senders == ["Firmware"]:
+        period = message.cycle_time
+        if period:
+            return (1 + count * period) * TICK_NS + COMPUTING_NS
+        starts_ns = ends_ns[name] - np.array([frame_duration_ns(message.frame_id, bytes(d)) for d in frames[name].data])
+        return (starts_ns + LOG_NS - COMPUTING_NS) // TICK_NS * TICK_NS + COMPUTING_NS
+    first_ns = {"HandPose": 4 * MS_NS}.get(name, 0)  # the tracker's latency
+    return first_ns + count * message.cycle_time * MS_NS if message.cycle_time else None
+
+
+@pytest.fixture(scope="module", params=EXPERIMENTS)
+def logged(request, tmp_path_factory):
+    done = run(tmp_path_factory.mktemp(request.param), "--scenario", experiment(request.param), "--seed", 1)
+    frames = bus_log.read(done.log)
+    return frames, {name: np.rint(own.t_s * 1e9).astype(np.int64) for name, own in frames.items()}
+
+
+BOOT_NS = 100 * MS_NS
+
+
+def test_responses_in_the_experiments_are_within_the_bounds(logged):
+    """Nor are the bounds absurdly far: the longest response of each control frame comes to more than 0.4 of its bound (0.46
+    to 0.75). Frames whose instants meet no others are far from theirs, as the phases of the simulator never change."""
+    frames, ends_ns = logged
+    running = analyse(streams(fd_frames(4), RATES), RATES.nominal_ns)
+    booting = analyse(streams([*fd_frames(4), *fd_boot_frames()], RATES), RATES.nominal_ns)
+    judged, ratios = set(), {}
+    for name in frames:
+        queued_ns = queued_in_log(frames, ends_ns, name)
+        if queued_ns is None:
+            continue
+        response_ns = ends_ns[name] - queued_ns
+        assert response_ns.min() > 0, f"{name}: queued after its end: the test's own view of the schedule is wrong"
+        is_boot = queued_ns < BOOT_NS
+        at_boot = booting.get(f"{name}, boot", booting.get(name))
+        if name == "ParameterValue":
+            is_boot |= frames[name].raw("sequence") == 0
+        assert np.all(response_ns[is_boot] <= at_boot.queued_ns + LOG_NS), name
+        if not np.all(is_boot):
+            longest_ns = response_ns[~is_boot].max()
+            assert longest_ns <= running[name].queued_ns + LOG_NS, f"{name}: {longest_ns} ns"
+            ratios[name] = longest_ns / running[name].queued_ns
+        judged.add(name)
+    asked = {"OperatorCommand", "TaskDefine", "ParameterAccess", "GripperCommand"}
+    assert judged == set(frames) - asked and len(judged) >= 14
+    assert set(frames) <= {m.name for m in DBC.messages}
+    for name in ("JointCmd", "TickTrace", "HandPose", *(f"JointState{joint}" for joint in range(4))):
+        assert ratios[name] > 0.4, (name, ratios)
+
+
+def test_events_come_as_rarely_as_assumed(logged):
+    """The acknowledgements' ticks: any n + 1 in a row take 2 n - 1 ticks or more."""
+    frames, ends_ns = logged
+    acknowledged = [queued_in_log(frames, ends_ns, "CommandAck")]
+    if "ParameterAccess" in frames:
+        acknowledged.append(queued_in_log(frames, ends_ns, "ParameterValue")[frames["ParameterValue"].raw("sequence") != 0])
+    ticks = np.sort(np.concatenate(acknowledged)) // TICK_NS
+    requests = sum(len(frames[name]) for name in ("OperatorCommand", "TaskDefine", "ParameterAccess") if name in frames)
+    assert len(ticks) == requests
+    for apart in range(1, len(ticks)):
+        assert np.all(ticks[apart:] - ticks[:-apart] >= 2 * apart - 1)
