@@ -84,6 +84,27 @@ def test_what_is_late_is_named(written):
     assert late == {True, False}
 
 
+def test_the_last_of_four_joint_states_by_hand(by_profile):
+    """50 us of computing, the longest frame of lower priority, then one of each that comes before it; of the operator's two
+    acknowledgements the longer one."""
+    before = ["TaskDefine", "FirmwareStatus", "ParameterValue", "JointCmd", "TickTrace", "Clearance", "HandPose"]
+    total_ns = 50_000
+    for name in [*before, *(f"JointState{joint}" for joint in range(4))]:
+        message = DBC.get_message_by_name(name)
+        payload = longest(message.frame_id, message.length, BitRates(1_000_000, 5_000_000)).payload
+        total_ns += fd_duration_ns(message.frame_id, payload)
+    rows = {row["name"]: row for row in by_profile[FD, 4]["rows"]}
+    assert rows["JointState3"]["response_ms"] == pytest.approx(1e-6 * total_ns)
+
+
+def test_what_the_readme_says(by_profile):
+    for (profile, joints), item in by_profile.items():
+        assert bool(item["late"]) == (profile == FD and joints > 4), (profile, joints, item["late"])
+    last = next(row for row in by_profile[FD, 4]["rows"] if row["name"] == "JointState3")
+    assert f"{last['response_ms']:.2f}" == "0.96"
+    assert by_profile[FD, 4]["late_at_boot"] == ["JointState2", "JointState3"]
+
+
 def test_more_joints_and_slower_data_make_nothing_earlier(by_profile):
     def responses(profile: str, joints: int) -> dict[str, float]:
         return {row["name"]: row["queued_ms"] for row in by_profile[profile, joints]["rows"]}
