@@ -107,7 +107,7 @@ def test_extremes_are_reached_and_never_passed(rng, rates):
 
 
 def test_the_usual_bounds_hold_and_are_near():
-    """One stuff bit per four bits that can be stuffed; classic: 55 + 10 n bits (Davis et al. 2007, (1))."""
+    """One stuff bit per four bits that can be stuffed; classic: 55 + 10 n bits (Davis et al. 2007)."""
     for length in range(9):
         worst_us = max(longest(identifier, length, CLASSIC).duration_ns for identifier in IDENTIFIERS) / 1000
         assert 55 + 10 * length - 3 <= worst_us <= 55 + 10 * length

@@ -129,7 +129,7 @@ def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int
 
 
 def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit_ns: int) -> Response:
-    """Davis et al., (7) to (13)."""
+    """The analysis of Davis et al.: each instance in the busy period."""
     level = [stream, *higher]
     busy_ns = _least_window(
         stream.longest_ns, lambda ns: blocking_ns + sum(_instances(other, ns) * other.longest_ns for other in level)
