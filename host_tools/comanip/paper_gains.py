@@ -1,6 +1,5 @@
-"""The paper's own law (4), to the letter: error in the torso's frame, no weights. The paper gives neither K nor lambda.
-These values are from a comparison of steady states, not from a whole run of comanip.gain_search, whose result belongs
-here and in docs/gains.md."""
+"""The paper's own law (4), to the letter: error in the torso's frame, no weights. The paper gives neither K nor lambda:
+these are the best that comanip.gain_search found for it (docs/gains.md)."""
 
 from __future__ import annotations
 
@@ -28,9 +27,9 @@ TORSO, TARGET = 0.0, 1.0
 
 PAPER_GAINS = law_parameters(
     error_frame=TORSO,
-    gain_rotation_per_s=1.0,
-    gain_dual_per_s=64.0,
+    gain_rotation_per_s=3.0,
+    gain_dual_per_s=192.0,
     weight_rotation=1.0,
     weight_dual=1.0,
-    damping=3e-3,
+    damping=3e-2,
 )
