@@ -12,16 +12,28 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -W
 # No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
 CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GENERATED)
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
+LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c)) $(wildcard firmware/arms/*.c) $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c)
+# The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
+SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c))
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
 # What a machine needs beside git and make, as Debian and Ubuntu name it.
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
+
+
+# As processes of their own on a real bus: the firmware through the Linux port, and the plant.
+FIRMWARE_PROCESS := $(BUILD)/linux/comanip-firmware
+PLANT_PROCESS := $(BUILD)/linux/comanip-plant
+CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c
+FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c)
+PLANT_PROCESS_SOURCES := $(CORE_SOURCES) $(CAN_SOURCES) $(SIM_SOURCES) sim/bus/live_bus.c sim/programs/plant.c
+LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o))
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -49,7 +61,7 @@ $(VENV)/.installed-tests: tests/requirements.txt | deps
 
 # ---- build
 
-build: deps $(SIMULATOR) $(BUILD)/python/.built ## the simulator and the Python binding
+build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## simulator, both processes, Python binding
 
 $(GENERATED)/.generated: host_tools/comanip/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | deps
 	@echo "  GENERATE $(GENERATED)/"
@@ -62,7 +74,18 @@ $(SIMULATOR): $(HOST_OBJECTS)
 	@echo "  LINK $@"
 	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
 
+$(FIRMWARE_PROCESS): $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
+	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	$(Q)$(CC) $^ -pthread -lm -o $@
+
+$(PLANT_PROCESS): $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
+	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
+
 $(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
+$(BUILD)/host/hal/linux/%.o: CORE_CFLAGS := $(LINUX_CFLAGS)
 $(BUILD)/host/%.o: %.c $(GENERATED)/.generated
 	@mkdir -p $(@D)
 	@echo "  CC $<"
@@ -73,7 +96,7 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 	$(Q)$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python --cflags "$(CORE_CFLAGS)"
 	@touch $@
 
--include $(HOST_OBJECTS:.o=.d)
+-include $(HOST_OBJECTS:.o=.d) $(LINUX_OBJECTS:.o=.d)
 
 # ---- use
 
@@ -115,6 +138,7 @@ bus-doc: deps ## write docs/bus.md anew from the DBC
 check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings as errors
 	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
 	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"
 
