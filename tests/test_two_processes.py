@@ -11,7 +11,7 @@ import live_replay
 import pytest
 from bus_log import DBC
 from e2e import p05
-from live import FIRMWARE, INTERFACE, PLANT, REPOSITORY, SLOW, Bus, has_kernel_can
+from live import ATTEMPTS, FIRMWARE, INTERFACE, PLANT, REPOSITORY, SLOW, Bus, has_kernel_can
 from test_bus_log import logged_frames
 
 PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
@@ -85,28 +85,32 @@ def require_standstill(bus: Bus, start: int) -> None:
 
 @pytest.fixture(scope="module")
 def together(tmp_path_factory):
-    """A run to its end: its folder, what the tap saw, and the firmware's exit status."""
-    folder = tmp_path_factory.mktemp("together")
-    with Bus(folder) as bus_:
-        plant, firmware = begin(bus_, str(PLAIN), "--duration", 3)
-        bus_.wait(lambda: plant.poll() is not None, "the plant's end")
-        firmware.send_signal(signal.SIGTERM)
-        assert firmware.wait() == 0, bus_.told("firmware.err")
-        assert plant.returncode in (0, 1), bus_.told("plant.err")
-        return folder, list(bus_.frames), bus_.told("firmware.out"), bus_.told("plant.out")
+    """A run to its end: its folder, what the tap saw, and what the processes told."""
+    for _ in range(ATTEMPTS):
+        folder = tmp_path_factory.mktemp("together")
+        with Bus(folder) as bus_:
+            if run_to_end(bus_, 3) == 0:
+                break
+    return folder, bus_.frames, bus_.told("firmware.out"), bus_.told("plant.out")
+
+
+def run_to_end(bus: Bus, duration_s: float) -> int:
+    """A run on a bus that the firmware joins and leaves. Gives the plant's exit status, with the firmware's found to be 0."""
+    plant, firmware = begin(bus, str(PLAIN), "--duration", duration_s)
+    bus.wait(lambda: plant.poll() is not None, "the plant's end")
+    firmware.send_signal(signal.SIGTERM)
+    assert firmware.wait() == 0, bus.told("firmware.err")
+    return plant.returncode
 
 
 def test_the_arm_follows_as_in_the_simulator(together):
     folder, _, _, _ = together
     summary = json.loads((folder / "plant" / "summary.json").read_text())
-    assert "cooperating" in [change["mode"] for change in summary["modes"]]
+    assert summary["result"] == "pass", summary["reason"]
     assert summary["sim_s"] == 3
-    timing = summary["real_time"]
-    assert timing["slow"] == SLOW
-    checks = {check["name"]: check for check in summary["checks"]}
-    assert checks["limit_violations"]["pass"]
-    if timing["overruns"] == 0 and checks["fault_modes"]["pass"]:  # else the machine was too busy to judge it
-        assert summary["result"] == "pass", summary["reason"]
+    assert summary["real_time"]["slow"] == SLOW
+    assert [change["mode"] for change in summary["modes"]][-2:] == ["cooperating", "ready"]
+    assert "forward" in {check["name"] for check in summary["checks"]}, "the hand's displacement is judged"
 
 
 def test_each_says_which_bus_it_is_on(together):
