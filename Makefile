@@ -37,7 +37,8 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim experiments gain-search test bench bus-doc check-c target target-deps clean
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan bench bus-doc check-c target \
+    target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
@@ -47,6 +48,7 @@ help: ## this text
 	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
 	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
 	@echo "  make experiments SEEDS=20 OUT=dir"
+	@echo "  make run-firmware CAN=vcan0 SLOW=n, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
 
 # ---- what is needed
 
@@ -101,21 +103,30 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 # ---- use
 
 # Through the environment, so that names with quotes and spaces come through whole; only what is set is passed on.
-sim: export RUN_SCENARIO := $(SCENARIO)
-sim: export RUN_TRACKER := $(TRACKER)
-sim: export RUN_SEED := $(SEED)
-sim: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
-sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
-	@case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
-		echo "make sim: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
-	set --; \
+sim run-plant: export RUN_SCENARIO := $(SCENARIO)
+sim run-plant: export RUN_TRACKER := $(TRACKER)
+sim run-plant: export RUN_SEED := $(SEED)
+sim run-plant: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
+RUN_ARGUMENTS = case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
+	    echo "make $@: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
+	set -- --out "$$RUN_OUT"; \
 	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
-	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
-	set -- "$$@" --out "$$RUN_OUT"; \
+	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"
+sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
+	@$(RUN_ARGUMENTS); \
 	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
 	exit $$status
+
+# The kernel's interface of this name, or else the hub of this name.
+RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
+run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold
+	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN)
+
+run-plant: build ## the simulated plant as a second process on CAN=vcan0, in real time; takes what `make sim` takes
+	@$(RUN_ARGUMENTS); \
+	$(PLANT_PROCESS) $(RUN_ON_CAN) "$$@" $(ARGS)
 
 SEEDS := 20
 experiments: export RUN_OUT := $(or $(OUT),out/experiments)
@@ -128,6 +139,10 @@ gain-search: build ## search for the gains of docs/gains.md anew (takes an hour)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
 	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)
+
+# Boots the kernel's CAN modules in user-mode Linux, which it installs through apt if it is missing.
+test-socketcan: build $(VENV)/.installed-tests ## prove it on the kernel's SocketCAN, in user-mode Linux (two minutes)
+	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
 
 bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
 	@$(PYTHON) tests/bench_simulator.py

@@ -86,9 +86,9 @@ def require_standstill(bus: Bus, start: int) -> None:
 @pytest.fixture(scope="module")
 def together(tmp_path_factory):
     """A run to its end: its folder, what the tap saw, and what the processes told."""
-    for _ in range(ATTEMPTS):
+    for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("together")
-        with Bus(folder) as bus_:
+        with Bus(folder, SLOW << attempt) as bus_:
             if run_to_end(bus_, 3) == 0:
                 break
     return folder, bus_.frames, bus_.told("firmware.out"), bus_.told("plant.out")
@@ -108,7 +108,7 @@ def test_the_arm_follows_as_in_the_simulator(together):
     summary = json.loads((folder / "plant" / "summary.json").read_text())
     assert summary["result"] == "pass", summary["reason"]
     assert summary["sim_s"] == 3
-    assert summary["real_time"]["slow"] == SLOW
+    assert summary["real_time"]["slow"] in [SLOW << attempt for attempt in range(ATTEMPTS)]
     assert [change["mode"] for change in summary["modes"]][-2:] == ["cooperating", "ready"]
     assert "forward" in {check["name"] for check in summary["checks"]}, "the hand's displacement is judged"
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -23,6 +24,12 @@ int can_hub_connect(const char *path) {
     return fd;
 }
 
+/* A folder in /tmp can be made by anybody: only our own hub, or root's, is listened to. */
+static bool is_trusted(const char *path) {
+    struct stat status;
+    return stat(path, &status) != 0 || status.st_uid == getuid() || status.st_uid == 0;
+}
+
 int can_hub_open(const char *name, char path[CAN_SOCKET_PATH_BYTES], char error[], size_t error_size) {
     const char *folder = getenv("COMANIP_HUB_DIR");
     const bool is_set = folder != NULL && folder[0] != '\0';
@@ -31,6 +38,10 @@ int can_hub_open(const char *name, char path[CAN_SOCKET_PATH_BYTES], char error[
     if (length >= CAN_SOCKET_PATH_BYTES) {
         (void)snprintf(error, error_size, "COMANIP_HUB_DIR '%.200s': expected a path of less than %d bytes", folder,
                        CAN_SOCKET_PATH_BYTES - (int)strlen(name) - 1);
+        return -1;
+    }
+    if (!is_trusted(path)) {
+        (void)snprintf(error, error_size, "%s: the hub %s belongs to another user", name, path);
         return -1;
     }
     const int fd = can_hub_connect(path);

@@ -204,7 +204,7 @@ static void print_scene(const world_t *world) {
 
 static void print_timing(const live_bus_timing_t *timing) {
     if (timing != NULL) {
-        (void)printf("real time, slowed down %u times: %" PRIu64 " ticks late by more than one, %.2f ms at most%s\n",
+        (void)printf("real time (time scale %u): %" PRIu64 " ticks late by more than one, %.2f ms at most%s\n",
                      timing->slow, timing->overruns, 1e-6 * (double)timing->late_max_ns,
                      timing->let_go_ns > 0 ? "; the clock was put back" : "");
     }
