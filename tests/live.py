@@ -74,7 +74,8 @@ class Bus:
             self._tap.bind((INTERFACE,))
         else:
             path = self.folder / INTERFACE
-            self.start([sys.executable, REPOSITORY / "tests" / "hub_relay.py", path], "relay")
+            path.unlink(missing_ok=True)
+            self.relay = self.start([sys.executable, REPOSITORY / "tests" / "hub_relay.py", path], "relay")
             self.wait(path.exists, "the relay's socket")
             self._tap = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             self._tap.connect(str(path))
@@ -97,6 +98,8 @@ class Bus:
         while not self._over.is_set():
             try:
                 data = self._tap.recv(CANFD_FRAME.size)
+                if not data:
+                    return  # the relay's end
             except TimeoutError:
                 continue
             except OSError as error:

@@ -4,7 +4,9 @@ other again, but move only after an explicit re-arm."""
 from __future__ import annotations
 
 import json
+import os
 import signal
+import socket
 import subprocess
 
 import live_replay
@@ -271,6 +273,37 @@ def require_stop_of_the_commands(bus: Bus, start: int) -> None:
 
 
 # ---- the platform itself
+
+
+@pytest.mark.skipif(has_kernel_can(), reason="the kernel's bus has no hub")
+def test_a_hub_that_ends_and_comes_back(bus, tmp_path):
+    process = bus.firmware()
+    bus.wait_mode("idle")
+    bus.relay.kill()
+    bus.relay.wait()
+    bus.wait(lambda: f"comanip-firmware: {INTERFACE}: lost: " in bus.told("firmware.err"), "the report")
+    with Bus(tmp_path) as again:
+        again.wait(lambda: again.since(0, "JointCmd"), "commands again")
+        assert again.command("select") == "accepted"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait() == 0
+    told = bus.told("firmware.err")
+    assert told.count("lost: ") == 1
+    assert f"comanip-firmware: {INTERFACE}: back\n" in told
+    assert f"comanip-firmware: {INTERFACE}: 1 times without the bus\n" in told
+
+
+def test_a_hub_of_somebody_else_is_not_trusted(tmp_path):
+    if os.getuid() != 0:
+        pytest.skip("only root can give a socket to another user")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
+        listener.bind(str(tmp_path / "theirs"))
+        listener.listen()
+        os.chown(tmp_path / "theirs", 65534, 65534)
+        done = subprocess.run([FIRMWARE, "--can", "theirs"], capture_output=True, text=True, check=False, timeout=60,
+                              env={"COMANIP_HUB_DIR": str(tmp_path)})  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == f"comanip-firmware: theirs: the hub {tmp_path}/theirs belongs to another user\n"
 
 
 def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):

@@ -166,7 +166,7 @@ bus_t *live_bus_create(const char *program, const char *can, uint32_t slow, char
         return NULL;
     }
     pace_init(&self->pace, slow);
-    self->timing = (live_bus_timing_t){.slow = slow, .bus = self->can.hub_path};
+    self->timing = (live_bus_timing_t){.slow = slow};
     return self;
 }
 

@@ -18,7 +18,6 @@ typedef struct {
     uint64_t overruns;   /* ticks that ended more than a tick too late */
     int64_t late_max_ns; /* by the run's clock */
     int64_t let_go_ns;   /* by which the run's clock was put back in all */
-    const char *bus;     /* the hub's path, "" for the kernel's interface */
 } live_bus_timing_t;
 
 /* program: its name, for what is told. slow: as in hal/linux/pace.h. On failure NULL, and one line in `error`. */

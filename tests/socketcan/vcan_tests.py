@@ -22,7 +22,7 @@ from bus_log import DBC
 from e2e import p05
 from live import ATTEMPTS, CAN_FRAME, FIRMWARE, REPOSITORY, SLOW, Bus
 from test_bus_log import LoggedFrame
-from test_two_processes import run_to_end
+from test_two_processes import PLAIN, begin, run_to_end
 
 CANTOOLS = Path(sys.executable).parent / "cantools"
 LINE = re.compile(r"\((\d+)\.(\d{6})\) (\w+) ([0-7][0-9A-F]{2})##([0-9A-F])((?:[0-9A-F]{2})*)(?: [RT])?")
@@ -226,6 +226,27 @@ def test_an_interface_that_goes_down_and_comes_back(alone):
     bus.wait(lambda: bus.since(start, "JointCmd"), "commands again")
     stop(bus, firmware)
     assert "1 times without the bus" in bus.told("firmware.err")
+
+
+def test_the_systems_clock_is_set(tmp_path):
+    """Back by 1000 s: the firmware's clock goes on, and poses do not look 1000 s old."""
+    step_s = 1000
+    with Bus(tmp_path) as bus:
+        begin(bus, str(PLAIN), "--duration", 20)
+        bus.wait_mode("ready", "cooperating")
+        before_us = bus.since(0, "TickTrace")[-1].decode()["now_us"]
+        time.clock_settime(time.CLOCK_REALTIME, time.time() - step_s)
+        try:
+            bus.wait(lambda: "the system's clock was set: -" in bus.told("firmware.err"), "the report")
+            bus.statuses_pass(20)
+            start = len(bus.frames)
+            bus.statuses_pass(20)
+            ticks = [frame.decode() for frame in bus.since(start, "TickTrace")]
+        finally:
+            time.clock_settime(time.CLOCK_REALTIME, time.time() + step_s)
+        since_us = [(tick["now_us"] - before_us) % 2**32 for tick in ticks]
+        assert all(0 < t_us < 1e6 * step_s / bus.slow / 2 for t_us in since_us)
+        assert min(tick["hand_age_us"] for tick in ticks) < 1e6
 
 
 def test_a_bus_without_fd_is_refused():
