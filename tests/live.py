@@ -175,18 +175,25 @@ class Bus:
         self._tap.send(data)
 
     def command(self, command: str) -> str:
-        """Sends an OperatorCommand and gives the result that the firmware acknowledges."""
-        message = DBC.get_message_by_name("OperatorCommand")
-        self._counter += 1
-        values = {"e2e_crc": 0, "e2e_counter": self._counter, "command": command, "sequence": self._counter, "task": 0}
-        data = bytearray(message.encode(values))
-        p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
-        start = len(self.frames)
-        self.send_packet(packet(message.frame_id, bytes(data)))
+        """Sends an OperatorCommand, again each second until the firmware acknowledges it, and gives its result."""
+        sent_s, start = 0.0, len(self.frames)
 
         def answers() -> list[dict]:
+            nonlocal sent_s
+            if time.monotonic() - sent_s > 1:
+                sent_s = time.monotonic()
+                self._send_command(command)
             acks = [frame.decode() for frame in self.since(start, "CommandAck")]
             return [ack for ack in acks if ack["sequence"] == self._counter]
 
-        self.wait(answers, f"acknowledgement of {command}")
-        return str(answers()[0]["result"])
+        found: list[dict] = []
+        self.wait(lambda: found.extend(answers()) or found, f"acknowledgement of {command}")
+        return str(found[0]["result"])
+
+    def _send_command(self, command: str) -> None:
+        message = DBC.get_message_by_name("OperatorCommand")
+        self._counter = (self._counter + 1) % 256
+        values = {"e2e_crc": 0, "e2e_counter": self._counter, "command": command, "sequence": self._counter, "task": 0}
+        data = bytearray(message.encode(values))
+        p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
+        self.send_packet(packet(message.frame_id, bytes(data)))
