@@ -12,10 +12,13 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -W
 # No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
 CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GENERATED)
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
+LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c)) $(wildcard firmware/arms/*.c) $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c)
+# The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
+SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c))
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
@@ -23,9 +26,18 @@ HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
+# As processes of their own on a real bus: the firmware through the Linux port, and the plant.
+FIRMWARE_PROCESS := $(BUILD)/linux/comanip-firmware
+PLANT_PROCESS := $(BUILD)/linux/comanip-plant
+CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c
+FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c)
+PLANT_PROCESS_SOURCES := $(CORE_SOURCES) $(CAN_SOURCES) $(SIM_SOURCES) sim/bus/live_bus.c sim/programs/plant.c
+LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o))
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim experiments gain-search test bench bus-doc bus-report check-c target target-deps clean
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan bench bus-doc bus-report check-c target \
+    target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
@@ -35,6 +47,7 @@ help: ## this text
 	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
 	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
 	@echo "  make experiments SEEDS=20 OUT=dir"
+	@echo "  make run-firmware CAN=vcan0 SLOW=n, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
 
 # ---- what is needed
 
@@ -49,7 +62,7 @@ $(VENV)/.installed-tests: tests/requirements.txt | deps
 
 # ---- build
 
-build: deps $(SIMULATOR) $(BUILD)/python/.built ## the simulator and the Python binding
+build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## simulator, both processes, Python binding
 
 $(GENERATED)/.generated: host_tools/comanip/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | deps
 	@echo "  GENERATE $(GENERATED)/"
@@ -62,7 +75,18 @@ $(SIMULATOR): $(HOST_OBJECTS)
 	@echo "  LINK $@"
 	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
 
+$(FIRMWARE_PROCESS): $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
+	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	$(Q)$(CC) $^ -pthread -lm -o $@
+
+$(PLANT_PROCESS): $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
+	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
+
 $(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
+$(BUILD)/host/hal/linux/%.o: CORE_CFLAGS := $(LINUX_CFLAGS)
 $(BUILD)/host/%.o: %.c $(GENERATED)/.generated
 	@mkdir -p $(@D)
 	@echo "  CC $<"
@@ -73,26 +97,35 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 	$(Q)$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python --cflags "$(CORE_CFLAGS)"
 	@touch $@
 
--include $(HOST_OBJECTS:.o=.d)
+-include $(HOST_OBJECTS:.o=.d) $(LINUX_OBJECTS:.o=.d)
 
 # ---- use
 
 # Through the environment, so that names with quotes and spaces come through whole; only what is set is passed on.
-sim: export RUN_SCENARIO := $(SCENARIO)
-sim: export RUN_TRACKER := $(TRACKER)
-sim: export RUN_SEED := $(SEED)
-sim: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
-sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
-	@case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
-		echo "make sim: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
-	set --; \
+sim run-plant: export RUN_SCENARIO := $(SCENARIO)
+sim run-plant: export RUN_TRACKER := $(TRACKER)
+sim run-plant: export RUN_SEED := $(SEED)
+sim run-plant: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
+RUN_ARGUMENTS = case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
+	    echo "make $@: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
+	set -- --out "$$RUN_OUT"; \
 	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
-	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
-	set -- "$$@" --out "$$RUN_OUT"; \
+	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"
+sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
+	@$(RUN_ARGUMENTS); \
 	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
 	exit $$status
+
+# The kernel's interface of this name, or else the hub of this name.
+RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
+run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold
+	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN)
+
+run-plant: build ## the simulated plant as a second process on CAN=vcan0, in real time; takes what `make sim` takes
+	@$(RUN_ARGUMENTS); \
+	$(PLANT_PROCESS) $(RUN_ON_CAN) "$$@" $(ARGS)
 
 SEEDS := 20
 experiments: export RUN_OUT := $(or $(OUT),out/experiments)
@@ -106,6 +139,10 @@ gain-search: build ## search for the gains of docs/gains.md anew (takes an hour)
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
 	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)
 
+# Boots the kernel's CAN modules in user-mode Linux, which it installs through apt if it is missing.
+test-socketcan: build $(VENV)/.installed-tests ## prove it on the kernel's SocketCAN, in user-mode Linux (two minutes)
+	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
+
 bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
 	@$(PYTHON) tests/bench_simulator.py
 
@@ -118,6 +155,7 @@ bus-report: deps ## load and worst-case response time of every frame; also build
 check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings as errors
 	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
 	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"
 

@@ -6,11 +6,11 @@
 #include "comanip_dbc.h"
 #include "comanip_schema.h"
 
-#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms)                                                   \
-    [FRAME_##name] = {id, bytes, data_id, period_ms, timeout_ms},
+#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                      \
+    [FRAME_##name] = {id, bytes, data_id, period_ms, timeout_ms, to_firmware},
 const frame_description_t frame_table[FRAME_KIND_COUNT] = {COMANIP_FRAMES(FRAME_ROW)};
 
-#define COUNT_ROW(name, id, bytes, data_id, period_ms, timeout_ms) +1
+#define COUNT_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware) +1
 _Static_assert(FRAME_KIND_COUNT == 0 COMANIP_FRAMES(COUNT_ROW), "the DBC has other frames than frame_kind_t");
 
 static bool is_authentic(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind) {

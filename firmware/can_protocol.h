@@ -61,6 +61,7 @@ typedef struct {
     uint16_t data_id; /* 0: without end-to-end protection */
     uint16_t period_ms; /* 0: sent on events */
     uint16_t timeout_ms;
+    bool to_firmware; /* the firmware receives it */
 } frame_description_t;
 
 extern const frame_description_t frame_table[FRAME_KIND_COUNT];

@@ -12,7 +12,7 @@
 void hal_init(void);
 
 /* Sleeps until the next 1 kHz tick and gives its time, monotonic modulo 2^32 us. False when the platform shuts down,
- * which only a simulated one does. A tick that was missed is not made up for. */
+ * as a simulation or a process does. A tick that was missed is not made up for. */
 bool hal_wait_tick(uint32_t *now_us);
 
 /* Next received frame, oldest first, with its time of reception, which may be after that of the tick. False: none left. */

@@ -7,7 +7,8 @@
 #define TICK_S (WORLD_TICK_NS * 1e-9)
 
 static void log_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
-    candump_log_write(context, frame, end_ns);
+    const world_t *self = context;
+    candump_log_write(self->log, frame, bus_epoch_ns(self->bus) + end_ns);
 }
 
 static int64_t ns_from_s(double seconds) {
@@ -30,10 +31,6 @@ static bool create_people(world_t *self, char error[], size_t error_size) {
 static bool create_nodes(world_t *self) {
     operator_step_t steps[OPERATOR_SCRIPT_MAX_STEPS];
     const size_t step_count = operator_script(self->scenario, &self->options->operator, steps);
-    self->bus = bus_create();
-    if (self->bus == NULL) {
-        return false;
-    }
     self->drives = drive_node_create(self->bus, scene_arm(self->scene));
     self->gripper = gripper_node_create(self->bus, self->scene);
     self->tracker = tracker_node_create(self->bus, self->hand_history, &self->options->tracker);
@@ -43,11 +40,12 @@ static bool create_nodes(world_t *self) {
            self->operator != NULL;
 }
 
-bool world_init(world_t *self, const options_t *options, const scenario_t *scenario,
+bool world_init(world_t *self, const options_t *options, const scenario_t *scenario, bus_t *bus,
                 const volatile sig_atomic_t *interrupted, char error[], size_t error_size) {
     memset(self, 0, sizeof *self);
     self->options = options;
     self->scenario = scenario;
+    self->bus = bus;
     self->interrupted = interrupted;
     self->events = scenario->events;
     self->stop_s = -1.0;
@@ -84,7 +82,7 @@ bool world_open_files(world_t *self, const char *log_path, const char *trace_pat
     if (self->log == NULL || !trace_csv_open(&self->trace, trace_path, error, error_size)) {
         return false;
     }
-    bus_listen(self->bus, log_frame, self->log);
+    bus_listen(self->bus, log_frame, self);
     return true;
 }
 

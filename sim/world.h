@@ -11,6 +11,7 @@
 
 #include "bus/bus.h"
 #include "bus/candump_log.h"
+#include "bus/live_bus.h"
 #include "hand/hand_history.h"
 #include "monitors/contact_monitor.h"
 #include "monitors/observer.h"
@@ -70,12 +71,13 @@ struct world {
     const volatile sig_atomic_t *interrupted; /* set from outside to end the run */
     uint64_t firmware_overflows; /* frames lost in the firmware's receive queue: counted by the host port */
     void (*on_tick)(const world_t *world); /* NULL, or called after each tick: it watches and changes nothing */
+    const live_bus_timing_t *timing; /* NULL, or how the run kept up with real time */
     char failure[WORLD_TEXT_BYTES]; /* why the run ended early; "" */
 };
 
-/* options and scenario must outlive the world. Reads the recordings and writes nothing. On failure false, and one line in
- * `error`. */
-bool world_init(world_t *self, const options_t *options, const scenario_t *scenario,
+/* options and scenario must outlive the world, which owns the bus from here on, even if this fails. Reads the recordings
+ * and writes nothing. On failure false, and one line in `error`. */
+bool world_init(world_t *self, const options_t *options, const scenario_t *scenario, bus_t *bus,
                 const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
 
 /* The files that the run fills. On failure false, and one line in `error`. */

@@ -74,12 +74,14 @@ def schema_header(database) -> str:
         "#ifndef COMANIP_SCHEMA_H",
         "#define COMANIP_SCHEMA_H",
         "",
-        "/* FRAME(NAME, id, bytes, E2E Data ID (0 = unprotected), period in ms (0 = event), timeout in ms (0 = none)) */",
+        "/* FRAME(NAME, id, bytes, E2E Data ID (0 = unprotected), period in ms (0 = event), timeout in ms (0 = none),",
+        " *       whether the firmware receives it) */",
         "#define COMANIP_FRAMES(FRAME) \\",
     ]
     rows = [
         f"    FRAME({camel_to_snake_case(m.name).upper()}, 0x{m.frame_id:03X}u, {m.length}u, "
-        f"0x{attribute(m, 'E2EDataId'):04X}u, {m.cycle_time or 0}u, {attribute(m, 'TimeoutMs')}u)"
+        f"0x{attribute(m, 'E2EDataId'):04X}u, {m.cycle_time or 0}u, {attribute(m, 'TimeoutMs')}u, "
+        f"{str('Firmware' in m.receivers).lower()})"
         for m in database.messages
     ]
     lines += [row + " \\" for row in rows[:-1]] + [rows[-1], "", "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Signals in plain counts have none.", " * NAMES: initialisers of an array of an enumerated signal's names. */"]

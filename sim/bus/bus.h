@@ -1,7 +1,8 @@
-/* The CAN FD bus in virtual time: arbitration by id, true frame durations (1/5 Mbit/s), bounded queues.
+/* The bus that the simulated nodes share. bus.c: a CAN FD bus in virtual time, with arbitration by id, true frame
+ * durations (1/5 Mbit/s) and bounded queues, deterministic. live_bus.c: a real bus, in real time (live_bus.h).
  *
  * Nodes send frames that are ready at some time; bus_run_until() plays the traffic up to a time and hands each frame, at
- * its end, to every other node and to the listener. Time is in ns since the start of the simulation. Deterministic. */
+ * its end, to every other node and to the listener. Time is in ns since the start of the simulation. */
 #ifndef COMANIP_SIM_BUS_H
 #define COMANIP_SIM_BUS_H
 
@@ -42,6 +43,9 @@ bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns)
 /* Plays every frame that starts before time_ns; one that is still on the wire then ends, and is delivered, in the next
  * call. */
 void bus_run_until(bus_t *self, int64_t time_ns);
+
+/* What the clock that stamps the log, and that of the firmware, modulo 2^32 us, shows at time 0. Virtual time: 0. */
+int64_t bus_epoch_ns(const bus_t *self);
 
 bus_statistics_t bus_statistics(const bus_t *self);
 

@@ -30,7 +30,8 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
     tick_trace_t trace;
     tick_trace_unpack(frame, &trace);
     /* Only the target of this very tick may be compared with the hand of this tick. */
-    if (!trace.target_valid || trace.now_us != (uint32_t)(self->tick.time_ns / 1000)) {
+    const uint32_t tick_us = (uint32_t)((bus_epoch_ns(self->bus) + self->tick.time_ns) / 1000);
+    if (!trace.target_valid || trace.now_us != tick_us) {
         return;
     }
     const quaternion_t r = trace.target.primary;
@@ -78,6 +79,7 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
 
 void observer_init(observer_t *self, bus_t *bus) {
     memset(self, 0, sizeof *self);
+    self->bus = bus;
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         self->parameter[i] = parameter_table[i].default_value;
     }

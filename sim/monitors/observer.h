@@ -34,6 +34,7 @@ typedef struct {
 } tick_record_t;
 
 typedef struct {
+    const bus_t *bus;
     protocol_receiver_t receiver;
     tick_record_t tick;
     float parameter[PARAMETER_COUNT]; /* in force; defaults until the bus says otherwise */

@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,6 +103,19 @@ static void write_checks(json_writer_t *json, const checks_t *checks) {
     json_end(json, ']');
 }
 
+/* Of a run on a real bus. */
+static void write_timing(json_writer_t *json, const live_bus_timing_t *timing) {
+    if (timing == NULL) {
+        return;
+    }
+    json_begin(json, "real_time", '{');
+    json_unsigned(json, "slow", timing->slow);
+    json_unsigned(json, "overruns", timing->overruns);
+    json_number(json, "late_max_ms", 1e-6 * (double)timing->late_max_ns);
+    json_number(json, "let_go_ms", 1e-6 * (double)timing->let_go_ns);
+    json_end(json, '}');
+}
+
 bool report_write_summary(const world_t *world, const checks_t *checks, double wall_s, const char *path, char error[],
                           size_t error_size) {
     json_writer_t json = {.file = fopen(path, "w")};
@@ -123,6 +137,7 @@ bool report_write_summary(const world_t *world, const checks_t *checks, double w
     write_modes(&json, &world->observer);
     summary_write_scene(&json, world);
     write_checks(&json, checks);
+    write_timing(&json, world->timing);
     json_end(&json, '}');
     (void)fputc('\n', json.file);
     const bool failed = ferror(json.file) != 0;
@@ -187,6 +202,14 @@ static void print_scene(const world_t *world) {
     print_least(world, "between arm and robot", &world->contact_monitor.self);
 }
 
+static void print_timing(const live_bus_timing_t *timing) {
+    if (timing != NULL) {
+        (void)printf("real time (time scale %u): %" PRIu64 " ticks late by more than one, %.2f ms at most%s\n",
+                     timing->slow, timing->overruns, 1e-6 * (double)timing->late_max_ns,
+                     timing->let_go_ns > 0 ? "; the clock was put back" : "");
+    }
+}
+
 void report_print_table(const world_t *world, const checks_t *checks, double wall_s) {
     (void)printf("%-28s %14s    %9s %-4s\n", "check", "value", "limit", "unit");
     for (size_t i = 0; i < checks->count; i++) {
@@ -205,6 +228,7 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
                      (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9);
     }
     print_scene(world);
+    print_timing(world->timing);
     (void)printf("bus: %.1f %% load, %.1f %% peak; %.2f s simulated in %.2f s (%.0f times real time)\n",
                  mean_load_percent(world), bus_statistics(world->bus).load_percent_peak, simulated_s(world), wall_s,
                  wall_s > 0.0 ? simulated_s(world) / wall_s : 0.0);

@@ -1,4 +1,6 @@
-/* comanip-sim: reads the command line, builds the world, runs the firmware in it, and reports. */
+/* Reads the command line, builds the world, runs it, and reports. */
+#include "run.h"
+
 #include <ctype.h>
 #include <signal.h>
 #include <stdio.h>
@@ -7,7 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../hal/host/hal_host.h"
 #include "options/help.h"
 #include "options/options.h"
 #include "output/checks.h"
@@ -15,13 +16,12 @@
 #include "output/report.h"
 #include "scenario/scenario_file.h"
 #include "scenario/scenario_geometry.h"
-#include "world.h"
 
 #define EXIT_CHECK_FAILED 1
 #define EXIT_WRONG_USE 2
 #define EXIT_INTERRUPTED 130 /* 128 + SIGINT, as shells expect */
 #define PATH_BYTES 4096
-#define SCENARIO_FOLDER "/../../sim/scenarios" /* from build/host/, where the program lies */
+#define SCENARIO_FOLDER "/../../sim/scenarios" /* from build/host/ and build/linux/, where the programs lie */
 
 static volatile sig_atomic_t interrupted;
 
@@ -31,13 +31,17 @@ static void on_interrupt(int signal_number) {
 }
 
 /* Always one line: what came from the command line must not reach a terminal as a command. */
-static int complain(const char *error, int status) {
-    (void)fputs("comanip-sim: ", stderr);
+static int complain(const char *program, const char *error, int status) {
+    (void)fprintf(stderr, "%s: ", program);
     for (const char *character = error; *character != '\0'; character++) {
         (void)fputc(iscntrl((unsigned char)*character) ? '?' : *character, stderr);
     }
     (void)fputc('\n', stderr);
     return status;
+}
+
+int run_complain(const char *program, const char *error) {
+    return complain(program, error, EXIT_WRONG_USE);
 }
 
 static double wall_clock_s(void) {
@@ -92,29 +96,29 @@ static void print_result(const world_t *world, const checks_t *checks, const out
 }
 
 /* Runs the world to its end and writes its files. Gives the exit status. */
-static int run(world_t *world, output_folder_t *folder) {
+static int run(const run_mode_t *mode, world_t *world, output_folder_t *folder) {
     char error[OPTIONS_ERROR_BYTES];
     static checks_t checks;
     if (!world_open_files(world, folder->partial_path[OUTPUT_BUS_LOG], folder->partial_path[OUTPUT_TRACE], error,
                           sizeof error)) {
-        return complain(error, EXIT_CHECK_FAILED);
+        return complain(mode->program, error, EXIT_CHECK_FAILED);
     }
     world->on_tick = world->options->quiet ? NULL : report_progress;
     const double start_s = wall_clock_s();
-    hal_host_run(world);
+    mode->run(world, &interrupted);
     const double wall_s = wall_clock_s() - start_s;
     checks_evaluate(&checks, world);
     if (!world_close_files(world, folder->partial_path[OUTPUT_TRACE], error, sizeof error) ||
         !report_write_summary(world, &checks, wall_s, folder->partial_path[OUTPUT_SUMMARY], error, sizeof error) ||
         !output_folder_commit(folder, error, sizeof error)) {
-        return complain(error, EXIT_CHECK_FAILED);
+        return complain(mode->program, error, EXIT_CHECK_FAILED);
     }
     print_result(world, &checks, folder, wall_s);
     return interrupted != 0 ? EXIT_INTERRUPTED : checks.pass ? EXIT_SUCCESS : EXIT_CHECK_FAILED;
 }
 
 /* The folder is touched last, when nothing of what was asked for is wrong. */
-static int open_folder_and_run(world_t *world) {
+static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     char error[OPTIONS_ERROR_BYTES];
     char default_out[sizeof "out/" + SCENARIO_NAME_BYTES];
     (void)snprintf(default_out, sizeof default_out, "out/%s", world->scenario->name);
@@ -130,20 +134,33 @@ static int open_folder_and_run(world_t *world) {
             const char *description = person_program_description(world->program[i]);
             (void)printf("%s%s", description, description[0] != '\0' ? "\n" : "");
         }
-        status = run(world, &folder);
+        status = run(mode, world, &folder);
     } else {
-        (void)complain(error, EXIT_WRONG_USE);
+        (void)run_complain(mode->program, error);
     }
     output_folder_free(&folder);
     return status;
 }
 
-int main(int argc, char *argv[]) {
+/* The bus is opened before anything else takes time or memory: a wrong name is told at once. */
+static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
+    char error[OPTIONS_ERROR_BYTES];
+    static world_t world;
+    bus_t *bus = mode->create_bus(error, sizeof error);
+    if (bus == NULL) {
+        return run_complain(mode->program, error);
+    }
+    const bool is_ready = world_init(&world, options, scenario, bus, &interrupted, error, sizeof error);
+    const int status = is_ready ? open_folder_and_run(mode, &world) : run_complain(mode->program, error);
+    world_free(&world);
+    return status;
+}
+
+int run_main(const run_mode_t *mode, int argc, char *argv[]) {
     char error[OPTIONS_ERROR_BYTES];
     char scenario_folder[PATH_BYTES];
     static options_t options;
     static scenario_t scenario;
-    static world_t world;
     find_scenario_folder(scenario_folder);
     switch (options_parse(&options, argc, argv, error)) {
     case OPTIONS_SHOW_HELP:
@@ -151,17 +168,14 @@ int main(int argc, char *argv[]) {
         return EXIT_SUCCESS;
     case OPTIONS_SHOW_SCENARIOS:
         return help_print_scenarios(scenario_folder, error, sizeof error) ? EXIT_SUCCESS
-                                                                          : complain(error, EXIT_WRONG_USE);
+                                                                          : run_complain(mode->program, error);
     case OPTIONS_WRONG:
-        return complain(error, EXIT_WRONG_USE);
+        return run_complain(mode->program, error);
     case OPTIONS_RUN:
         break;
     }
     if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
-        return complain(error, EXIT_WRONG_USE);
+        return run_complain(mode->program, error);
     }
-    const bool is_ready = world_init(&world, &options, &scenario, &interrupted, error, sizeof error);
-    const int status = is_ready ? open_folder_and_run(&world) : complain(error, EXIT_WRONG_USE);
-    world_free(&world);
-    return status;
+    return build_and_run(mode, &options, &scenario);
 }

@@ -1,0 +1,65 @@
+/* A CAN bus as a Linux process reaches it: the kernel's SocketCAN if it has the interface, else a hub (AF_UNIX,
+ * SOCK_SEQPACKET) of the same name that carries the same structures. CAN FD frames with bit-rate switch are sent; FD and
+ * classic ones with 11-bit ids are received. Never blocks. One thread. */
+#ifndef COMANIP_CAN_SOCKET_H
+#define COMANIP_CAN_SOCKET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "../../firmware/can_frame.h"
+
+#define CAN_SOCKET_NAME_BYTES 16 /* IFNAMSIZ */
+#define CAN_SOCKET_PATH_BYTES 108 /* of sockaddr_un */
+
+typedef struct {
+    uint64_t received, sent;
+    uint64_t send_drops;    /* frames that found the transmit queue full or the bus gone */
+    uint64_t receive_drops; /* frames that found the socket's receive queue full, as the kernel counts them */
+    uint64_t ignored;       /* remote frames, 29-bit ids, malformed packets */
+    uint64_t error_frames;  /* CAN error frames, of which: */
+    uint64_t error_passive, bus_offs, restarts;
+    uint64_t losses; /* times that the bus itself went away: interface down, hub gone */
+} can_socket_counters_t;
+
+typedef struct {
+    const char *program; /* for what is told on stderr */
+    char name[CAN_SOCKET_NAME_BYTES];
+    char hub_path[CAN_SOCKET_PATH_BYTES]; /* "": the kernel's interface */
+    int fd;                               /* to wait for; negative: the hub is gone */
+    bool lost;                            /* told, and not yet back */
+    uint32_t kernel_drops;                /* the kernel's count, as last seen */
+    int64_t retry_ns;                     /* CLOCK_MONOTONIC: when the hub is looked for again */
+    can_socket_counters_t counters;
+} can_socket_t;
+
+typedef struct {
+    int64_t unix_ns; /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0: a hub has none */
+    bool own;        /* sent by this very socket */
+} can_reception_t;
+
+/* Whose frames the socket gets. */
+typedef struct {
+    const uint16_t *ids; /* the kernel filters these out of the bus; a hub sends all, and the rest is dropped here */
+    size_t count;        /* 0: all */
+    bool own;            /* the socket's own frames, too, in the bus's order: the kernel only, a hub sends none back */
+} can_selection_t;
+
+/* Says on stdout which of the two it is. On failure false, and one line in `error` that names the bus and the remedy. */
+bool can_socket_open(can_socket_t *self, const char *program, const char *name, const can_selection_t *selection,
+                     char error[], size_t error_size);
+
+/* The next frame, oldest first; its timestamp_us is left to the caller. Error frames are told, counted and not given.
+ * A bus that went away is told once and looked for again. False: nothing there. */
+bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t *reception);
+
+/* False: the frame is dropped, and counted. */
+bool can_socket_send(can_socket_t *self, const can_frame_t *frame);
+
+void can_socket_close(can_socket_t *self);
+
+/* What was lost and what went wrong on the bus, on stderr; nothing if nothing did. */
+void can_socket_report(const can_socket_t *self);
+
+#endif

@@ -1,0 +1,60 @@
+/* comanip-firmware: the firmware as a Linux process on a CAN bus. */
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../firmware/main.h"
+#include "port.h"
+#include "run_options.h"
+
+#define EXIT_WRONG_USE 2
+#define ERROR_BYTES 512
+
+static const char usage[] =
+    "comanip-firmware: the firmware as a process of its own on a CAN FD bus\n"
+    "\n"
+    "usage: build/linux/comanip-firmware --can NAME [--slow N]\n"
+    "       make run-firmware CAN=NAME\n"
+    "\n"
+    "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; without it, the hub of this name\n"
+    "  --slow N     time scale: a tick lasts N ms while the firmware's clock advances by 1 ms, 1 (default) to 1000; give\n"
+    "               the plant the same\n"
+    "  -h, --help   this text\n"
+    "\n"
+    "Ends on SIGINT or SIGTERM. exit status: 0 ended so, 1 panic, 2 wrong use\n";
+
+/* Always one line: what came from the command line must not reach a terminal as a command. */
+static int complain(const char *error) {
+    (void)fputs("comanip-firmware: ", stderr);
+    for (const char *character = error; *character != '\0'; character++) {
+        (void)fputc(iscntrl((unsigned char)*character) ? '?' : *character, stderr);
+    }
+    (void)fputc('\n', stderr);
+    return EXIT_WRONG_USE;
+}
+
+int main(int argc, char *argv[]) {
+    char error[ERROR_BYTES];
+    run_options_t options;
+    if (!run_options_take(&options, &argc, argv, error, sizeof error)) {
+        return complain(error);
+    }
+    if (argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
+        (void)fputs(usage, stdout);
+        return EXIT_SUCCESS;
+    }
+    if (argc > 1) {
+        (void)snprintf(error, sizeof error, "'%.100s': no such option; --help lists them", argv[1]);
+        return complain(error);
+    }
+    if (options.can == NULL) {
+        return complain("expected --can NAME, for example --can vcan0; --help says more");
+    }
+    if (!port_open(options.can, options.slow, error, sizeof error)) {
+        return complain(error);
+    }
+    firmware_main();
+    port_close();
+    return EXIT_SUCCESS;
+}

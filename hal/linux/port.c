@@ -1,0 +1,115 @@
+#include "port.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "../../firmware/can_protocol.h"
+#include "../hal.h"
+#include "can_socket.h"
+#include "pace.h"
+#include "watchdog.h"
+
+#define PROGRAM "comanip-firmware"
+#define PRIORITY 80       /* above the plant's and what else runs on the machine */
+#define REPORT_TICKS 1000 /* overruns are told at most once a second */
+#define EXIT_PANIC 1
+
+static struct {
+    can_socket_t can;
+    pace_t pace;
+    uint64_t ticks;
+    uint64_t told_overruns;
+    int64_t empty_ns; /* the last tick at which nothing was left to receive: what comes later came later */
+} port;
+
+static volatile sig_atomic_t stopped;
+
+static void on_stop(int signal_number) {
+    (void)signal_number;
+    stopped = 1;
+}
+
+bool port_open(const char *can, uint32_t slow, char error[], size_t error_size) {
+    uint16_t ids[FRAME_KIND_COUNT];
+    can_selection_t selection = {.ids = ids};
+    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
+        if (frame_table[kind].to_firmware) {
+            ids[selection.count++] = frame_table[kind].id;
+        }
+    }
+    if (!can_socket_open(&port.can, PROGRAM, can, &selection, error, error_size)) {
+        return false;
+    }
+    pace_init(&port.pace, slow);
+    return true;
+}
+
+void hal_init(void) {
+    const struct sigaction action = {.sa_handler = on_stop};
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+    pace_make_real_time(PROGRAM, PRIORITY);
+    watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
+    pace_init(&port.pace, (uint32_t)port.pace.slow); /* the time that the start took is no overrun */
+    port.empty_ns = port.pace.tick_ns;
+}
+
+static void tell(void) {
+    if (pace_find_step(&port.pace)) {
+        (void)fprintf(stderr, PROGRAM ": the system's clock was set: %+.3f s against the start\n",
+                      1e-9 * (double)port.pace.step_ns);
+    }
+    if (port.ticks % REPORT_TICKS == 0 && port.pace.overruns != port.told_overruns) {
+        (void)fprintf(stderr, PROGRAM ": %" PRIu64 " ticks missed, %" PRIu64 " in all\n",
+                      port.pace.overruns - port.told_overruns, port.pace.overruns);
+        port.told_overruns = port.pace.overruns;
+    }
+}
+
+bool hal_wait_tick(uint32_t *now_us) {
+    bool waiting = true;
+    while (stopped == 0 && waiting) {
+        waiting = !pace_wait_tick(&port.pace); /* a signal that does not end us */
+    }
+    port.ticks++;
+    tell();
+    *now_us = pace_clock_us(&port.pace, port.pace.tick_ns);
+    return stopped == 0;
+}
+
+/* A hub tells no time: then the frame counts as received when it may have come at the earliest, so that none looks
+ * fresher than it is. */
+bool hal_can_receive(can_frame_t *frame) {
+    can_reception_t reception;
+    if (!can_socket_receive(&port.can, frame, &reception)) {
+        port.empty_ns = port.pace.tick_ns;
+        return false;
+    }
+    const bool has_stamp = reception.unix_ns != 0;
+    frame->timestamp_us = pace_clock_us(
+        &port.pace, has_stamp ? pace_stamp_unix_ns(&port.pace, reception.unix_ns) : port.empty_ns);
+    return true;
+}
+
+bool hal_can_send(const can_frame_t *frame) {
+    return can_socket_send(&port.can, frame);
+}
+
+void hal_watchdog_feed(void) {
+    watchdog_feed();
+}
+
+/* There is no power to be switched: the commands end with the process, and the drives brake by their own timeout. */
+_Noreturn void hal_panic(const char *cause) {
+    (void)fprintf(stderr, PROGRAM ": panic: %s\n", cause);
+    _exit(EXIT_PANIC);
+}
+
+void port_close(void) {
+    can_socket_report(&port.can);
+    (void)printf(PROGRAM ": stopped after %" PRIu64 " ticks, %" PRIu64 " missed; %" PRIu64 " frames received, %" PRIu64
+                 " sent\n", port.ticks, port.pace.overruns, port.can.counters.received, port.can.counters.sent);
+    can_socket_close(&port.can);
+}

@@ -1,0 +1,15 @@
+/* The Linux port: the firmware as a process of its own on a real bus. */
+#ifndef COMANIP_LINUX_PORT_H
+#define COMANIP_LINUX_PORT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Opens the bus; before firmware_main(). On failure false, and one line in `error`. */
+bool port_open(const char *can, uint32_t slow, char error[], size_t error_size);
+
+/* After firmware_main(): closes the bus and says on stdout how the run went. */
+void port_close(void);
+
+#endif

@@ -1,0 +1,18 @@
+/* What both programs on a live bus are asked: on which bus, and how fast time goes. */
+#ifndef COMANIP_RUN_OPTIONS_H
+#define COMANIP_RUN_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct {
+    const char *can; /* NULL: not given */
+    uint32_t slow;
+} run_options_t;
+
+/* Takes --can NAME and --slow N out of the arguments, wherever they stand, and leaves the others in their order; *argc is
+ * then their number. On failure false, and one line in `error`. */
+bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[], size_t error_size);
+
+#endif

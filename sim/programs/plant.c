@@ -1,0 +1,64 @@
+/* comanip-plant: the simulated world without the firmware, on a real bus and in real time. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../firmware/can_protocol.h"
+#include "../../hal/linux/pace.h"
+#include "../../hal/linux/run_options.h"
+#include "../bus/live_bus.h"
+#include "../options/options.h"
+#include "../run.h"
+
+#define PROGRAM "comanip-plant"
+#define PRIORITY 70 /* below the firmware's */
+
+static const char usage[] =
+    "comanip-plant: arm, drives, gripper, tracker, operator and people, simulated in real time, on a CAN FD bus on which\n"
+    "the firmware runs as a process of its own\n"
+    "\n"
+    "usage: build/linux/comanip-plant --can NAME [--slow N] [options of comanip-sim]\n"
+    "       make run-plant CAN=NAME SCENARIO=name ...\n"
+    "\n"
+    "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; without it, the hub of this name\n"
+    "  --slow N     time scale: 1 ms of simulated time lasts N ms, 1 (default) to 1000; give the firmware the same\n"
+    "\n"
+    "It waits for the firmware's first JointCmd. What a late tick leaves behind stands in summary.json, real_time.\n"
+    "\n";
+
+static run_options_t options;
+
+static bus_t *create_bus(char error[], size_t error_size) {
+    return live_bus_create(PROGRAM, options.can, options.slow, error, error_size);
+}
+
+static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
+    static live_bus_timing_t timing;
+    pace_make_real_time(PROGRAM, PRIORITY);
+    (void)printf(PROGRAM ": waits for the firmware on %s\n", options.can);
+    (void)fflush(stdout);
+    if (live_bus_start(world->bus, frame_table[FRAME_JOINT_CMD].id, interrupted)) {
+        (void)printf(PROGRAM ": the firmware is there\n");
+        (void)fflush(stdout);
+        while (world_advance(world)) {
+        }
+    } else {
+        world_fail(world, "interrupted while it waited for the firmware");
+    }
+    timing = live_bus_timing(world->bus);
+    world->timing = &timing;
+}
+
+int main(int argc, char *argv[]) {
+    static const run_mode_t real_time = {.program = PROGRAM, .create_bus = create_bus, .run = run};
+    char error[OPTIONS_ERROR_BYTES];
+    if (!run_options_take(&options, &argc, argv, error, sizeof error)) {
+        return run_complain(PROGRAM, error);
+    }
+    if (argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
+        (void)fputs(usage, stdout); /* and then the simulator's own */
+    } else if (options.can == NULL) {
+        return run_complain(PROGRAM, "expected --can NAME, for example --can vcan0; --help says more");
+    }
+    return run_main(&real_time, argc, argv);
+}

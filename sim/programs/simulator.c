@@ -1,0 +1,23 @@
+/* comanip-sim: the firmware in the simulated world, in lockstep and virtual time. */
+#include <stdio.h>
+
+#include "../../hal/host/hal_host.h"
+#include "../run.h"
+
+static bus_t *create_bus(char error[], size_t error_size) {
+    bus_t *bus = bus_create();
+    if (bus == NULL) {
+        (void)snprintf(error, error_size, "no memory for the simulated world");
+    }
+    return bus;
+}
+
+static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
+    (void)interrupted; /* the world looks at it each tick */
+    hal_host_run(world);
+}
+
+int main(int argc, char *argv[]) {
+    static const run_mode_t lockstep = {.program = "comanip-sim", .create_bus = create_bus, .run = run};
+    return run_main(&lockstep, argc, argv);
+}

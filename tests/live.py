@@ -1,0 +1,199 @@
+"""Firmware and plant as two processes on one bus: the kernel's, if it has the interface COMANIP_TEST_CAN names (as in
+tests/socketcan), else a relay of the test's own. Whoever reads or writes frames here speaks SocketCAN's structures and
+decodes with cantools: none of the code under test."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from bus_log import DBC
+from e2e import p05
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
+PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
+INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
+SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # the tests' machine is no real-time one
+ATTEMPTS = 3  # at a run that a busy machine may spoil by pausing one of the processes
+PATIENCE_S = 120  # wall time, for what must happen at all
+CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
+CANFD_FRAME = struct.Struct("<IBBBB64s")
+CANFD_BRS = 1
+
+
+def has_kernel_can() -> bool:
+    return "COMANIP_TEST_CAN" in os.environ
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A frame as it was seen on the bus; `t_s` by this process's clock, divided by the time scale."""
+
+    t_s: float
+    frame_id: int
+    data: bytes
+
+    @property
+    def name(self) -> str:
+        return DBC.get_message_by_frame_id(self.frame_id).name
+
+    def decode(self) -> dict:
+        return DBC.decode_message(self.frame_id, self.data)
+
+
+def packet(frame_id: int, data: bytes) -> bytes:
+    return CANFD_FRAME.pack(frame_id, len(data), CANFD_BRS, 0, 0, data)
+
+
+class Bus:
+    """A bus for the processes and one tap on it. A context: at its end everything that was started is stopped."""
+
+    def __init__(self, folder: Path, slow: int = SLOW):
+        self.folder, self.slow = folder, slow
+        self.environment = os.environ | {"COMANIP_HUB_DIR": str(folder)}
+        self.frames: list[Seen] = []
+        self._processes: list[subprocess.Popen] = []
+        self._counter = 100  # of the test's own operator frames
+        self._over = threading.Event()
+
+    def __enter__(self) -> Bus:
+        if has_kernel_can():
+            self._tap = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+            self._tap.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FD_FRAMES, 1)
+            self._tap.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+            self._tap.bind((INTERFACE,))
+        else:
+            path = self.folder / INTERFACE
+            path.unlink(missing_ok=True)
+            self.relay = self.start([sys.executable, REPOSITORY / "tests" / "hub_relay.py", path], "relay")
+            self.wait(path.exists, "the relay's socket")
+            self._tap = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            self._tap.connect(str(path))
+        self._tap.settimeout(0.2)
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self._reader.join()
+        for process in reversed(self._processes):
+            with contextlib.suppress(ProcessLookupError):
+                process.send_signal(signal.SIGCONT)
+            process.kill()
+            process.wait()
+        self._tap.close()
+
+    def _read(self) -> None:
+        while not self._over.is_set():
+            try:
+                data = self._tap.recv(CANFD_FRAME.size)
+                if not data:
+                    return  # the relay's end
+            except TimeoutError:
+                continue
+            except OSError as error:
+                if self._over.is_set() or not has_kernel_can():
+                    return
+                assert error.errno, error  # the interface is down: it comes back
+                time.sleep(0.01)
+                continue
+            layout = CANFD_FRAME if len(data) == CANFD_FRAME.size else CAN_FRAME
+            frame_id, length, _, _, _, payload = layout.unpack(data)
+            self.frames.append(Seen(time.monotonic() / self.slow, frame_id, payload[:length]))
+
+    # ---- processes
+
+    def start(self, command: list, name: str) -> subprocess.Popen:
+        """Its output goes to NAME.out and NAME.err in the folder."""
+        with open(self.folder / f"{name}.out", "a") as out, open(self.folder / f"{name}.err", "a") as err:
+            process = subprocess.Popen(
+                [str(part) for part in command], stdout=out, stderr=err, stdin=subprocess.DEVNULL, env=self.environment
+            )
+        self._processes.append(process)
+        return process
+
+    def firmware(self, name: str = "firmware", program: Path = FIRMWARE) -> subprocess.Popen:
+        return self.start([program, "--can", INTERFACE, "--slow", self.slow], name)
+
+    def plant(self, *arguments: object, name: str = "plant") -> subprocess.Popen:
+        command = [PLANT, "--can", INTERFACE, "--slow", self.slow, "--out", self.folder / name, *arguments]
+        return self.start(command, name)
+
+    def told(self, file: str) -> str:
+        return (self.folder / file).read_text()
+
+    # ---- time
+
+    def wait(self, condition, what: str) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < deadline, f"{what}: not within {PATIENCE_S} s; {self._story()}"
+            time.sleep(0.02)
+
+    def _story(self) -> str:
+        files = sorted([*self.folder.glob("*.err"), *self.folder.glob("*.out")])
+        return "; ".join(f"{path.name}: {path.read_text()[-800:]!r}" for path in files)
+
+    # ---- frames
+
+    def since(self, start: int, name: str) -> list[Seen]:
+        frame_id = DBC.get_message_by_name(name).frame_id
+        return [frame for frame in self.frames[start:] if frame.frame_id == frame_id]
+
+    def status(self) -> tuple[str, str]:
+        """The firmware's last word: mode and reason."""
+        frame_id = DBC.get_message_by_name("FirmwareStatus").frame_id
+        for i in range(len(self.frames) - 1, -1, -1):
+            if self.frames[i].frame_id == frame_id:
+                status = self.frames[i].decode()
+                return str(status["mode"]), str(status["reason"])
+        return "", ""
+
+    def wait_mode(self, *modes: str, start: int = 0) -> None:
+        """A status told after `start` has one of these modes."""
+        self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
+
+    def statuses_pass(self, count: int) -> list[tuple[str, str]]:
+        """The next so many FirmwareStatus frames, 2 ms each."""
+        start = len(self.frames)
+        self.wait(lambda: len(self.since(start, "FirmwareStatus")) >= count, f"{count} FirmwareStatus frames")
+        told = [frame.decode() for frame in self.since(start, "FirmwareStatus")]
+        return [(str(status["mode"]), str(status["reason"])) for status in told]
+
+    def send_packet(self, data: bytes) -> None:
+        self._tap.send(data)
+
+    def command(self, command: str) -> str:
+        """Sends an OperatorCommand, again each second until the firmware acknowledges it, and gives its result."""
+        sent_s, start = 0.0, len(self.frames)
+
+        def answers() -> list[dict]:
+            nonlocal sent_s
+            if time.monotonic() - sent_s > 1:
+                sent_s = time.monotonic()
+                self._send_command(command)
+            acks = [frame.decode() for frame in self.since(start, "CommandAck")]
+            return [ack for ack in acks if ack["sequence"] == self._counter]
+
+        found: list[dict] = []
+        self.wait(lambda: found.extend(answers()) or found, f"acknowledgement of {command}")
+        return str(found[0]["result"])
+
+    def _send_command(self, command: str) -> None:
+        message = DBC.get_message_by_name("OperatorCommand")
+        self._counter = (self._counter + 1) % 256
+        values = {"e2e_crc": 0, "e2e_counter": self._counter, "command": command, "sequence": self._counter, "task": 0}
+        data = bytearray(message.encode(values))
+        p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
+        self.send_packet(packet(message.frame_id, bytes(data)))

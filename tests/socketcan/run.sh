@@ -1,0 +1,47 @@
+#!/bin/sh
+# The two processes on the kernel's own SocketCAN, on machines whose kernel has none: boots user-mode Linux from the running
+# file system and runs the tests there, as init.sh says. Usage: tests/socketcan/run.sh PYTHON [pytest's arguments]
+# Exit status: 0 passed, or skipped with the reason (REQUIRED=1: a failure, too), 1 failed.
+set -eu
+repository=$(cd "$(dirname "$0")/../.." && pwd)
+packages="user-mode-linux busybox-static iproute2 can-utils"
+boot_s=600
+
+skip() {
+    echo "make test-socketcan: SKIPPED: $1"
+    [ "${REQUIRED:-0}" != 1 ]
+    exit
+}
+
+is_complete() {
+    command -v linux.uml >/dev/null && command -v busybox >/dev/null && command -v ip >/dev/null &&
+        command -v candump >/dev/null
+}
+
+if ! is_complete; then
+    if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
+    command -v apt-get >/dev/null || skip "no apt-get on this machine, and not all of: $packages"
+    [ -z "$sudo" ] || command -v sudo >/dev/null || skip "neither root nor sudo to install: $packages"
+    echo "comanip: installing $packages"
+    $sudo apt-get update -qq
+    # shellcheck disable=SC2086
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >/dev/null ||
+        skip "apt-get cannot install $packages here ($(dpkg --print-architecture): user-mode-linux is for amd64 and i386)"
+fi
+
+# No spaces in what goes through the kernel's command line.
+folder=$(mktemp -d /tmp/comanip-socketcan.XXXXXX)
+trap 'rm -rf "$folder"' EXIT
+ln -s "$repository" "$folder/repository"
+cp "$repository/tests/socketcan/init.sh" "$folder/init.sh"
+printf '%s\n' "$@" >"$folder/arguments"
+
+: >"$folder/console"
+timeout "$boot_s" linux.uml mem=512M rootfstype=hostfs root=/dev/root rootflags=/ rw init="$folder/init.sh" \
+    con=null con0=fd:0,fd:1 quiet </dev/null >"$folder/console" 2>&1 &
+kernel=$!
+tail -f -n +1 --pid=$kernel "$folder/console"
+wait $kernel || true
+[ -e "$folder/booted" ] || skip "user-mode Linux does not boot here: $(tail -n 1 "$folder/console")"
+[ -e "$folder/status" ] || { echo "make test-socketcan: the guest ended, or was stopped after $boot_s s, without a result" >&2; exit 1; }
+exit "$(cat "$folder/status")"

@@ -1,0 +1,373 @@
+"""Firmware and plant as two processes on one bus: they work together as in the simulator, lose each other, and find each
+other again, but move only after an explicit re-arm."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+
+import live_replay
+import pytest
+from bus_log import DBC
+from e2e import p05
+from live import ATTEMPTS, CAN_FRAME, CANFD_FRAME, FIRMWARE, INTERFACE, PLANT, REPOSITORY, SLOW, Bus, has_kernel_can
+from test_bus_log import logged_frames
+
+PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
+JOINTS = 4
+PAUSE_S = 0.050
+NAMES_A_LOSS = {"drive_silent", "drive_error"}
+
+
+@pytest.fixture(scope="module")
+def waving(tmp_path_factory) -> str:
+    """A scenario in which the hand moves all the time. Its operator would start so late that the test is the one who does."""
+    text = PLAIN.read_text()
+    to_and_fro = [f"      - {{do: move, to_m: [{0.03 * (i % 2)}, 0, 0], duration_s: 0.5}}\n" for i in range(38)]
+    before, rest = text.split("    program:\n")
+    operator = rest[rest.index("operator:") : rest.index("tracking:")].replace("at_s: 0.5", "at_s: 100")
+    path = tmp_path_factory.mktemp("scene") / "waving.yaml"
+    path.write_text(before + "    program:\n      - {do: rest, at_s: 0.6, duration_s: 0.1}\n" + "".join(to_and_fro) + operator)
+    return str(path)
+
+
+@pytest.fixture
+def bus(tmp_path):
+    with Bus(tmp_path) as bus_:
+        yield bus_
+
+
+def begin(bus: Bus, scenario: str, *options: object) -> tuple[subprocess.Popen, subprocess.Popen]:
+    """Plant, then firmware, so that the plant's log begins with the firmware's boot."""
+    plant = bus.plant("--scenario", scenario, *options)
+    bus.wait(lambda: "waits for the firmware" in bus.told("plant.out") or plant.poll() is not None, "the plant")
+    return plant, bus.firmware()
+
+
+def cooperate(bus: Bus) -> None:
+    """Until the arm cooperates, and moves. A start that a busy machine spoils is repeated."""
+    bus.wait_mode("ready", "fault", start=len(bus.frames))
+    while True:
+        rearm(bus)
+        start = len(bus.frames)
+        bus.wait(lambda start=start: moves(bus, start) or bus.status()[0] != "cooperating", "the arm moves")
+        if bus.status()[0] == "cooperating":
+            return
+
+
+def moves(bus: Bus, start: int) -> bool:
+    return any(abs(f.decode()[f"velocity_{i}_radps"]) > 0.05 for f in bus.since(start, "JointCmd")[-1:] for i in range(JOINTS))
+
+
+def rearm(bus: Bus) -> None:
+    """What a person does: stop, which clears a fault, and start."""
+    result = ""
+    while result != "accepted":
+        bus.wait(lambda: bus.command("stop") == "accepted", "the fault's cause is gone")
+        bus.wait_mode("ready", start=len(bus.frames))
+        result = bus.command("start")
+    bus.wait_mode("cooperating", "hold", "fault", start=len(bus.frames))
+
+
+def require_standstill(bus: Bus, start: int) -> None:
+    """From there on: the brakes are closed, and no joint turns by more than the encoder's noise."""
+    for joint in range(JOINTS):
+        states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
+        assert states
+        assert {str(state["mode"]) for state in states} == {"brake"}
+        positions = [state["position_rad"] for state in states]
+        assert max(positions) - min(positions) < 1e-3
+
+
+# ---- together
+
+
+@pytest.fixture(scope="module")
+def together(tmp_path_factory):
+    """A run to its end: its folder, what the tap saw, and what the processes told."""
+    for attempt in range(ATTEMPTS):
+        folder = tmp_path_factory.mktemp("together")
+        with Bus(folder, SLOW << attempt) as bus_:
+            if run_to_end(bus_, 4) == 0:
+                break
+    return folder, bus_.frames, bus_.told("firmware.out"), bus_.told("plant.out")
+
+
+def run_to_end(bus: Bus, duration_s: float) -> int:
+    """A run on a bus that the firmware joins and leaves. Gives the plant's exit status, with the firmware's found to be 0."""
+    plant, firmware = begin(bus, str(PLAIN), "--duration", duration_s)
+    bus.wait(lambda: plant.poll() is not None, "the plant's end")
+    firmware.send_signal(signal.SIGTERM)
+    assert firmware.wait() == 0, bus.told("firmware.err")
+    return plant.returncode
+
+
+def test_the_arm_follows_as_in_the_simulator(together):
+    folder, _, _, _ = together
+    summary = json.loads((folder / "plant" / "summary.json").read_text())
+    assert summary["result"] == "pass", summary["reason"]
+    assert summary["sim_s"] == 4
+    assert summary["real_time"]["slow"] in [SLOW << attempt for attempt in range(ATTEMPTS)]
+    assert [change["mode"] for change in summary["modes"]][-2:] == ["cooperating", "ready"]
+    assert "forward" in {check["name"] for check in summary["checks"]}, "the hand's displacement is judged"
+
+
+def test_each_says_which_bus_it_is_on(together):
+    _, _, firmware, plant = together
+    kind = "the kernel's interface" if has_kernel_can() else "the hub "
+    assert f"comanip-firmware: {INTERFACE} is {kind}" in firmware
+    assert f"comanip-plant: {INTERFACE} is {kind}" in plant
+    for told in (firmware, plant):
+        assert ("real-time priority" in told) != ("not real-time" in told)
+
+
+def test_the_plants_log_is_what_was_on_the_bus(together):
+    """In the bus's order where the kernel sends the plant its own frames back; else each sender's are in their order."""
+    folder, seen, _, _ = together
+    logged = [(frame.frame_id, frame.data) for frame in logged_frames(folder / "plant" / "bus.log")]
+    tapped = [(frame.frame_id, frame.data) for frame in seen]
+    first = tapped.index(logged[0])
+    for frame_id in {frame_id for frame_id, _ in logged}:
+        mine = [data for i, data in logged if i == frame_id]
+        tap = [data for i, data in tapped[first:] if i == frame_id]
+        assert tap[: len(mine)] == mine, DBC.get_message_by_frame_id(frame_id).name
+    if has_kernel_can():
+        assert tapped[first : first + len(logged)] == logged
+
+
+def test_all_frames_are_decodable_and_protected(together):
+    _, seen, _, _ = together
+    names = set()
+    counters: dict[int, int] = {}
+    for frame in seen:
+        message = DBC.get_message_by_frame_id(frame.frame_id)
+        names.add(message.name)
+        assert frame.decode().keys() == {signal_.name for signal_ in message.signals}
+        data_id = message.dbc.attributes.get("E2EDataId")
+        if data_id is not None:
+            assert p05.e2e_p05_check(frame.data, data_id.value), message.name
+            if frame.frame_id in counters:
+                assert frame.data[2] == (counters[frame.frame_id] + 1) % 256, message.name
+            counters[frame.frame_id] = frame.data[2]
+    assert {"JointCmd", "TickTrace", "FirmwareStatus", "FirmwareIdentity", "HandPose", "JointState3"} <= names
+
+
+def test_the_plants_log_replays_byte_for_byte(together):
+    folder, _, _, _ = together
+    live_replay.require_equal(logged_frames(folder / "plant" / "bus.log"), has_stamps=has_kernel_can())
+
+
+# ---- losing each other
+
+
+def test_firmware_paused(bus, waving):
+    """The drives brake by themselves; the firmware that comes back says what happened and moves nothing."""
+    _, firmware = begin(bus, waving, "--duration", 110)
+    cooperate(bus)
+    start = len(bus.frames)
+    firmware.send_signal(signal.SIGSTOP)
+    bus.wait(lambda: is_timed_out(bus, start), "the drives notice")
+    bus.wait(lambda: len(bus.since(start, "JointState0")) > 1000 * PAUSE_S, "the pause")
+    require_brake_after_timeout(bus, start)
+    paused = len(bus.frames)
+    firmware.send_signal(signal.SIGCONT)
+    bus.wait_mode("fault", start=paused)
+    assert bus.status()[1] in NAMES_A_LOSS
+    assert set(bus.statuses_pass(50)) == {("fault", bus.status()[1])}
+    start = len(bus.frames)
+    bus.statuses_pass(25)
+    require_standstill(bus, start)
+    cooperate(bus)
+
+
+def test_firmware_killed_and_started_again(bus, waving):
+    _, firmware = begin(bus, waving, "--duration", 110)
+    cooperate(bus)
+    start = len(bus.frames)
+    firmware.kill()
+    firmware.wait()
+    bus.wait(lambda: is_timed_out(bus, start), "the drives notice")
+    require_brake_after_timeout(bus, start)
+    stopped = len(bus.frames)
+    bus.wait(lambda: len(bus.since(stopped, "JointState0")) > 50, "the drives go on to tell")
+    require_standstill(bus, stopped + len(bus.frames[stopped:]) // 2)
+    again = len(bus.frames)
+    bus.firmware("firmware_again")
+    bus.wait_mode("ready", start=again)
+    assert bus.since(again, "FirmwareIdentity"), "it announces itself"
+    assert {mode for mode, _ in bus.statuses_pass(50)} == {"ready"}, "it does not start by itself"
+    cooperate(bus)
+
+
+def test_plant_paused(bus, waving):
+    plant, _ = begin(bus, waving, "--duration", 110)
+    cooperate(bus)
+    start = len(bus.frames)
+    plant.send_signal(signal.SIGSTOP)
+    require_stop_of_the_commands(bus, start)
+    bus.wait(lambda: len(bus.since(start, "JointCmd")) > 1000 * PAUSE_S, "the pause")
+    plant.send_signal(signal.SIGCONT)
+    assert {mode for mode, _ in bus.statuses_pass(50)} == {"fault"}
+    start = len(bus.frames)
+    bus.statuses_pass(25)
+    require_standstill(bus, start)
+    cooperate(bus)
+
+
+def test_plant_killed_and_started_again(bus, waving):
+    plant, _ = begin(bus, waving, "--duration", 110)
+    cooperate(bus)
+    start = len(bus.frames)
+    plant.kill()
+    plant.wait()
+    require_stop_of_the_commands(bus, start)
+    assert {mode for mode, _ in bus.statuses_pass(600)} == {"fault"}  # 1.2 s: its tracker's clock is forgotten
+    bus.plant("--scenario", waving, "--duration", 110, name="plant_again")
+    bus.wait(lambda: is_answered(bus), "the drives answer again")
+    assert bus.status()[0] == "fault", "it stays latched"
+    cooperate(bus)
+
+
+def is_timed_out(bus: Bus, start: int) -> bool:
+    return any(str(frame.decode()["error"]) == "command_timeout" for frame in bus.since(start, "JointState0"))
+
+
+def is_answered(bus: Bus) -> bool:
+    start = max(0, len(bus.frames) - 30)
+    return bool(bus.since(start, "JointState0")) and bool(bus.since(start, "HandPose"))
+
+
+def require_brake_after_timeout(bus: Bus, start: int) -> None:
+    """Each drive says that its commands stay away, with its brake closed."""
+    for joint in range(JOINTS):
+        bus.wait(lambda joint=joint: len(bus.since(start, f"JointState{joint}")) > 15, "JointState")
+        states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
+        late = [state for state in states if str(state["error"]) == "command_timeout"]
+        assert len(late) > 1
+        assert {str(state["mode"]) for state in late[1:]} == {"brake"}  # the first one tells what was found
+
+
+def require_stop_of_the_commands(bus: Bus, start: int) -> None:
+    """The firmware names the cause; its commands run out at the allowed deceleration, and then say brake."""
+    bus.wait_mode("fault", start=start)
+    assert bus.status()[1] in NAMES_A_LOSS
+    faulted = next(i for i, f in enumerate(bus.frames[start:], start) if f.name == "FirmwareStatus" and
+                   str(f.decode()["mode"]) == "fault")  # fmt: skip
+    bus.wait(
+        lambda: any(str(frame.decode()["mode_0"]) == "brake" for frame in bus.since(faulted, "JointCmd")[-1:]),
+        "the brake command",
+    )
+    speed = [
+        max(abs(command[f"velocity_{i}_radps"]) for i in range(JOINTS))
+        for command in (frame.decode() for frame in bus.since(faulted, "JointCmd"))
+    ]
+    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "slower and slower"
+    assert speed[-1] == 0
+
+
+# ---- the platform itself
+
+
+@pytest.mark.skipif(has_kernel_can(), reason="the kernel's bus has no hub")
+def test_a_hub_that_ends_and_comes_back(bus, tmp_path):
+    process = bus.firmware()
+    bus.wait_mode("idle")
+    bus.relay.kill()
+    bus.relay.wait()
+    bus.wait(lambda: f"comanip-firmware: {INTERFACE}: lost: " in bus.told("firmware.err"), "the report")
+    with Bus(tmp_path) as again:
+        again.wait(lambda: again.since(0, "JointCmd"), "commands again")
+        assert again.command("select") == "accepted"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait() == 0
+    told = bus.told("firmware.err")
+    assert told.count("lost: ") == 1
+    assert f"comanip-firmware: {INTERFACE}: back\n" in told
+    assert f"comanip-firmware: {INTERFACE}: 1 times without the bus\n" in told
+
+
+@pytest.mark.skipif(has_kernel_can(), reason="the kernel lets no such packets through")
+def test_malformed_packets_are_left_alone(bus):
+    process = bus.firmware()
+    bus.wait_mode("idle")
+    command_id = DBC.get_message_by_name("OperatorCommand").frame_id
+    bus.send_packet(CAN_FRAME.pack(command_id, 64, 0, 0, 0, bytes(8)))
+    bus.send_packet(CANFD_FRAME.pack(command_id, 255, 0, 0, 0, bytes(64)))
+    assert bus.command("select") == "accepted"
+    process.send_signal(signal.SIGTERM)
+    assert process.wait() == 0
+    assert bus.told("firmware.err").endswith(f"comanip-firmware: {INTERFACE}: 2 foreign frames\n")
+
+
+def test_a_hub_of_somebody_else_is_not_trusted(tmp_path):
+    if os.getuid() != 0:
+        pytest.skip("only root can give a socket to another user")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
+        listener.bind(str(tmp_path / "theirs"))
+        listener.listen()
+        os.chown(tmp_path / "theirs", 65534, 65534)
+        done = subprocess.run([FIRMWARE, "--can", "theirs"], capture_output=True, text=True, check=False, timeout=60,
+                              env={"COMANIP_HUB_DIR": str(tmp_path)})  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == f"comanip-firmware: theirs: the hub {tmp_path}/theirs belongs to another user\n"
+
+
+def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
+    """The port around a firmware of the test's that stops coming round: the process ends, and says why."""
+    main = tmp_path / "hanging.c"
+    main.write_text(
+        '#include "hal/hal.h"\n#include "firmware/main.h"\n'
+        "void firmware_main(void) {\n    hal_init();\n    uint32_t now_us;\n"
+        "    for (int i = 0; i < 20 && hal_wait_tick(&now_us); i++) {\n        hal_watchdog_feed();\n    }\n"
+        "    for (volatile int forever = 1; forever != 0;) {\n    }\n}\n"
+    )
+    program = tmp_path / "hanging"
+    names = ("can_protocol", "e2e", "dual_quaternion", "trigonometry")
+    sources = [
+        *(REPOSITORY / "hal" / "linux").glob("*.c"),
+        *(REPOSITORY / "firmware" / f"{name}.c" for name in names),
+        REPOSITORY / "build" / "generated" / "comanip_dbc.c",
+        main,
+    ]
+    subprocess.run(
+        ["gcc", "-std=c11", "-O1", "-D_DEFAULT_SOURCE", "-pthread", f"-I{REPOSITORY}", f"-I{REPOSITORY}/build/generated",
+         *map(str, sources), "-lm", "-o", str(program)], check=True,
+    )  # fmt: skip
+    process = bus.firmware("hanging", program)
+    assert process.wait(timeout=60) == 1
+    assert bus.told("hanging.err") == "comanip-firmware: panic: watchdog: not fed by the firmware for 10 ms\n"
+
+
+@pytest.mark.parametrize("program", [FIRMWARE, PLANT])
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], "expected --can NAME"),
+        (["--can"], "--can '': expected the name"),
+        (["--can", "nobus7"], "nobus7: no such CAN interface in the kernel, and no hub at /nowhere/nobus7"),
+        (["--can", "a/b"], "'a/b': expected the name of a CAN interface"),
+        (["--can", "a_name_that_is_too_long"], "expected the name of a CAN interface"),
+        (["--can", "vcan0", "--slow", "0"], "--slow '0': expected a whole number from 1 to 1000"),
+        (["--can", "vcan0", "--slow=x"], "--slow 'x': expected a whole number from 1 to 1000"),
+        (["--can", "vcan0", "--sloppy"], "'--sloppy': no such option"),
+        (["--can", "vcan0", "x\x1b[2Jy"], "x?[2Jy"),
+    ],
+)
+def test_wrong_use_is_one_clear_line(program, arguments, expected, tmp_path):
+    done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path,
+                          env={"COMANIP_HUB_DIR": "/nowhere"})  # fmt: skip
+    assert done.returncode == 2
+    assert expected in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [], "nothing is written"
+
+
+@pytest.mark.parametrize("program", [FIRMWARE, PLANT])
+def test_help(program):
+    done = subprocess.run([program, "--help"], capture_output=True, text=True, check=True)
+    assert "--can NAME" in done.stdout
+    assert "--slow N" in done.stdout
+    assert done.stderr == ""
