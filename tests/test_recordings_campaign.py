@@ -169,7 +169,7 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
 
 # What these scenes do not have: a second person, something to hold, water, a crank.
 ABSENT_COLUMNS = re.compile(r"second_|object_|force_|water_|crank_turns")
-ABSENT_KEYS = re.compile(r"second_recording|people\[\d\]\.force_|gripper\.force_|water")
+ABSENT_KEYS = re.compile(r"second_recording|people\[\d\]\.force_|gripper\.force_|water|object")
 
 
 def assert_finite(trace: Path, ticks: int) -> None:

@@ -23,7 +23,7 @@ CONTRACT = {
 }  # fmt: skip
 BEYOND_THE_CONTRACT = {
     "summary.tracker.range_errors", "summary.tracking.followable",
-    *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events", "law")),
+    *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events", "law", "object", "cups")),
     "summary.checks[].orientation_rms_deg",
 }  # fmt: skip
 
