@@ -16,6 +16,7 @@ for module in drivers/net/can/dev/can-dev net/can/can net/can/can-raw drivers/ne
     busybox insmod "$modules/$module.ko"
 done
 ip link set lo up
+echo 16777216 >/proc/sys/net/core/rmem_default # a busy host must not cost the listeners their frames
 for bus in vcan0 vcan1; do
     ip link add dev $bus type vcan
     ip link set $bus mtu 72 txqueuelen 1000 up
