@@ -1,0 +1,16 @@
+/* Clients that speak socketcand over TCP, on the loopback interface only: python-can, SavvyCAN, cantools monitor. */
+#ifndef COMANIP_HUB_SOCKETCAND_ENDPOINT_H
+#define COMANIP_HUB_SOCKETCAND_ENDPOINT_H
+
+#include "hub.h"
+
+#define SOCKETCAND_DEFAULT_PORT 29536
+
+extern const endpoint_t socketcand_endpoint;
+
+/* A listening socket at 127.0.0.1; port 0: any free one. On failure -1, with errno. */
+int socketcand_endpoint_open(int port);
+
+int socketcand_endpoint_port(int listen_fd);
+
+#endif
