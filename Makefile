@@ -17,13 +17,14 @@ LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c)) $(wildcard firmware/arms/*.c) $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
 # The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
-SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c))
+SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
+    host_tools/hub/hub_path.c
 HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
 # What a machine needs beside git and make, as Debian and Ubuntu name it.
-DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev python3 python3-dev python3-venv
+DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev can-utils python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
 # As processes of their own on a real bus: the firmware through the Linux port, and the plant.
@@ -46,6 +47,7 @@ help: ## this text
 	@echo
 	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
 	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
+	@echo "      CAN=hub REALTIME=1 shows the running bus to make candump, in real time"
 	@echo "  make experiments SEEDS=20 OUT=dir"
 	@echo "  make run-firmware CAN=vcan0 SLOW=n, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
 
@@ -85,7 +87,7 @@ $(PLANT_PROCESS): $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 	@echo "  LINK $@"
 	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
 
-$(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
+$(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o $(BUILD)/host/host_tools/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
 $(BUILD)/host/hal/linux/%.o: CORE_CFLAGS := $(LINUX_CFLAGS)
 $(BUILD)/host/%.o: %.c $(GENERATED)/.generated
 	@mkdir -p $(@D)
@@ -114,6 +116,10 @@ RUN_ARGUMENTS = case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
 	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
 	@$(RUN_ARGUMENTS); \
+	[ -z "$(filter-out 0 no,$(REALTIME))" ] || set -- "$$@" --real-time; \
+	case '$(CAN)' in '') ;; hub) set -- "$$@" --hub vcan0;; \
+		*) echo "make sim: CAN='$(CAN)': expected hub; for a bus of the kernel: make run-plant and make run-firmware" >&2; \
+		exit 2;; esac; \
 	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
 	exit $$status
@@ -160,6 +166,7 @@ check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings a
 	@echo "clang: no warnings"
 
 include hal/target.mk
+include host_tools/hub/hub.mk
 
 clean: ## remove what was built (not .venv/)
 	rm -rf $(BUILD) host_tools/comanip/_core*.so

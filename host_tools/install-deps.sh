@@ -12,7 +12,7 @@ fail() {
 }
 
 system_is_complete() {
-    command -v gcc >/dev/null && command -v python3 >/dev/null &&
+    command -v gcc >/dev/null && command -v candump >/dev/null && command -v python3 >/dev/null &&
         printf '#include <%s>\n' ode/ode.h ccd/ccd.h yaml.h | gcc -E - >/dev/null 2>&1 &&
         python3 -c 'import ensurepip, sys, sysconfig, pathlib
 sys.exit(sys.version_info < (3, 11) or not pathlib.Path(sysconfig.get_path("include"), "Python.h").exists())' 2>/dev/null

@@ -4,11 +4,13 @@
 #define COMANIP_SIM_RUN_H
 
 #include <signal.h>
+#include <stdbool.h>
 
 #include "world.h"
 
 typedef struct {
     const char *program; /* its name, before every complaint */
+    bool is_live; /* its bus is a real one, in real time */
     bus_t *(*create_bus)(char error[], size_t error_size);
     /* Runs the world to its end. */
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);

@@ -1,6 +1,7 @@
 #include "hub.h"
 
 #include <errno.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +12,10 @@
 #define EVENTS 64
 
 bool hub_init(hub_t *self, const char *bus) {
-    memset(self, 0, sizeof *self);
+    memset(self, 0, offsetof(hub_t, journal));
+    self->journal.end = 0;
     self->bus = bus;
+    self->settle_ms = HUB_SETTLE_MS;
     self->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
     return self->epoll_fd >= 0;
 }

@@ -10,6 +10,7 @@
 
 #define HUB_MAX_CLIENTS 64
 #define HUB_MAX_LISTENERS 3
+#define HUB_SETTLE_MS 300
 
 typedef struct hub hub_t;
 typedef struct client client_t;
@@ -46,6 +47,7 @@ struct client {
 
 struct hub {
     const char *bus; /* its name */
+    int settle_ms;   /* from the answer to a socketcand client to its first frame */
     int epoll_fd;
     uint32_t last_number;
     struct {

@@ -12,9 +12,6 @@
 #include "socketcand.h"
 
 #define OUT_BYTES 16384
-/* After its `< ok >` a client must have read it before the first frame comes: python-can takes what one recv() gives for
- * the answer. The frames of this time are sent afterwards. */
-#define SETTLE_MS 300
 
 typedef struct {
     char in[SOCKETCAND_COMMAND_BYTES];
@@ -141,7 +138,9 @@ static client_result_t read_commands(hub_t *hub, client_t *client) {
 
 static client_result_t write_frames(hub_t *hub, client_t *client) {
     session_t *session = client->session;
-    if (now_ms() < session->raw_since_ms + SETTLE_MS) {
+    /* A client must have read its `< ok >` before the first frame comes: python-can takes what one recv() gives for the
+     * answer. The frames of this time are sent afterwards. */
+    if (now_ms() < session->raw_since_ms + hub->settle_ms) {
         return CLIENT_GOES_ON;
     }
     client_result_t result = flush(client);

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../../host_tools/hub/hub_path.h"
 #include "option_values.h"
 
 #define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
@@ -17,7 +18,7 @@ enum {
     OPTION_DURATION, OPTION_PHYSICS_STEP, OPTION_RATE,
     OPTION_NOISE_MM, OPTION_NOISE_DEG, OPTION_LATENCY_MS, OPTION_MOUNT_TRANSLATION, OPTION_MOUNT_ROTATION,
     OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_PAPER_LAW, OPTION_DEFINE,
-    OPTION_CLUTCH, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
+    OPTION_CLUTCH, OPTION_HUB, OPTION_REAL_TIME, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
 };
 
 static const struct option option_table[] = {
@@ -43,6 +44,8 @@ static const struct option option_table[] = {
     {"paper-law", no_argument, NULL, OPTION_PAPER_LAW},
     {"define", required_argument, NULL, OPTION_DEFINE},
     {"clutch", required_argument, NULL, OPTION_CLUTCH},
+    {"hub", required_argument, NULL, OPTION_HUB},
+    {"real-time", no_argument, NULL, OPTION_REAL_TIME},
     {"quiet", no_argument, NULL, OPTION_QUIET},
     {"list", no_argument, NULL, OPTION_LIST},
     {"help", no_argument, NULL, OPTION_HELP},
@@ -188,6 +191,10 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
     case OPTION_OUT:
         self->out = value;
         return value[0] != '\0' || wrong(error, name, value, "the path of a folder");
+    case OPTION_HUB:
+        self->hub = value;
+        return hub_name_is_valid(value) ||
+               wrong(error, name, value, "a bus's name: 1 to 15 letters, digits, '_' and '-', for example vcan0");
     case OPTION_SEED:
         return option_unsigned(value, UINT64_MAX, &self->seed) ||
                wrong(error, name, value, "a whole number from 0 to 18446744073709551615");
@@ -235,6 +242,9 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
             return OPTIONS_SHOW_SCENARIOS;
         case OPTION_QUIET:
             self->quiet = true;
+            break;
+        case OPTION_REAL_TIME:
+            self->real_time = true;
             break;
         case OPTION_PAPER_LAW:
             paper_law = true;

@@ -22,6 +22,8 @@ typedef struct {
     uint64_t seed;
     tracker_options_t tracker;
     operator_wishes_t operator;
+    const char *hub; /* its bus shows the simulated one to listeners; NULL: none */
+    bool real_time;  /* no faster than */
     bool quiet;
 } options_t;
 

@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "../../hal/host/hal_host.h"
+#include "../live.h"
 #include "../run.h"
 
 static bus_t *create_bus(char error[], size_t error_size) {
@@ -14,7 +15,14 @@ static bus_t *create_bus(char error[], size_t error_size) {
 
 static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
     (void)interrupted; /* the world looks at it each tick */
+    static live_t live;
+    char error[OPTIONS_ERROR_BYTES];
+    if (!live_open(&live, world, error, sizeof error)) {
+        world_fail(world, error);
+        return;
+    }
     hal_host_run(world);
+    live_close(&live);
 }
 
 int main(int argc, char *argv[]) {

@@ -1,0 +1,20 @@
+/* Lets simulated time go no faster than real time: a listener on the bus that waits until a frame's end has come. */
+#ifndef COMANIP_SIM_REAL_TIME_H
+#define COMANIP_SIM_REAL_TIME_H
+
+#include <stdint.h>
+#include <time.h>
+
+#include "bus.h"
+
+typedef struct {
+    struct timespec start; /* CLOCK_MONOTONIC at time 0 */
+    int64_t latest_ns;     /* how late a frame was at worst */
+} real_time_t;
+
+void real_time_start(real_time_t *self);
+
+/* For bus_listen(); context is the real_time_t. */
+void real_time_wait(void *context, const can_frame_t *frame, int64_t end_ns);
+
+#endif
