@@ -110,7 +110,7 @@ static client_result_t execute_all(hub_t *hub, client_t *client) {
         const char *open = memchr(begin, '<', (size_t)(end - begin));
         done += (size_t)(end - begin) + 1;
         result = open != NULL ? execute(hub, client, open + 1, (size_t)(end - open) - 1)
-                              : refuse(client, "< error expected '<' before '>' >");
+                              : refuse(client, "< error a command without its beginning >");
     }
     session->in_bytes -= done;
     memmove(session->in, session->in + done, session->in_bytes);
