@@ -63,15 +63,18 @@ def experiment(name: str) -> Path:
     return REPOSITORY / "sim" / "scenarios" / f"{name}.yaml"
 
 
-def call(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
+def call(
+    *arguments: object, cwd: Path | None = None, environment: dict[str, str] | None = None
+) -> subprocess.CompletedProcess:
     """The simulator with these arguments, turned into text."""
     command = [str(SIMULATOR), *_plain([str(argument) for argument in arguments])]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd, env=environment)
 
 
-def run(out: Path, *arguments: object, cwd: Path | None = None) -> Run:
-    """A quiet run into the folder `out`."""
-    done = call("--out", out, "--quiet", *arguments, cwd=cwd)
+def run(out: Path, *arguments: object, cwd: Path | None = None, environment: dict[str, str] | None = None,
+        quiet: bool = True) -> Run:  # fmt: skip
+    """A run into the folder `out`."""
+    done = call("--out", out, *(["--quiet"] if quiet else []), *arguments, cwd=cwd, environment=environment)
     return Run(out, done.returncode, done.stdout, done.stderr)
 
 

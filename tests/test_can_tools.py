@@ -1,0 +1,427 @@
+"""The tools that people have, unmodified, on a hub: can-utils and python-can's socketcan under the shim, python-can and
+cantools through socketcand. What they show is what the simulator logged, and listening changes nothing in the run."""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import can
+import pytest
+from bus_log import DBC
+from e2e import p05
+from hub import CAN_EFF_FLAG, PATIENCE_S, SCRIPTS, WITH_CAN, Hub, Tool, classic, fd, running, tool, wait_until
+from simulation import Run, run
+
+# 14,000 frames: less than the hub keeps for a listener that is late, so that none is dropped, however slow the machine.
+SCENARIO = ("--scenario", "teleop", "--duration", 2)
+LOG_LINE = re.compile(r"\(\d+\.\d+\) \w+ ([0-9A-F]+)#(#1)?([0-9A-F]*)(?: [RT])?")
+MARKER = 0x7FE  # no frame of the DBC
+BITRATES = "vcan0@1000000,5000000"
+
+Frame = tuple[int, bytes]
+
+
+@pytest.fixture(scope="module")
+def unheard(tmp_path_factory) -> Run:
+    return run(tmp_path_factory.mktemp("unheard"), *SCENARIO).require_pass()
+
+
+def frames_in(text: str) -> list[Frame]:
+    """Of the lines of candump -L or of python-can's logger."""
+    matches = (LOG_LINE.fullmatch(line.strip()) for line in text.splitlines())
+    return [(int(match[1], 16), bytes.fromhex(match[3])) for match in matches if match]
+
+
+def logged(finished: Run) -> list[Frame]:
+    return frames_in(finished.log.read_text())
+
+
+def require_protected(frames: list[Frame]) -> None:
+    """Each decodes by the DBC and has a valid header."""
+    for frame_id, data in frames:
+        message = DBC.get_message_by_frame_id(frame_id)
+        message.decode(data)
+        data_id = message.dbc.attributes.get("E2EDataId")
+        assert data_id is None or p05.e2e_p05_check(data, data_id.value), message.name
+
+
+def tap(hub: Hub) -> tuple[str, ...]:
+    """How python-can's own programs are led to socketcand."""
+    return ("-i", "socketcand", "-c", "vcan0", "--bus-kwargs", "host=127.0.0.1", f"port={hub.port}")
+
+
+@dataclass
+class Listened:
+    run: Run
+    text: dict[str, str]  # what each listener wrote
+    through_tap: list[can.Message]
+
+
+@pytest.fixture(scope="module")
+def heard(tmp_path_factory) -> Listened:
+    """A run with four listeners, one of which never reads, and one talks."""
+    python_can = (
+        "import can\n"
+        "with can.Bus('vcan0', interface='socketcan', fd=True, local_loopback=True) as bus:\n"
+        "    try:\n"
+        "        for m in bus: print(f'({m.timestamp:.6f}) {m.channel} {m.arbitration_id:03X}##1{bytes(m.data).hex().upper()}')\n"
+        "    except can.CanError as error: print(error)\n"
+    )
+    commands = {
+        "candump": ("candump", "-L", "vcan0"),
+        "candump any": ("candump", "-L", "any"),
+        "candump filtered": ("candump", "-L", "vcan0,180:7F0"),
+        "python-can": (SCRIPTS / "python", "-c", python_can),
+    }
+    with running("--listen-only", "--socketcand", "0") as hub, can.Bus(
+        "vcan0", interface="socketcand", host="127.0.0.1", port=hub.port
+    ) as bus:
+        tools = {name: Tool(hub, WITH_CAN, *command) for name, command in commands.items()}
+        stalled, talking = hub.connect(), hub.connect()
+        hub.wait_for_clients(len(tools) + 2)
+        talking.send(classic(0x010, bytes(8)))  # looks like the firmware's status; must not come through
+        finished = run(tmp_path_factory.mktemp("heard"), *SCENARIO, "--hub", "vcan0", environment=hub.environment)
+        expected = len(logged(finished))
+        messages = [bus.recv(PATIENCE_S) for _ in range(expected)]
+        assert hub.stop() == 0
+        text = {name: started.wait() for name, started in tools.items()}
+        for started in tools.values():
+            started.close()
+        stalled.close()
+        talking.close()
+        assert "may only listen" in hub.stderr()
+        return Listened(finished.require_pass(), text, messages)
+
+
+# ---- live listening to a run
+
+
+def test_listening_changes_nothing(unheard, heard):
+    assert heard.run.log.read_bytes() == unheard.log.read_bytes()
+    assert heard.run.trace.read_bytes() == unheard.trace.read_bytes()
+    assert {**heard.run.summary, "wall_s": 0} == {**unheard.summary, "wall_s": 0}
+    assert heard.run.stderr == ""
+
+
+@pytest.mark.parametrize("listener", ["candump", "candump any", "python-can"])
+def test_listeners_hear_what_was_logged(heard, listener):
+    assert frames_in(heard.text[listener]) == logged(heard.run)
+    assert "No such device" in heard.text[listener], "when the hub ends, the interface is gone"
+
+
+def test_what_candump_shows_is_protected(heard):
+    require_protected(frames_in(heard.text["candump"]))
+
+
+def test_candump_filters(heard):
+    expected = [frame for frame in logged(heard.run) if frame[0] & 0x7F0 == 0x180]
+    assert len(expected) > 1000
+    assert frames_in(heard.text["candump filtered"]) == expected
+
+
+def test_candump_has_the_times_of_now(heard):
+    times = [float(line[1:18]) for line in heard.text["candump"].splitlines() if line.startswith("(")]
+    assert all(0 <= later - earlier < PATIENCE_S for earlier, later in zip(times[:-1], times[1:], strict=True))
+    assert abs(times[-1] - time.time()) < 3600
+
+
+def test_python_can_hears_the_run_through_socketcand(heard):
+    frames = [(message.arbitration_id, bytes(message.data)) for message in heard.through_tap]
+    assert frames == logged(heard.run)
+    require_protected(frames)
+
+
+def test_the_run_brings_its_own_hub_and_ends_it(tmp_path, unheard):
+    # A folder of its own, so that no other test meets this hub.
+    with running() as elsewhere:
+        environment = {**elsewhere.environment, "COMANIP_HUB_DIR": str(tmp_path / "hubs")}
+        finished = run(tmp_path / "out", *SCENARIO, "--hub", "vcan0", environment=environment, quiet=False)
+    assert finished.require_pass().log.read_bytes() == unheard.log.read_bytes()
+    assert "the bus is live on its own hub vcan0; to listen, beside this: make candump" in finished.stdout
+    assert [file.name for file in (tmp_path / "hubs").iterdir()] == ["vcan0.lock"]
+
+
+def test_a_hub_that_goes_away_does_not_disturb_the_run(tmp_path, unheard):
+    with running("--listen-only", "--socketcand", "off") as hub:
+        command = ("--scenario", "teleop", "--duration", 2, "--out", tmp_path, "--hub", "vcan0", "--real-time", "--quiet")
+        with tool(hub, unheard_program(), *command) as simulator:
+            listener = hub.connect()
+            listener.recv(100)
+            hub.process.kill()
+            text = simulator.wait()
+            assert simulator.process.returncode == 0
+            listener.close()
+    assert (tmp_path / "bus.log").read_bytes() == unheard.log.read_bytes()
+    assert "the hub went away or hangs" in text
+    assert "frames were not shown on the hub" in text
+
+
+def unheard_program() -> Path:
+    from simulation import SIMULATOR
+
+    return SIMULATOR
+
+
+def test_real_time_is_not_faster(tmp_path, unheard):
+    started = time.monotonic()
+    finished = run(tmp_path / "out", *SCENARIO, "--real-time").require_pass()
+    assert time.monotonic() - started > finished.summary["sim_s"] - 0.01
+    assert finished.summary["wall_s"] > finished.summary["sim_s"] - 0.01
+    assert finished.log.read_bytes() == unheard.log.read_bytes()
+
+
+# ---- can-utils under the shim
+
+
+@pytest.fixture
+def hub():
+    with running("--socketcand", "0") as started:
+        yield started
+
+
+def with_can(hub: Hub, *command: object, status: int = 0) -> str:
+    with tool(hub, WITH_CAN, *command) as started:
+        text = started.wait()
+        assert started.process.returncode == status, text
+        return text
+
+
+def test_canplayer_replays_the_log_to_candump(hub, unheard):
+    with tool(hub, WITH_CAN, "candump", "-L", "vcan0") as candump:
+        hub.wait_for_clients(1)
+        with_can(hub, "canplayer", "-t", "-I", unheard.log, "vcan0=vcan0")
+        assert hub.stop() == 0
+        assert frames_in(candump.wait()) == logged(unheard)
+
+
+@pytest.mark.parametrize(
+    ("text", "packet"),
+    [
+        ("123#DEADBEEF", classic(0x123, b"\xde\xad\xbe\xef")),
+        ("1ABCDEF0#", classic(CAN_EFF_FLAG | 0x1ABCDEF0)),
+        ("7FF#R", classic(0x7FF | 0x40000000)),
+        ("123##1" + "AB" * 64, fd(0x123, b"\xab" * 64)),
+    ],
+)
+def test_cansend_sends(hub, text, packet):
+    listener = hub.connect()
+    hub.wait_for_clients(1)
+    with_can(hub, "cansend", "vcan0", text)
+    got = listener.recv(100)
+    assert got[:5] == packet[:5]
+    assert got[8:] == packet[8:]
+    assert len(got) == len(packet)
+
+
+def test_cangen_is_heard_by_candump(hub):
+    with tool(hub, WITH_CAN, "candump", "-L", "vcan0") as candump:
+        hub.wait_for_clients(1)
+        with_can(hub, "cangen", "vcan0", "-n", 500, "-g", 0, "-I", "i", "-D", "i", "-L", 8)
+        hub.stop()
+        assert frames_in(candump.wait()) == [(i % 0x800, i.to_bytes(8, "little")) for i in range(500)]
+
+
+def test_cansniffer_shows_frames_on_a_terminal(hub):
+    sender = hub.connect()
+    with tool(hub, WITH_CAN, "cansniffer", "vcan0", terminal=True) as sniffer:
+        hub.wait_for_clients(2)
+
+        def shown() -> bool:
+            sender.send(classic(0x123, b"\xde\xad\xbe\xef"))
+            plain = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", sniffer.text())
+            return re.search(r"\b123\b.*DE ?AD ?BE ?EF", plain) is not None
+
+        wait_until(shown, "frame 123 in cansniffer")
+
+
+def test_canbusload_counts_frames(hub):
+    sender = hub.connect()
+    with tool(hub, WITH_CAN, "canbusload", BITRATES.replace(",5000000", ""), terminal=True) as load:
+        hub.wait_for_clients(2)
+
+        def counted() -> bool:
+            sender.send(classic(0x123, bytes(8)))
+            return any(int(count) > 0 for count in re.findall(r"vcan0@1000000 +(\d+)", load.text()))
+
+        wait_until(counted, "frames counted by canbusload")
+
+
+def test_an_interface_without_hub_does_not_exist(hub):
+    assert "No such device" in with_can(hub, "candump", "vcan9", status=1)
+
+
+def test_other_sockets_are_untouched(hub):
+    program = (
+        "import socket, threading\n"
+        "server = socket.create_server(('127.0.0.1', 0))\n"
+        "client = socket.create_connection(server.getsockname()); peer, _ = server.accept()\n"
+        "client.sendall(b'x' * 100); assert peer.recv(200, socket.MSG_WAITALL | socket.MSG_DONTWAIT)\n"
+        "a, b = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM); a.send(b''); assert b.recv(10) == b''\n"
+        "client.close(); peer.recv(200); print(socket.if_nametoindex('lo'), socket.if_indextoname(1))\n"
+    )
+    assert with_can(hub, SCRIPTS / "python", "-c", program) == "1 lo\n"
+
+
+# ---- python-can's socketcan interface under the shim
+
+
+def under_shim(hub: Hub, program: str) -> str:
+    return with_can(hub, SCRIPTS / "python", "-c", "import can, socket, struct, time\n" + program)
+
+
+def test_socketcan_sends_both_kinds(hub):
+    listener = hub.connect()
+    hub.wait_for_clients(1)
+    under_shim(
+        hub,
+        "with can.Bus('vcan0', interface='socketcan', fd=True) as bus:\n"
+        "    bus.send(can.Message(arbitration_id=0x12, data=b'abc', is_extended_id=False))\n"
+        "    bus.send(can.Message(arbitration_id=0x13, data=bytes(48), is_fd=True, bitrate_switch=True))\n",
+    )
+    assert listener.recv(100)[:12] == classic(0x12, b"abc")[:12]
+    packet = listener.recv(100)
+    assert (len(packet), packet[:5]) == (72, fd(CAN_EFF_FLAG | 0x13, bytes(48))[:5])
+
+
+def test_socketcan_receives_its_own_frames_only_if_it_asks(hub):
+    text = under_shim(
+        hub,
+        "a = can.Bus('vcan0', interface='socketcan', receive_own_messages=True)\n"
+        "b = can.Bus('vcan0', interface='socketcan')\n"
+        "c = can.Bus('vcan0', interface='socketcan', local_loopback=False)\n"
+        "for i, bus in enumerate((a, b, c)): bus.send(can.Message(arbitration_id=i, is_extended_id=False))\n"
+        "print([[m.arbitration_id for m in iter(lambda: bus.recv(0.5), None)] for bus in (a, b, c)])\n"
+        "a.shutdown(); b.shutdown(); c.shutdown()\n",
+    )
+    # The own connection of `a` for sending and its other one race: the hub alone says in which order.
+    heard_by = eval(text, {"__builtins__": {}})
+    assert [sorted(ids) for ids in heard_by] == [[0, 1], [0], [0, 1]]
+
+
+FILTERS = [(0x123, 0x7FF), (0x20000100, 0x7F0), (0x80000123, 0x9FFFFFFF), (0x123, 0x1FFFFFFF), (0, 0), (0x40000000, 0x40000000)]
+SENT = [0x000, 0x100, 0x10F, 0x110, 0x123, 0x124, 0x7FF, 0x80000123, 0x80000100, 0x9FFFFFFF, 0x40000123, 0xC0000123]
+
+
+def kernel_accepts(received: int, filters: list[tuple[int, int]], join: bool) -> bool:
+    """As the documentation of the kernel has it: (received & mask) == (id & mask), or not, where the id has CAN_INV_FILTER."""
+    matches = []
+    for can_id, mask in filters:
+        if mask & 0x80000000 and not can_id & 0x80000000:
+            mask &= 0xC00007FF
+        matches.append(((received & mask) == (can_id & ~0x20000000 & mask)) != bool(can_id & 0x20000000))
+    return all(matches) and bool(matches) if join else any(matches)
+
+
+@pytest.mark.parametrize("join", [False, True])
+@pytest.mark.parametrize(
+    "filters", [[], *[[pair] for pair in FILTERS], FILTERS[:2], FILTERS[1:4], [(0x20000123, 0x7FF), (0x20000124, 0x7FF)]]
+)
+def test_receive_filters_are_the_kernels(hub, filters, join):
+    sender = hub.connect()
+    packed = b"".join(__import__("struct").pack("=II", *pair) for pair in filters)
+    program = (
+        "s = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); s.bind(('vcan0',))\n"
+        f"s.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, {packed!r})\n"
+        f"s.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_JOIN_FILTERS, {int(join)})\n"
+        "end = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); end.bind(('vcan0',)); print('ready', flush=True)\n"
+        "while end.recv(16)[:4] != b'\\xfe\\7\\0\\0': pass\n"
+        "s.setblocking(False); got = []\n"
+        "try:\n"
+        "    while True: got.append(struct.unpack('=I', s.recv(16)[:4])[0])\n"
+        "except BlockingIOError: print(got)\n"
+    )
+    with tool(hub, WITH_CAN, SCRIPTS / "python", "-c", "import socket, struct\n" + program) as listener:
+        wait_until(lambda: "ready" in listener.text(), "a listener")
+        for can_id in SENT:
+            sender.send(classic(can_id))
+            sender.send(fd(can_id))  # not wanted without CAN_RAW_FD_FRAMES
+        sender.send(classic(0x20000004, bytes(8)))  # error frames are not wanted either
+        sender.send(classic(MARKER))
+        text = listener.wait().splitlines()[-1]
+    expected = [can_id for can_id in [*SENT, MARKER] if kernel_accepts(can_id, filters, join)]
+    got = eval(text, {"__builtins__": {}})
+    assert got == expected or got == [*expected, MARKER][: len(expected)]
+
+
+def test_error_frames_come_by_their_class(hub):
+    sender = hub.connect()
+    program = (
+        "s = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); s.bind(('vcan0',))\n"
+        "s.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_ERR_FILTER, 0x40)\n"
+        "print('ready', flush=True); print(s.recvfrom(16), s.recvfrom(16))\n"
+    )
+    with tool(hub, WITH_CAN, SCRIPTS / "python", "-u", "-c", "import socket\n" + program) as listener:
+        wait_until(lambda: "ready" in listener.text(), "a listener")
+        for can_id in (0x20000004, 0x20000040, MARKER):
+            sender.send(classic(can_id))
+        packets = eval(listener.wait().splitlines()[-1], {"__builtins__": {}})
+    assert packets == (
+        (classic(0x20000040), ("vcan0",)),
+        (classic(MARKER), ("vcan0",)),
+    ) or [p[0] for p in packets] == [classic(0x20000040), classic(MARKER)]
+
+
+# ---- through socketcand
+
+
+def shown(hub: Hub, sender, started: Tool, packets: list[bytes], pattern: str) -> None:
+    """Sends over and over until the tool shows it: there is no other sign that it is ready."""
+
+    def is_shown() -> bool:
+        for packet in packets:
+            sender.send(packet)
+        return re.search(pattern, started.text()) is not None
+
+    wait_until(is_shown, f"{pattern} in what {started.process.args[0]} shows")
+
+
+def test_python_cans_logger(hub, unheard):
+    sender = hub.connect()
+    with tool(hub, SCRIPTS / "can_logger", *tap(hub)) as logger:
+        shown(hub, sender, logger, [fd(MARKER, bytes(range(64)))], "ID: +7fe .*DL: 64 +00 01 02 .* 3f")
+
+
+def test_python_cans_logger_writes_what_was_sent(hub, unheard, tmp_path):
+    sender = hub.connect()
+    frames = logged(unheard)[:3000]
+    file = tmp_path / "heard.log"
+    with tool(hub, SCRIPTS / "can_logger", "-f", file, *tap(hub)) as logger:
+        wait_until(lambda: sender.send(classic(MARKER)) and file.exists() and file.stat().st_size > 0, "a log")
+        for frame_id, data in frames:
+            sender.send(fd(frame_id, data))
+        sender.send(classic(0x7FD))
+        wait_until(lambda: sender.send(classic(0x7FD)) and " 7FD#" in file.read_text(), "the end")
+        logger.process.terminate()
+        logger.process.wait(PATIENCE_S)
+    assert [frame for frame in frames_in(file.read_text()) if frame[0] < 0x7FD] == frames
+
+
+def test_python_cans_viewer(hub):
+    sender = hub.connect()
+    with tool(hub, SCRIPTS / "can_viewer", *tap(hub), terminal=True) as viewer:
+        shown(hub, sender, viewer, [classic(0x123, b"\xde\xad\xbe\xef")], r"0x123.*DE AD BE EF")
+
+
+def test_cantools_monitor_decodes(hub, unheard):
+    sender = hub.connect()
+    dbc = Path(__file__).parents[1] / "host_tools" / "comanip" / "comanip.dbc"
+    packets = [fd(*frame) for frame in logged(unheard)[:200]]
+    arguments = ("-B", "socketcand", *tap(hub)[2:], dbc)
+    arguments = ("-B", "socketcand", "-c", "vcan0", dbc, "--bus-kwargs", "host=127.0.0.1", f"port={hub.port}")
+    with tool(hub, SCRIPTS / "cantools", "monitor", *arguments, terminal=True) as monitor:
+        shown(hub, sender, monitor, packets, r"JointState0\(.*(?:\n|.)*position")
+
+
+def test_python_can_sends_through_socketcand(hub):
+    listener = hub.connect()
+    with can.Bus("vcan0", interface="socketcand", host="127.0.0.1", port=hub.port) as bus:
+        bus.send(can.Message(arbitration_id=0x7FF, data=bytes(range(48)), is_fd=True, is_extended_id=False))
+        bus.send(can.Message(arbitration_id=0x1ABCDEF0, data=b"\x01"))
+        bus.send(can.Message(arbitration_id=0x0, is_extended_id=False))
+        packet = listener.recv(100)
+        assert packet[:5] + packet[8:] == fd(0x7FF, bytes(range(48)))[:5] + fd(0x7FF, bytes(range(48)))[8:]
+        assert listener.recv(100) == classic(CAN_EFF_FLAG | 0x1ABCDEF0, b"\x01")
+        assert listener.recv(100) == classic(0x0)
