@@ -83,12 +83,15 @@ client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool m
     return client;
 }
 
-static void accept_client(hub_t *self, int listener) {
-    const int fd = accept4(self->listener[listener].fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    if (fd >= 0) {
-        (void)hub_add_client(self, fd, self->listener[listener].endpoint, self->listener[listener].may_send);
-    } else if (errno != EAGAIN && errno != ECONNABORTED && errno != EINTR) {
-        (void)fprintf(stderr, "comanip-hub: a client could not be accepted: %s\n", strerror(errno));
+void hub_accept(hub_t *self) {
+    for (int i = 0; i < self->listener_count; i++) {
+        int fd;
+        while ((fd = accept4(self->listener[i].fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0) {
+            (void)hub_add_client(self, fd, self->listener[i].endpoint, self->listener[i].may_send);
+        }
+        if (errno != EAGAIN && errno != ECONNABORTED && errno != EINTR) {
+            (void)fprintf(stderr, "comanip-hub: a client could not be accepted: %s\n", strerror(errno));
+        }
     }
 }
 
@@ -117,10 +120,13 @@ bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes
 static void handle(hub_t *self, const struct epoll_event *event) {
     const uint32_t place = event->data.u32;
     if (place >= HUB_MAX_CLIENTS) {
-        accept_client(self, (int)(place - HUB_MAX_CLIENTS));
+        hub_accept(self);
         return;
     }
     client_t *client = &self->client[place];
+    if (client->endpoint == NULL) {
+        return;
+    }
     if ((event->events & EPOLLOUT) != 0) {
         watch_client(self, client, false);
     }

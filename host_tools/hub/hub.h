@@ -69,6 +69,10 @@ bool hub_listen(hub_t *self, int listen_fd, const endpoint_t *endpoint, bool may
 /* Takes a connected, non-blocking socket. NULL, and the socket closed with a message, if there is no place. */
 client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool may_send);
 
+/* For endpoints, after taking packets from a socket and before hub_receive(): whoever connected before a packet was sent
+ * gets it. */
+void hub_accept(hub_t *self);
+
 /* For endpoints: a packet came from the client. It is forwarded, or counted with a message if it is no frame, or if the
  * client may not send. False if it is no frame. */
 bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes);

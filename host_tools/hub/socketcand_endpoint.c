@@ -133,6 +133,7 @@ static client_result_t read_commands(hub_t *hub, client_t *client) {
         return bytes < 0 && (errno == EAGAIN || errno == EINTR) ? CLIENT_GOES_ON : CLIENT_IS_GONE;
     }
     session->in_bytes += (size_t)bytes;
+    hub_accept(hub);
     return execute_all(hub, client);
 }
 

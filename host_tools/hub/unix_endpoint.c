@@ -46,6 +46,7 @@ static client_result_t read_frames(hub_t *hub, client_t *client) {
     if (received <= 0) {
         return received < 0 && (errno == EAGAIN || errno == EINTR) ? CLIENT_GOES_ON : CLIENT_IS_GONE;
     }
+    hub_accept(hub);
     for (int i = 0; i < received; i++) {
         if (message[i].msg_len == 0) { /* the end; an empty packet cannot be told from it */
             return CLIENT_IS_GONE;
