@@ -24,7 +24,7 @@ from simulation import REPOSITORY
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 WITH_CAN = REPOSITORY / "build" / "host" / "with-can"
 SCRIPTS = REPOSITORY / ".venv" / "bin"
-PATIENCE_S = 5
+PATIENCE_S = 60
 CAN_MTU, CANFD_MTU = 16, 72  # <linux/can.h>
 CAN_EFF_FLAG = 0x80000000
 CANFD_BRS = 1

@@ -12,6 +12,9 @@
 #include "journal.h"
 
 #define SOCKETCAND_LINE_BYTES 200 /* python-can throws away what is longer */
+/* With blanks before it, every line takes so much: python-can reads 1024 bytes at a time, and complains of a line that is
+ * cut, on the terminal where cantools monitor draws. */
+#define SOCKETCAND_PADDED_BYTES 256
 #define SOCKETCAND_COMMAND_BYTES 256
 
 typedef enum {

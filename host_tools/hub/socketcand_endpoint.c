@@ -137,6 +137,20 @@ static client_result_t read_commands(hub_t *hub, client_t *client) {
     return execute_all(hub, client);
 }
 
+/* Gives the length of the line; 0 if there is none for this frame. */
+static size_t put_line(session_t *session, const journal_entry_t *entry) {
+    char line[SOCKETCAND_LINE_BYTES];
+    const size_t bytes = socketcand_format(entry, line);
+    if (bytes > 0) {
+        char *place = session->out + session->out_bytes;
+        const size_t blanks = SOCKETCAND_PADDED_BYTES - bytes;
+        memset(place, ' ', blanks);
+        memcpy(place + blanks, line, bytes);
+        session->out_bytes += SOCKETCAND_PADDED_BYTES;
+    }
+    return bytes;
+}
+
 static client_result_t write_frames(hub_t *hub, client_t *client) {
     session_t *session = client->session;
     /* A client must have read its `< ok >` before the first frame comes: python-can takes what one recv() gives for the
@@ -146,13 +160,13 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
     }
     client_result_t result = flush(client);
     while (result == CLIENT_GOES_ON && client->position != hub->journal.end) {
-        while (client->position != hub->journal.end && session->out_bytes + SOCKETCAND_LINE_BYTES <= sizeof session->out) {
+        while (client->position != hub->journal.end &&
+               session->out_bytes + SOCKETCAND_PADDED_BYTES <= sizeof session->out) {
             const journal_entry_t *entry = journal_at(&hub->journal, client->position++);
             if (entry->sender == client->number) {
                 continue;
             }
-            const size_t bytes = socketcand_format(entry, session->out + session->out_bytes);
-            session->out_bytes += bytes;
+            const size_t bytes = put_line(session, entry);
             if (bytes == 0 && client->left_out++ == 0) {
                 (void)fprintf(stderr, "comanip-hub: socketcand client %u: a remote frame is left out, which its protocol "
                               "cannot carry\n", client->number);
