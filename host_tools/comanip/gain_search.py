@@ -284,7 +284,7 @@ def positive_number(text: str) -> float:
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="comanip.gain_search", description="Searches gains for law (4).")
     parser.add_argument("--out", type=Path, required=True, help="folder for tried.csv and gains.md")
-    parser.add_argument("--budget-s", type=positive_number, default=3600.0, help="wall time, about (default 3600)")
+    parser.add_argument("--budget-s", type=positive_number, default=3600.0, help="wall time at most, about (default 3600)")
     parser.add_argument("--seeds", type=positive_integer, default=5, help="of the confirming runs (default 5)")
     parser.add_argument("--scenarios", nargs="+", choices=SCENARIOS, default=list(SCENARIOS), help="default: all")
     parser.add_argument("--laws", nargs="+", choices=("paper", "ours"), default=["paper", "ours"], help="default: both")
