@@ -139,7 +139,7 @@ experiments: build ## the five experiments for SEEDS seeds and on recordings, an
 	@$(PYTHON) -m comanip.experiments --seeds "$(SEEDS)" --out "$$RUN_OUT" $(ARGS)
 
 gain-search: export RUN_OUT := $(or $(OUT),out/gain-search)
-gain-search: build ## search for the gains of docs/gains.md anew (takes a quarter of an hour)
+gain-search: build ## search for the gains of docs/gains.md anew (takes up to an hour)
 	@$(PYTHON) -m comanip.gain_search --out "$$RUN_OUT" $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
