@@ -125,6 +125,20 @@ static bool everybody_is_done(const world_t *self) {
     return done;
 }
 
+/* Says what everybody is about. */
+static void fail_as_overdue(world_t *self) {
+    char text[WORLD_TEXT_BYTES];
+    size_t used = (size_t)snprintf(text, sizeof text, "not everything was done in the scenario's %g s: ",
+                                   self->scenario->duration_s);
+    for (size_t i = 0; i < self->scenario->person_count; i++) {
+        person_program_describe(self->program[i], text + used, sizeof text - used);
+        used = strlen(text);
+        used += (size_t)snprintf(text + used, sizeof text - used, ", ");
+    }
+    operator_node_describe(self->operator, text + used, sizeof text - used);
+    world_fail(self, text);
+}
+
 /* The operator stops the arm when there is nothing more to do, or half a second before the time is over. */
 static void stop_when_due(world_t *self) {
     const int64_t closing_ns = ns_from_s(SCENARIO_STOP_BEFORE_END_S);
@@ -136,10 +150,7 @@ static void stop_when_due(world_t *self) {
         return;
     }
     if (is_overdue) {
-        char text[WORLD_TEXT_BYTES];
-        (void)snprintf(text, sizeof text, "not everything was done in the scenario's %g s: the operator and the people "
-                       "wait for each other", self->scenario->duration_s);
-        world_fail(self, text);
+        fail_as_overdue(self);
     }
     self->stop_s = (double)self->now_ns * 1e-9;
     operator_node_stop(self->operator);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -71,8 +72,14 @@ def test_who_waits_in_vain_fails_however_long_it_takes(tmp_path, duration):
     path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
     done = run(tmp_path / "out", "--scenario", path, *duration)
     assert done.status == EXIT_CHECK_FAILED
-    assert "the operator and the people wait for each other" in done.summary["reason"]
+    expected = "teleoperator waits for robot.holds, taker waits for teleoperator.lifted, operator waits for taker.holds"
+    assert done.summary["reason"] == f"not everything was done in the scenario's 100 s: {expected}"
     assert done.summary["sim_s"] < 100
+
+
+def test_who_has_too_little_time_is_told_where_he_was(tmp_path):
+    done = run(tmp_path / "out", "--scenario", variant(tmp_path, "mirror", ("duration_s: 60", "duration_s: 20")))
+    assert re.search(r"done in the scenario's 20 s: person is at step \d+ of 22, operator is done", done.summary["reason"])
 
 
 # ---- each criterion can fail

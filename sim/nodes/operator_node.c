@@ -300,6 +300,18 @@ void operator_node_stop(operator_node_t *self) {
     }
 }
 
+void operator_node_describe(const operator_node_t *self, char text[], size_t size) {
+    if (operator_node_script_done(self)) {
+        (void)snprintf(text, size, "operator is done");
+        return;
+    }
+    const operator_step_t *step = &self->steps[self->current];
+    const char *missing = step_wait_missing(&step->start, self->events);
+    char what[TEXT_BYTES];
+    describe(step, what, sizeof what);
+    (void)snprintf(text, size, "operator %s %s", missing != NULL ? "waits for" : "is at", missing != NULL ? missing : what);
+}
+
 bool operator_node_script_done(const operator_node_t *self) {
     return self->current >= self->script_count;
 }

@@ -56,6 +56,9 @@ void operator_node_stop(operator_node_t *self);
 /* All steps of the script are done, or left out. */
 bool operator_node_script_done(const operator_node_t *self);
 
+/* What the operator is about: "operator waits for person.holds", "operator is done", or the step by its name. */
+void operator_node_describe(const operator_node_t *self, char text[], size_t size);
+
 /* The stop, too. */
 bool operator_node_finished(const operator_node_t *self);
 

@@ -270,6 +270,20 @@ bool person_program_is_hidden(const person_program_t *self) {
     return self->hidden;
 }
 
+void person_program_describe(const person_program_t *self, char text[], size_t size) {
+    const char *name = self->person->name;
+    if (self->current == self->count) {
+        (void)snprintf(text, size, "%s is done", name);
+        return;
+    }
+    const char *missing = step_wait_missing(&self->steps[self->current].start, self->events);
+    if (!self->begun && missing != NULL) {
+        (void)snprintf(text, size, "%s waits for %s", name, missing);
+    } else {
+        (void)snprintf(text, size, "%s is at step %zu of %zu", name, self->current + 1, self->count);
+    }
+}
+
 const char *person_program_failure(const person_program_t *self) {
     return self->failure[0] == '\0' ? NULL : self->failure;
 }

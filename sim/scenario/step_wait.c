@@ -15,18 +15,24 @@ bool step_wait_begin_s(const step_start_t *start, const events_t *events, double
     return true;
 }
 
+const char *step_wait_missing(const step_start_t *start, const events_t *events) {
+    for (size_t i = 0; i < start->awaited_count; i++) {
+        if (!events_happened(events, start->awaited[i])) {
+            return events->event[start->awaited[i]].name;
+        }
+    }
+    return NULL;
+}
+
 bool step_wait_in_vain(const step_start_t *start, const events_t *events, double ready_s, double now_s, char text[],
                        size_t size) {
     const double since_s = fmax(ready_s, start->at_s);
     if (start->patience_s <= 0.0 || now_s - since_s <= start->patience_s) {
         return false;
     }
-    for (size_t i = 0; i < start->awaited_count; i++) {
-        if (!events_happened(events, start->awaited[i])) {
-            (void)snprintf(text, size, "waited %g s in vain for %s", start->patience_s,
-                           events->event[start->awaited[i]].name);
-            return true;
-        }
+    const char *missing = step_wait_missing(start, events);
+    if (missing != NULL) {
+        (void)snprintf(text, size, "waited %g s in vain for %s", start->patience_s, missing);
     }
-    return false;
+    return missing != NULL;
 }

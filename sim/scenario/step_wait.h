@@ -14,4 +14,7 @@ bool step_wait_begin_s(const step_start_t *start, const events_t *events, double
 bool step_wait_in_vain(const step_start_t *start, const events_t *events, double ready_s, double now_s, char text[],
                        size_t size);
 
+/* The name of the first event that has not happened and that this step waits for; NULL: it waits for none. */
+const char *step_wait_missing(const step_start_t *start, const events_t *events);
+
 #endif

@@ -155,7 +155,7 @@ def _lay_out(figure: Figure, panels: list[Axes], rows: list[Axes], section: floa
 
 
 def _legend(figure: Figure, run: RunData, height: float) -> None:
-    entries = [("robot's arm", style.ROBOT), ("person", style.PERSON)]
+    entries = [("torso", style.PALE), ("robot's arm", style.ROBOT), ("person", style.PERSON)]
     if run.has("second_x_m"):
         entries.append(("second person", style.SECOND))
     if run.has("object_x_m"):

@@ -62,11 +62,11 @@ def joints(run: RunData) -> Figure:
     for i in range(JOINTS):
         low = np.degrees(arm.position_min_rad[i])
         high = np.degrees(arm.position_max_rad[i])
-        _limited(rows[i], run.t_s[part], position_deg[:, i], (low, high), style.JOINT_COLOURS[i], f"q{i + 1}")
+        _limited(rows[i], run.t_s[part], position_deg[:, i], (low, high), style.JOINT_COLOURS[i], f"q{i}")
         rows[i].set_ylabel("[deg]")
         most = float(arm.velocity_max_radps[i])
         row = rows[JOINTS + i]
-        _limited(row, run.t_s[part], rates[:, i], (-most, most), style.JOINT_COLOURS[i], f"rate {i + 1}")
+        _limited(row, run.t_s[part], rates[:, i], (-most, most), style.JOINT_COLOURS[i], f"rate {i}")
         row.set_ylabel("[rad/s]")
     for row in rows:
         style.legend_beside(row)
