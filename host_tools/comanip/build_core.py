@@ -67,7 +67,8 @@ def declarations(includes: str, build_dir: Path) -> str:
     )
 
 
-def build(generated: Path, build_dir: Path, core_flags: list[str]) -> Path:
+def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path = PACKAGE) -> Path:
+    """The module in `folder`. SystemExit if something does not compile."""
     if not (generated / "comanip_dbc.c").is_file():
         raise SystemExit(f"build_core: {generated}/comanip_dbc.c is missing: run codegen.py {generated} first")
     build_dir.mkdir(parents=True, exist_ok=True)
@@ -96,7 +97,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str]) -> Path:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(compile_one, jobs))
 
-    library = PACKAGE / "_core.abi3.so"
+    library = folder / "_core.abi3.so"
     unfinished = build_dir / library.name
     run([*compiler(), "-shared", *objects, "-o", str(unfinished)])
     # Replaced in one step: a process that runs the old one keeps it.
