@@ -30,7 +30,7 @@ class Bench:
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
-        self.broken: list = []
+        self.raw: list = []  # frames as they are, in the next tick
         self.sent: list[tuple[int, bytes]] = []  # (id, data) of this tick
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
@@ -101,7 +101,9 @@ class Bench:
         """An OperatorCommand with a flipped bit, in the next tick."""
         frame = ffi.new("can_frame_t *")
         assert lib.operator_command_pack(ffi.new("operator_command_t *"), frame) == lib.PROTOCOL_OK
-        self.broken.append(frame)
+        lib.protocol_protect(self.sender, frame)
+        frame.data[7] ^= 1
+        self.raw.append(frame)
 
     # ---- one tick
 
@@ -117,10 +119,11 @@ class Bench:
             for frame in self.requests:
                 self._receive(frame)
             self.requests.clear()
-            for frame in self.broken:
-                self._receive(frame)
-                self.inbox.frame[self.inbox.count - 1].data[7] ^= 1
-            self.broken.clear()
+            for frame in self.raw:
+                frame.timestamp_us = self.now_us % 2**32
+                self.inbox.frame[self.inbox.count] = frame[0]
+                self.inbox.count += 1
+            self.raw.clear()
             lib.controller_step(self.controller, self.now_us % 2**32, self.inbox, self.outbox)
             frames = [self.outbox.frame[i] for i in range(self.outbox.count)]
             self.sent = [(f.id, bytes(f.data[0 : f.length])) for f in frames]

@@ -49,42 +49,44 @@ def _native_log(ffi, frames: Sequence[Frame]):
     return ffi.from_buffer("can_frame_t[]", packed)
 
 
+def _first(frames: Sequence[Frame], name: str) -> Frame | None:
+    frame_id = database().get_message_by_name(name).frame_id
+    return next((frame for frame in frames if frame.frame_id == frame_id and frame.message), None)
+
+
+def _has_right_crc(frame: Frame) -> bool:
+    return int.from_bytes(frame.data[:2], "little") == crc(frame.data, data_id(frame.name))
+
+
 def _require_boot(frames: Sequence[Frame], build_hash: int) -> str:
-    """The arm's name. ToolError unless the log has a boot of a firmware with this hash and its traces from there on."""
-    first = {}
-    for frame in frames:
-        first.setdefault(frame.name, frame)
-    identity, trace = first.get("FirmwareIdentity"), first.get("TickTrace")
+    """The arm's name. ToolError unless the log begins at the boot of a firmware with this hash. A damaged identity is no
+    other build: the replay will come upon it."""
+    identity, trace = _first(frames, "FirmwareIdentity"), _first(frames, "TickTrace")
     if trace is None:
         raise ToolError("the log has no TickTrace, expected one each millisecond: is the parameter `trace` 0, or is this another bus?")
     told = decode(identity) if identity else None
-    if told is None or trace.data[2] != 0 and crc(trace.data, data_id("TickTrace")) == int.from_bytes(trace.data[:2], "little"):
+    if told is None or (trace.data[2] != 0 and _has_right_crc(trace)):
         raise ToolError(
             f"the log does not begin at the firmware's boot (its first TickTrace has number {trace.data[2]}"
             f"{'' if told else ', and there is no FirmwareIdentity'}), expected all frames since then"
         )
-    if crc(identity.data, data_id("FirmwareIdentity")) == int.from_bytes(identity.data[:2], "little"):
-        if told["build_hash"] != build_hash:
-            raise ToolError(
-                f"the log comes from the firmware with build hash {told['build_hash']:016x}, this core has {build_hash:016x}: "
-                "expected the same; check out and build the revision that recorded it"
-            )
-        return str(told["arm"])
-    return "hoap3_right"
+    if _has_right_crc(identity) and told["build_hash"] != build_hash:
+        raise ToolError(
+            f"the log comes from the firmware with build hash {told['build_hash']:016x}, this core has {build_hash:016x}: "
+            "expected the same; check out and build the revision that recorded it"
+        )
+    return str(told["arm"])
 
 
 def _first_damaged(frames: Sequence[Frame]) -> int | None:
     """Place of the first frame between other nodes whose CRC is wrong: no replay can tell of it."""
     others = {
-        message.frame_id: data_id(message.name)
+        message.frame_id
         for message in database().messages
         if FIRMWARE not in message.senders and FIRMWARE not in message.receivers and data_id(message.name)
     }
-    for place, frame in enumerate(frames):
-        number = others.get(frame.frame_id)
-        if number is not None and frame.message and int.from_bytes(frame.data[:2], "little") != crc(frame.data, number):
-            return place
-    return None
+    wrong = (i for i, f in enumerate(frames) if f.frame_id in others and f.message and not _has_right_crc(f))
+    return next(wrong, None)
 
 
 class Replay:
@@ -94,9 +96,8 @@ class Replay:
         self._ffi, self._lib = native.load()
         self.frames = frames
         ffi, lib = self._ffi, self._lib
-        arm = getattr(lib, f"arm_{_require_boot(frames, lib.replay_build_hash())}", None)
-        if arm is None:
-            raise ToolError("the log comes from a firmware with an arm that this core does not have")
+        name = _require_boot(frames, lib.replay_build_hash())
+        arm = getattr(lib, f"arm_{name}", lib.arm_hoap3_right)  # a damaged name: the replay will come upon it
         by_kind = [messages()[lib.frame_table[kind].id] for kind in range(lib.FRAME_KIND_COUNT)]
         self._log = _native_log(ffi, frames)
         self._kind = ffi.new("uint8_t[]", len(frames))
