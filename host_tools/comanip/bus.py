@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import random
+import socket
 import time
 from collections import defaultdict
 from dataclasses import dataclass
@@ -12,6 +14,9 @@ import can
 from comanip.errors import ToolError
 from comanip.frame import COUNTERS, Frame, database, protected
 from comanip.logs import from_message
+
+
+CONNECT_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -68,8 +73,11 @@ class LiveBus:
 
 def open_bus(address: BusAddress) -> LiveBus:
     """ToolError if python-can cannot open it."""
+    logging.getLogger("can").addHandler(logging.NullHandler())  # what matters comes as an exception
     options = {"host": address.host, "port": address.port} if address.interface == "socketcand" else {}
     try:
+        if options:  # python-can itself tries for ten seconds
+            socket.create_connection((address.host, address.port), CONNECT_S).close()
         bus = can.Bus(interface=address.interface, channel=address.channel, fd=True, **options)
     except (can.CanError, OSError, ImportError, ValueError, TypeError, NotImplementedError) as error:
         raise ToolError(
