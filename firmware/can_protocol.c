@@ -378,7 +378,11 @@ void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *mes
 #define HAND_AGE_MAX_US 0xFFFFFFu
 
 protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *frame) {
-    struct comanip_tick_trace_t raw = {.now_us = message->now_us};
+    struct comanip_tick_trace_t raw = {
+        .now_us = message->now_us,
+        .drives_fresh = message->drives_fresh,
+        .rejected_frames = message->rejected_frames,
+    };
     raw.hand_age_us = message->hand_age_us < HAND_AGE_MAX_US ? message->hand_age_us : HAND_AGE_MAX_US;
     uint16_t bit = 1;
 #define PACK_COUNTER(kind, signal)                                                                                   \
@@ -416,6 +420,8 @@ void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message) {
         .target_valid = raw.target_valid != 0u,
         .target = dual_quaternion_from_pose(quaternion_normalise(r), t),
         .hand_age_us = raw.hand_age_us,
+        .drives_fresh = raw.drives_fresh != 0u,
+        .rejected_frames = raw.rejected_frames,
     };
     uint16_t bit = 1;
 #define UNPACK_COUNTER(kind, signal)                                                                                 \

@@ -171,6 +171,7 @@ typedef struct {
 typedef enum {
     PARAMETER_READ = 0,
     PARAMETER_WRITE = 1,
+    PARAMETER_SAVE = 2, /* all parameters, for the next boot; `parameter` and `value` mean nothing */
 } parameter_operation_t;
 
 typedef struct {
@@ -230,6 +231,7 @@ typedef enum {
     RESULT_TRACKER_STALE = 6,
     RESULT_UNKNOWN_PARAMETER = 7,
     RESULT_FAULT_PRESENT = 8,
+    RESULT_NOT_SUPPORTED = 9, /* by this port */
 } result_t;
 
 typedef struct {
@@ -270,6 +272,8 @@ typedef struct {
     bool target_valid;
     dual_quaternion_t target; /* robot hand in the torso frame */
     uint32_t hand_age_us;     /* limited to 24 bits */
+    bool drives_fresh;        /* all drives had answered in time */
+    uint8_t rejected_frames;  /* modulo 256, this tick's included */
 } tick_trace_t;
 
 /* CANopen's NMT states. */

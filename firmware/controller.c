@@ -165,6 +165,9 @@ static result_t define_result(controller_t *self, const task_define_t *define) {
 
 /* Parameters change at standstill only: a gain or a tracker rotation that changes in motion is a jump of the target. */
 static result_t access_result(controller_t *self, const parameter_access_t *access) {
+    if (access->operation == PARAMETER_SAVE) {
+        return RESULT_NOT_SUPPORTED; /* no port has a store yet */
+    }
     if (access->parameter >= PARAMETER_COUNT) {
         return RESULT_UNKNOWN_PARAMETER;
     }
@@ -273,6 +276,8 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
         .target_valid = self->supervisor.mode == MODE_COOPERATING,
         .target = self->target,
         .hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us),
+        .drives_fresh = self->supervisor_inputs.drives_fresh,
+        .rejected_frames = (uint8_t)self->receiver.rejected,
     };
     for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
         trace.last_counter[kind] = self->receiver.e2e[kind].counter;

@@ -49,6 +49,8 @@ install_python_packages() {
         fail "the Python packages could not be installed: is PyPI within reach (proxy, PIP_INDEX_URL)?"
     site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
     echo "$here" >"$site/comanip.pth"
+    printf '#!%s\nfrom comanip.__main__ import main\n\nmain()\n' "$(cd "$venv" && pwd)/bin/python" >"$venv/bin/comanip"
+    chmod +x "$venv/bin/comanip"
     echo "$here" >"$venv/.folder"
     cp "$requirements" "$venv/.installed" # last: an interrupted run starts over
 }

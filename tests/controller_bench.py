@@ -30,6 +30,7 @@ class Bench:
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
+        self.raw: list = []  # frames as they are, in the next tick
         self.sent: list[tuple[int, bytes]] = []  # (id, data) of this tick
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
@@ -89,9 +90,20 @@ class Bench:
         return self._ask(lib.task_define_pack, message)
 
     def write(self, parameter: int, value: float) -> int:
-        message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": parameter})
+        return self.access(lib.PARAMETER_WRITE, parameter, value)
+
+    def access(self, operation: int, parameter: int, value: float) -> int:
+        message = ffi.new("parameter_access_t *", {"operation": operation, "parameter": parameter})
         message.sequence, message.value = self._next_sequence(), value
         return self._ask(lib.parameter_access_pack, message)
+
+    def receive_broken(self) -> None:
+        """An OperatorCommand with a flipped bit, in the next tick."""
+        frame = ffi.new("can_frame_t *")
+        assert lib.operator_command_pack(ffi.new("operator_command_t *"), frame) == lib.PROTOCOL_OK
+        lib.protocol_protect(self.sender, frame)
+        frame.data[7] ^= 1
+        self.raw.append(frame)
 
     # ---- one tick
 
@@ -107,6 +119,11 @@ class Bench:
             for frame in self.requests:
                 self._receive(frame)
             self.requests.clear()
+            for frame in self.raw:
+                frame.timestamp_us = self.now_us % 2**32
+                self.inbox.frame[self.inbox.count] = frame[0]
+                self.inbox.count += 1
+            self.raw.clear()
             lib.controller_step(self.controller, self.now_us % 2**32, self.inbox, self.outbox)
             frames = [self.outbox.frame[i] for i in range(self.outbox.count)]
             self.sent = [(f.id, bytes(f.data[0 : f.length])) for f in frames]
@@ -154,17 +171,23 @@ class Bench:
         return [self.command_sent.mode[i] for i in range(JOINTS)]
 
     @property
-    def target(self) -> np.ndarray | None:
-        """(8,) as TickTrace published it in this tick; None when it said there is none."""
+    def trace(self):
+        """This tick's tick_trace_t; None when none was sent."""
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
             if frame.id == FRAME_ID["TICK_TRACE"]:
                 message = ffi.new("tick_trace_t *")
                 lib.tick_trace_unpack(frame, message)
-                if not message.target_valid:
-                    return None
-                return np.frombuffer(bytes(ffi.buffer(ffi.addressof(message, "target"))), np.float32)
+                return message
         return None
+
+    @property
+    def target(self) -> np.ndarray | None:
+        """(8,) as TickTrace published it in this tick; None when it said there is none."""
+        trace = self.trace
+        if trace is None or not trace.target_valid:
+            return None
+        return np.frombuffer(bytes(ffi.buffer(ffi.addressof(trace, "target"))), np.float32)
 
     @property
     def robot(self) -> np.ndarray:

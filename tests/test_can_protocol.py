@@ -201,11 +201,13 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         for name, kind in RECEIVED.items():
             trace.last_counter[kind] = counters[name]
         trace.now_us, trace.hand_age_us, trace.target_valid = int(rng.integers(2**32)), int(rng.integers(2**24)), True
+        trace.drives_fresh, trace.rejected_frames = bool(rng.integers(2)), int(rng.integers(256))
         ffi.memmove(ffi.addressof(trace, "target"), target.tobytes(), 32)
         assert lib.tick_trace_pack(trace, frame) == lib.PROTOCOL_OK
         decoded = message.decode(bytes(frame.data)[: frame.length])
         assert {name: decoded[f"{name}_counter"] for name in RECEIVED} == counters
         assert (decoded["now_us"], decoded["hand_age_us"], decoded["target_valid"]) == (trace.now_us, trace.hand_age_us, 1)
+        assert (decoded["drives_fresh"], decoded["rejected_frames"]) == (trace.drives_fresh, trace.rejected_frames)
         position = [decoded[f"target_{c}_m"] for c in "xyz"]
         rotation = [decoded[f"target_q{c}"] for c in "wxyz"]
         assert np.abs(oracle.translation(target) - position).max() < 1.5e-6
@@ -216,6 +218,7 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         assert oracle.pose_distance(unpacked, target) < 2e-4
         assert {name: back.last_counter[kind] for name, kind in RECEIVED.items()} == counters
         assert (back.now_us, back.hand_age_us) == (trace.now_us, trace.hand_age_us)
+        assert (back.drives_fresh, back.rejected_frames) == (trace.drives_fresh, trace.rejected_frames)
 
 
 def test_tick_trace_limits_the_age_and_marks_a_target_it_cannot_carry(dbc):

@@ -187,6 +187,31 @@ def test_unknown_commands_and_tasks_are_refused():
     assert bench.controller.task_id == lib.TASK_TELEOP  # as at boot
 
 
+def test_saving_parameters_is_refused_by_name_and_changes_nothing():
+    bench = Bench().until_ready()
+    before = list(bench.controller.parameters.value)
+    assert bench.access(lib.PARAMETER_SAVE, 0, 5.0) == lib.RESULT_NOT_SUPPORTED
+    assert bench.access(lib.PARAMETER_SAVE, 255, 0.0) == lib.RESULT_NOT_SUPPORTED
+    assert bench.access(lib.PARAMETER_SAVE + 1, 0, 5.0) == lib.RESULT_UNKNOWN_COMMAND
+    assert list(bench.controller.parameters.value) == before
+
+
+def test_trace_tells_of_fresh_drives_and_of_refused_frames():
+    bench = Bench().until_ready()
+    bench.tick()
+    assert (bench.trace.drives_fresh, bench.trace.rejected_frames) == (True, 0)
+    bench.receive_broken()
+    bench.tick()
+    assert (bench.trace.drives_fresh, bench.trace.rejected_frames) == (True, 1)
+    bench.drives_answer = False
+    silent = []
+    for _ in range(6):
+        bench.tick()
+        silent.append((bench.trace.drives_fresh, bench.mode == lib.MODE_FAULT or bench.mode == lib.MODE_IDLE))
+    assert all(fresh != left for fresh, left in silent), "the mode is left in the tick in which the drives are silent"
+    assert silent[0][0] and not silent[-1][0]
+
+
 def test_parameters_do_not_change_in_cooperation():
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     assert bench.write(lib.PARAMETER_MOTION_SCALE, 2.0) == lib.RESULT_WRONG_MODE

@@ -21,7 +21,7 @@ import cffi
 
 PACKAGE = Path(__file__).resolve().parent
 FIRMWARE = PACKAGE.parents[1] / "firmware"
-BATCH = PACKAGE / "_binding" / "batch.c"
+BINDING = PACKAGE / "_binding"
 
 SHARED = ["-g", "-fPIC", "-fvisibility=hidden"]
 
@@ -37,15 +37,15 @@ def run(command: list[str]) -> str:
     return done.stdout
 
 
-def firmware_sources() -> list[Path]:
-    """All of the firmware but its entry, which needs a HAL."""
+def core_sources() -> list[Path]:
+    """All of the firmware but its entry, which needs a HAL; then the loops for Python around it."""
     sources = [*FIRMWARE.glob("*.c"), *FIRMWARE.glob("arms/*.c")]
-    return sorted(source for source in sources if source.name != "main.c")
+    return sorted(source for source in sources if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 
 def umbrella(sources: list[Path]) -> str:
     """Includes the header of each source."""
-    return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in [*sources, BATCH])
+    return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in sources)
 
 
 def declarations(includes: str, build_dir: Path) -> str:
@@ -67,11 +67,12 @@ def declarations(includes: str, build_dir: Path) -> str:
     )
 
 
-def build(generated: Path, build_dir: Path, core_flags: list[str]) -> Path:
+def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path = PACKAGE) -> Path:
+    """The module in `folder`. SystemExit if something does not compile."""
     if not (generated / "comanip_dbc.c").is_file():
         raise SystemExit(f"build_core: {generated}/comanip_dbc.c is missing: run codegen.py {generated} first")
     build_dir.mkdir(parents=True, exist_ok=True)
-    sources = firmware_sources()
+    sources = core_sources()
     includes = umbrella(sources)
 
     ffi = cffi.FFI()
@@ -84,7 +85,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str]) -> Path:
     strict = [*compiler(), *core_flags, *SHARED, f"-I{generated}"]
     common = [flag for flag in strict if not flag.startswith("-W")]  # generated code is not ours to mend
     python_headers = {f"-I{sysconfig.get_path(key)}" for key in ("include", "platinclude")}
-    jobs = [(strict, source) for source in [*sources, BATCH]]
+    jobs = [(strict, source) for source in sources]
     jobs += [(common, generated / "comanip_dbc.c"), ([*common, *sorted(python_headers)], module)]
 
     def compile_one(job: tuple[list[str], Path]) -> str:
@@ -96,7 +97,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str]) -> Path:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = list(pool.map(compile_one, jobs))
 
-    library = PACKAGE / "_core.abi3.so"
+    library = folder / "_core.abi3.so"
     unfinished = build_dir / library.name
     run([*compiler(), "-shared", *objects, "-o", str(unfinished)])
     # Replaced in one step: a process that runs the old one keeps it.

@@ -1,0 +1,139 @@
+"""``comanip calibrate``: how the tracker is turned against the robot."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from comanip import logs, pose_lines
+from comanip.bus import LiveBus, open_bus
+from comanip.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, console, examples
+from comanip.errors import ToolError
+from comanip.frame import Frame, decode
+from comanip.operator_client import OperatorClient
+
+HELP = examples(
+    "comanip calibrate                                guides you, reads the bus, prints the commands",
+    "comanip calibrate --set -i socketcand            and writes them into the firmware",
+    "comanip calibrate --from moves.csv               from a recording: t_s,x_m,y_m,z_m,qw,qx,qy,qz",
+    "comanip calibrate --from out/calibration/bus.log",
+)
+PATIENCE_S = 60.0
+CLOCK_US = 2**32
+Sample = tuple[float, np.ndarray]  # time [s], position [m] in the tracker's frame
+
+
+class _Unwrapped:
+    """The tracker's 32-bit clock as seconds that go on."""
+
+    def __init__(self):
+        self._last_us, self._turns = 0, 0
+
+    def seconds(self, t_us: int) -> float:
+        if t_us < self._last_us - CLOCK_US // 2:
+            self._turns += 1
+        self._last_us = t_us
+        return (self._turns * CLOCK_US + t_us) / 1e6
+
+
+def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
+    """Of the valid HandPose frames."""
+    clock = _Unwrapped()
+    for frame in frames:
+        if frame is None or frame.name != "HandPose" or (pose := decode(frame)) is None or not pose["valid"]:
+            continue
+        yield clock.seconds(int(pose["t_us"])), np.array([pose["x_m"], pose["y_m"], pose["z_m"]])
+
+
+def recorded_samples(path: Path) -> Iterator[Sample]:
+    """Of a recording (docs/recordings.md) or of any lines that `comanip tracker` takes, with time stamps."""
+    try:
+        with open(path, encoding="utf-8") as lines:
+            for number, line in enumerate(lines, 1):
+                try:
+                    pose = pose_lines.parse(line)
+                except ValueError as error:
+                    raise ToolError(f"{path}:{number}: {error}") from error
+                if pose is None:
+                    continue
+                if pose.t_s is None:
+                    raise ToolError(f"{path}:{number}: no time stamp, expected one before each pose")
+                yield pose.t_s, np.array(pose.position_m)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ToolError(f"{path}: cannot be read as text: {error}") from error
+
+
+def found_moves(samples: Iterable[Sample]) -> Iterator[Move]:
+    detector = MoveDetector()
+    for t_s, position_m in samples:
+        move = detector.feed(t_s, position_m)
+        if move is not None:
+            yield move
+
+
+def _frames(bus: LiveBus) -> Iterator[Frame | None]:
+    deadline_s = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline_s:
+        yield bus.receive(0.1)
+
+
+def _guide(bus: LiveBus) -> list[Move]:
+    out = console()
+    detector, moves = MoveDetector(), []
+    out.print("Hold the marked hand still.")
+    for t_s, position_m in hand_samples(_frames(bus)):
+        was_resting = detector.is_resting
+        move = detector.feed(t_s, position_m)
+        if detector.is_resting and not was_resting:
+            out.print(f"1/{len(MOVES)}: move it 20 cm or more straight {MOVES[0]}, as the robot looks, and hold it there.")
+        if move is None:
+            continue
+        moves.append(move)
+        out.print(f"  {100 * move.length_m:.0f} cm, {100 * move.crooked:.1f} % off the line")
+        if len(moves) == len(MOVES):
+            return moves
+        out.print(f"{len(moves) + 1}/{len(MOVES)}: from there straight {MOVES[len(moves)]}, and hold it there.")
+    raise CalibrationError(f"{len(moves)} of {len(MOVES)} moves within {PATIENCE_S:g} s: is the tracker running? `comanip monitor` shows HandPose")
+
+
+def _tell(result: Calibration) -> None:
+    out = console()
+    vector = result.rotation_vector
+    off = ", ".join(f"{name} {angle:.1f}" for name, angle in zip(MOVES, result.residual_deg))
+    out.print(f"rotation vector {' '.join(f'{value:.4f}' for value in vector)} rad, standard error {result.standard_error_deg:.1f} degrees")
+    out.print(f"degrees between each move and its axis: {off}")
+
+
+def calibrate(
+    from_: Annotated[Path | None, typer.Option("--from", help="A log (.log, .asc, .blf, .trc) or a recording (.csv) instead of the bus.")] = None,
+    write: Annotated[bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")] = False,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+) -> None:  # fmt: skip
+    """Find the tracker's rotation (q_Tv^E) from three moves of the hand: forward, left, up, with rests between.
+
+    Forward, left and up are the robot's: x, y and z of its torso. The moves follow one another: not back in between.
+    Refuses when the moves do not tell the rotation to 5 degrees.
+    """
+    if from_ is not None:
+        is_recording = from_.suffix.lower() == ".csv"
+        result = solve(found_moves(recorded_samples(from_) if is_recording else hand_samples(logs.read(from_))))
+    else:
+        with open_bus(address(interface, channel, host, port)) as bus:
+            result = solve(_guide(bus))
+    _tell(result)
+    values = [float(value) for value in result.rotation_vector]
+    if not write:
+        for name, value in zip(PARAMETERS, values):
+            console().print(f"comanip param set {name} -- {value:.5f}")
+        return
+    with open_bus(address(interface, channel, host, port)) as bus:
+        client = OperatorClient(bus)
+        for name, value in zip(PARAMETERS, values):
+            client.write(name, value)
+    console().print("written, and read back the same")

@@ -1,0 +1,151 @@
+"""``comanip monitor``: what the bus is doing, as a live table."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from comanip import logs
+from comanip.bus import open_bus
+from comanip.bus_state import BusState
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, console, examples
+from comanip.errors import ToolError
+from comanip.frame import Frame, signals_text
+
+HELP = examples(
+    "comanip monitor                                   vcan0 through SocketCAN",
+    "comanip monitor -i socketcand -c vcan0            through a hub, without CAN in the kernel",
+    "comanip monitor --log out/pour/bus.log            a log, at its recorded pace",
+    "comanip monitor --once --duration 2               one table after two seconds, for scripts",
+)
+REFRESH_S = 0.2
+MODE_STYLE = {"cooperating": "green", "ready": "cyan", "hold": "yellow", "fault": "bold red"}
+NO_POSE_US = 2**24 - 1
+
+
+def render(state: BusState, now_us: int, source: str) -> Group:
+    """`now_us`: by the clock of the frames."""
+    return Group(_head(state, now_us, source), _table(state, now_us))
+
+
+def _head(state: BusState, now_us: int, source: str) -> Text:
+    status, trace = state.signals("FirmwareStatus"), state.signals("TickTrace")
+    text = Text()
+    if status:
+        mode = str(status["mode"])
+        text.append(f"{mode} ", MODE_STYLE.get(mode, ""))
+        text.append(f"({status['reason']}), task {status['task']}{', latched' if status['latched'] else ''}, ")
+        text.append(f"speed limit {status['speed_limit_percent']:g} %, refused frames {status['rejected_frames']}\n")
+    else:
+        text.append("no FirmwareStatus: the firmware is not there\n", "yellow")
+    if trace:
+        age_us = int(trace["hand_age_us"])
+        hand = "no hand yet" if age_us >= NO_POSE_US else f"hand {age_us / 1000:.1f} ms old"
+        text.append(f"{hand}, drives {'answer' if trace['drives_fresh'] else 'silent'}, ")
+    refused = sum(row.refused for row in state.ids.values())
+    text.append(
+        f"bus load at most {state.load_percent(now_us):.1f} %, {state.rate_hz(now_us):.0f} frames/s, "
+        f"{state.frames} frames, {state.error_frames} error frames, {refused} E2E errors\n{source}\n"
+    )
+    return text
+
+
+def _table(state: BusState, now_us: int) -> Table:
+    table = Table("id", "message", "from", "count", "Hz", "age ms", "E2E", "signals", box=None, pad_edge=False, expand=True)
+    for column, (width, justify) in enumerate(((5, "left"), (17, "left"), (9, "left"), (7, "right"), (6, "right"), (8, "right"))):
+        table.columns[column].min_width, table.columns[column].justify = width, justify
+        table.columns[column].no_wrap = True
+    table.columns[-1].no_wrap, table.columns[-1].overflow, table.columns[-1].ratio = True, "ellipsis", 1
+    for (frame_id, extended), row in sorted(state.ids.items()):
+        message = row.last.message
+        verdict = f"{row.refused} wrong" if row.refused else "" if row.verdict.ok is None else "ok"
+        table.add_row(
+            f"{frame_id:08X}" if extended else f"{frame_id:03X}",
+            message.name if message else "?", ", ".join(message.senders) if message else "", str(row.count),
+            f"{row.rate_hz(now_us):.0f}", f"{(now_us - row.last.t_us) / 1000:.0f}",
+            Text(verdict, "red" if row.refused else ""), Text(signals_text(row.last)),
+        )  # fmt: skip
+    return table
+
+
+def _from_bus(bus) -> Iterator[Frame | None]:
+    while True:
+        yield bus.receive(REFRESH_S / 4)
+
+
+def _from_log(path: Path) -> Iterator[Frame | None]:
+    """At the pace of its times; None while nothing is due."""
+    begin_s = first_us = None
+    for frame in logs.read(path):
+        if first_us is None:
+            begin_s, first_us = time.monotonic(), frame.t_us
+        while (ahead_s := (frame.t_us - first_us) / 1e6 - (time.monotonic() - begin_s)) > 0:
+            time.sleep(min(ahead_s, REFRESH_S / 4))
+            yield None
+        yield frame
+
+
+class _Clock:
+    """The frames' own, carried on by this machine's between them, so that ages grow while the bus is silent."""
+
+    def __init__(self):
+        self._newest_us, self._at_s = 0, time.monotonic()
+
+    def feed(self, t_us: int) -> None:
+        self._newest_us, self._at_s = t_us, time.monotonic()
+
+    def now_us(self) -> int:
+        return self._newest_us + round(1e6 * (time.monotonic() - self._at_s))
+
+
+def _watch(frames: Iterator[Frame | None], state: BusState, clock: _Clock, duration_s: float | None, refresh) -> None:
+    begin_s = shown_s = time.monotonic()
+    for frame in frames:
+        if frame is not None:
+            state.feed(frame)
+            clock.feed(frame.t_us)
+        now_s = time.monotonic()
+        if now_s - shown_s > REFRESH_S:
+            refresh()
+            shown_s = now_s
+        if duration_s is not None and now_s - begin_s > duration_s:
+            return
+
+
+def _show(frames: Iterator[Frame | None], source: str, duration_s: float | None, once: bool) -> None:
+    state, clock, out = BusState(), _Clock(), console()
+    try:
+        if once:
+            _watch(frames, state, clock, duration_s, lambda: None)
+            out.print(render(state, clock.now_us(), source))
+            return
+        with Live(console=out, auto_refresh=False, screen=out.is_terminal) as live:
+            _watch(frames, state, clock, duration_s, lambda: live.update(render(state, clock.now_us(), source), refresh=True))
+        out.print(render(state, clock.now_us(), source))
+    except KeyboardInterrupt:
+        pass
+
+
+def monitor(
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+    log: Annotated[Path | None, typer.Option(help="A log instead of a bus, at its recorded pace.")] = None,
+    duration: Annotated[float | None, typer.Option(min=0.0, help="Seconds, then end. Else until Ctrl-C, or the log's end.")] = None,
+    once: Annotated[bool, typer.Option("--once", help="One table at the end instead of a live one; wants --duration or --log.")] = False,
+) -> None:  # fmt: skip
+    """Show mode, reason, ages, rates, load, errors and decoded signals. Sends nothing."""
+    if once and duration is None and log is None:
+        raise ToolError("--once: without an end, expected --duration SECONDS or --log LOG with it")
+    if log is not None:
+        _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
+        return
+    bus_address = address(interface, channel, host, port)
+    with open_bus(bus_address) as bus:
+        _show(_from_bus(bus), str(bus_address), duration, once)

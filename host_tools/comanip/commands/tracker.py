@@ -1,0 +1,120 @@
+"""``comanip tracker``: publishes a person's hand from lines of text."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from typing import Annotated
+
+import typer
+
+from comanip.bus import open_bus
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, examples
+from comanip.errors import ToolError
+from comanip.pose_lines import ORDERS, Pose, parse
+from comanip.tracker_publisher import TrackerPublisher, status_period_s
+
+HELP = examples(
+    "my_tracker | comanip tracker --stdin",
+    "comanip tracker --stdin --pace < hand.csv          a recording, at its own pace",
+    "ros2_poses_as_json | comanip tracker --stdin --quaternion xyzw -i socketcand",
+)
+LINES_AHEAD = 1000
+
+
+def _lines(queue_: queue.Queue) -> None:
+    for line in sys.stdin:
+        queue_.put(line)
+    queue_.put(None)
+
+
+def _read(lines: queue.Queue, order: str, on_bad) -> Iterator[Pose | None]:
+    """Each pose, or None when it is time for a status. Ends with the input."""
+    number = 0
+    due_s = time.monotonic()
+    while True:
+        try:
+            line = lines.get(timeout=max(0.0, due_s - time.monotonic()))
+        except queue.Empty:
+            due_s = time.monotonic() + status_period_s()
+            yield None
+            continue
+        if line is None:
+            return
+        number += 1
+        try:
+            pose = parse(line, order)
+        except ValueError as error:
+            on_bad(number, str(error))
+            continue
+        if pose is not None:
+            yield pose
+        if time.monotonic() >= due_s:
+            due_s = time.monotonic() + status_period_s()
+            yield None
+
+
+class _Pace:
+    """Waits until a pose is due by its own time."""
+
+    def __init__(self):
+        self._offset_s: float | None = None
+
+    def wait(self, pose: Pose) -> None:
+        if pose.t_s is None:
+            raise ToolError("--pace: a line without a time stamp, expected one before each pose")
+        if self._offset_s is None:
+            self._offset_s = time.monotonic() - pose.t_s
+        time.sleep(max(0.0, self._offset_s + pose.t_s - time.monotonic()))
+
+
+def tracker(
+    stdin: Annotated[bool, typer.Option("--stdin", help="Read poses from standard input, one a line.")] = False,
+    quaternion: Annotated[str, typer.Option(help="Order of its components in the lines: wxyz or xyzw.")] = "wxyz",
+    rate: Annotated[float | None, typer.Option(min=10, max=1000, help="Of the tracker, in Hz. Else taken from the times of its poses.")] = None,
+    pace: Annotated[bool, typer.Option("--pace", help="Wait for each pose's own time: for a recording.")] = False,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+) -> None:  # fmt: skip
+    """Publish poses as HandPose and TrackerStatus, with end-to-end protection.
+
+    Lines are CSV or JSON, metres, in the tracker's frame, with or without a time stamp in seconds before:
+
+    x,y,z,qw,qx,qy,qz   or 12 or 16 numbers of a matrix, row by row   or {"t": 0.1, "position": [x,y,z], "quaternion": [w,x,y,z]}
+    or {"matrix": [[...],[...],[...]]}.
+
+    A bad line is told, counts as a lost sample and goes out as an invalid pose: the firmware never sees a made-up one.
+    Exit status: 0 all lines were good, 1 some were not, 2 wrong use.
+    """
+    if not stdin:
+        raise ToolError("tracker: no source of poses, expected --stdin")
+    if quaternion not in ORDERS:
+        raise ToolError(f"--quaternion '{quaternion}': expected one of {', '.join(ORDERS)}")
+    with open_bus(address(interface, channel, host, port)) as bus:
+        publisher = TrackerPublisher(bus, rate)
+        bad = 0
+
+        def on_bad(number: int, what: str) -> None:
+            nonlocal bad
+            bad += 1
+            print(f"comanip: line {number}: {what}", file=sys.stderr)
+            publisher.lose()
+
+        lines: queue.Queue = queue.Queue(LINES_AHEAD)
+        threading.Thread(target=_lines, args=(lines,), daemon=True).start()
+        waiting = _Pace()
+        try:
+            for pose in _read(lines, quaternion, on_bad):
+                if pose is None:
+                    publisher.publish_status()
+                    continue
+                if pace:
+                    waiting.wait(pose)
+                publisher.publish(pose)
+        except KeyboardInterrupt:
+            pass
+    print(f"{publisher.sent} poses sent, {publisher.lost} lost, {publisher.range_errors} of them out of the frame's range", file=sys.stderr)
+    if bad:
+        raise typer.Exit(1)

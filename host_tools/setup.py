@@ -1,0 +1,41 @@
+"""Compiles the firmware into the package when it is installed from a clone of the repository: see comanip/build_core.py.
+
+Where that cannot be (no C compiler), the package is installed without it; the tools that need it say so.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from setuptools import Distribution, setup
+from setuptools.command.build_py import build_py
+
+HERE = Path(__file__).resolve().parent
+CORE_FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno"]  # the Makefile's CORE_CFLAGS, less its warnings
+
+
+class BuildWithCore(build_py):
+    def run(self):
+        super().run()
+        if (HERE.parent / "firmware").is_dir():
+            self.build_core(Path(self.build_lib) / "comanip")
+
+    def build_core(self, folder):
+        sys.path.insert(0, str(HERE))
+        from comanip import build_core, codegen
+
+        with tempfile.TemporaryDirectory() as name:
+            generated = Path(name) / "generated"
+            codegen.main(generated)
+            try:
+                build_core.build(generated, Path(name) / "objects", [*CORE_FLAGS, f"-I{generated}"], folder)
+            except (OSError, SystemExit) as error:
+                print(f"comanip: installed without the compiled core: {error}", file=sys.stderr)
+
+
+class BinaryDistribution(Distribution):
+    def has_ext_modules(self):
+        return True
+
+
+setup(cmdclass={"build_py": BuildWithCore}, distclass=BinaryDistribution)

@@ -1,0 +1,43 @@
+"""Runs ``comanip`` as a person does, or in this process where it shall meet a virtual bus."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from simulation import REPOSITORY
+
+COMANIP = REPOSITORY / ".venv" / "bin" / "comanip"
+WRONG_USE = 2
+TIMEOUT_S = 120
+
+
+def call(*arguments: object, text: str | None = None, environment: dict | None = None) -> subprocess.CompletedProcess:
+    """In a process of its own; `text` is its standard input."""
+    command = [str(COMANIP), *(str(argument) for argument in arguments)]
+    return subprocess.run(
+        command, input=text, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, env=environment
+    )
+
+
+def call_here(monkeypatch, capsys, *arguments: object) -> tuple[int, str, str]:
+    """In this process: exit status, standard output, standard error."""
+    from comanip.__main__ import main
+
+    monkeypatch.setattr(sys, "argv", ["comanip", *(str(argument) for argument in arguments)])
+    capsys.readouterr()
+    try:
+        main()
+        status = 0
+    except SystemExit as end:
+        status = end.code or 0
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+def require_refusal(done: subprocess.CompletedProcess, *words: str) -> None:
+    """One line that holds these words."""
+    assert done.returncode == WRONG_USE, (done.stdout, done.stderr)
+    assert done.stderr.startswith("comanip: ") and done.stderr.count("\n") == 1, done.stderr
+    for word in words:
+        assert word in done.stderr, done.stderr

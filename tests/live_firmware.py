@@ -1,0 +1,66 @@
+"""The C core on a python-can `virtual` bus, in a thread of its own, with drives and (if wanted) a tracker: what the live commands of
+`comanip` talk to. It ticks as fast as it is let, not by the clock."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import can
+from comanip._core import ffi
+from controller_bench import Bench
+
+CHANNEL = "live-firmware"
+INBOX_FRAMES = 8  # of the bus, in a tick
+
+
+class LiveFirmware(threading.Thread):
+    """`deaf`: so many frames are lost before the first one is heard. `mute`: it hears, and does not answer."""
+
+    def __init__(self, has_tracker: bool = True):
+        super().__init__(daemon=True)
+        self.bench = Bench()
+        if not has_tracker:
+            self.bench.hand = None
+        self.deaf, self.mute = 0, False
+        self.heard: list[can.Message] = []
+        self._bus = can.Bus(interface="virtual", channel=CHANNEL, fd=True)
+        self._over = threading.Event()
+
+    def run(self) -> None:
+        while not self._over.is_set():
+            for _ in range(INBOX_FRAMES):
+                message = self._bus.recv(0.0005)
+                if message is None:
+                    break
+                self._hear(message)
+            self.bench.tick()
+            for frame_id, data in self.bench.sent:
+                if not self.mute:
+                    self._bus.send(can.Message(arbitration_id=frame_id, data=data, is_extended_id=False, is_fd=True))
+
+    def _hear(self, message: can.Message) -> None:
+        self.heard.append(message)
+        if self.deaf > 0:
+            self.deaf -= 1
+            return
+        frame = ffi.new("can_frame_t *", {"id": message.arbitration_id, "length": len(message.data)})
+        ffi.memmove(frame.data, bytes(message.data), len(message.data))
+        self.bench.raw.append(frame)
+
+    def end(self) -> None:
+        self._over.set()
+        self.join()
+        self._bus.shutdown()
+
+
+@contextmanager
+def firmware(has_tracker: bool = True) -> Iterator[LiveFirmware]:
+    live = LiveFirmware(has_tracker)
+    live.bench.tick(60)  # past the boot announcement
+    live.start()
+    try:
+        yield live
+    finally:
+        live.end()

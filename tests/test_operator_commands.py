@@ -1,0 +1,105 @@
+"""`comanip task` and `comanip param` against the C core on a virtual bus: acknowledged, verified, refused by name."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bus_log import DBC
+from comanip._core import ffi, lib
+from comanip_command import WRONG_USE, call, call_here, require_refusal
+from e2e import p05
+from live_firmware import CHANNEL, firmware
+
+BUS = ("-i", "virtual", "-c", CHANNEL)
+PARAMETERS = [ffi.string(lib.parameter_table[i].name).decode() for i in range(lib.PARAMETER_COUNT)]
+
+
+@pytest.fixture
+def live():
+    with firmware() as running:
+        yield running
+
+
+@pytest.fixture
+def comanip(monkeypatch, capsys):
+    return lambda *arguments: call_here(monkeypatch, capsys, *arguments)
+
+
+def require_refused(outcome: tuple[int, str, str], *words: str) -> None:
+    status, out, err = outcome
+    assert (status, out) == (WRONG_USE, "")
+    assert err.startswith("comanip: ") and err.count("\n") == 1
+    assert all(word in err for word in words), err
+
+
+def test_a_session(live, comanip):
+    """What the firmware is in afterwards, and what is on the bus: E2E valid for the reference implementation."""
+    core = live.bench.controller
+    assert comanip("task", "select", "mirror", *BUS) == (0, "select mirror: accepted\n", "")
+    assert core.task_id == lib.TASK_MIRROR
+    assert comanip("task", "start", *BUS)[0] == 0
+    assert core.supervisor.mode == lib.MODE_COOPERATING
+    assert comanip("task", "latch", *BUS)[0] == 0
+    assert core.cooperation.latched
+    assert comanip("task", "clutch", *BUS)[0] == 0
+    require_refused(comanip("param", "set", "motion_scale", 0.5, *BUS), "motion_scale", "wrong_mode")
+    assert comanip("task", "stop", *BUS)[0] == 0
+    assert core.supervisor.mode == lib.MODE_READY
+    for message in live.heard:
+        layout = DBC.get_message_by_frame_id(message.arbitration_id)
+        assert p05.e2e_p05_check(bytes(message.data), layout.dbc.attributes["E2EDataId"].value), layout.name
+        assert message.is_fd and message.bitrate_switch and len(message.data) == layout.length
+
+
+def test_refusals_are_named(live, comanip):
+    require_refused(comanip("task", "latch", *BUS), "latch", "wrong_mode")
+    live.bench.hand = None
+    require_refused(comanip("task", "start", *BUS), "start", "wrong_mode")
+    require_refused(comanip("param", "save", *BUS), "save", "not_supported", "memory")
+    require_refused(comanip("param", "set", "stale_periods", 1000, *BUS), "stale_periods", "out_of_range", "2.5")
+    require_refused(comanip("param", "set", "no_such", 1, *BUS), "no_such", "motion_scale")
+    require_refused(comanip("param", "set", "damping", 1e39, *BUS), "1e+39", "float32")
+    require_refused(comanip("task", "select", "juggle", *BUS), "juggle", "pour, teleop, mirror")
+
+
+def test_parameters_are_written_and_read_back(live, comanip):
+    values = live.bench.controller.parameters.value
+    assert comanip("param", "set", "tracker_rotation_y_rad", *BUS, "--", "-0.1")[0] == 0
+    assert values[lib.PARAMETER_TRACKER_ROTATION_RAD + 1] == np.float32(-0.1)
+    status, out, _ = comanip("param", "get", "tracker_rotation_y_rad", *BUS)
+    assert (status, float(out)) == (0, pytest.approx(-0.1, abs=1e-7))
+    status, out, _ = comanip("param", "list", *BUS)
+    assert status == 0
+    rows = {line.split()[0]: [float(word) for word in line.split()[1:]] for line in out.splitlines()[1:]}
+    assert list(rows) == PARAMETERS
+    for i, name in enumerate(PARAMETERS):
+        row = lib.parameter_table[i]
+        assert rows[name] == pytest.approx([values[i], row.minimum, row.maximum, row.default_value], rel=1e-6)
+
+
+def test_a_value_that_reads_back_otherwise_is_told(live, comanip, monkeypatch):
+    """As if somebody else had written between."""
+    from comanip.operator_client import OperatorClient
+
+    monkeypatch.setattr(OperatorClient, "read", lambda self, name: 0.75)
+    require_refused(comanip("param", "set", "motion_scale", 0.5, *BUS), "accepted as 0.5", "0.75")
+
+
+def test_lost_requests_are_sent_again(live, comanip):
+    live.deaf = 3
+    assert comanip("task", "select", "pour", *BUS)[0] == 0
+    assert len(live.heard) == 4
+    sequences = {DBC.decode_message(m.arbitration_id, bytes(m.data))["sequence"] for m in live.heard}
+    assert len(sequences) == 1, "the same request"
+    assert len({m.data[2] for m in live.heard}) == 4, "with a new counter each"
+
+
+def test_no_answer_is_an_error_with_a_deadline(live, comanip):
+    live.mute = True
+    require_refused(comanip("task", "stop", *BUS), "OperatorCommand", "no CommandAck", "5 attempts")
+    assert len(live.heard) == 5
+
+
+def test_no_bus_is_one_clear_line():
+    require_refusal(call("task", "stop", "-i", "nonsense"), "nonsense", "doctor")
+    require_refusal(call("param", "get", "trace", "-i", "socketcand", "--port", "1"), "socketcand vcan0", "doctor")

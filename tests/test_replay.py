@@ -1,0 +1,288 @@
+"""`comanip replay`: the C core, fed with a log, sends what was recorded, whatever clock the log has; and the first frame that is
+not so is named. The logs come from the simulator and from a bench around the core; what is wrong with them is made here."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import can
+import numpy as np
+import pytest
+from bus_log import DBC
+from comanip import logs
+from comanip._core import ffi, lib
+from comanip.errors import ToolError
+from comanip.frame import Frame
+from comanip.replay import Replay, Report
+from comanip_command import call, require_refusal
+from controller_bench import Bench
+from e2e import p05
+from simulation import EXPERIMENTS, experiment, run
+
+ID = {message.name: message.frame_id for message in DBC.messages}
+NAME = {message.frame_id: message.name for message in DBC.messages}
+BY_FIRMWARE = {message.frame_id for message in DBC.messages if message.senders == ["Firmware"]}
+EQUAL, DIFFERENT = 0, 1
+
+
+def replay(frames: list[Frame]) -> Report:
+    replaying = Replay(frames)
+    for _ in replaying.run():
+        pass
+    return replaying.report()
+
+
+def write(path: Path, frames: list[Frame]) -> Path:
+    path.write_text("".join(logs.candump_line(frame) + "\n" for frame in frames))
+    return path
+
+
+@pytest.fixture(scope="module")
+def eventful(tmp_path_factory) -> list[Frame]:
+    """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
+    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    done = run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75").require_pass()
+    return list(logs.read(done.log))
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory) -> list[Frame]:
+    done = run(tmp_path_factory.mktemp("short"), "--scenario", "teleop", "--duration", 3).require_pass()
+    return list(logs.read(done.log))
+
+
+# ---- equal
+
+
+@pytest.mark.parametrize("scenario", EXPERIMENTS)
+def test_all_experiments_replay_byte_for_byte(tmp_path, scenario):
+    done = run(tmp_path / "out", "--scenario", experiment(scenario), "--seed", 3)
+    assert done.status in (0, 1), done.stderr
+    replayed = call("replay", done.log)
+    assert replayed.returncode == EQUAL, replayed.stdout + replayed.stderr
+    lines = done.log.read_text().splitlines()
+    sent = sum(int(line.split()[2][:3], 16) in BY_FIRMWARE for line in lines)
+    told = re.search(r"EQUAL: (\d+) ticks: fed with (\d+) frames, the firmware sent (\d+);", replayed.stdout)
+    assert int(told[1]) >= done.summary["ticks"] - 1, "the last tick's frames may be too late for the log"
+    assert abs(int(told[3]) - sent) <= 5, "the log may end within a tick"
+
+
+def test_times_of_the_log_do_not_matter(eventful, rng):
+    """As of another machine's candump: another clock, drift, jitter."""
+    jitter_us = rng.integers(0, 400, len(eventful))
+    moved = [
+        frame._replace(t_us=1_700_000_000_000_000 + int(1.0002 * frame.t_us) + int(late))
+        for frame, late in zip(eventful, jitter_us)
+    ]
+    report = replay(moved)
+    assert report.difference is None
+    assert report.fed > 4 * report.ticks, "each tick reads the states of four drives"
+
+
+@pytest.mark.parametrize("suffix", [".blf", ".asc", ".log"])
+def test_logs_that_python_can_wrote(tmp_path, short, suffix):
+    path = tmp_path / f"bus{suffix}"
+    begin_s = 1_700_000_000
+    with can.Logger(path) as logger:
+        for frame in short:
+            logger(can.Message(
+                begin_s + frame.t_us / 1e6, frame.frame_id, False, data=frame.data, is_fd=True, bitrate_switch=True,
+                channel=0, is_rx=frame.frame_id not in BY_FIRMWARE,
+            ))  # fmt: skip
+    done = call("replay", path)
+    assert done.returncode == EQUAL, done.stdout + done.stderr
+
+
+def test_a_log_may_end_anywhere(short):
+    for end in range(len(short) - 40, len(short)):
+        assert replay(short[:end]).difference is None, end
+
+
+class RecordingBench(Bench):
+    """A bench whose frames, in and out, are a log; its clock is that of the firmware, which the log does not know."""
+
+    def __init__(self):
+        super().__init__(now_us=2**32 - 150_000)  # wraps within the run
+        self.log: list[Frame] = []
+
+    def tick(self, count: int = 1) -> None:
+        for _ in range(count):
+            super().tick()
+            self.record()
+
+    def record(self) -> None:
+        at_us = 1000 * self.ticks
+        inbox = [self.inbox.frame[i] for i in range(self.inbox.count)]
+        self.log += [Frame(at_us, f.id, bytes(f.data[0 : f.length])) for f in inbox]
+        self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in self.sent]
+
+
+def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500) -> RecordingBench:
+    """Drives that answer late and fall silent, broken and repeated frames, an operator who stops and starts."""
+    bench.tick(60)
+    bench.start(lib.TASK_TELEOP)
+    for _ in range(ticks):
+        draw = rng.random()
+        bench.stamp_offset_us = -int(rng.integers(0, 900))
+        bench.drives_answer = draw > 0.01 and (bench.drives_answer or rng.random() < 0.3)
+        if rng.random() < 0.05:
+            bench.receive_broken()
+        if rng.random() < 0.02:
+            bench.hand_valid = not bench.hand_valid
+        if rng.random() < 0.02:
+            bench.command(int(rng.choice([lib.COMMAND_STOP, lib.COMMAND_START, lib.COMMAND_LATCH, lib.COMMAND_CLUTCH])))
+        else:
+            bench.tick()
+        bench.move_hand(rng.normal(0, 0.0005, 3))
+    return bench
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
+    """When a drive counts as silent hangs on times of reception that are in no log."""
+    bench = run_bench(RecordingBench(), np.random.default_rng(seed))
+    report = replay(bench.log)
+    assert report.difference is None, report.difference
+    decoded = [DBC.decode_message("TickTrace", frame.data) for frame in bench.log if frame.frame_id == ID["TickTrace"]]
+    assert {trace["drives_fresh"] for trace in decoded} == {0, 1}
+    assert bench.controller.receiver.rejected > 20
+    assert report.ticks == bench.ticks
+
+
+@pytest.mark.parametrize("age_us", [1500, 2500, 2999, 3000, 3001, 5000])
+def test_frames_that_waited_long_before_they_were_read(age_us):
+    """As after a pause of the process: they count from when they came, which the log does not tell."""
+    bench = RecordingBench()
+    bench.tick(60)
+    bench.start(lib.TASK_TELEOP)
+    for silent_ticks in (1, 2, 3, 6):
+        bench.stamp_offset_us = -age_us
+        bench.tick(3)
+        bench.drives_answer = False
+        bench.tick(silent_ticks)
+        bench.drives_answer, bench.stamp_offset_us = True, -300
+        bench.tick(30)
+        bench.command(lib.COMMAND_STOP)
+        bench.command(lib.COMMAND_START)
+    assert replay(bench.log).difference is None
+
+
+def test_a_firmware_that_was_restarted():
+    first, second = RecordingBench(), RecordingBench()
+    first.tick(777)
+    second.ticks, second.now_us, second.sender = 5 * 777 // 4 * 4, 10**9, first.sender
+    second.until_ready().start(lib.TASK_TELEOP).tick(300)
+    report = replay(first.log + second.log)
+    assert report.difference is None, report.difference
+    assert (report.boots, report.ticks) == (2, 777 + second.ticks - 5 * 777 // 4 * 4)
+
+
+def test_at_recorded_pace(tmp_path, short):
+    first_second = [frame for frame in short if frame.t_us < 10**6]
+    done = call("replay", "--pace", write(tmp_path / "bus.log", first_second))
+    assert done.returncode == EQUAL, done.stderr
+    assert re.search(r"idle \(waiting_for_drives\)\n.*ready \(inputs_ready\)\n.*cooperating", done.stdout, re.DOTALL)
+    took_s = float(re.search(r"; (\d+\.\d) s", done.stdout)[1])
+    assert took_s >= 0.9
+
+
+# ---- different
+
+
+def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
+    data = bytearray(frames[place].data)
+    data[bit // 8] ^= 1 << bit % 8
+    return [*frames[:place], frames[place]._replace(data=bytes(data)), *frames[place + 1 :]]
+
+
+def test_one_flipped_bit_is_reported_at_its_frame(eventful, rng):
+    """In a frame of each id, and each part of it."""
+    places = {frame_id: [i for i, frame in enumerate(eventful) if frame.frame_id == frame_id] for frame_id in NAME}
+    tried = 0
+    for frame_id, where in places.items():
+        for place in rng.choice(where, min(len(where), 6), replace=False) if where else ():
+            bit = int(rng.integers(8 * len(eventful[place].data)))
+            difference = replay(flipped(eventful, int(place), bit)).difference
+            assert difference is not None, (NAME[frame_id], place, bit)
+            assert difference.place == place, (NAME[frame_id], place, bit, difference)
+            tried += 1
+    assert tried > 80
+
+
+def test_the_first_difference_is_told_with_time_id_and_signals(tmp_path, short):
+    message = DBC.get_message_by_name("JointCmd")
+    place = [i for i, frame in enumerate(short) if frame.frame_id == message.frame_id][2000]
+    frame = short[place]
+    signals = message.decode(frame.data, decode_choices=False)
+    data = bytearray(message.encode(signals | {"velocity_2_radps": signals["velocity_2_radps"] + 0.25}))
+    p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
+    changed = [*short[:place], frame._replace(data=bytes(data)), *short[place + 1 :]]
+    done = call("replay", write(tmp_path / "bus.log", changed))
+    assert done.returncode == DIFFERENT
+    assert "DIFFERENT" in done.stdout
+    assert f"at {frame.t_us / 1e6:.6f} s" in done.stdout
+    assert f"frame {place + 1}, id 0x050 JointCmd" in done.stdout
+    assert bytes(data).hex().upper() in done.stdout and frame.data.hex().upper() in done.stdout
+    recorded, replayed = re.search(r"velocity_2_radps: recorded (\S+), replayed (\S+)", done.stdout).groups()
+    assert float(recorded) - float(replayed) == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [("JointState1", "JointState1 with counter"), ("HandPose", "HandPose with counter"), ("OperatorCommand", "OperatorCommand with counter"),
+     ("JointCmd", "other bytes"), ("FirmwareStatus", "other bytes"), ("TickTrace", "")],
+)  # fmt: skip
+def test_a_frame_that_the_log_has_lost(short, name, what):
+    place = [i for i, frame in enumerate(short) if frame.frame_id == ID[name]][-1 if name == "OperatorCommand" else 200]
+    difference = replay([*short[:place], *short[place + 1 :]]).difference
+    assert difference is not None
+    assert what in difference.what
+    assert place - 40 <= difference.place <= place + 80, "near it"
+
+
+def test_a_frame_that_the_firmware_never_sent(short):
+    place = [i for i, frame in enumerate(short) if frame.frame_id == ID["JointCmd"]][500]
+    alien = Frame(short[place].t_us, ID["CommandAck"], bytes(8))
+    difference = replay([*short[:place], alien, *short[place:]]).difference
+    assert (difference.place, difference.recorded) == (place, alien)
+
+
+def test_a_frame_that_the_drives_never_sent_is_no_matter_if_it_is_foreign(short):
+    foreign = [Frame(0, 0x555, b"\1\2"), Frame(0, ID["JointCmd"], bytes(8), extended=True), Frame(0, 4, bytes(8), error=True)]
+    assert replay([*short[:500], *foreign, *short[500:]]).difference is None
+
+
+def test_a_trace_that_is_switched_off(tmp_path):
+    done = run(tmp_path / "out", "--scenario", "teleop", "--duration", 3, "--param", "trace=0").require_pass()
+    replayed = call("replay", done.log)
+    assert replayed.returncode == DIFFERENT
+    assert "the trace ends before this frame" in replayed.stdout
+
+
+# ---- refused
+
+
+def test_another_build_is_refused_with_both_hashes(tmp_path, short):
+    message = DBC.get_message_by_name("FirmwareIdentity")
+    place = next(i for i, frame in enumerate(short) if frame.frame_id == message.frame_id)
+    data = bytearray(message.encode(message.decode(short[place].data, decode_choices=False) | {"build_hash": 0x1234567890ABCDEF}))
+    p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
+    changed = [*short[:place], short[place]._replace(data=bytes(data)), *short[place + 1 :]]
+    require_refusal(call("replay", write(tmp_path / "bus.log", changed)), "1234567890abcdef", f"{lib.replay_build_hash():016x}")
+
+
+def test_logs_that_cannot_be_replayed(tmp_path, short):
+    with pytest.raises(ToolError, match="boot"):
+        Replay(short[2000:])
+    with pytest.raises(ToolError, match="TickTrace"):
+        Replay([frame for frame in short if frame.frame_id != ID["TickTrace"]])
+    (tmp_path / "bad.log").write_text("(0000000001.000000) vcan0 123##1AA\nnonsense\n")
+    require_refusal(call("replay", tmp_path / "bad.log"), "bad.log:2", "nonsense", "candump -L")
+    require_refusal(call("replay", tmp_path / "missing.log"), "missing.log", "No such file")
+    require_refusal(call("replay", tmp_path / "log.xyz"), "log.xyz", ".blf")
+
+
+def test_layout_that_python_packs_is_the_compilers():
+    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "data")]
+    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7], 72)
