@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -13,6 +14,7 @@ from controller_bench import Bench
 
 CHANNEL = "live-firmware"
 INBOX_FRAMES = 8  # of the bus, in a tick
+DEADLINE_S = 30.0
 
 
 class LiveFirmware(threading.Thread):
@@ -48,6 +50,12 @@ class LiveFirmware(threading.Thread):
         frame = ffi.new("can_frame_t *", {"id": message.arbitration_id, "length": len(message.data)})
         ffi.memmove(frame.data, bytes(message.data), len(message.data))
         self.bench.raw.append(frame)
+
+    def wait_for_mode(self, mode: int) -> None:
+        deadline_s = time.monotonic() + DEADLINE_S
+        while self.bench.controller.supervisor.mode != mode:
+            assert time.monotonic() < deadline_s, f"mode is {self.bench.controller.supervisor.mode}, not {mode}"
+            time.sleep(0.01)
 
     def end(self) -> None:
         self._over.set()

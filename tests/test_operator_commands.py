@@ -54,6 +54,7 @@ def test_a_session(live, comanip):
 def test_refusals_are_named(live, comanip):
     require_refused(comanip("task", "latch", *BUS), "latch", "wrong_mode")
     live.bench.hand = None
+    live.wait_for_mode(lib.MODE_IDLE)
     require_refused(comanip("task", "start", *BUS), "start", "wrong_mode")
     require_refused(comanip("param", "save", *BUS), "save", "not_supported", "memory")
     require_refused(comanip("param", "set", "stale_periods", 1000, *BUS), "stale_periods", "out_of_range", "2.5")
