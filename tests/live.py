@@ -1,5 +1,5 @@
 """Firmware and plant as two processes on one bus: the kernel's, if it has the interface COMANIP_TEST_CAN names (as in
-tests/socketcan), else a relay of the test's own. Whoever reads or writes frames here speaks SocketCAN's structures and
+tests/socketcan), else a hub of the test's own. Whoever reads or writes frames here speaks SocketCAN's structures and
 decodes with cantools: none of the code under test."""
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import signal
 import socket
 import struct
 import subprocess
-import sys
 import threading
 import time
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from e2e import p05
 REPOSITORY = Path(__file__).resolve().parents[1]
 FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
 PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
+HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
 SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # the tests' machine is no real-time one
 ATTEMPTS = 3  # at a run that a busy machine may spoil by pausing one of the processes
@@ -75,8 +75,8 @@ class Bus:
         else:
             path = self.folder / INTERFACE
             path.unlink(missing_ok=True)
-            self.relay = self.start([sys.executable, REPOSITORY / "tests" / "hub_relay.py", path], "relay")
-            self.wait(path.exists, "the relay's socket")
+            self.hub = self.start([HUB, "--bus", INTERFACE, "--socketcand", "off"], "hub")
+            self.wait(path.exists, "the hub's socket")
             self._tap = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             self._tap.connect(str(path))
         self._tap.settimeout(0.2)
@@ -99,7 +99,7 @@ class Bus:
             try:
                 data = self._tap.recv(CANFD_FRAME.size)
                 if not data:
-                    return  # the relay's end
+                    return  # the hub's end
             except TimeoutError:
                 continue
             except OSError as error:

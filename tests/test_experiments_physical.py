@@ -171,6 +171,13 @@ def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
     assert all(values(done)[criterion] is not None for criterion in criteria)
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
+    """The person's glass then runs into the robot's."""
+    done = run(tmp_path / "out", "--scenario", experiment("pour"), "--seed", seed, "--param", "motion_scale=0.01")
+    assert done.status == EXIT_CHECK_FAILED and failed(done) & {"clearance", "water_caught"}
+
+
 def test_mirrored_motion_of_the_measured_robot(tmp_path):
     """Person +x, robot -x; lateral and vertical motion equal: within 5 % of 30 mm, read from the trace by ourselves."""
     done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
