@@ -24,6 +24,8 @@ class BuildWithCore(build_py):
         sys.path.insert(0, str(HERE))
         from comanip import build_core, codegen
 
+        for former in folder.glob("_core*.so"):
+            former.unlink()
         with tempfile.TemporaryDirectory() as name:
             generated = Path(name) / "generated"
             codegen.main(generated)

@@ -118,6 +118,22 @@ class RecordingBench(Bench):
         self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in self.sent]
 
 
+    def lose(self, ticks: int) -> None:
+        """So many ticks of a paused firmware: what was on the bus is lost to it."""
+        for _ in range(ticks):
+            self.now_us += 1000
+            self.ticks += 1
+            self.inbox.count = 0
+            if self.ticks % 4 == 0:
+                self._receive(self._tracker_frame())
+            for joint in range(4):
+                self._receive(self._drive_frame(joint))
+            self.log += [
+                Frame(1000 * self.ticks, f.id, bytes(f.data[0 : f.length]))
+                for f in (self.inbox.frame[i] for i in range(self.inbox.count))
+            ]
+
+
 def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500) -> RecordingBench:
     """Drives that answer late and fall silent, broken and repeated frames, an operator who stops and starts."""
     bench.tick(60)
@@ -163,6 +179,21 @@ def test_frames_that_waited_long_before_they_were_read(age_us):
         bench.tick(silent_ticks)
         bench.drives_answer, bench.stamp_offset_us = True, -300
         bench.tick(30)
+        bench.command(lib.COMMAND_STOP)
+        bench.command(lib.COMMAND_START)
+    assert replay(bench.log).difference is None
+
+
+@pytest.mark.parametrize("lost_ticks", [1, 2, 3, 9, 10, 40, 100])
+def test_frames_that_the_firmware_lost(lost_ticks):
+    """As after a pause in which its queue ran over: the log has frames that it never read."""
+    bench = RecordingBench()
+    bench.tick(60)
+    bench.start(lib.TASK_TELEOP)
+    for _ in range(4):
+        bench.tick(21)
+        bench.lose(lost_ticks)
+        bench.tick(50)
         bench.command(lib.COMMAND_STOP)
         bench.command(lib.COMMAND_START)
     assert replay(bench.log).difference is None

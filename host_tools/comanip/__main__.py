@@ -15,7 +15,8 @@ def main() -> None:
     except ModuleNotFoundError as error:
         if str(error.name).startswith("comanip"):
             raise
-        print(f"comanip: the package {error.name} is missing: `make build` in the repository, or pip install it", file=sys.stderr)
+        package = str(error.name).split(".")[0]
+        print(f"comanip: the package {package} is missing: `make build` in the repository, or pip install it", file=sys.stderr)
         sys.exit(WRONG_USE)
     try:
         app(prog_name="comanip")

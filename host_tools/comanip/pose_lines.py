@@ -18,7 +18,7 @@ import numpy as np
 
 ORDERS = ("wxyz", "xyzw")
 UNIT_TOLERANCE = 1e-3  # the firmware's
-HEADER = re.compile(r"^#|^[A-Za-z_]")
+NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header's first name
 _COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # numbers in a line: has a time stamp
 
 
@@ -104,7 +104,7 @@ def _parse_json(line: str, order: str) -> Pose:
 def parse(line: str, order: str = "wxyz") -> Pose | None:
     """None for an empty line, a comment (#) or a header. ValueError says what is wrong with it."""
     text = line.strip()
-    if not text or HEADER.match(text):
+    if not text or NO_POSE.match(text):
         return None
     if text.startswith("{"):
         return _parse_json(text, order)

@@ -101,8 +101,33 @@ static void note_lost(replay_t *self, frame_kind_t kind, uint8_t counter) {
     end(self, REPLAY_LOST, self->tick_place);
 }
 
-/* Takes the frames of one id up to the one with the traced counter. */
-static bool read_kind(replay_t *self, frame_kind_t kind, const tick_trace_t *trace) {
+/* Where the firmware read less than the bus brought, for its queue was full after a pause, the log does not say which frames it
+ * had lost. In this order it is tried with which of them the tick sends the recorded TickTrace. */
+typedef enum {
+    READ_ALL,            /* up to the traced counter */
+    READ_BRIDGED_STATES, /* of states just so many that no counter jumps by more than end-to-end protection allows */
+    READ_NEWEST_STATES,  /* of states the newest alone */
+    READ_NEWEST,         /* of poses as well */
+    READ_PLANS
+} read_plan_t;
+
+#define BRIDGE 8 /* below E2E_MAX_DELTA */
+
+static bool is_read(read_plan_t plan, frame_kind_t kind, uint8_t distance) {
+    if (plan == READ_ALL || distance == 0u) {
+        return true;
+    }
+    if (kind == FRAME_HAND_POSE) {
+        return plan < READ_NEWEST;
+    }
+    if (frame_table[kind].period_ms == 0u) {
+        return true; /* an operator's frame: its answer is in the log */
+    }
+    return plan == READ_BRIDGED_STATES && distance % BRIDGE == 0u;
+}
+
+/* Takes the frames of one id up to the one with the traced counter. False: there is none, or more than a tick reads. */
+static bool read_kind(replay_t *self, frame_kind_t kind, const tick_trace_t *trace, read_plan_t plan) {
     e2e_receiver_t receiver = self->controller.receiver.e2e[kind];
     const uint8_t wanted = trace->last_counter[kind];
     uint32_t damaged = REPLAY_NO_FRAME;
@@ -113,18 +138,19 @@ static bool read_kind(replay_t *self, frame_kind_t kind, const tick_trace_t *tra
         skip_unheard(self, kind, wanted);
     }
     uint32_t place = self->cursor[kind];
-    for (int i = 0; i < CONTROLLER_INBOX_FRAMES && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
+    bool fits = true;
+    for (int i = 0; i < UINT8_MAX && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
         bool crc_right;
         (void)follow(&receiver, &self->log[place], kind, &crc_right);
         if (!crc_right && damaged == REPLAY_NO_FRAME) {
             damaged = place;
         }
-        if (!add_to_inbox(self, place)) {
-            break;
+        if (is_read(plan, kind, (uint8_t)(wanted - self->log[place].data[2]))) {
+            fits = add_to_inbox(self, place) && fits;
         }
         if (crc_right && receiver.counter == wanted) {
             self->cursor[kind] = self->next[place];
-            return true;
+            return fits;
         }
     }
     if (damaged != REPLAY_NO_FRAME) {
@@ -241,6 +267,47 @@ static void step(replay_t *self, const tick_trace_t *trace) {
     controller_step(&self->controller, trace->now_us, &self->inbox, &self->outbox);
 }
 
+static bool has_sent(const replay_t *self, const can_frame_t *recorded) {
+    for (int i = 0; i < self->outbox.count; i++) {
+        const can_frame_t *sent = &self->outbox.frame[i];
+        if (sent->id == recorded->id) {
+            return sent->length == recorded->length && memcmp(sent->data, recorded->data, sent->length) == 0;
+        }
+    }
+    return false;
+}
+
+/* False: it cannot have been so. */
+static bool try_plan(replay_t *self, const tick_trace_t *trace, read_plan_t plan) {
+    self->controller = self->before;
+    memcpy(self->cursor, self->cursor_before, sizeof self->cursor);
+    self->inbox.count = 0;
+    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
+        if (self->to_firmware[kind] && !read_kind(self, (frame_kind_t)kind, trace, plan)) {
+            return false;
+        }
+    }
+    step(self, trace);
+    while ((uint8_t)self->controller.receiver.rejected != trace->rejected_frames && read_refused(self)) {
+        step(self, trace);
+    }
+    return true;
+}
+
+/* The firmware's tick with what it had read. False: nothing fits. */
+static bool redo_tick(replay_t *self, const can_frame_t *recorded, const tick_trace_t *trace) {
+    int first_possible = READ_PLANS;
+    for (int plan = READ_ALL; plan < READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
+        if (try_plan(self, trace, (read_plan_t)plan)) {
+            if (has_sent(self, recorded)) {
+                return true;
+            }
+            first_possible = first_possible == READ_PLANS ? plan : first_possible;
+        }
+    }
+    return first_possible != READ_PLANS && try_plan(self, trace, (read_plan_t)first_possible);
+}
+
 static void replay_tick(replay_t *self) {
     const can_frame_t *recorded = &self->log[self->tick_place];
     if (!has_right_crc(recorded, FRAME_TICK_TRACE)) {
@@ -255,15 +322,12 @@ static void replay_tick(replay_t *self) {
         self->boots++;
     }
     self->before = self->controller;
-    self->inbox.count = 0;
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        if (self->to_firmware[kind] && !read_kind(self, (frame_kind_t)kind, &trace)) {
-            return;
+    memcpy(self->cursor_before, self->cursor, sizeof self->cursor);
+    if (!redo_tick(self, recorded, &trace)) {
+        if (self->result == REPLAY_EQUAL) {
+            note_lost(self, FRAME_OPERATOR_COMMAND, trace.last_counter[FRAME_OPERATOR_COMMAND]);
         }
-    }
-    step(self, &trace);
-    while ((uint8_t)self->controller.receiver.rejected != trace.rejected_frames && read_refused(self)) {
-        step(self, &trace);
+        return;
     }
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);

@@ -19,7 +19,8 @@ typedef enum {
     REPLAY_NOT_SENT = 2,  /* the firmware does not send the frame at `place` */
     REPLAY_NOT_IN_LOG = 3, /* the firmware sends `sent`, and the log, at `place` in that tick, has no such frame any more */
     REPLAY_DAMAGED = 4,    /* the frame at `place` was read by the firmware or sent by it, and its CRC is wrong in the log */
-    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with id and counter only, that the log does not have */
+    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with id and counter only, that the log does not
+                      * have, or not among so few that a tick can read them */
 } replay_result_t;
 
 typedef struct {
@@ -37,6 +38,7 @@ typedef struct {
     controller_outbox_t outbox;
     uint32_t place_of[CONTROLLER_INBOX_FRAMES]; /* in the log, of the frames in the inbox */
     uint32_t cursor[FRAME_KIND_COUNT]; /* next frame to be read by, or expected from, the firmware */
+    uint32_t cursor_before[FRAME_KIND_COUNT];
 
     replay_result_t result;
     uint32_t place;

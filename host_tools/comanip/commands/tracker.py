@@ -115,6 +115,7 @@ def tracker(
                 publisher.publish(pose)
         except KeyboardInterrupt:
             pass
+        publisher.publish_status()  # with the last counts
     print(f"{publisher.sent} poses sent, {publisher.lost} lost, {publisher.range_errors} of them out of the frame's range", file=sys.stderr)
     if bad:
         raise typer.Exit(1)

@@ -1,0 +1,69 @@
+"""`comanip` as a user has it: firmware and plant as two processes on a hub, watched and operated through socketcand and, with the shim,
+through SocketCAN; what was recorded meanwhile replays byte for byte."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+
+import pytest
+from comanip_command import COMANIP, WRONG_USE
+from hub import PATIENCE_S, WITH_CAN, Hub, running, tool, wait_until
+from live import FIRMWARE, PLANT, SLOW
+from simulation import REPOSITORY
+
+SCENE = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
+
+
+def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedProcess:
+    bus = {"socketcand": ["-i", "socketcand", "--port", hub.port], "shim": []}[through]
+    program = [WITH_CAN, COMANIP] if through == "shim" else [COMANIP]
+    command = [str(part) for part in (*program, *arguments, *bus)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S, env={**hub.environment, "COLUMNS": "200"})
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    """A hub with firmware and plant, and where the plant logs. The plant's operator starts at once; so does the test's."""
+    out = tmp_path_factory.mktemp("plant")
+    with running("--socketcand", "0") as hub:
+        with tool(hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--scenario", SCENE, "--duration", 600, "--out", out) as plant:
+            wait_until(lambda: "waits for the firmware" in plant.text(), "the plant")
+            with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW) as firmware:
+                yield hub, plant, firmware, out
+
+
+def accepted(hub: Hub, through: str, *arguments: object) -> bool:
+    """A busy machine may pause a process, and the firmware then refuses for good reason."""
+    return comanip(hub, through, *arguments).returncode == 0
+
+
+@pytest.mark.parametrize("through", ["socketcand", "shim"])
+def test_watch_and_operate(session, through):
+    hub = session[0]
+    shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
+    assert shown.returncode == 0, shown.stderr
+    assert re.search(r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+", shown.stdout), shown.stdout
+    assert "JointState3" in shown.stdout and " wrong" not in shown.stdout
+    wait_until(lambda: accepted(hub, through, "task", "stop"), "stop")
+    wait_until(lambda: accepted(hub, through, "param", "set", "motion_scale", "0.5"), "a parameter at rest")
+    read = comanip(hub, through, "param", "get", "motion_scale")
+    assert (read.returncode, read.stdout) == (0, "0.5\n"), read.stderr
+    refused = comanip(hub, through, "param", "save")
+    assert refused.returncode == WRONG_USE and "not_supported" in refused.stderr
+    wait_until(lambda: accepted(hub, through, "task", "select", "mirror"), "select")
+    wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, "task", "start"), "start")
+
+
+def test_what_was_recorded_replays(session):
+    """Last: it ends the plant."""
+    _, plant, firmware, out = session
+    firmware.process.send_signal(signal.SIGINT)
+    firmware.process.wait(PATIENCE_S)
+    plant.process.send_signal(signal.SIGINT)
+    plant.process.wait(PATIENCE_S)
+    replayed = subprocess.run([COMANIP, "replay", out / "bus.log"], capture_output=True, text=True, check=False)
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+    decoded = subprocess.run([COMANIP, "decode", out / "bus.log", "--only", "CommandAck"], capture_output=True, text=True, check=True)
+    assert "command select" in decoded.stdout and "command start" in decoded.stdout

@@ -1,0 +1,113 @@
+"""The Python package by itself: built from the sources into a wheel, light without the command line's packages, and clear about
+what is missing."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from simulation import REPOSITORY
+
+PYTHON = REPOSITORY / ".venv" / "bin" / "python"
+COMMAND_LINE_PACKAGES = ("typer", "rich", "mcap", "matplotlib", "click")
+
+
+def python(code: str, path: Path | None = None, **environment: str) -> subprocess.CompletedProcess:
+    variables = {"PATH": os.environ["PATH"], **environment} | ({"PYTHONPATH": str(path)} if path else {})
+    return subprocess.run([PYTHON, "-c", code], capture_output=True, text=True, check=False, env=variables, cwd="/")
+
+
+def without(*names: str) -> str:
+    """Python code after which these modules cannot be imported."""
+    return "import sys; sys.modules.update(dict.fromkeys(%r)); " % (names,)
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory) -> Path:
+    """What is needed of the repository, without anything that was built."""
+    folder = tmp_path_factory.mktemp("clone")
+    ignored = shutil.ignore_patterns("*.so", "__pycache__", "build", "*.egg-info")
+    for name in ("firmware", "host_tools"):
+        shutil.copytree(REPOSITORY / name, folder / name, ignore=ignored)
+    return folder
+
+
+def install(clone: Path, target: Path, **environment: str) -> Path:
+    """As pip and pipx do it, but without the network: the requirements are those of this environment."""
+    command = [PYTHON, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--target", target, clone / "host_tools"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return target
+
+
+@pytest.fixture(scope="module")
+def installed(clone, tmp_path_factory) -> Path:
+    return install(clone, tmp_path_factory.mktemp("installed"))
+
+
+def test_installed_from_sources_it_has_the_core_of_these_sources(installed):
+    done = python(
+        "from comanip import core, native; import comanip; ffi, lib = native.load(); "
+        "print(comanip.__file__, f'{lib.replay_build_hash():016x}', len(core.arms()))",
+        installed,
+    )
+    assert done.returncode == 0, done.stderr
+    place, build_hash, arms = done.stdout.split()
+    assert Path(place).is_relative_to(installed)
+    assert build_hash in (REPOSITORY / "build" / "generated" / "comanip_build_hash.h").read_text()
+    assert int(arms) >= 1
+
+
+def test_installed_it_has_the_command(installed):
+    script = installed / "bin" / "comanip"
+    done = subprocess.run([PYTHON, script, "doctor"], capture_output=True, text=True, check=False, cwd="/", env={"PYTHONPATH": str(installed), "PATH": "/usr/bin:/bin"})
+    assert done.returncode == 0, done.stderr
+    assert "compiled core" in done.stdout
+    assert {path.name for path in (installed / "comanip" / "commands").glob("*.py")} >= {"replay.py", "monitor.py"}
+
+
+def test_without_a_compiler_it_installs_and_says_what_is_missing(clone, tmp_path):
+    target = install(clone, tmp_path / "target", CC="no-such-compiler")
+    assert not list(target.rglob("_core*.so"))
+    log = tmp_path / "bus.log"
+    log.write_text("(1.000000) vcan0 701##105\n")
+    run = "import sys; sys.argv = ['comanip', {!r}, {!r}]; from comanip.__main__ import main; main()"
+    decoded = python(run.format("decode", str(log)), target)
+    assert "FirmwareHeartbeat" in decoded.stdout, decoded.stderr
+    replayed = python(run.format("replay", str(log)), target)
+    assert replayed.returncode == 2
+    assert replayed.stderr.startswith("comanip: ") and replayed.stderr.count("\n") == 1
+    assert "make build" in replayed.stderr and "pipx install" in replayed.stderr
+
+
+def test_core_imports_without_the_packages_of_the_command_line():
+    done = python(without(*COMMAND_LINE_PACKAGES) + "from comanip import core, frame, logs, replay, pcap; print(len(core.arms()))")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("missing", ["typer", "rich"])
+def test_command_without_its_packages_says_so(missing):
+    done = python(without(missing) + "from comanip.__main__ import main; main()")
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"comanip: the package {missing} is missing") and done.stderr.count("\n") == 1
+
+
+def test_pins_are_those_of_the_package():
+    """What is installed here is what pyproject.toml asks for: pip itself compares."""
+    import tomllib
+
+    from packaging.requirements import Requirement
+
+    project = tomllib.loads((REPOSITORY / "host_tools" / "pyproject.toml").read_text())
+    lines = (REPOSITORY / "host_tools" / "requirements.txt").read_text().splitlines()
+    pinned = dict(line.lower().split("==") for line in lines if "==" in line)
+    for text in project["project"]["dependencies"]:
+        requirement = Requirement(text)
+        assert requirement.specifier.contains(pinned[requirement.name.lower()]), text
+    for text in project["build-system"]["requires"]:
+        requirement = Requirement(text)
+        if requirement.name != "setuptools":
+            assert requirement.specifier.contains(pinned[requirement.name]), text
