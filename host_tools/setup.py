@@ -11,7 +11,12 @@ from setuptools import Distribution, setup
 from setuptools.command.build_py import build_py
 
 HERE = Path(__file__).resolve().parent
-CORE_FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno"]  # the Makefile's CORE_CFLAGS, less its warnings
+CORE_FLAGS = [
+    "-std=c11",
+    "-O2",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+]  # the Makefile's CORE_CFLAGS, less its warnings
 
 
 class BuildWithCore(build_py):

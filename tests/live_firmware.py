@@ -1,5 +1,5 @@
-"""The C core on a python-can `virtual` bus, in a thread of its own, with drives and (if wanted) a tracker: what the live commands of
-`comanip` talk to. It ticks as fast as it is let, not by the clock."""
+"""The C core on a python-can `virtual` bus, in a thread of its own, with drives and (if wanted) a tracker: what the live
+commands of `comanip` talk to. It ticks as fast as it is let, not by the clock."""
 
 from __future__ import annotations
 

@@ -25,7 +25,9 @@ PAPER = Rotation.from_rotvec([-np.pi / 2, 0, 0])  # (9)
 AXES = np.eye(3)
 
 
-def path(rng, turn: Rotation, directions=AXES, length_m=0.25, noise_m=0.0005, bow_m=0.0) -> list[tuple[float, np.ndarray]]:
+def path(
+    rng, turn: Rotation, directions=AXES, length_m=0.25, noise_m=0.0005, bow_m=0.0
+) -> list[tuple[float, np.ndarray]]:
     """Rest, move, rest, move, rest, move, rest, as a person's hand in the tracker's frame."""
     samples, here, t_s = [], np.array([0.3, 0.1, 0.9]), 0.0
     for direction in [None, *directions]:
@@ -158,7 +160,9 @@ def test_from_a_recording_and_from_a_log(tmp_path, rng):
     write_recording(tmp_path / "moves.csv", samples)
     frame_id = DBC.get_message_by_name("HandPose").frame_id
     wrapping = hand_frames(samples, start_us=2**32 - 2_000_000)
-    (tmp_path / "bus.log").write_text("".join(logs.candump_line(Frame(round(1e6 * t), frame_id, data)) + "\n" for t, data in wrapping))
+    (tmp_path / "bus.log").write_text(
+        "".join(logs.candump_line(Frame(round(1e6 * t), frame_id, data)) + "\n" for t, data in wrapping)
+    )
     for name in ("moves.csv", "bus.log"):
         done = call("calibrate", "--from", tmp_path / name)
         assert done.returncode == 0, done.stderr

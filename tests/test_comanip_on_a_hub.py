@@ -1,5 +1,5 @@
-"""`comanip` as a user has it: firmware and plant as two processes on a hub, watched and operated through socketcand and, with the shim,
-through SocketCAN; what was recorded meanwhile replays byte for byte."""
+"""`comanip` as a user has it: firmware and plant as two processes on a hub, watched and operated through socketcand and,
+with the shim, through SocketCAN; what was recorded meanwhile replays byte for byte."""
 
 from __future__ import annotations
 
@@ -20,7 +20,14 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
     bus = {"socketcand": ["-i", "socketcand", "--port", hub.port], "shim": []}[through]
     program = [WITH_CAN, COMANIP] if through == "shim" else [COMANIP]
     command = [str(part) for part in (*program, *arguments, *bus)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S, env={**hub.environment, "COLUMNS": "200"})
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+        env={**hub.environment, "COLUMNS": "200"},
+    )
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +35,9 @@ def session(tmp_path_factory):
     """A hub with firmware and plant, and where the plant logs. The plant's operator starts at once; so does the test's."""
     out = tmp_path_factory.mktemp("plant")
     with running("--socketcand", "0") as hub:
-        with tool(hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--scenario", SCENE, "--duration", 600, "--out", out) as plant:
+        with tool(
+            hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--scenario", SCENE, "--duration", 600, "--out", out
+        ) as plant:
             wait_until(lambda: "waits for the firmware" in plant.text(), "the plant")
             with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW) as firmware:
                 yield hub, plant, firmware, out
@@ -46,8 +55,9 @@ def test_watch_and_operate(session, through):
     assert shown.returncode == 0, shown.stderr
     assert re.search(r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+", shown.stdout), shown.stdout
     assert "JointState3" in shown.stdout and " wrong" not in shown.stdout
-    wait_until(lambda: accepted(hub, through, "task", "stop"), "stop")
-    wait_until(lambda: accepted(hub, through, "param", "set", "motion_scale", "0.5"), "a parameter at rest")
+    # the plant's operator may start between
+    write = ("param", "set", "motion_scale", "0.5")
+    wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a parameter at rest")
     read = comanip(hub, through, "param", "get", "motion_scale")
     assert (read.returncode, read.stdout) == (0, "0.5\n"), read.stderr
     refused = comanip(hub, through, "param", "save")
@@ -65,5 +75,7 @@ def test_what_was_recorded_replays(session):
     plant.process.wait(PATIENCE_S)
     replayed = subprocess.run([COMANIP, "replay", out / "bus.log"], capture_output=True, text=True, check=False)
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
-    decoded = subprocess.run([COMANIP, "decode", out / "bus.log", "--only", "CommandAck"], capture_output=True, text=True, check=True)
+    decoded = subprocess.run(
+        [COMANIP, "decode", out / "bus.log", "--only", "CommandAck"], capture_output=True, text=True, check=True
+    )
     assert "command select" in decoded.stdout and "command start" in decoded.stdout

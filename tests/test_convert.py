@@ -124,7 +124,11 @@ def test_pcap_is_as_the_specification_says(tmp_path, kinds):
         assert included == original == (72 if frame.fd else 16)
         identifier = int.from_bytes(record[:4], "big")
         assert identifier & 0x1FFFFFFF == frame.frame_id
-        assert (bool(identifier & 1 << 31), bool(identifier & 1 << 30), bool(identifier & 1 << 29)) == (frame.extended, frame.remote, False)
+        assert (bool(identifier & 1 << 31), bool(identifier & 1 << 30), bool(identifier & 1 << 29)) == (
+            frame.extended,
+            frame.remote,
+            False,
+        )
         assert record[4] == len(frame.data)
         assert record[5] == (4 | frame.brs | 2 * frame.esi if frame.fd else 0)
         assert record[6:8] == b"\0\0"
@@ -170,7 +174,9 @@ def test_mcap_has_each_signal_as_cantools_decodes_it(tmp_path, short):
         index = found.index((schema, channel, record))
         expected = layout.decode(bytes(messages[index].data))
         content = json.loads(record.data)
-        assert content == {name: value if isinstance(value, int | float) else str(value) for name, value in expected.items()}
+        assert content == {
+            name: value if isinstance(value, int | float) else str(value) for name, value in expected.items()
+        }
         assert json.loads(schema.data)["properties"].keys() == content.keys()
     assert summary.statistics.message_count == len(messages)
 
@@ -232,7 +238,12 @@ def test_decode_has_cantools_signals_and_the_references_verdict(tmp_path, short)
 def test_decode_tells_lost_and_repeated_frames(short):
     lines = [line for line in short.log.read_text().splitlines() if " 010#" in line][:6]
     done = call("decode", text="\n".join([lines[0], lines[1], lines[1], lines[4]]))
-    assert [line.split("[")[1].split("]")[0] for line in done.stdout.splitlines()] == ["ok", "ok", "repeated", "ok, 2 lost before it"]
+    assert [line.split("[")[1].split("]")[0] for line in done.stdout.splitlines()] == [
+        "ok",
+        "ok",
+        "repeated",
+        "ok, 2 lost before it",
+    ]
 
 
 def test_decode_takes_what_candump_shows_people():

@@ -88,7 +88,9 @@ def test_a_log_as_a_table_at_its_pace(tmp_path, frames):
     import time
 
     began_s = time.monotonic()
-    done = call("monitor", "--once", "--log", tmp_path / "bus.log", environment={"COLUMNS": "200", "PATH": "/usr/bin:/bin"})
+    done = call(
+        "monitor", "--once", "--log", tmp_path / "bus.log", environment={"COLUMNS": "200", "PATH": "/usr/bin:/bin"}
+    )
     assert done.returncode == 0, done.stderr
     assert time.monotonic() - began_s >= 1.4
     assert "cooperating (operator_start), task teleop" in done.stdout
@@ -102,7 +104,9 @@ def test_a_log_as_a_table_at_its_pace(tmp_path, frames):
 def test_a_live_bus(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "160")
     with firmware() as live:
-        status, out, err = call_here(monkeypatch, capsys, "monitor", "--once", "--duration", 1, "-i", "virtual", "-c", CHANNEL)
+        status, out, err = call_here(
+            monkeypatch, capsys, "monitor", "--once", "--duration", 1, "-i", "virtual", "-c", CHANNEL
+        )
         assert status == 0, err
         assert not live.heard, "it sends nothing"
     assert "ready (inputs_ready)" in out
@@ -146,10 +150,15 @@ def test_doctor_sees_a_hub(tmp_path):
 def test_sim_is_the_simulator(tmp_path):
     options = ["--scenario", "teleop", "--duration", "2.5", "--quiet", "--seed", "4"]
     ours = call("sim", *options, "--out", tmp_path / "ours")
-    plain = subprocess.run([SIMULATOR, *options, "--out", tmp_path / "plain"], capture_output=True, text=True, check=False)
+    plain = subprocess.run(
+        [SIMULATOR, *options, "--out", tmp_path / "plain"], capture_output=True, text=True, check=False
+    )
     assert (ours.returncode, ours.stdout) == (plain.returncode, plain.stdout)
     assert (tmp_path / "ours" / "bus.log").read_bytes() == (tmp_path / "plain" / "bus.log").read_bytes()
-    assert call("sim", "--", "--help").stdout == subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
+    assert (
+        call("sim", "--", "--help").stdout
+        == subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
+    )
     assert call("sim", "--scenario", "juggle").returncode == 2
 
 
@@ -177,11 +186,22 @@ def test_every_command_has_help_with_examples():
 
 
 def test_the_shell_completes_commands():
-    environment = {"_COMANIP_COMPLETE": "complete_bash", "COMP_WORDS": "comanip re", "COMP_CWORD": "1", "PATH": "/usr/bin:/bin"}
+    environment = {
+        "_COMANIP_COMPLETE": "complete_bash",
+        "COMP_WORDS": "comanip re",
+        "COMP_CWORD": "1",
+        "PATH": "/usr/bin:/bin",
+    }
     done = subprocess.run([COMANIP], capture_output=True, text=True, check=False, env=environment)
     assert done.stdout.split() == ["replay"]
 
 
 def test_wrong_use_is_status_2():
-    for arguments in (["juggle"], ["replay"], ["task", "select"], ["param", "set", "motion_scale", "much"], ["monitor", "--port", "0"]):
+    for arguments in (
+        ["juggle"],
+        ["replay"],
+        ["task", "select"],
+        ["param", "set", "motion_scale", "much"],
+        ["monitor", "--port", "0"],
+    ):
         assert call(*arguments).returncode == 2, arguments

@@ -37,7 +37,19 @@ def clone(tmp_path_factory) -> Path:
 
 def install(clone: Path, target: Path, **environment: str) -> Path:
     """As pip and pipx do it, but without the network: the requirements are those of this environment."""
-    command = [PYTHON, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--target", target, clone / "host_tools"]
+    command = [
+        PYTHON,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-build-isolation",
+        "--no-index",
+        "--target",
+        target,
+        clone / "host_tools",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | environment)
     assert done.returncode == 0, done.stdout + done.stderr
     return target
@@ -63,7 +75,14 @@ def test_installed_from_sources_it_has_the_core_of_these_sources(installed):
 
 def test_installed_it_has_the_command(installed):
     script = installed / "bin" / "comanip"
-    done = subprocess.run([PYTHON, script, "doctor"], capture_output=True, text=True, check=False, cwd="/", env={"PYTHONPATH": str(installed), "PATH": "/usr/bin:/bin"})
+    done = subprocess.run(
+        [PYTHON, script, "doctor"],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd="/",
+        env={"PYTHONPATH": str(installed), "PATH": "/usr/bin:/bin"},
+    )
     assert done.returncode == 0, done.stderr
     assert "compiled core" in done.stdout
     assert {path.name for path in (installed / "comanip" / "commands").glob("*.py")} >= {"replay.py", "monitor.py"}
@@ -84,7 +103,9 @@ def test_without_a_compiler_it_installs_and_says_what_is_missing(clone, tmp_path
 
 
 def test_core_imports_without_the_packages_of_the_command_line():
-    done = python(without(*COMMAND_LINE_PACKAGES) + "from comanip import core, frame, logs, replay, pcap; print(len(core.arms()))")
+    done = python(
+        without(*COMMAND_LINE_PACKAGES) + "from comanip import core, frame, logs, replay, pcap; print(len(core.arms()))"
+    )
     assert done.returncode == 0, done.stderr
 
 

@@ -41,7 +41,9 @@ def write(path: Path, frames: list[Frame]) -> Path:
 @pytest.fixture(scope="module")
 def eventful(tmp_path_factory) -> list[Frame]:
     """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
-    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    arguments = (
+        "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    )
     done = run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75").require_pass()
     return list(logs.read(done.log))
 
@@ -116,7 +118,6 @@ class RecordingBench(Bench):
         inbox = [self.inbox.frame[i] for i in range(self.inbox.count)]
         self.log += [Frame(at_us, f.id, bytes(f.data[0 : f.length])) for f in inbox]
         self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in self.sent]
-
 
     def lose(self, ticks: int) -> None:
         """So many ticks of a paused firmware: what was on the bus is lost to it."""
@@ -280,7 +281,11 @@ def test_a_frame_that_the_firmware_never_sent(short):
 
 
 def test_a_frame_that_the_drives_never_sent_is_no_matter_if_it_is_foreign(short):
-    foreign = [Frame(0, 0x555, b"\1\2"), Frame(0, ID["JointCmd"], bytes(8), extended=True), Frame(0, 4, bytes(8), error=True)]
+    foreign = [
+        Frame(0, 0x555, b"\1\2"),
+        Frame(0, ID["JointCmd"], bytes(8), extended=True),
+        Frame(0, 4, bytes(8), error=True),
+    ]
     assert replay([*short[:500], *foreign, *short[500:]]).difference is None
 
 
@@ -297,10 +302,14 @@ def test_a_trace_that_is_switched_off(tmp_path):
 def test_another_build_is_refused_with_both_hashes(tmp_path, short):
     message = DBC.get_message_by_name("FirmwareIdentity")
     place = next(i for i, frame in enumerate(short) if frame.frame_id == message.frame_id)
-    data = bytearray(message.encode(message.decode(short[place].data, decode_choices=False) | {"build_hash": 0x1234567890ABCDEF}))
+    data = bytearray(
+        message.encode(message.decode(short[place].data, decode_choices=False) | {"build_hash": 0x1234567890ABCDEF})
+    )
     p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
     changed = [*short[:place], short[place]._replace(data=bytes(data)), *short[place + 1 :]]
-    require_refusal(call("replay", write(tmp_path / "bus.log", changed)), "1234567890abcdef", f"{lib.replay_build_hash():016x}")
+    require_refusal(
+        call("replay", write(tmp_path / "bus.log", changed)), "1234567890abcdef", f"{lib.replay_build_hash():016x}"
+    )
 
 
 def test_logs_that_cannot_be_replayed(tmp_path, short):

@@ -106,7 +106,7 @@ def test_bad_lines_say_what_is_wrong(line):
     assert "\n" not in str(error.value)
 
 
-@given(st.text(max_size=60) | st.text("0123456789.,-e {}[]\":tpositonquaermx", max_size=80))
+@given(st.text(max_size=60) | st.text('0123456789.,-e {}[]":tpositonquaermx', max_size=80))
 def test_any_line_is_a_pose_or_nothing_or_a_value_error(line):
     try:
         pose = pose_lines.parse(line)
@@ -122,7 +122,9 @@ def publish(monkeypatch, capsys, lines: list[str], *options: str) -> tuple[int, 
     """Exit status, standard error, and what was on the bus."""
     monkeypatch.setattr(sys, "stdin", io.StringIO("".join(line + "\n" for line in lines)))
     with can.Bus(interface="virtual", channel="tracker-test", fd=True) as bus:
-        status, out, err = call_here(monkeypatch, capsys, "tracker", "--stdin", "-i", "virtual", "-c", "tracker-test", *options)
+        status, out, err = call_here(
+            monkeypatch, capsys, "tracker", "--stdin", "-i", "virtual", "-c", "tracker-test", *options
+        )
         assert out == ""
         messages = []
         while (message := bus.recv(0)) is not None:
@@ -143,7 +145,9 @@ def signals(messages: list[can.Message], name: str) -> list[dict]:
 def test_each_pose_is_a_frame(monkeypatch, capsys, rng):
     turns = Rotation.random(200, random_state=7)
     points = rng.uniform(-3, 3, (200, 3))
-    lines = [csv(4294.9 + 0.005 * i, *points[i], *np.roll(turns[i].as_quat(), 1)) for i in range(200)]  # the clock wraps
+    lines = [
+        csv(4294.9 + 0.005 * i, *points[i], *np.roll(turns[i].as_quat(), 1)) for i in range(200)
+    ]  # the clock wraps
     status, err, messages = publish(monkeypatch, capsys, lines)
     assert (status, err) == (0, "200 poses sent, 0 lost, 0 of them out of the frame's range\n")
     poses = signals(messages, "HandPose")
@@ -161,7 +165,10 @@ def test_bad_lines_are_told_and_go_out_as_lost_samples(monkeypatch, capsys):
     lines = [csv(0.0, *POSITION, *WXYZ), "nonsense,1", csv(0.01, 9, 0, 0, *WXYZ), csv(0.02, *POSITION, *WXYZ)]
     status, err, messages = publish(monkeypatch, capsys, lines)
     assert status == 1
-    assert err.splitlines() == ["comanip: line 2: 'nonsense' is no number", "2 poses sent, 2 lost, 1 of them out of the frame's range"]
+    assert err.splitlines() == [
+        "comanip: line 2: 'nonsense' is no number",
+        "2 poses sent, 2 lost, 1 of them out of the frame's range",
+    ]
     poses = signals(messages, "HandPose")
     assert [pose["valid"] for pose in poses] == [1, 0, 0, 1]
     assert all(pose[name] == 0 for pose in poses[1:3] for name in ("x_m", "qw"))

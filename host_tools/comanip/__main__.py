@@ -16,7 +16,10 @@ def main() -> None:
         if str(error.name).startswith("comanip"):
             raise
         package = str(error.name).split(".")[0]
-        print(f"comanip: the package {package} is missing: `make build` in the repository, or pip install it", file=sys.stderr)
+        print(
+            f"comanip: the package {package} is missing: `make build` in the repository, or pip install it",
+            file=sys.stderr,
+        )
         sys.exit(WRONG_USE)
     try:
         app(prog_name="comanip")

@@ -15,7 +15,6 @@ from comanip.errors import ToolError
 from comanip.frame import COUNTERS, Frame, database, protected
 from comanip.logs import from_message
 
-
 CONNECT_S = 2.0
 
 

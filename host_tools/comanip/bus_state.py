@@ -81,7 +81,11 @@ class BusState:
 
 def frame_duration_ns(frame: Frame) -> int:
     """The longest that a frame of this id and length takes. An extended id counts like a standard one and 20 bits more."""
-    classic = not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)  # socketcand tells no FD
+    classic = (
+        not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)
+    )  # socketcand tells no FD
     length = len(frame.data) if classic else next((n for n in FD_LENGTHS if n >= len(frame.data)), FD_LENGTHS[-1])
-    duration_ns = longest(frame.frame_id & 0x7FF, 0 if frame.remote else length, CLASSIC_RATES if classic else FD_RATES).duration_ns
+    duration_ns = longest(
+        frame.frame_id & 0x7FF, 0 if frame.remote else length, CLASSIC_RATES if classic else FD_RATES
+    ).duration_ns
     return duration_ns + 20_000 * frame.extended

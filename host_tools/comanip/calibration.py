@@ -109,7 +109,9 @@ class Calibration:
 def rotation_vector(rotation: np.ndarray) -> np.ndarray:
     """Axis times angle."""
     symmetric = (rotation + rotation.T) / 2
-    skew = 0.5 * np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
+    skew = 0.5 * np.array(
+        [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
+    )
     sine, cosine = np.linalg.norm(skew), (np.trace(rotation) - 1.0) / 2.0
     angle = float(np.arctan2(sine, cosine))
     if sine > 1e-3 or cosine > 0.0:
@@ -134,7 +136,9 @@ def solve(moves: Iterable[Move]) -> Calibration:
     """From the moves forward, left and up. CalibrationError if they do not tell the rotation well enough."""
     moves = list(moves)
     if len(moves) != len(MOVES):
-        raise CalibrationError(f"{len(moves)} moves found, expected {len(MOVES)} with rests between: {', '.join(MOVES)}")
+        raise CalibrationError(
+            f"{len(moves)} moves found, expected {len(MOVES)} with rests between: {', '.join(MOVES)}"
+        )
     for name, move in zip(MOVES, moves):
         if move.crooked > MOST_CROOKED:
             raise CalibrationError(

@@ -119,7 +119,11 @@ def read(path: Path) -> Iterator[Frame]:
 
 def candump_line(frame: Frame) -> str:
     """As `candump -L` writes it."""
-    identifier = f"{frame.frame_id | (ERROR_FLAG if frame.error else 0):08X}" if frame.extended or frame.error else f"{frame.frame_id:03X}"
+    identifier = (
+        f"{frame.frame_id | (ERROR_FLAG if frame.error else 0):08X}"
+        if frame.extended or frame.error
+        else f"{frame.frame_id:03X}"
+    )
     seconds, microseconds = divmod(frame.t_us, MICROSECONDS)
     if frame.remote:
         data = f"#R{len(frame.data) or ''}"

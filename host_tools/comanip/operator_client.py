@@ -1,7 +1,7 @@
 """The operator's side of the bus: commands and parameters, acknowledged within a deadline.
 
-A request that is not answered is sent again, with a new counter and the same sequence number. Refusals raise by the name that the
-firmware gives them.
+A request that is not answered is sent again, with a new counter and the same sequence number. Refusals raise by the name
+that the firmware gives them.
 """
 
 from __future__ import annotations

@@ -22,9 +22,7 @@ _CANFD_FRAME = struct.Struct(">IBBxx64s")
 
 
 def packet(frame: Frame) -> bytes:
-    identifier = (
-        frame.frame_id | EXTENDED_FLAG * frame.extended | REMOTE_FLAG * frame.remote | ERROR_FLAG * frame.error
-    )
+    identifier = frame.frame_id | EXTENDED_FLAG * frame.extended | REMOTE_FLAG * frame.remote | ERROR_FLAG * frame.error
     if frame.fd:
         flags = FD_FDF | FD_BRS * frame.brs | FD_ESI * frame.esi
         return _CANFD_FRAME.pack(identifier, len(frame.data), flags, frame.data)

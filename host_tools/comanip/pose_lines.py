@@ -64,7 +64,9 @@ def _from_matrix(numbers: list[float], t_s: float | None) -> Pose:
     rotation = matrix[:3, :3]
     error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if error > UNIT_TOLERANCE:
-        raise ValueError(f"no rotation matrix: R R^T is off the identity by {error:.3g}, expected {UNIT_TOLERANCE:g} at most")
+        raise ValueError(
+            f"no rotation matrix: R R^T is off the identity by {error:.3g}, expected {UNIT_TOLERANCE:g} at most"
+        )
     if np.linalg.det(rotation) < 0.0:
         raise ValueError("a reflection, expected a rotation matrix of determinant 1")
     quaternion = _quaternion_from_matrix(rotation)
@@ -98,7 +100,9 @@ def _parse_json(line: str, order: str) -> Pose:
             raise ValueError(f"'{name}' is missing, expected position and quaternion, or matrix")
         if len(_numbers(content[name], name)) != count:
             raise ValueError(f"{name} of {len(_numbers(content[name], name))} numbers, expected {count}")
-    return _from_quaternion(_numbers(content["position"], "position"), _numbers(content["quaternion"], "quaternion"), order, t_s)
+    return _from_quaternion(
+        _numbers(content["position"], "position"), _numbers(content["quaternion"], "quaternion"), order, t_s
+    )
 
 
 def parse(line: str, order: str = "wxyz") -> Pose | None:

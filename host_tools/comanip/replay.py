@@ -63,7 +63,9 @@ def _require_boot(frames: Sequence[Frame], build_hash: int) -> str:
     other build: the replay will come upon it."""
     identity, trace = _first(frames, "FirmwareIdentity"), _first(frames, "TickTrace")
     if trace is None:
-        raise ToolError("the log has no TickTrace, expected one each millisecond: is the parameter `trace` 0, or is this another bus?")
+        raise ToolError(
+            "the log has no TickTrace, expected one each millisecond: is the parameter `trace` 0, or is this another bus?"
+        )
     told = decode(identity) if identity else None
     if told is None or (trace.data[2] != 0 and _has_right_crc(trace)):
         raise ToolError(
@@ -143,16 +145,24 @@ class Replay:
             return Difference("the firmware sends other bytes", state.place, recorded, self._sent(recorded))
         if state.result == lib.REPLAY_NOT_SENT:
             traced = state.tick_place != lib.REPLAY_NO_FRAME
-            what = "the firmware does not send this frame" if traced else "the trace ends before this frame: the rest cannot be replayed"
+            what = (
+                "the firmware does not send this frame"
+                if traced
+                else "the trace ends before this frame: the rest cannot be replayed"
+            )
             return Difference(what, state.place, recorded)
         if state.result == lib.REPLAY_NOT_IN_LOG:
             sent = self._sent(recorded)
-            return Difference(f"in this tick the firmware sends a {sent.name} that the log does not have", state.place, recorded, sent)
+            return Difference(
+                f"in this tick the firmware sends a {sent.name} that the log does not have", state.place, recorded, sent
+            )
         if state.result == lib.REPLAY_DAMAGED:
             return Difference("damaged: its CRC is wrong, and the firmware had not refused it", state.place, recorded)
         lost = messages()[state.sent.id].name
         return Difference(
-            f"this tick had read a {lost} with counter {state.sent.data[2]}, which is not in the log", state.place, recorded
+            f"this tick had read a {lost} with counter {state.sent.data[2]}, which is not in the log",
+            state.place,
+            recorded,
         )
 
     def _sent(self, recorded: Frame) -> Frame:

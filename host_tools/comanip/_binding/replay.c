@@ -4,8 +4,7 @@
 #include <string.h>
 
 #include "comanip_build_hash.h"
-
-#define LOOK_AHEAD_TICKS 4 /* JointState's timeout, in ticks, and the tick itself */
+#include "replay_inbox.h"
 
 uint64_t replay_build_hash(void) {
     return COMANIP_BUILD_HASH;
@@ -46,177 +45,18 @@ void replay_init(replay_t *self, const arm_t *arm, const can_frame_t log[], uint
     controller_init(&self->controller, arm);
 }
 
-/* Follows the receiver's counter, as the firmware does. False: the frame leaves no mark on it. */
-static bool follow(e2e_receiver_t *receiver, const can_frame_t *frame, frame_kind_t kind, bool *crc_right) {
-    *crc_right = false;
-    if (frame->length != frame_table[kind].length) {
-        return false;
-    }
-    e2e_status_t status = e2e_check(receiver, frame->data, frame->length, frame_table[kind].data_id);
-    *crc_right = status != E2E_WRONG_CRC;
-    return *crc_right && status != E2E_REPEATED;
-}
+/* ---- differences */
 
-static bool has_right_crc(const can_frame_t *frame, frame_kind_t kind) {
-    e2e_receiver_t receiver = {0};
-    bool crc_right;
-    (void)follow(&receiver, frame, kind, &crc_right);
-    return crc_right;
-}
-
-static void end(replay_t *self, replay_result_t result, uint32_t place) {
+void replay_end(replay_t *self, replay_result_t result, uint32_t place) {
     if (self->result == REPLAY_EQUAL || place < self->place) {
         self->result = result;
         self->place = place;
     }
 }
 
-/* ---- what a tick had read */
-
-static bool add_to_inbox(replay_t *self, uint32_t place) {
-    if (self->inbox.count == CONTROLLER_INBOX_FRAMES) {
-        return false;
-    }
-    int i = self->inbox.count++;
-    for (; i > 0 && self->place_of[i - 1] > place; i--) { /* in the order of the bus */
-        self->place_of[i] = self->place_of[i - 1];
-        self->inbox.frame[i] = self->inbox.frame[i - 1];
-    }
-    self->place_of[i] = place;
-    self->inbox.frame[i] = self->log[place];
-    return true;
-}
-
-/* A firmware that has just booted had not heard what came before: only the last frame before the tick is sure. */
-static void skip_unheard(replay_t *self, frame_kind_t kind, uint8_t counter) {
-    for (uint32_t i = self->cursor[kind]; i < self->tick_place; i = self->next[i]) {
-        if (self->log[i].data[2] == counter && has_right_crc(&self->log[i], kind)) {
-            self->cursor[kind] = i;
-        }
-    }
-}
-
-static void note_lost(replay_t *self, frame_kind_t kind, uint8_t counter) {
+void replay_note_lost(replay_t *self, frame_kind_t kind, uint8_t counter) {
     self->sent = (can_frame_t){.id = frame_table[kind].id, .length = E2E_HEADER_BYTES, .data = {0, 0, counter}};
-    end(self, REPLAY_LOST, self->tick_place);
-}
-
-/* Where the firmware read less than the bus brought, for its queue was full after a pause, the log does not say which frames it
- * had lost. In this order it is tried with which of them the tick sends the recorded TickTrace. */
-typedef enum {
-    READ_ALL,            /* up to the traced counter */
-    READ_BRIDGED_STATES, /* of states just so many that no counter jumps by more than end-to-end protection allows */
-    READ_NEWEST_STATES,  /* of states the newest alone */
-    READ_NEWEST,         /* of poses as well */
-    READ_PLANS
-} read_plan_t;
-
-#define BRIDGE 8 /* below E2E_MAX_DELTA */
-
-static bool is_read(read_plan_t plan, frame_kind_t kind, uint8_t distance) {
-    if (plan == READ_ALL || distance == 0u) {
-        return true;
-    }
-    if (kind == FRAME_HAND_POSE) {
-        return plan < READ_NEWEST;
-    }
-    if (frame_table[kind].period_ms == 0u) {
-        return true; /* an operator's frame: its answer is in the log */
-    }
-    return plan == READ_BRIDGED_STATES && distance % BRIDGE == 0u;
-}
-
-/* Takes the frames of one id up to the one with the traced counter. False: there is none, or more than a tick reads. */
-static bool read_kind(replay_t *self, frame_kind_t kind, const tick_trace_t *trace, read_plan_t plan) {
-    e2e_receiver_t receiver = self->controller.receiver.e2e[kind];
-    const uint8_t wanted = trace->last_counter[kind];
-    uint32_t damaged = REPLAY_NO_FRAME;
-    if (!trace->received[kind] || (receiver.started && receiver.counter == wanted)) {
-        return true;
-    }
-    if (!receiver.started) {
-        skip_unheard(self, kind, wanted);
-    }
-    uint32_t place = self->cursor[kind];
-    bool fits = true;
-    for (int i = 0; i < UINT8_MAX && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
-        bool crc_right;
-        (void)follow(&receiver, &self->log[place], kind, &crc_right);
-        if (!crc_right && damaged == REPLAY_NO_FRAME) {
-            damaged = place;
-        }
-        if (is_read(plan, kind, (uint8_t)(wanted - self->log[place].data[2]))) {
-            fits = add_to_inbox(self, place) && fits;
-        }
-        if (crc_right && receiver.counter == wanted) {
-            self->cursor[kind] = self->next[place];
-            return fits;
-        }
-    }
-    if (damaged != REPLAY_NO_FRAME) {
-        end(self, REPLAY_DAMAGED, damaged);
-    } else {
-        note_lost(self, kind, wanted);
-    }
-    return false;
-}
-
-/* The next frame, in the order of the bus, that the firmware may have read and refused without following its counter. */
-static bool read_refused(replay_t *self) {
-    int best = FRAME_KIND_COUNT;
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        const uint32_t place = self->cursor[kind];
-        if (!self->to_firmware[kind] || place >= self->tick_place) {
-            continue;
-        }
-        e2e_receiver_t receiver = self->controller.receiver.e2e[kind];
-        bool crc_right;
-        bool leaves_a_mark = follow(&receiver, &self->log[place], (frame_kind_t)kind, &crc_right);
-        if (!leaves_a_mark && (best == FRAME_KIND_COUNT || place < self->cursor[best])) {
-            best = kind;
-        }
-    }
-    if (best == FRAME_KIND_COUNT || !add_to_inbox(self, self->cursor[best])) {
-        return false;
-    }
-    self->cursor[best] = self->next[self->cursor[best]];
-    return true;
-}
-
-/* ---- times of reception */
-
-/* The oldest stamp with which the drive stays fresh in the ticks that say so, until its next frame. */
-static uint32_t joint_stamp_us(const replay_t *self, frame_kind_t kind, const tick_trace_t *trace) {
-    const uint32_t timeout_us = 1000u * frame_table[kind].timeout_ms;
-    uint32_t stamp_us = trace->now_us - timeout_us - 1u;
-    uint8_t counter = trace->last_counter[kind];
-    uint32_t place = self->tick_place;
-    for (int i = 0; i < LOOK_AHEAD_TICKS && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
-        tick_trace_t ahead;
-        tick_trace_unpack(&self->log[place], &ahead);
-        const uint8_t delta = (uint8_t)(ahead.last_counter[kind] - counter);
-        if (delta >= 1u && delta <= E2E_MAX_DELTA) {
-            break;
-        }
-        counter = ahead.last_counter[kind];
-        if (ahead.drives_fresh) {
-            stamp_us = ahead.now_us - timeout_us;
-        }
-    }
-    return (int32_t)(trace->now_us - stamp_us) < 0 ? trace->now_us : stamp_us;
-}
-
-static void stamp_inbox(replay_t *self, const tick_trace_t *trace) {
-    for (int i = 0; i < self->inbox.count; i++) {
-        const frame_kind_t kind = (frame_kind_t)self->kind[self->place_of[i]];
-        uint32_t stamp_us = trace->now_us;
-        if (kind == FRAME_HAND_POSE) {
-            stamp_us -= trace->hand_age_us;
-        } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
-            stamp_us = joint_stamp_us(self, kind, trace);
-        }
-        self->inbox.frame[i].timestamp_us = stamp_us;
-    }
+    replay_end(self, REPLAY_LOST, self->tick_place);
 }
 
 /* ---- what it had sent */
@@ -227,7 +67,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME && self->result == REPLAY_EQUAL) { /* else the log ends within the tick */
             self->sent = *sent;
-            end(self, REPLAY_NOT_IN_LOG, self->tick_place);
+            replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
         return;
     }
@@ -236,7 +76,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
         if (self->result == REPLAY_EQUAL || place < self->place) {
             self->sent = *sent;
         }
-        end(self, REPLAY_DIFFERENT, place);
+        replay_end(self, REPLAY_DIFFERENT, place);
     }
     self->cursor[kind] = self->next[place];
     self->compared++;
@@ -246,7 +86,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
 static void find_unsent(replay_t *self, uint32_t limit) {
     for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
         if (self->from_firmware[kind] && self->cursor[kind] < limit) {
-            end(self, REPLAY_NOT_SENT, self->cursor[kind]);
+            replay_end(self, REPLAY_NOT_SENT, self->cursor[kind]);
         }
     }
 }
@@ -263,7 +103,7 @@ static bool is_reboot(const replay_t *self, const can_frame_t *recorded) {
 
 static void step(replay_t *self, const tick_trace_t *trace) {
     self->controller = self->before;
-    stamp_inbox(self, trace);
+    replay_stamp_inbox(self, trace);
     controller_step(&self->controller, trace->now_us, &self->inbox, &self->outbox);
 }
 
@@ -278,17 +118,14 @@ static bool has_sent(const replay_t *self, const can_frame_t *recorded) {
 }
 
 /* False: it cannot have been so. */
-static bool try_plan(replay_t *self, const tick_trace_t *trace, read_plan_t plan) {
+static bool try_plan(replay_t *self, const tick_trace_t *trace, replay_plan_t plan) {
     self->controller = self->before;
     memcpy(self->cursor, self->cursor_before, sizeof self->cursor);
-    self->inbox.count = 0;
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        if (self->to_firmware[kind] && !read_kind(self, (frame_kind_t)kind, trace, plan)) {
-            return false;
-        }
+    if (!replay_fill_inbox(self, trace, plan)) {
+        return false;
     }
     step(self, trace);
-    while ((uint8_t)self->controller.receiver.rejected != trace->rejected_frames && read_refused(self)) {
+    while ((uint8_t)self->controller.receiver.rejected != trace->rejected_frames && replay_read_refused(self)) {
         step(self, trace);
     }
     return true;
@@ -296,22 +133,22 @@ static bool try_plan(replay_t *self, const tick_trace_t *trace, read_plan_t plan
 
 /* The firmware's tick with what it had read. False: nothing fits. */
 static bool redo_tick(replay_t *self, const can_frame_t *recorded, const tick_trace_t *trace) {
-    int first_possible = READ_PLANS;
-    for (int plan = READ_ALL; plan < READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
-        if (try_plan(self, trace, (read_plan_t)plan)) {
+    int first_possible = REPLAY_READ_PLANS;
+    for (int plan = REPLAY_READ_ALL; plan < REPLAY_READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
+        if (try_plan(self, trace, (replay_plan_t)plan)) {
             if (has_sent(self, recorded)) {
                 return true;
             }
-            first_possible = first_possible == READ_PLANS ? plan : first_possible;
+            first_possible = first_possible == REPLAY_READ_PLANS ? plan : first_possible;
         }
     }
-    return first_possible != READ_PLANS && try_plan(self, trace, (read_plan_t)first_possible);
+    return first_possible != REPLAY_READ_PLANS && try_plan(self, trace, (replay_plan_t)first_possible);
 }
 
 static void replay_tick(replay_t *self) {
     const can_frame_t *recorded = &self->log[self->tick_place];
-    if (!has_right_crc(recorded, FRAME_TICK_TRACE)) {
-        end(self, REPLAY_DAMAGED, self->tick_place);
+    if (!replay_has_right_crc(recorded, FRAME_TICK_TRACE)) {
+        replay_end(self, REPLAY_DAMAGED, self->tick_place);
         return;
     }
     tick_trace_t trace;
@@ -325,7 +162,7 @@ static void replay_tick(replay_t *self) {
     memcpy(self->cursor_before, self->cursor, sizeof self->cursor);
     if (!redo_tick(self, recorded, &trace)) {
         if (self->result == REPLAY_EQUAL) {
-            note_lost(self, FRAME_OPERATOR_COMMAND, trace.last_counter[FRAME_OPERATOR_COMMAND]);
+            replay_note_lost(self, FRAME_OPERATOR_COMMAND, trace.last_counter[FRAME_OPERATOR_COMMAND]);
         }
         return;
     }

@@ -11,9 +11,9 @@ import numpy as np
 import typer
 
 from comanip import logs, pose_lines
-from comanip.bus import LiveBus, open_bus
+from comanip.bus import BusAddress, LiveBus, open_bus
 from comanip.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, console, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.frame import Frame, decode
 from comanip.operator_client import OperatorClient
@@ -91,7 +91,9 @@ def _guide(bus: LiveBus) -> list[Move]:
         was_resting = detector.is_resting
         move = detector.feed(t_s, position_m)
         if detector.is_resting and not was_resting:
-            out.print(f"1/{len(MOVES)}: move it 20 cm or more straight {MOVES[0]}, as the robot looks, and hold it there.")
+            out.print(
+                f"1/{len(MOVES)}: move it 20 cm or more straight {MOVES[0]}, as the robot looks, and hold it there."
+            )
         if move is None:
             continue
         moves.append(move)
@@ -99,14 +101,18 @@ def _guide(bus: LiveBus) -> list[Move]:
         if len(moves) == len(MOVES):
             return moves
         out.print(f"{len(moves) + 1}/{len(MOVES)}: from there straight {MOVES[len(moves)]}, and hold it there.")
-    raise CalibrationError(f"{len(moves)} of {len(MOVES)} moves within {PATIENCE_S:g} s: is the tracker running? `comanip monitor` shows HandPose")
+    raise CalibrationError(
+        f"{len(moves)} of {len(MOVES)} moves within {PATIENCE_S:g} s: is the tracker running? `comanip monitor` shows HandPose"
+    )
 
 
 def _tell(result: Calibration) -> None:
     out = console()
     vector = result.rotation_vector
     off = ", ".join(f"{name} {angle:.1f}" for name, angle in zip(MOVES, result.residual_deg))
-    out.print(f"rotation vector {' '.join(f'{value:.4f}' for value in vector)} rad, standard error {result.standard_error_deg:.1f} degrees")
+    out.print(
+        f"rotation vector {' '.join(f'{value:.4f}' for value in vector)} rad, standard error {result.standard_error_deg:.1f} degrees"
+    )
     out.print(f"degrees between each move and its axis: {off}")
 
 
@@ -124,7 +130,7 @@ def calibrate(
         is_recording = from_.suffix.lower() == ".csv"
         result = solve(found_moves(recorded_samples(from_) if is_recording else hand_samples(logs.read(from_))))
     else:
-        with open_bus(address(interface, channel, host, port)) as bus:
+        with open_bus(BusAddress(interface, channel, host, port)) as bus:
             result = solve(_guide(bus))
     _tell(result)
     values = [float(value) for value in result.rotation_vector]
@@ -132,7 +138,7 @@ def calibrate(
         for name, value in zip(PARAMETERS, values):
             console().print(f"comanip param set {name} -- {value:.5f}")
         return
-    with open_bus(address(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port)) as bus:
         client = OperatorClient(bus)
         for name, value in zip(PARAMETERS, values):
             client.write(name, value)

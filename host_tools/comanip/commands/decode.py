@@ -21,8 +21,12 @@ HELP = examples(
 
 
 def decode(
-    log: Annotated[Path, typer.Argument(help="A log (.log, .asc, .blf, .trc); - or none: candump's lines from standard input.")] = Path("-"),
-    only: Annotated[list[str] | None, typer.Option("--only", help="This message of the DBC alone; may be repeated.")] = None,
+    log: Annotated[
+        Path, typer.Argument(help="A log (.log, .asc, .blf, .trc); - or none: candump's lines from standard input.")
+    ] = Path("-"),
+    only: Annotated[
+        list[str] | None, typer.Option("--only", help="This message of the DBC alone; may be repeated.")
+    ] = None,
 ) -> None:
     """Print each frame with its time, id, name, end-to-end verdict and decoded signals."""
     names = {message.name for message in messages().values()}
@@ -37,4 +41,7 @@ def decode(
             continue
         kind = "error frame" if frame.error else "remote request" if frame.remote else signals_text(frame)
         # as it comes: somebody may watch
-        print(f"({frame.t_us / 1e6:.6f}) {frame.channel} {frame.frame_id:03X} {frame.name} [{verdict.text}] {kind}", flush=str(log) == "-")
+        print(
+            f"({frame.t_us / 1e6:.6f}) {frame.channel} {frame.frame_id:03X} {frame.name} [{verdict.text}] {kind}",
+            flush=str(log) == "-",
+        )

@@ -37,7 +37,12 @@ class Finding:
 
 def _python() -> Finding:
     version = ".".join(map(str, sys.version_info[:3]))
-    return Finding("Python", version if sys.version_info >= PYTHON_LEAST else None, f"install Python 3.11 or newer (this is {version})", True)
+    return Finding(
+        "Python",
+        version if sys.version_info >= PYTHON_LEAST else None,
+        f"install Python 3.11 or newer (this is {version})",
+        True,
+    )
 
 
 def _package(name: str) -> Finding:
@@ -45,7 +50,12 @@ def _package(name: str) -> Finding:
         found = importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         found = None
-    return Finding(name, found, f"`make build` in the repository, or pip install {name}", name in ("cantools", "python-can", "numpy"))
+    return Finding(
+        name,
+        found,
+        f"`make build` in the repository, or pip install {name}",
+        name in ("cantools", "python-can", "numpy"),
+    )
 
 
 def _core() -> Finding:
@@ -79,7 +89,9 @@ def _interfaces() -> Finding:
         folder.name for folder in sorted(Path("/sys/class/net").glob("*"))
         if (folder / "type").is_file() and (folder / "type").read_text().strip() == "280"
     ]  # fmt: skip
-    return Finding("CAN interfaces", ", ".join(names) or None, "ip link add vcan0 type vcan; ip link set vcan0 mtu 72 up")
+    return Finding(
+        "CAN interfaces", ", ".join(names) or None, "ip link add vcan0 type vcan; ip link set vcan0 mtu 72 up"
+    )
 
 
 def _hub() -> Finding:
@@ -126,7 +138,11 @@ def doctor() -> None:
     table = Table("", "what", "found, or how to mend it", box=None, pad_edge=False)
     found = findings()
     for finding in found:
-        mark = Text("ok", "green") if finding.found else Text("MISSING" if finding.needed else "none", "red" if finding.needed else "yellow")
+        mark = (
+            Text("ok", "green")
+            if finding.found
+            else Text("MISSING" if finding.needed else "none", "red" if finding.needed else "yellow")
+        )
         table.add_row(mark, finding.what, Text(finding.found or finding.mend))
     console().print(table)
     if any(finding.needed and not finding.found for finding in found):

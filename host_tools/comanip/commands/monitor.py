@@ -14,9 +14,9 @@ from rich.table import Table
 from rich.text import Text
 
 from comanip import logs
-from comanip.bus import open_bus
+from comanip.bus import BusAddress, open_bus
 from comanip.bus_state import BusState
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, console, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.frame import Frame, signals_text
 
@@ -59,8 +59,12 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
 
 
 def _table(state: BusState, now_us: int) -> Table:
-    table = Table("id", "message", "from", "count", "Hz", "age ms", "E2E", "signals", box=None, pad_edge=False, expand=True)
-    for column, (width, justify) in enumerate(((5, "left"), (17, "left"), (9, "left"), (7, "right"), (6, "right"), (8, "right"))):
+    table = Table(
+        "id", "message", "from", "count", "Hz", "age ms", "E2E", "signals", box=None, pad_edge=False, expand=True
+    )
+    for column, (width, justify) in enumerate(
+        ((5, "left"), (17, "left"), (9, "left"), (7, "right"), (6, "right"), (8, "right"))
+    ):
         table.columns[column].min_width, table.columns[column].justify = width, justify
         table.columns[column].no_wrap = True
     table.columns[-1].no_wrap, table.columns[-1].overflow, table.columns[-1].ratio = True, "ellipsis", 1
@@ -128,7 +132,13 @@ def _show(frames: Iterator[Frame | None], source: str, duration_s: float | None,
             out.print(render(state, clock.now_us(), source))
             return
         with Live(console=out, auto_refresh=False, screen=out.is_terminal) as live:
-            _watch(frames, state, clock, duration_s, lambda: live.update(render(state, clock.now_us(), source), refresh=True))
+            _watch(
+                frames,
+                state,
+                clock,
+                duration_s,
+                lambda: live.update(render(state, clock.now_us(), source), refresh=True),
+            )
         out.print(render(state, clock.now_us(), source))
     except KeyboardInterrupt:
         pass
@@ -146,6 +156,6 @@ def monitor(
     if log is not None:
         _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
         return
-    bus_address = address(interface, channel, host, port)
+    bus_address = BusAddress(interface, channel, host, port)
     with open_bus(bus_address) as bus:
         _show(_from_bus(bus), str(bus_address), duration, once)

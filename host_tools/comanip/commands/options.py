@@ -8,22 +8,22 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from comanip.bus import BusAddress
-from comanip.errors import ToolError
-
 Interface = Annotated[
-    str, typer.Option("--interface", "-i", envvar="COMANIP_INTERFACE", help="python-can's name: socketcan, socketcand, pcan, ...")
+    str,
+    typer.Option(
+        "--interface", "-i", envvar="COMANIP_INTERFACE", help="python-can's name: socketcan, socketcand, pcan, ..."
+    ),
 ]
-Channel = Annotated[str, typer.Option("--channel", "-c", envvar="COMANIP_CHANNEL", help="which bus of the interface: vcan0, can0, ...")]
+Channel = Annotated[
+    str, typer.Option("--channel", "-c", envvar="COMANIP_CHANNEL", help="which bus of the interface: vcan0, can0, ...")
+]
 Host = Annotated[str, typer.Option(help="of socketcand")]
 Port = Annotated[int, typer.Option(min=1, max=65535, help="of socketcand")]
 INTERFACE, CHANNEL, HOST, PORT = "socketcan", "vcan0", "127.0.0.1", 29536
 
-LogPath = Annotated[Path, typer.Argument(help="of candump -L or python-can: .log, .asc, .blf, .trc", show_default=False)]
-
-
-def address(interface: str, channel: str, host: str, port: int) -> BusAddress:
-    return BusAddress(interface, channel, host, port)
+LogPath = Annotated[
+    Path, typer.Argument(help="of candump -L or python-can: .log, .asc, .blf, .trc", show_default=False)
+]
 
 
 def examples(*lines: str) -> str:
@@ -34,8 +34,3 @@ def examples(*lines: str) -> str:
 def console() -> Console:
     """For what people read."""
     return Console(highlight=False)
-
-
-def require_file(path: Path, what: str) -> None:
-    if not path.is_file():
-        raise ToolError(f"{path}: there is no such file, expected {what}")

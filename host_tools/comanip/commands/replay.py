@@ -95,7 +95,9 @@ def replay(
     boots = f", {report.boots} boots" if report.boots > 1 else ""
     if report.difference is not None:
         _tell_difference(report.difference, frames[0].t_us)
-    told = (f"{report.ticks} ticks{boots}: fed with {report.fed} frames, the firmware sent {report.compared}; {took_s:.1f} s")
-    console().print(f"{log}: {'[red]DIFFERENT[/red]' if report.difference else '[green]EQUAL[/green]'}: {told}", soft_wrap=True)
+    told = f"{report.ticks} ticks{boots}: fed with {report.fed} frames, the firmware sent {report.compared}; {took_s:.1f} s"
+    console().print(
+        f"{log}: {'[red]DIFFERENT[/red]' if report.difference else '[green]EQUAL[/green]'}: {told}", soft_wrap=True
+    )
     if report.difference is not None:
         raise typer.Exit(STATUS_DIFFERENT)

@@ -31,5 +31,7 @@ def sim(context: typer.Context) -> None:
     """Run the simulator: person, arm and bus. All options are its own."""
     simulator = find_simulator()
     if simulator is None:
-        raise ToolError(f"there is no {BUILT} in or above {Path.cwd()}, nor comanip-sim in PATH: run `make build` in a clone of the repository")
+        raise ToolError(
+            f"there is no {BUILT} in or above {Path.cwd()}, nor comanip-sim in PATH: run `make build` in a clone of the repository"
+        )
     os.execv(simulator, [str(simulator), *context.args])

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from comanip.bus import open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, console, examples
+from comanip.bus import BusAddress, open_bus
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.operator_client import OperatorClient, choices
 
@@ -22,7 +22,7 @@ app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, cl
 
 
 def _tell(interface: str, channel: str, host: str, port: int, command: str, task: str = "pour") -> None:
-    with open_bus(address(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port)) as bus:
         OperatorClient(bus).command(command, task)
     console().print(f"{command}{' ' + task if command == 'select' else ''}: accepted")
 

@@ -11,8 +11,8 @@ from typing import Annotated
 
 import typer
 
-from comanip.bus import open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, address, examples
+from comanip.bus import BusAddress, open_bus
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, examples
 from comanip.errors import ToolError
 from comanip.pose_lines import ORDERS, Pose, parse
 from comanip.tracker_publisher import TrackerPublisher, status_period_s
@@ -92,7 +92,7 @@ def tracker(
         raise ToolError("tracker: no source of poses, expected --stdin")
     if quaternion not in ORDERS:
         raise ToolError(f"--quaternion '{quaternion}': expected one of {', '.join(ORDERS)}")
-    with open_bus(address(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port)) as bus:
         publisher = TrackerPublisher(bus, rate)
         bad = 0
 
@@ -116,6 +116,9 @@ def tracker(
         except KeyboardInterrupt:
             pass
         publisher.publish_status()  # with the last counts
-    print(f"{publisher.sent} poses sent, {publisher.lost} lost, {publisher.range_errors} of them out of the frame's range", file=sys.stderr)
+    print(
+        f"{publisher.sent} poses sent, {publisher.lost} lost, {publisher.range_errors} of them out of the frame's range",
+        file=sys.stderr,
+    )
     if bad:
         raise typer.Exit(1)
