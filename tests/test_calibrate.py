@@ -11,10 +11,19 @@ import can
 import numpy as np
 import pytest
 from bus_log import DBC
+from can.interfaces.virtual import channels
 from comanip import calibration, logs
-from comanip.calibration import CalibrationError, Move, MoveDetector, rotation_from_vector, rotation_vector, solve
+from comanip.calibration import (
+    CalibrationError,
+    Move,
+    MoveDetector,
+    rotation_from_vector,
+    rotation_vector,
+    solve,
+)
 from comanip.frame import Frame, protected
 from comanip_command import call, call_here, require_refusal
+from hub import wait_until
 from hypothesis import given
 from hypothesis import strategies as st
 from live_firmware import CHANNEL, firmware
@@ -191,7 +200,7 @@ def test_guides_a_person_and_sets_the_parameters(monkeypatch, capsys, rng):
         over = threading.Event()
 
         def play() -> None:
-            time.sleep(0.3)
+            wait_until(lambda: len(channels[CHANNEL]) == 3, "the command listens")
             for _, data in hand_frames(samples):
                 if over.is_set():
                     return

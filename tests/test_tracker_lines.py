@@ -14,6 +14,7 @@ from comanip import pose_lines
 from comanip._core import lib
 from comanip_command import WRONG_USE, call, call_here, require_refusal
 from e2e import p05
+from hub import wait_until
 from hypothesis import given
 from hypothesis import strategies as st
 from live_firmware import CHANNEL, firmware
@@ -199,7 +200,7 @@ def test_the_core_takes_the_poses(monkeypatch, capsys):
         monkeypatch.setattr(sys, "stdin", io.StringIO("".join(line + "\n" for line in lines)))
         status, _, err = call_here(monkeypatch, capsys, "tracker", "--stdin", "--pace", "-i", "virtual", "-c", CHANNEL)
         assert status == 0, err
-        assert live.bench.controller.hand_tracker.has_pose
+        wait_until(lambda: live.bench.controller.hand_tracker.last_stamp_us == 399 * 4000, "the last pose")
         assert live.bench.controller.hand_tracker.period_us == 4000
         assert live.bench.controller.receiver.rejected <= 2, "the first frame of each id may repeat a counter"
         assert live.bench.controller.receiver.e2e[lib.FRAME_HAND_POSE].started
