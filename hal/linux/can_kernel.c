@@ -51,7 +51,7 @@ static bool set_filters(int fd, const can_selection_t *selection) {
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(selection->count * sizeof filter[0])) == 0;
 }
 
-/* Time stamps are the software's: a log has the same ones, bit by bit, so that it can be replayed. */
+/* Time stamps are the software's: those that candump writes. */
 static bool set_options(int fd, const can_selection_t *selection) {
     const can_err_mask_t errors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)) {
