@@ -55,7 +55,7 @@ protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *f
 
 /* An empty frame of this kind. */
 static void begin(can_frame_t *frame, frame_kind_t kind) {
-    *frame = (can_frame_t){.id = frame_table[kind].id, .length = frame_table[kind].length};
+    *frame = (can_frame_t){.id = frame_table[kind].id, .length = frame_table[kind].length, .fd = true};
 }
 
 /* Rounds to nearest. False if the signal cannot carry the value, NaN included. */

@@ -112,7 +112,7 @@ static void fail_as_operator(world_t *self) {
                        "%s; %s%" PRIu64 " samples are beyond the %.3f m a frame can carry: is the file in mm, or the "
                        "tracker mounted too far away?",
                        reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors,
-                       TRACKER_RANGE_M);
+                       (double)transport_hand_range_m(bus_profile(self->bus)));
     }
     world_fail(self, text);
 }

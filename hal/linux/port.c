@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/can_transport.h"
 #include "../hal.h"
 #include "can_socket.h"
 #include "pace.h"
@@ -17,6 +17,7 @@
 #define EXIT_PANIC 1
 
 static struct {
+    can_profile_t profile;
     can_socket_t can;
     pace_t pace;
     uint64_t ticks;
@@ -31,14 +32,11 @@ static void on_stop(int signal_number) {
     stopped = 1;
 }
 
-bool port_open(const char *can, uint32_t slow, char error[], size_t error_size) {
-    uint16_t ids[FRAME_KIND_COUNT];
-    can_selection_t selection = {.ids = ids};
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        if (frame_table[kind].to_firmware) {
-            ids[selection.count++] = frame_table[kind].id;
-        }
-    }
+bool port_open(const char *can, can_profile_t profile, uint32_t slow, char error[], size_t error_size) {
+    uint16_t ids[TRANSPORT_MAX_IDS];
+    const can_selection_t selection = {
+        .ids = ids, .count = transport_ids_to_firmware(profile, ids), .classic = profile == CAN_PROFILE_CLASSIC};
+    port.profile = profile;
     if (!can_socket_open(&port.can, PROGRAM, can, &selection, error, error_size)) {
         return false;
     }
@@ -54,6 +52,10 @@ void hal_init(void) {
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
     pace_init(&port.pace, (uint32_t)port.pace.slow); /* the time that the start took is no overrun */
     port.empty_ns = port.pace.tick_ns;
+}
+
+can_profile_t hal_can_profile(void) {
+    return port.profile;
 }
 
 static void tell(void) {
