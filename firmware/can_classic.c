@@ -8,6 +8,8 @@
     {id, bytes, data_id, period_ms, timeout_ms, to_firmware},
 const frame_description_t classic_table[CLASSIC_FRAME_COUNT] = {COMANIP_CLASSIC_FRAMES(FRAME_ROW)};
 
+_Static_assert(CLASSIC_MAX_PARTS == ARM_MAX_JOINTS, "a part of JointCmd for each joint");
+
 typedef uint8_t message_t[CAN_FRAME_MAX_BYTES];
 typedef uint8_t part_t[CLASSIC_MAX_BYTES];
 

@@ -3,7 +3,7 @@
  * compute the same bits; end-to-end protection and the parts' equal counters are can_transport.h's.
  *
  * What is coarser than on CAN FD: positions of hands and targets have 0.1 mm and reach 3.2767 m, rotations have 15 bits for
- * each of the three smaller components (within 0.007 deg), torques 0.2 Nm up to 25.4 Nm; drives tell no temperature. */
+ * each of the three smaller components (within 0.009 deg), torques 0.2 Nm up to 25.4 Nm; drives tell no temperature. */
 #ifndef COMANIP_CAN_CLASSIC_H
 #define COMANIP_CAN_CLASSIC_H
 
@@ -11,7 +11,7 @@
 #include "comanip_schema.h"
 
 #define CLASSIC_MAX_BYTES 8
-#define CLASSIC_MAX_PARTS ARM_MAX_JOINTS /* JointCmd: one for each joint */
+#define CLASSIC_MAX_PARTS 8 /* JointCmd: one for each joint */
 
 #define CLASSIC_FRAME_NAME(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware) name,
 typedef enum { COMANIP_CLASSIC_FRAMES(CLASSIC_FRAME_NAME) CLASSIC_FRAME_COUNT } classic_frame_t;

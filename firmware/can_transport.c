@@ -112,7 +112,13 @@ static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, ui
     return now_us - pending->begun_us > 1000u * (within_ms != 0u ? within_ms : EVENT_PARTS_WITHIN_MS);
 }
 
+/* An invalid pose's stamp means nothing. */
 static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
+    hand_pose_t pose;
+    hand_pose_unpack(message, &pose);
+    if (!pose.valid) {
+        return;
+    }
     uint32_t expected_us = self->pose_stamp_us + (message->timestamp_us - self->pose_received_us);
     self->pose_stamp_us = classic_unwrap_stamp(message->data, expected_us);
     self->pose_received_us = message->timestamp_us;

@@ -8,7 +8,7 @@
 #include "can_profile.h"
 #include "can_protocol.h"
 
-#define TRANSPORT_MAX_FRAMES CLASSIC_MAX_PARTS /* of one message */
+#define TRANSPORT_MAX_FRAMES 8 /* of one message: CLASSIC_MAX_PARTS */
 #define TRANSPORT_ALL_KINDS ((UINT32_C(1) << FRAME_KIND_COUNT) - 1u)
 
 typedef struct {
@@ -39,7 +39,7 @@ typedef struct {
     protocol_receiver_t protocol; /* classic CAN: counters of the last whole messages */
     e2e_receiver_t classic[CLASSIC_FRAME_COUNT];
     transport_pending_t pending[TRANSPORT_LONG_KINDS];
-    uint32_t pose_stamp_us, pose_received_us; /* of the last HandPose on classic CAN */
+    uint32_t pose_stamp_us, pose_received_us; /* of the last valid HandPose on classic CAN */
 } transport_receiver_t;
 
 /* kinds: (1 << FRAME_...) | ..., or TRANSPORT_ALL_KINDS. */

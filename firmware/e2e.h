@@ -13,7 +13,7 @@
 #include <stdint.h>
 
 #define E2E_HEADER_BYTES 3
-#define E2E_MAX_DELTA 10 /* so many lost frames in a row are bridged; a larger step of the counter is refused once */
+#define E2E_MAX_DELTA 10 /* the largest step of the counter that is taken; a larger one is refused once */
 
 #define E2E_PROFILE2_HEADER_BYTES 2
 #define E2E_PROFILE2_COUNTERS 16

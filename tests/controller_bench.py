@@ -36,7 +36,7 @@ class Bench:
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")
         self.outbox = ffi.new("controller_outbox_t *")
-        lib.controller_init(self.controller, ffi.addressof(lib.arm_hoap3_right))
+        lib.controller_init(self.controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
 
     # ---- frames in
 

@@ -163,7 +163,7 @@ def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
     assert report.difference is None, report.difference
     decoded = [DBC.decode_message("TickTrace", frame.data) for frame in bench.log if frame.frame_id == ID["TickTrace"]]
     assert {trace["drives_fresh"] for trace in decoded} == {0, 1}
-    assert bench.controller.receiver.rejected > 20
+    assert bench.controller.receiver.protocol.rejected > 20
     assert report.ticks == bench.ticks
 
 
@@ -324,5 +324,5 @@ def test_logs_that_cannot_be_replayed(tmp_path, short):
 
 
 def test_layout_that_python_packs_is_the_compilers():
-    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "data")]
-    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7], 72)
+    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "data", "fd")]
+    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7, 71], 72)

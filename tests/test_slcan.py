@@ -48,7 +48,7 @@ def stock():
 
 def encode(slcan, can_id: int, data: bytes) -> bytes:
     ffi, library = slcan
-    frame = ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0")})
+    frame = ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0"), "fd": True})
     line = ffi.new("char[]", 139)
     return ffi.buffer(line, library.slcan_encode(frame, line))[:]
 
@@ -74,7 +74,7 @@ class Link:
         return frames
 
     def send(self, can_id: int, data: bytes) -> bool:
-        frame = self.ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0")})
+        frame = self.ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0"), "fd": True})
         return self.library.slcan_link_send(self.self, frame)
 
     def take(self, limit: int = 1 << 20) -> bytes:

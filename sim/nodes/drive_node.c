@@ -20,6 +20,7 @@ typedef struct {
 struct drive_node {
     endpoint_t endpoint;
     int64_t timeout_ns; /* JointCmd's */
+    int64_t period_ns;  /* JointState's */
     arm_plant_t *plant;
     drive_t drive[ROBOT_JOINTS];
     int64_t sample_ns[VELOCITY_WINDOW];
@@ -86,6 +87,7 @@ drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant) {
     if (self != NULL) {
         self->plant = plant;
         self->timeout_ns = (int64_t)transport_timeout_ms(bus_profile(bus), FRAME_JOINT_CMD) * 1000000;
+        self->period_ns = (int64_t)transport_period_ms(bus_profile(bus), FRAME_JOINT_STATE0) * 1000000;
         self->newest = VELOCITY_WINDOW - 1; /* the first sample goes to 0 */
         endpoint_attach(&self->endpoint, bus, ENDPOINT_KIND(FRAME_JOINT_CMD), on_command, self);
     }
@@ -98,7 +100,7 @@ void drive_node_destroy(drive_node_t *self) {
 
 void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s) {
     self->timed_out = self->commanded && now_ns - self->command_ns > self->timeout_ns;
-    if (self->timed_out) {
+    if (self->timed_out && now_ns % self->period_ns == 0) {
         sample_encoders(self, now_ns);
         send_states(self, now_ns);
     }

@@ -237,9 +237,9 @@ def test_the_systems_clock_is_set(tmp_path):
         time.clock_settime(time.CLOCK_REALTIME, time.time() - step_s)
         try:
             bus.wait(lambda: "the system's clock was set: -" in bus.told("firmware.err"), "the report")
-            bus.statuses_pass(20)
+            bus.statuses_for(0.04)
             start = len(bus.frames)
-            bus.statuses_pass(20)
+            bus.statuses_for(0.04)
             ticks = [frame.decode() for frame in bus.since(start, "TickTrace")]
         finally:
             time.clock_settime(time.CLOCK_REALTIME, time.time() + step_s)

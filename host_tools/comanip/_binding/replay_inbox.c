@@ -61,7 +61,7 @@ static bool read_stream(replay_t *self, replay_stream_t *stream, const tick_trac
     }
     uint32_t place = stream->cursor;
     bool fits = true;
-    for (int i = 0; i < UINT8_MAX && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
+    for (int i = 0; i < replay_counter_mask(self) && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
         const can_frame_t *frame = &self->log[place];
         const bool crc_right = replay_follow(self, stream, &receiver, frame) != E2E_WRONG_CRC;
         if (!crc_right && damaged == REPLAY_NO_FRAME) {
