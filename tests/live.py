@@ -68,8 +68,8 @@ def is_authentic(frame: Seen) -> bool | None:
 class Bus:
     """A bus for the processes and one tap on it. A context: at its end everything that was started is stopped."""
 
-    def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd"):
-        self.folder, self.slow, self.profile = folder, slow, profile
+    def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd", interface: str = INTERFACE):
+        self.folder, self.slow, self.profile, self.interface = folder, slow, profile, interface
         self.environment = os.environ | {"COMANIP_HUB_DIR": str(folder)}
         self.frames: list[Seen] = []
         self._processes: list[subprocess.Popen] = []
@@ -81,11 +81,11 @@ class Bus:
             self._tap = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
             self._tap.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FD_FRAMES, 1)
             self._tap.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-            self._tap.bind((INTERFACE,))
+            self._tap.bind((self.interface,))
         else:
-            path = self.folder / INTERFACE
+            path = self.folder / self.interface
             path.unlink(missing_ok=True)
-            self.hub = self.start([HUB, "--bus", INTERFACE, "--socketcand", "off"], "hub")
+            self.hub = self.start([HUB, "--bus", self.interface, "--socketcand", "off"], "hub")
             self.wait(path.exists, "the hub's socket")
             self._tap = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             self._tap.connect(str(path))
@@ -134,10 +134,10 @@ class Bus:
         return process
 
     def firmware(self, name: str = "firmware", program: Path = FIRMWARE) -> subprocess.Popen:
-        return self.start([program, "--can", INTERFACE, "--slow", self.slow, "--profile", self.profile], name)
+        return self.start([program, "--can", self.interface, "--slow", self.slow, "--profile", self.profile], name)
 
     def plant(self, *arguments: object, name: str = "plant") -> subprocess.Popen:
-        options = ["--can", INTERFACE, "--slow", self.slow, "--profile", self.profile, "--out", self.folder / name]
+        options = ["--can", self.interface, "--slow", self.slow, "--profile", self.profile, "--out", self.folder / name]
         return self.start([PLANT, *options, *arguments], name)
 
     def told(self, file: str) -> str:

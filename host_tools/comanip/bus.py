@@ -15,7 +15,7 @@ from comanip.logs import from_message
 from comanip.transport import Profile, Receiver, Sender, profile_of
 
 CONNECT_S = 2.0
-LISTEN_S = 0.3  # for what tells the bus's profile: a firmware's status comes each 2 or 8 ms
+LISTEN_S = 0.8  # for what tells the bus's profile: a status comes each 2 or 8 ms, the hub's socketcand begins after 300 ms
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,9 @@ class LiveBus:
 
     def _heard_profile(self) -> Profile:
         deadline_s = time.monotonic() + LISTEN_S
-        while (frame := self.receive_frame(max(0.0, deadline_s - time.monotonic()))) is not None:
-            if profile_of(frame) is not None:
+        while (left_s := deadline_s - time.monotonic()) > 0:
+            frame = self.receive_frame(left_s)
+            if frame is not None and profile_of(frame) is not None:
                 return profile_of(frame)
         return Profile.FD
 
@@ -72,14 +73,14 @@ class LiveBus:
     def receive(self, timeout_s: float) -> Frame | None:
         """The next message; None if there is none in time. ToolError if the bus is gone."""
         deadline_s = time.monotonic() + timeout_s
-        while (frame := self.receive_frame(max(0.0, deadline_s - time.monotonic()))) is not None:
-            message = self._receiver.message(frame)
-            if message is not None:
+        while True:
+            frame = self.receive_frame(max(0.0, deadline_s - time.monotonic()))
+            message = self._receiver.message(frame) if frame else None
+            if message is not None or time.monotonic() >= deadline_s:
                 return message
-        return None
 
     def receive_frame(self, timeout_s: float) -> Frame | None:
-        """The next frame, as it is."""
+        """The next frame, as it is. None may come before the time is over: not all of python-can's interfaces wait."""
         try:
             message = self._bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
