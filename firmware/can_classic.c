@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "comanip_dbc.h"
+#include "rotation_code.h"
 
 #define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                      \
     {id, bytes, data_id, period_ms, timeout_ms, to_firmware},
@@ -28,9 +29,13 @@ typedef uint8_t part_t[CLASSIC_MAX_BYTES];
 #define POSITION_STEP 100 /* of 1 um: 0.1 mm */
 #define TORQUE_STEP 20    /* of 0.01 Nm: 0.2 Nm */
 
-/* Rounds to nearest. False, and *coarse is 0: beyond what the signal carries. */
+static int32_t divide_rounding(int32_t value, int32_t step) {
+    return (value + (value < 0 ? -step : step) / 2) / step;
+}
+
+/* False, and *coarse is 0: beyond what the signal carries. */
 static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse) {
-    int32_t rounded = (fine + (fine < 0 ? -step : step) / 2) / step;
+    int32_t rounded = divide_rounding(fine, step);
     bool fits = rounded >= -maximum && rounded <= maximum;
     *coarse = fits ? rounded : 0;
     return fits;
@@ -48,83 +53,20 @@ static bool coarsen_position(const int32_t fine[3], int16_t *x, int16_t *y, int1
     return fits;
 }
 
-/* ---- rotations: the three smaller components, for the largest follows from them */
-
-#define ROTATION_BITS 22 /* 1 is 2^22, as in HandPose */
-#define ROTATION_ONE ((int64_t)1 << ROTATION_BITS)
-#define ROTATION_UNIT (ROTATION_ONE * ROTATION_ONE)
-#define ROTATION_TOLERANCE (ROTATION_UNIT / 512) /* of the squared norm: 1e-3 of the norm */
-#define ROTATION_MAX 16383                       /* is 1/sqrt(2), beyond which no smaller component lies */
-#define ROTATION_ENCODE 5931280                  /* 16383 sqrt(2) 2^8 */
-#define ROTATION_DECODE 2966002                  /* 2^22 / (16383 sqrt(2)) 2^14 */
-
-typedef struct {
-    int16_t smaller[3];
-    uint8_t largest; /* 0..3: w x y z */
-} rotation_code_t;
-
-static int64_t divide_rounding(int64_t value, int64_t divisor) {
-    return (value + (value < 0 ? -divisor : divisor) / 2) / divisor;
-}
-
-/* quaternion: w x y z. False: it is not of unit norm. */
-static bool encode_rotation(const int32_t quaternion[4], rotation_code_t *code) {
-    int64_t norm = 0;
-    *code = (rotation_code_t){0};
-    for (uint8_t i = 0; i < 4; i++) {
-        norm += (int64_t)quaternion[i] * quaternion[i];
-        int32_t size = quaternion[i] < 0 ? -quaternion[i] : quaternion[i];
-        int32_t largest = quaternion[code->largest];
-        if (size > (largest < 0 ? -largest : largest)) {
-            code->largest = i;
-        }
-    }
-    if (norm < ROTATION_UNIT - ROTATION_TOLERANCE || norm > ROTATION_UNIT + ROTATION_TOLERANCE) {
-        return false;
-    }
-    const int64_t sign = quaternion[code->largest] < 0 ? -1 : 1; /* q and -q are one rotation */
-    for (int i = 0, place = 0; i < 4; i++) {
-        if (i != code->largest) {
-            int64_t c = divide_rounding(sign * quaternion[i] * ROTATION_ENCODE, ROTATION_ONE << 8);
-            code->smaller[place++] = (int16_t)(c > ROTATION_MAX ? ROTATION_MAX : c < -ROTATION_MAX ? -ROTATION_MAX : c);
-        }
-    }
-    return true;
-}
-
-/* Rounded down, bit by bit. */
-static int32_t square_root(int64_t square) {
-    int32_t root = 0;
-    for (int32_t bit = (int32_t)ROTATION_ONE; bit != 0; bit >>= 1) {
-        int64_t candidate = root | bit;
-        root = candidate * candidate <= square ? (int32_t)candidate : root;
-    }
-    return root;
-}
-
-static void decode_rotation(const rotation_code_t *code, int32_t quaternion[4]) {
-    int64_t rest = ROTATION_UNIT;
-    for (int i = 0, place = 0; i < 4; i++) {
-        if (i != code->largest) {
-            quaternion[i] = (int32_t)divide_rounding((int64_t)code->smaller[place++] * ROTATION_DECODE, 1 << 14);
-            rest -= (int64_t)quaternion[i] * quaternion[i];
-        }
-    }
-    quaternion[code->largest] = square_root(rest < 0 ? 0 : rest);
-}
+/* ---- rotations */
 
 /* TickTrace and TaskDefine carry quaternions in 16 bits. */
 #define SHORT_ONE_BITS 14
-#define SHORT_STEP ((int32_t)1 << (ROTATION_BITS - SHORT_ONE_BITS))
+#define SHORT_STEP ((int32_t)1 << (ROTATION_CODE_ONE_BITS - SHORT_ONE_BITS))
 
 static bool encode_short_rotation(int16_t w, int16_t x, int16_t y, int16_t z, rotation_code_t *code) {
     const int32_t quaternion[4] = {w * SHORT_STEP, x * SHORT_STEP, y * SHORT_STEP, z * SHORT_STEP};
-    return encode_rotation(quaternion, code);
+    return rotation_encode(quaternion, code);
 }
 
 static void decode_short_rotation(const rotation_code_t *code, int16_t *w, int16_t *x, int16_t *y, int16_t *z) {
     int32_t quaternion[4];
-    decode_rotation(code, quaternion);
+    rotation_decode(code, quaternion);
     *w = (int16_t)divide_rounding(quaternion[0], SHORT_STEP);
     *x = (int16_t)divide_rounding(quaternion[1], SHORT_STEP);
     *y = (int16_t)divide_rounding(quaternion[2], SHORT_STEP);
@@ -154,7 +96,7 @@ static bool split_hand_pose(const message_t message, part_t part[]) {
     if (from.valid != 0u) {
         const int32_t fine[3] = {from.x_m, from.y_m, from.z_m}, quaternion[4] = {from.qw, from.qx, from.qy, from.qz};
         rotation.valid = coarsen_position(fine, &position.x_m, &position.y_m, &position.z_m) &&
-                         encode_rotation(quaternion, &code);
+                         rotation_encode(quaternion, &code);
     }
     PUT_ROTATION(code, rotation, q);
     TO_PART(hand_position, position, 0);
@@ -162,13 +104,12 @@ static bool split_hand_pose(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_hand_pose(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_hand_pose(part_t part[], message_t message) {
     FROM_PART(hand_position, position, 0);
     FROM_PART(hand_rotation, rotation, 1);
     const rotation_code_t code = GET_ROTATION(rotation, q);
     int32_t quaternion[4];
-    decode_rotation(&code, quaternion);
+    rotation_decode(&code, quaternion);
     struct comanip_hand_pose_t to = {
         .t_us = CLASSIC_STAMP_STEP_US * ((uint32_t)rotation.t_high << 4 | position.t_low),
         .x_m = POSITION_STEP * position.x_m,
@@ -203,8 +144,7 @@ static bool split_tracker_status(const message_t message, part_t part[]) {
     return from.fault <= FAULT_MAX;
 }
 
-static void join_tracker_status(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_tracker_status(part_t part[], message_t message) {
     FROM_PART(tracker_clock, clock, 0);
     FROM_PART(tracker_status, status, 1);
     struct comanip_tracker_status_t to = {
@@ -242,10 +182,10 @@ static bool split_joint_commands(const message_t message, part_t part[]) {
     return fits;
 }
 
-static void join_joint_commands(part_t part[], uint8_t parts, message_t message) {
+static void join_joint_commands(part_t part[], message_t message) {
     struct comanip_joint_cmd_t to = {0};
 #define JOIN_JOINT(i)                                                                                                \
-    if ((i) < parts) {                                                                                               \
+    {                                                                                                                \
         FROM_PART(joint_cmd0, from, i);                                                                              \
         to.mode_##i = from.mode;                                                                                     \
         to.position_##i##_rad = from.position_rad;                                                                   \
@@ -274,8 +214,7 @@ static bool split_joint_state(const message_t message, part_t part[]) {
     return fits && from.mode <= MODE_MAX && from.error <= ERROR_MAX;
 }
 
-static void join_joint_state(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_joint_state(part_t part[], message_t message) {
     FROM_PART(joint_state0, from, 0);
     struct comanip_joint_state0_t to = {
         .position_rad = from.position_rad,
@@ -297,8 +236,7 @@ static bool split_operator_command(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_operator_command(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_operator_command(part_t part[], message_t message) {
     FROM_PART(operator_command, from, 0);
     struct comanip_operator_command_t to = {.command = from.command, .sequence = from.sequence, .task = from.task};
     TO_MESSAGE(operator_command, to);
@@ -328,8 +266,7 @@ static bool split_task_define(const message_t message, part_t part[]) {
     return fits && from.form <= FORM_MAX;
 }
 
-static void join_task_define(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_task_define(part_t part[], message_t message) {
     FROM_PART(task_define, define, 0);
     FROM_PART(task_translation, translation, 1);
     FROM_PART(task_rotation, rotation, 2);
@@ -356,8 +293,7 @@ static bool split_parameter_access(const message_t message, part_t part[]) {
     return from.operation <= OPERATION_MAX;
 }
 
-static void join_parameter_access(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_parameter_access(part_t part[], message_t message) {
     FROM_PART(parameter_access, from, 0);
     struct comanip_parameter_access_t to = {
         .operation = from.operation, .parameter = from.parameter, .sequence = from.sequence, .value = from.value};
@@ -381,8 +317,7 @@ static bool split_firmware_status(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_firmware_status(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_firmware_status(part_t part[], message_t message) {
     FROM_PART(firmware_status, from, 0);
     struct comanip_firmware_status_t to = {
         .mode = from.mode,
@@ -404,8 +339,7 @@ static bool split_command_ack(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_command_ack(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_command_ack(part_t part[], message_t message) {
     FROM_PART(command_ack, from, 0);
     struct comanip_command_ack_t to = {.command = from.command, .sequence = from.sequence, .result = from.result};
     TO_MESSAGE(command_ack, to);
@@ -419,8 +353,7 @@ static bool split_parameter_value(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_parameter_value(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_parameter_value(part_t part[], message_t message) {
     FROM_PART(parameter_value, from, 0);
     struct comanip_parameter_value_t to = {
         .parameter = from.parameter, .sequence = from.sequence, .result = from.result, .value = from.value};
@@ -444,8 +377,7 @@ static bool split_firmware_identity(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_firmware_identity(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_firmware_identity(part_t part[], message_t message) {
     FROM_PART(firmware_build, build, 0);
     FROM_PART(firmware_identity, identity, 1);
     struct comanip_firmware_identity_t to = {
@@ -493,8 +425,7 @@ static bool split_tick_trace(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_tick_trace(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_tick_trace(part_t part[], message_t message) {
     FROM_PART(tick_trace, trace, 0);
     FROM_PART(tick_trace_inputs, inputs, 1);
     FROM_PART(tick_trace_age, age, 2);
@@ -529,8 +460,7 @@ static bool split_gripper_command(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_gripper_command(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_gripper_command(part_t part[], message_t message) {
     FROM_PART(gripper_command, from, 0);
     struct comanip_gripper_command_t to = {.action = from.action, .sequence = from.sequence};
     TO_MESSAGE(gripper_command, to);
@@ -548,8 +478,7 @@ static bool split_gripper_state(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_gripper_state(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_gripper_state(part_t part[], message_t message) {
     FROM_PART(gripper_state, from, 0);
     struct comanip_gripper_state_t to = {
         .sequence = from.sequence,
@@ -577,8 +506,7 @@ static bool split_clearance(const message_t message, part_t part[]) {
     return true;
 }
 
-static void join_clearance(part_t part[], uint8_t parts, message_t message) {
-    (void)parts;
+static void join_clearance(part_t part[], message_t message) {
     FROM_PART(clearance, from, 0);
     struct comanip_clearance_t to = {
         .person_m = from.person_m,
@@ -600,7 +528,7 @@ typedef struct {
     classic_frame_t first;
     uint8_t parts;
     bool (*split)(const message_t message, part_t part[]);
-    void (*join)(part_t part[], uint8_t parts, message_t message);
+    void (*join)(part_t part[], message_t message);
 } codec_t;
 
 #define JOINT_STATE_ROW(i)                                                                                           \
@@ -649,6 +577,6 @@ bool classic_split(frame_kind_t kind, const message_t message, part_t part[CLASS
     return codec_table[kind].split(message, part);
 }
 
-void classic_join(frame_kind_t kind, uint8_t parts, part_t part[CLASSIC_MAX_PARTS], message_t message) {
-    codec_table[kind].join(part, parts, message);
+void classic_join(frame_kind_t kind, part_t part[CLASSIC_MAX_PARTS], message_t message) {
+    codec_table[kind].join(part, message);
 }

@@ -31,9 +31,9 @@ bool classic_find(uint16_t id, classic_frame_t *frame, frame_kind_t *kind);
 bool classic_split(frame_kind_t kind, const uint8_t message[CAN_FRAME_MAX_BYTES],
                    uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES]);
 
-/* message: data of the CAN FD frame, without end-to-end protection. Of joints without a part it has zeros. The t_us of a
- * HandPose is modulo CLASSIC_STAMP_PERIOD_US, in steps of CLASSIC_STAMP_STEP_US. */
-void classic_join(frame_kind_t kind, uint8_t parts, uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES],
+/* part: JointCmd's of joints that the arm does not have are zeros. message: data of the CAN FD frame, without end-to-end
+ * protection. The t_us of a HandPose is modulo CLASSIC_STAMP_PERIOD_US, in steps of CLASSIC_STAMP_STEP_US. */
+void classic_join(frame_kind_t kind, uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES],
                   uint8_t message[CAN_FRAME_MAX_BYTES]);
 
 #define CLASSIC_STAMP_STEP_US 1024u

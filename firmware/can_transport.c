@@ -125,11 +125,11 @@ static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
 }
 
 /* Makes the message of the parts. */
-static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t counter, uint8_t parts,
+static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t counter,
                      uint8_t part[][CLASSIC_MAX_BYTES], can_frame_t *frame) {
     frame->id = frame_table[kind].id;
     frame->length = frame_table[kind].length;
-    classic_join(kind, parts, part, frame->data);
+    classic_join(kind, part, frame->data);
     if (kind == FRAME_HAND_POSE) {
         restore_stamp(self, frame);
     }
@@ -150,7 +150,7 @@ static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind
         return PROTOCOL_INCOMPLETE;
     }
     pending->received = 0;
-    complete(self, kind, counter, parts, pending->part, frame);
+    complete(self, kind, counter, pending->part, frame);
     return PROTOCOL_OK;
 }
 
@@ -176,9 +176,9 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
     if (parts > 1u) {
         return take_part(self, kind, parts, place, counter, frame);
     }
-    uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES];
+    uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES] = {{0}};
     memcpy(part[0], frame->data, CLASSIC_MAX_BYTES);
-    complete(self, kind, counter, parts, part, frame);
+    complete(self, kind, counter, part, frame);
     return PROTOCOL_OK;
 }
 

@@ -113,7 +113,7 @@ bool replay_read_trace(replay_t *self, uint32_t place, tick_trace_t *trace, uint
     }
     can_frame_t message = self->log[place];
     if (self->profile == CAN_PROFILE_CLASSIC) {
-        classic_join(FRAME_TICK_TRACE, parts, part, message.data);
+        classic_join(FRAME_TICK_TRACE, part, message.data);
     }
     tick_trace_unpack(&message, trace);
     return true;
