@@ -3,12 +3,16 @@ can be made, and in the logs of the five experiments."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import bus_log
+import can_classic_bits
 import numpy as np
 import pytest
 from bus_log import DBC
 from can_fd_bits import LENGTHS, frame_duration_ns
-from comanip.bus_traffic import ANSWER_US, COMPUTING_US, Frame, fd_boot_frames, fd_frames, streams
+from comanip.bus_traffic import ANSWER_US, COMPUTING_US, Frame, classic_boot_frames, classic_frames, fd_boot_frames, fd_frames, streams
 from comanip.frame_length import BitRates, longest
 from comanip.response_time import analyse
 from hypothesis import given, settings
@@ -172,78 +176,122 @@ def test_random_phases_stay_within_the_bound(chance, joints):
     assert len(queued) >= 8 + joints + 2  # cyclic, states, a request and its acknowledgement
 
 
-# ---- the five experiments
+# ---- the five experiments, in both profiles
 
 
-def queued_in_log(frames: dict[str, bus_log.Frames], ends_ns: dict[str, np.ndarray], name: str) -> np.ndarray | None:
-    """When each frame of this name was queued: of cyclic ones by their number, of answers by what they answer. None for
-    requests: when the operator queued them is not in the log."""
-    count = np.arange(len(frames[name]))
-    if name.startswith("JointState"):
-        return ends_ns["JointCmd"][count] + ANSWER_NS
-    if name == "GripperState":
-        asked = ends_ns.get("GripperCommand", np.array([], int)) + ANSWER_NS
-        cyclic = np.arange(len(count) - len(asked)) * 20 * MS_NS
-        return np.sort(np.concatenate([cyclic, asked]))
-    message = DBC.get_message_by_name(name)
-    if message.senders == ["Firmware"]:
-        period = message.cycle_time
-        if period:
-            return (1 + count * period) * TICK_NS + COMPUTING_NS
-        starts_ns = ends_ns[name] - np.array([frame_duration_ns(message.frame_id, bytes(d)) for d in frames[name].data])
-        return (starts_ns + LOG_NS - COMPUTING_NS) // TICK_NS * TICK_NS + COMPUTING_NS
-    first_ns = {"HandPose": 4 * MS_NS}.get(name, 0)  # the tracker's latency
-    return first_ns + count * message.cycle_time * MS_NS if message.cycle_time else None
+@dataclass(frozen=True)
+class Profile:
+    """`prefix`: of its names. `sync`: what the drives answer."""
+
+    name: str
+    prefix: str
+    rates: BitRates
+    running: list[Frame]
+    booting: list[Frame]
+    duration_ns: Callable[[int, bytes], int]
+    tick_ms: int
+    event_ticks: int
+    sync: str
+    least_ratio: float  # of the longest response of a control frame in the experiments to its bound
+
+    def plain(self, name: str) -> str:
+        return name.removeprefix(self.prefix)
 
 
-@pytest.fixture(scope="module", params=EXPERIMENTS)
+PROFILES = {
+    "fd": Profile("fd", "", RATES, fd_frames(4), fd_boot_frames(), frame_duration_ns, 1, 2, "JointCmd", 0.4),
+    "classic": Profile(
+        "classic", "Classic", BitRates(1_000_000), classic_frames(4), classic_boot_frames(),
+        can_classic_bits.frame_duration_ns, 4, 1, "ClassicJointCmd3", 0.35,
+    ),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Log:
+    profile: Profile
+    frames: dict[str, bus_log.Frames]
+    ends_ns: dict[str, np.ndarray]
+
+    def tick_before_ns(self, times_ns: np.ndarray) -> np.ndarray:
+        """The firmware's first tick is at 1 ms."""
+        tick_ns = self.profile.tick_ms * MS_NS
+        return (times_ns - MS_NS) // tick_ns * tick_ns + MS_NS
+
+    def queued_ns(self, name: str) -> np.ndarray | None:
+        """When each frame of this name was queued: of cyclic ones by their number, of answers by what they answer. None for
+        requests: when the operator queued them is not in the log."""
+        count, plain = np.arange(len(self.frames[name])), self.profile.plain(name)
+        if plain.startswith("JointState"):
+            return self.ends_ns[self.profile.sync][count] + ANSWER_NS
+        if plain == "GripperState":
+            asked = self.ends_ns.get(f"{self.profile.prefix}GripperCommand", np.array([], int)) + ANSWER_NS
+            cyclic = np.arange(len(count) - len(asked)) * 20 * MS_NS
+            return np.sort(np.concatenate([cyclic, asked]))
+        message = DBC.get_message_by_name(name)
+        if message.senders == ["Firmware"]:
+            if message.cycle_time:
+                return (1 + count * message.cycle_time) * MS_NS + COMPUTING_NS
+            payloads = [bytes(data) for data in self.frames[name].data]
+            starts_ns = self.ends_ns[name] - np.array([self.profile.duration_ns(message.frame_id, d) for d in payloads])
+            return self.tick_before_ns(starts_ns + LOG_NS - COMPUTING_NS) + COMPUTING_NS
+        latency_ns = 4 * MS_NS if plain in ("HandPose", "HandPosition", "HandRotation") else 0  # the tracker's
+        return latency_ns + count * message.cycle_time * MS_NS if message.cycle_time else None
+
+
+@pytest.fixture(scope="module", params=[(s, p) for p in PROFILES for s in EXPERIMENTS], ids=lambda param: "-".join(param))
 def logged(request, tmp_path_factory):
-    done = run(tmp_path_factory.mktemp(request.param), "--scenario", experiment(request.param), "--seed", 1)
+    scenario, profile = request.param
+    out = tmp_path_factory.mktemp(scenario)
+    done = run(out, "--scenario", experiment(scenario), "--seed", 1, "--profile", profile)
     frames = bus_log.read(done.log)
-    return frames, {name: np.rint(own.t_s * 1e9).astype(np.int64) for name, own in frames.items()}
+    return Log(PROFILES[profile], frames, {name: np.rint(own.t_s * 1e9).astype(np.int64) for name, own in frames.items()})
 
 
-BOOT_NS = 100 * MS_NS
+BOOT_NS = 100 * MS_NS  # at 1 kHz
 
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
-    """Nor are the bounds absurdly far: the longest response of each control frame comes to more than 0.4 of its bound (0.46
-    to 0.75). Frames whose instants meet no others are far from theirs, as the phases of the simulator never change."""
-    frames, ends_ns = logged
-    running = analyse(streams(fd_frames(4), RATES), RATES.nominal_ns)
-    booting = analyse(streams([*fd_frames(4), *fd_boot_frames()], RATES), RATES.nominal_ns)
+    """Nor are the bounds absurdly far: the longest response of each control frame comes to a good part of its bound (0.46 to
+    0.75 on CAN FD, from 0.36 on classic CAN). Frames whose instants meet no others are far from theirs, as the phases of the simulator never change."""
+    profile, frames = logged.profile, logged.frames
+    running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
+    booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)
     judged, ratios = set(), {}
     for name in frames:
-        queued_ns = queued_in_log(frames, ends_ns, name)
+        queued_ns = logged.queued_ns(name)
         if queued_ns is None:
             continue
-        response_ns = ends_ns[name] - queued_ns
+        response_ns = logged.ends_ns[name] - queued_ns
         assert response_ns.min() > 0, f"{name}: queued after its end: the test's own view of the schedule is wrong"
-        is_boot = queued_ns < BOOT_NS
+        is_boot = queued_ns < profile.tick_ms * BOOT_NS
         at_boot = booting.get(f"{name}, boot", booting.get(name))
-        if name == "ParameterValue":
+        if profile.plain(name) == "ParameterValue":
             is_boot |= frames[name].raw("sequence") == 0
         assert np.all(response_ns[is_boot] <= at_boot.queued_ns + LOG_NS), name
         if not np.all(is_boot):
             longest_ns = response_ns[~is_boot].max()
             assert longest_ns <= running[name].queued_ns + LOG_NS, f"{name}: {longest_ns} ns"
-            ratios[name] = longest_ns / running[name].queued_ns
-        judged.add(name)
+            ratios[profile.plain(name)] = longest_ns / running[name].queued_ns
+        judged.add(profile.plain(name))
     asked = {"OperatorCommand", "TaskDefine", "ParameterAccess", "GripperCommand"}
-    assert judged == set(frames) - asked and len(judged) >= 14
-    assert set(frames) <= {m.name for m in DBC.messages}
-    for name in ("JointCmd", "TickTrace", "HandPose", *(f"JointState{joint}" for joint in range(4))):
-        assert ratios[name] > 0.4, (name, ratios)
+    asked |= {"TaskTranslation", "TaskRotation", "TaskInverse"}
+    assert judged == {profile.plain(name) for name in frames} - asked and len(judged) >= 14
+    control = ["TickTrace", *(f"JointState{joint}" for joint in range(4))]
+    control += ["JointCmd", "HandPose"] if profile.name == "fd" else ["JointCmd3"]
+    for name in control:
+        assert ratios[name] > profile.least_ratio, (name, ratios)
 
 
 def test_events_come_as_rarely_as_assumed(logged):
-    """The acknowledgements' ticks: any n + 1 in a row take 2 n - 1 ticks or more."""
-    frames, ends_ns = logged
-    acknowledged = [queued_in_log(frames, ends_ns, "CommandAck")]
-    if "ParameterAccess" in frames:
-        acknowledged.append(queued_in_log(frames, ends_ns, "ParameterValue")[frames["ParameterValue"].raw("sequence") != 0])
-    ticks = np.sort(np.concatenate(acknowledged)) // TICK_NS
-    requests = sum(len(frames[name]) for name in ("OperatorCommand", "TaskDefine", "ParameterAccess") if name in frames)
-    assert len(ticks) == requests
+    """The acknowledgements' ticks: any n + 1 in a row take 2 n - 1 ticks or more, on classic CAN n."""
+    frames, prefix = logged.frames, logged.profile.prefix
+    acknowledged = [logged.queued_ns(f"{prefix}CommandAck")]
+    if f"{prefix}ParameterAccess" in frames:
+        told = frames[f"{prefix}ParameterValue"].raw("sequence") != 0
+        acknowledged.append(logged.queued_ns(f"{prefix}ParameterValue")[told])
+    ticks = np.sort(np.concatenate(acknowledged)) // (logged.profile.tick_ms * MS_NS)
+    requests = [f"{prefix}{name}" for name in ("OperatorCommand", "TaskDefine", "ParameterAccess")]
+    assert len(ticks) == sum(len(frames[name]) for name in requests if name in frames)
     for apart in range(1, len(ticks)):
-        assert np.all(ticks[apart:] - ticks[:-apart] >= 2 * apart - 1)
+        assert np.all(ticks[apart:] - ticks[:-apart] >= logged.profile.event_ticks * (apart - 1) + 1)

@@ -19,8 +19,9 @@ from comanip.response_time import Stream
 
 NS_PER_MS, NS_PER_US = 1_000_000, 1_000
 FD_TICK_MS, CLASSIC_TICK_MS = 1, 4
-EVENT_TICKS = 2
+FD_EVENT_TICKS, CLASSIC_EVENT_TICKS = 2, 1  # from one request to the next, in the long run
 EVENT_DEADLINE_MS = 20
+DEFINE_MS = 100
 BOOT_MS = 1000
 COMPUTING_US = 50
 ANSWER_US = 20
@@ -29,13 +30,14 @@ REQUEST, ACKNOWLEDGEMENT = "request", "acknowledgement"
 BOOT_ONLY = ("FirmwareIdentity", f"{CLASSIC}FirmwareIdentity", f"{CLASSIC}FirmwareBuild")
 OTHER_PARTS_OF_A_REQUEST = tuple(CLASSIC + part for part in ("TaskTranslation", "TaskRotation", "TaskInverse"))
 ASSUMPTIONS = (
-    "One operator, who waits for the acknowledgement, which takes a tick: requests are at least one tick apart, in the long run"
-    f" {EVENT_TICKS}. Each of their frames is to arrive within {EVENT_DEADLINE_MS} ms.",
+    "One operator, who waits for the acknowledgement, which takes a tick: requests are at least one tick apart, on CAN FD in the long"
+    f" run {FD_EVENT_TICKS}. Each of their frames is to arrive within {EVENT_DEADLINE_MS} ms.",
     f"The firmware queues its frames together, 0 to {COMPUTING_US} us after its tick.",
     f"Drives and gripper queue an answer {ANSWER_US} us after the end of the command.",
     "Each node offers its lowest id first. No errors, hence no repetitions.",
     "At boot: FirmwareIdentity, and one ParameterValue a tick until all are told.",
-    "On classic CAN drives answer the last joint's command, and the four parts of a TaskDefine count as requests beside each other.",
+    "On classic CAN drives answer the last joint's command, and of requests a TaskDefine, which has four parts, comes once in"
+    f" {DEFINE_MS} ms at most.",
 )
 
 
@@ -51,6 +53,7 @@ class Frame:
     batch: str | None = None
     one_of: str | None = None
     answers: str | None = None
+    early_ms: int = 0  # one may come so much before its period is over
 
     @property
     def is_cyclic(self) -> bool:
@@ -62,14 +65,13 @@ class Frame:
 
     def stream(self, rates: BitRates) -> Stream:
         computing_ns = COMPUTING_US * NS_PER_US if self.batch else 0
-        early_ns = self.period_ms * NS_PER_MS // EVENT_TICKS if self.one_of else 0
         return Stream(
             self.name,
             self.identifier,
             longest(self.identifier, self.length, rates).duration_ns,
             shortest(self.identifier, self.length, rates).duration_ns,
             self.period_ms * NS_PER_MS,
-            jitter_ns=computing_ns + early_ns,
+            jitter_ns=computing_ns + self.early_ms * NS_PER_MS,
             batch=self.batch,
             one_of=self.one_of,
             answers=self.answers,
@@ -95,6 +97,7 @@ def _messages(is_for_classic: bool) -> list[Message]:
 def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
     """All but what comes at boot only; of the joints' frames those of an arm with so many joints."""
     prefix, tick_ms = (CLASSIC, CLASSIC_TICK_MS) if is_for_classic else ("", FD_TICK_MS)
+    event_ms = tick_ms * (CLASSIC_EVENT_TICKS if is_for_classic else FD_EVENT_TICKS)
     sync = f"{CLASSIC}JointCmd{joints - 1}" if is_for_classic else "JointCmd"
     frames = []
     for message in _messages(is_for_classic):
@@ -102,14 +105,16 @@ def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
         is_absent = max(state or 0, command or 0) >= joints
         if is_absent or message.name in BOOT_ONLY:
             continue
+        is_other_part = message.name in OTHER_PARTS_OF_A_REQUEST
         batch = TICK if message.senders == ["Firmware"] else None
-        request = f"{REQUEST}, {message.name}" if message.name in OTHER_PARTS_OF_A_REQUEST else REQUEST
+        request = f"{REQUEST}, {message.name}" if is_other_part else REQUEST
         one_of = None if message.cycle_time else ACKNOWLEDGEMENT if batch else request
-        period_ms = message.cycle_time or EVENT_TICKS * tick_ms
+        period_ms = message.cycle_time or (DEFINE_MS if is_other_part else event_ms)
         answers = sync if state is not None else None
-        frames.append(Frame(message.name, message.frame_id, message.length, period_ms, batch, one_of, answers))
+        early_ms = event_ms - tick_ms if one_of and not is_other_part else 0
+        frames.append(Frame(message.name, message.frame_id, message.length, period_ms, batch, one_of, answers, early_ms))
     state = next(frame for frame in frames if frame.name == f"{prefix}GripperState")
-    return [*frames, replace(state, name=f"{state.name}, answer", period_ms=EVENT_TICKS * tick_ms, answers=f"{prefix}GripperCommand")]
+    return [*frames, replace(state, name=f"{state.name}, answer", period_ms=event_ms, answers=f"{prefix}GripperCommand")]
 
 
 def _boot_frames(is_for_classic: bool) -> list[Frame]:
