@@ -36,7 +36,7 @@ def experiment_run(request, tmp_path_factory) -> Run:
 
 
 def test_the_experiments_succeed(experiment_run):
-    experiment_run.require_pass()
+    assert experiment_run.require_pass().summary["bus"]["profile"] == "classic"
 
 
 def test_their_logs_replay_byte_for_byte(experiment_run):

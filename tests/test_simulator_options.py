@@ -22,7 +22,7 @@ CONTRACT = {
     "checks": [{"name": str, "value": float, "limit": float, "unit": str, "pass": bool}],
 }  # fmt: skip
 BEYOND_THE_CONTRACT = {
-    "summary.tracker.range_errors", "summary.tracking.followable",
+    "summary.tracker.range_errors", "summary.tracking.followable", "summary.bus.profile",
     *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events", "law", "object", "cups")),
     "summary.checks[].orientation_rms_deg",
 }  # fmt: skip

@@ -63,6 +63,7 @@ static void write_traffic(json_writer_t *json, const world_t *world) {
     json_number(json, "load_percent_mean", mean_load_percent(world));
     json_number(json, "load_percent_peak", bus.load_percent_peak);
     json_unsigned(json, "dropped", bus.dropped + world->firmware_overflows);
+    json_text(json, "profile", bus_profile(world->bus) == CAN_PROFILE_CLASSIC ? "classic" : "fd");
     json_end(json, '}');
     json_begin(json, "tracker", '{');
     json_unsigned(json, "samples", tracker.samples);
