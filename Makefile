@@ -19,7 +19,7 @@ FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
 # The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
 SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
     host_tools/hub/hub_path.c
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) hal/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
@@ -126,8 +126,10 @@ sim: build ## run a scenario; ends with a pass/fail table and the paths of what 
 
 # The kernel's interface of this name, or else the hub of this name.
 RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
-run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold
-	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN)
+run-firmware: export RUN_PARAMETERS := $(PARAMETERS)
+run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold; PARAMETERS=file
+	@set --; [ -z "$$RUN_PARAMETERS" ] || set -- --parameters "$$RUN_PARAMETERS"; \
+	$(FIRMWARE_PROCESS) $(RUN_ON_CAN) "$$@"
 
 run-plant: build ## the simulated plant as a second process on CAN=vcan0, in real time; takes what `make sim` takes
 	@$(RUN_ARGUMENTS); \
@@ -162,7 +164,7 @@ check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings a
 	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
 	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
-	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/host/*.c) hal/no_store.c $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"
 
 include hal/target.mk

@@ -9,6 +9,7 @@
 #include "../hal.h"
 #include "can_socket.h"
 #include "pace.h"
+#include "store.h"
 #include "watchdog.h"
 
 #define PROGRAM "comanip-firmware"
@@ -31,7 +32,10 @@ static void on_stop(int signal_number) {
     stopped = 1;
 }
 
-bool port_open(const char *can, uint32_t slow, char error[], size_t error_size) {
+bool port_open(const char *can, uint32_t slow, const char *parameters, char error[], size_t error_size) {
+    if (parameters != NULL && !store_open(PROGRAM, parameters, error, error_size)) {
+        return false;
+    }
     uint16_t ids[FRAME_KIND_COUNT];
     can_selection_t selection = {.ids = ids};
     for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
@@ -50,6 +54,7 @@ void hal_init(void) {
     const struct sigaction action = {.sa_handler = on_stop};
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
+    store_start(); /* before this thread has a priority that the store's would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
     pace_init(&port.pace, (uint32_t)port.pace.slow); /* the time that the start took is no overrun */

@@ -5,6 +5,7 @@
 
 #include "comanip_build_hash.h"
 #include "replay_inbox.h"
+#include "replay_store.h"
 
 uint64_t replay_build_hash(void) {
     return COMANIP_BUILD_HASH;
@@ -42,7 +43,7 @@ void replay_init(replay_t *self, const arm_t *arm, const can_frame_t log[], uint
     self->tick_place = self->cursor[FRAME_TICK_TRACE];
     self->former_tick_place = 0;
     self->boots = 1;
-    controller_init(&self->controller, arm);
+    replay_boot(self, arm);
 }
 
 /* ---- differences */
@@ -104,7 +105,12 @@ static bool is_reboot(const replay_t *self, const can_frame_t *recorded) {
 static void step(replay_t *self, const tick_trace_t *trace) {
     self->controller = self->before;
     replay_stamp_inbox(self, trace);
+    self->inbox.save_over = false;
     controller_step(&self->controller, trace->now_us, &self->inbox, &self->outbox);
+    if (replay_ends_save(self)) {
+        self->controller = self->before;
+        controller_step(&self->controller, trace->now_us, &self->inbox, &self->outbox);
+    }
 }
 
 static bool has_sent(const replay_t *self, const can_frame_t *recorded) {
@@ -155,7 +161,7 @@ static void replay_tick(replay_t *self) {
     tick_trace_unpack(recorded, &trace);
     if (is_reboot(self, recorded)) {
         find_unsent(self, self->former_tick_place);
-        controller_init(&self->controller, self->controller.arm);
+        replay_boot(self, self->controller.arm);
         self->boots++;
     }
     self->before = self->controller;
