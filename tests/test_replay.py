@@ -104,8 +104,8 @@ def test_a_log_may_end_anywhere(short):
 class RecordingBench(Bench):
     """A bench whose frames, in and out, are a log; its clock is that of the firmware, which the log does not know."""
 
-    def __init__(self):
-        super().__init__(now_us=2**32 - 150_000)  # wraps within the run
+    def __init__(self, **options):
+        super().__init__(now_us=2**32 - 150_000, **options)  # wraps within the run
         self.log: list[Frame] = []
 
     def tick(self, count: int = 1) -> None:
@@ -208,6 +208,90 @@ def test_a_firmware_that_was_restarted():
     report = replay(first.log + second.log)
     assert report.difference is None, report.difference
     assert (report.boots, report.ticks) == (2, 777 + second.ticks - 5 * 777 // 4 * 4)
+
+
+def stored_parameters(rng: np.random.Generator):
+    """Other ones than the defaults, all but `trace` and what would leave no time to cooperate."""
+    parameters = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(parameters)
+    for i in range(lib.PARAMETER_COUNT):
+        row = lib.parameter_table[i]
+        if not row.integer:
+            value = row.default_value + 0.3 * rng.uniform(0, 1) * (row.maximum - row.default_value)
+            assert lib.parameters_set(parameters, i, value) == lib.RESULT_ACCEPTED
+    lib.parameters_set(parameters, lib.PARAMETER_SPEED_FRACTION, 0.37)
+    return parameters
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_firmware_that_booted_with_stored_parameters(seed):
+    rng = np.random.default_rng(seed)
+    bench = run_bench(RecordingBench(parameters=stored_parameters(rng)), rng, 700)
+    report = replay(bench.log)
+    assert report.difference is None, report.difference
+    assert report.ticks == bench.ticks
+
+
+def test_each_boot_has_its_own_parameters(rng):
+    first = RecordingBench(parameters=stored_parameters(rng))
+    first.tick(300)
+    second = RecordingBench(parameters=stored_parameters(rng))
+    second.ticks, second.now_us, second.sender = 4 * 500, 10**9, first.sender
+    second.until_ready().start(lib.TASK_TELEOP).tick(200)
+    report = replay(first.log + second.log)
+    assert (report.difference, report.boots) == (None, 2)
+
+
+def test_a_boot_whose_store_was_not_valid():
+    defaults = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(defaults)
+    bench = RecordingBench(parameters=defaults, boot_result=lib.RESULT_STORE_FAILED)
+    bench.until_ready().start(lib.TASK_TELEOP).tick(100)
+    assert replay(bench.log).difference is None
+
+
+@pytest.mark.parametrize("early_ticks", range(0, 45, 4))
+def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
+    """Before or after it was announced: the speed fraction is in each status, so that it cannot be guessed wrong."""
+    bench = RecordingBench(parameters=stored_parameters(rng))
+    bench.tick(early_ticks)
+    bench.write(lib.PARAMETER_SPEED_FRACTION, 0.5)
+    bench.tick(60)
+    assert replay(bench.log).difference is None
+
+
+@pytest.mark.parametrize("result", [lib.RESULT_ACCEPTED, lib.RESULT_STORE_FAILED, lib.RESULT_NOT_SUPPORTED])
+def test_savings_end_as_they_had_ended(result, rng):
+    """With other answers about the same parameter, with the same number, meanwhile."""
+    bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
+    assert bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED  # of several first ones, a replay knows the last
+    bench.store_result = result
+    for bench.store_ticks in (1, 2, 7, 40):
+        sequence = bench.store_ticks
+        for operation in (lib.PARAMETER_SAVE, lib.PARAMETER_READ, lib.PARAMETER_WRITE, lib.PARAMETER_SAVE):
+            message = {"operation": operation, "parameter": 5, "sequence": sequence, "value": 12.0}
+            bench.ask(ffi.new("parameter_access_t *", message))
+            if operation != lib.PARAMETER_SAVE:
+                bench.tick(int(rng.integers(1, 3)))
+        bench.tick(50)
+    results = [DBC.decode_message(f.frame_id, f.data, decode_choices=False) for f in bench.log if f.frame_id == ID["ParameterValue"]]
+    assert sum(told["result"] == result and told["sequence"] > 0 for told in results) >= 4
+    report = replay(bench.log)
+    assert report.difference is None, report.difference
+
+
+def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
+    bench = RecordingBench().until_ready()
+    bench.store_result, bench.store_ticks = lib.RESULT_ACCEPTED, 5
+    assert bench.save() == lib.RESULT_ACCEPTED
+    bench.tick(20)
+    place = [i for i, frame in enumerate(bench.log) if frame.frame_id == ID["ParameterValue"]][-1]
+    for bit in rng.choice(8 * len(bench.log[place].data), 20, replace=False):
+        assert replay(flipped(bench.log, place, int(bit))).difference.place == place
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the store may never have ended"
+    bench.tick(2)
+    assert bench.save() == lib.RESULT_ACCEPTED
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "but not when there is a next one"
 
 
 def test_at_recorded_pace(tmp_path, short):
