@@ -123,8 +123,8 @@ class Bus:
         self._processes.append(process)
         return process
 
-    def firmware(self, name: str = "firmware", program: Path = FIRMWARE) -> subprocess.Popen:
-        return self.start([program, "--can", INTERFACE, "--slow", self.slow], name)
+    def firmware(self, name: str = "firmware", program: Path = FIRMWARE, *arguments: object) -> subprocess.Popen:
+        return self.start([program, "--can", INTERFACE, "--slow", self.slow, *arguments], name)
 
     def plant(self, *arguments: object, name: str = "plant") -> subprocess.Popen:
         command = [PLANT, "--can", INTERFACE, "--slow", self.slow, "--out", self.folder / name, *arguments]
