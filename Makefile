@@ -49,7 +49,7 @@ help: ## this text
 	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
 	@echo "      CAN=hub REALTIME=1 shows the running bus to make candump, in real time"
 	@echo "  make experiments SEEDS=20 OUT=dir"
-	@echo "  make run-firmware CAN=vcan0 SLOW=n, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
+	@echo "  make run-firmware CAN=vcan0 SLOW=n PARAMETERS=file, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
 
 # ---- what is needed
 
