@@ -39,6 +39,11 @@ void protocol_protect(protocol_sender_t *self, can_frame_t *frame) {
     }
 }
 
+bool protocol_is_for_firmware(const can_frame_t *frame) {
+    frame_kind_t kind;
+    return find_kind(frame->id, &kind) && frame_table[kind].to_firmware;
+}
+
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind) {
     protocol_status_t status = PROTOCOL_OK;
     if (!find_kind(frame->id, kind)) {

@@ -79,6 +79,10 @@ typedef struct {
 
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
+/* The firmware receives frames of this id. A port's filters, where it has some, let no others through; what comes through
+ * without them must leave no mark, or the same bus would have the firmware say different things. */
+bool protocol_is_for_firmware(const can_frame_t *frame);
+
 /* Sets *kind unless the id is unknown. Frames sent on events are accepted whatever number of them was lost, for a sender
  * that was restarted must be heard; only a repetition is refused. Every refusal but that of an unknown id is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind);

@@ -22,7 +22,7 @@ static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t
     for (uint8_t i = 0; i < inbox->count; i++) {
         const can_frame_t *frame = &inbox->frame[i];
         frame_kind_t kind;
-        if (protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
+        if (!protocol_is_for_firmware(frame) || protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
             continue;
         }
         bool after_now = (int32_t)(now_us - frame->timestamp_us) < 0;

@@ -124,6 +124,15 @@ class Bench:
         """An OperatorCommand with a flipped bit, in the next tick."""
         frame = ffi.new("can_frame_t *")
         assert lib.operator_command_pack(ffi.new("operator_command_t *"), frame) == lib.PROTOCOL_OK
+        self._receive_broken(frame)
+
+    def receive_broken_between_others(self) -> None:
+        """The same of a Clearance, which is not for the firmware: a port without filters hands it on."""
+        frame = ffi.new("can_frame_t *")
+        assert lib.clearance_report_pack(ffi.new("clearance_report_t *"), frame) == lib.PROTOCOL_OK
+        self._receive_broken(frame)
+
+    def _receive_broken(self, frame) -> None:
         lib.protocol_protect(self.sender, frame)
         frame.data[7] ^= 1
         self.raw.append(frame)

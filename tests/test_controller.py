@@ -303,6 +303,17 @@ def test_trace_tells_of_fresh_drives_and_of_refused_frames():
     assert silent[0][0] and not silent[-1][0]
 
 
+def test_damaged_frames_that_are_not_for_the_firmware_leave_no_mark():
+    """With a port's filters or without: the same bytes."""
+    filtered, unfiltered = Bench().until_ready(), Bench().until_ready()
+    for _ in range(20):
+        unfiltered.receive_broken_between_others()
+        filtered.tick()
+        unfiltered.tick()
+        assert unfiltered.sent == filtered.sent
+    assert unfiltered.controller.receiver.rejected == 0
+
+
 def test_parameters_do_not_change_in_cooperation():
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     assert bench.write(lib.PARAMETER_MOTION_SCALE, 2.0) == lib.RESULT_WRONG_MODE

@@ -167,6 +167,28 @@ def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
     assert report.ticks == bench.ticks
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_damaged_frames_on_a_bus_without_filters(seed):
+    """For the firmware and past it: all that it sent comes out, and what is left to tell is the first that went past it."""
+    rng = np.random.default_rng(seed)
+    bench = RecordingBench().until_ready().start(lib.TASK_TELEOP)
+    past = 0
+    for _ in range(400):
+        if rng.random() < 0.2:
+            bench.receive_broken_between_others()
+            past += 1
+        if rng.random() < 0.2:
+            bench.receive_broken()
+        bench.tick()
+    assert past > 40 and bench.controller.receiver.rejected > 40
+    between = [frame for frame in bench.log if frame.frame_id == ID["Clearance"]]
+    assert len(between) == past
+    report = replay(bench.log)
+    assert report.ticks == bench.ticks
+    assert "went past the firmware" in report.difference.what and report.difference.recorded == between[0]
+    assert replay([frame for frame in bench.log if frame.frame_id != ID["Clearance"]]).difference is None
+
+
 @pytest.mark.parametrize("age_us", [1500, 2500, 2999, 3000, 3001, 5000])
 def test_frames_that_waited_long_before_they_were_read(age_us):
     """As after a pause of the process: they count from when they came, which the log does not tell."""
