@@ -47,6 +47,7 @@ help: ## this text
 	@echo
 	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
 	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
+	@echo "      PROFILE=classic runs it on classic CAN, at 250 Hz, in place of CAN FD, at 1 kHz; run-firmware and run-plant take it, too"
 	@echo "      CAN=hub REALTIME=1 shows the running bus to make candump, in real time"
 	@echo "  make experiments SEEDS=20 OUT=dir"
 	@echo "  make run-firmware CAN=vcan0 SLOW=n PARAMETERS=file, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
@@ -107,13 +108,15 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 sim run-plant: export RUN_SCENARIO := $(SCENARIO)
 sim run-plant: export RUN_TRACKER := $(TRACKER)
 sim run-plant: export RUN_SEED := $(SEED)
+sim run-plant run-firmware: export RUN_PROFILE := $(PROFILE)
 sim run-plant: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
 RUN_ARGUMENTS = case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
 	    echo "make $@: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
 	set -- --out "$$RUN_OUT"; \
 	[ -z "$$RUN_SCENARIO" ] || set -- "$$@" --scenario "$$RUN_SCENARIO"; \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
-	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"
+	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
+	[ -z "$$RUN_PROFILE" ] || set -- "$$@" --profile "$$RUN_PROFILE"
 sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
 	@$(RUN_ARGUMENTS); \
 	[ -z "$(filter-out 0 no,$(REALTIME))" ] || set -- "$$@" --real-time; \
@@ -128,8 +131,7 @@ sim: build ## run a scenario; ends with a pass/fail table and the paths of what 
 RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
 run-firmware: export RUN_PARAMETERS := $(PARAMETERS)
 run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold; PARAMETERS=file
-	@set --; [ -z "$$RUN_PARAMETERS" ] || set -- --parameters "$$RUN_PARAMETERS"; \
-	$(FIRMWARE_PROCESS) $(RUN_ON_CAN) "$$@"
+	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN) $${RUN_PROFILE:+--profile "$$RUN_PROFILE"} $${RUN_PARAMETERS:+--parameters "$$RUN_PARAMETERS"}
 
 run-plant: build ## the simulated plant as a second process on CAN=vcan0, in real time; takes what `make sim` takes
 	@$(RUN_ARGUMENTS); \

@@ -1,7 +1,8 @@
-/* One CAN FD frame as it crosses the HAL. */
+/* One data frame, CAN FD or classic, as it crosses the HAL. */
 #ifndef COMANIP_CAN_FRAME_H
 #define COMANIP_CAN_FRAME_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #define CAN_FRAME_MAX_BYTES 64
@@ -11,6 +12,7 @@ typedef struct {
     uint16_t id;           /* 11 bits */
     uint8_t length;        /* bytes: 0..8, 12, 16, 20, 24, 32, 48, 64 */
     uint8_t data[CAN_FRAME_MAX_BYTES];
+    bool fd;               /* CAN FD with bit-rate switch; else classic, and length is 0..8 */
 } can_frame_t;
 
 #endif

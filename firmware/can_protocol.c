@@ -39,11 +39,6 @@ void protocol_protect(protocol_sender_t *self, can_frame_t *frame) {
     }
 }
 
-bool protocol_is_for_firmware(const can_frame_t *frame) {
-    frame_kind_t kind;
-    return find_kind(frame->id, &kind) && frame_table[kind].to_firmware;
-}
-
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind) {
     protocol_status_t status = PROTOCOL_OK;
     if (!find_kind(frame->id, kind)) {
@@ -60,7 +55,7 @@ protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *f
 
 /* An empty frame of this kind. */
 static void begin(can_frame_t *frame, frame_kind_t kind) {
-    *frame = (can_frame_t){.id = frame_table[kind].id, .length = frame_table[kind].length};
+    *frame = (can_frame_t){.id = frame_table[kind].id, .length = frame_table[kind].length, .fd = true};
 }
 
 /* Rounds to nearest. False if the signal cannot carry the value, NaN included. */

@@ -1,8 +1,9 @@
-/* The frames of comanip.dbc in SI units: scaling, rounding, range checks and end-to-end protection over the generated
- * packing of raw integers. Ids, layouts, scales and Data IDs stand in the DBC alone.
+/* The CAN FD frames of comanip.dbc in SI units: scaling, rounding, range checks and end-to-end protection over the generated
+ * packing of raw integers. Ids, layouts, scales and Data IDs stand in the DBC alone. can_transport.h is for nodes, which may
+ * be on classic CAN as well:
  *
- *   sending:   X_pack(&message, &frame); protocol_protect(&sender, &frame);
- *   receiving: if (protocol_check(&receiver, &frame, &kind) == PROTOCOL_OK) X_unpack(&frame, &message);
+ *   sending:   X_pack(&message, &frame); transport_send(&sender, &frame, ...);
+ *   receiving: if (transport_receive(&receiver, &frame, &kind) == PROTOCOL_OK) X_unpack(&frame, &message);
  *
  * pack sets id and length and rounds to nearest. A value that its signal cannot carry (or NaN) is never saturated:
  * pack returns PROTOCOL_OUT_OF_RANGE, and the frame is then not to be sent; a HandPose is then packed as invalid, to be
@@ -47,6 +48,7 @@ typedef enum {
 } frame_kind_t;
 
 typedef enum {
+    PROTOCOL_INCOMPLETE = 1, /* classic CAN: a part was taken, the message is not yet whole */
     PROTOCOL_OK = 0,
     PROTOCOL_UNKNOWN_ID = -1,
     PROTOCOL_WRONG_LENGTH = -2,
@@ -78,10 +80,6 @@ typedef struct {
 } protocol_receiver_t;
 
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
-
-/* The firmware receives frames of this id. A port's filters, where it has some, let no others through; what comes through
- * without them must leave no mark, or the same bus would have the firmware say different things. */
-bool protocol_is_for_firmware(const can_frame_t *frame);
 
 /* Sets *kind unless the id is unknown. Frames sent on events are accepted whatever number of them was lost, for a sender
  * that was restarted must be heard; only a repetition is refused. Every refusal but that of an unknown id is counted. */

@@ -4,8 +4,14 @@
 
 #include "comanip_build_hash.h"
 
-#define TICK_S (1e-6f * (float)CONTROLLER_TICK_US)
 #define UNIT_TOLERANCE 1e-3f
+#define LISTENS_TO                                                                                                   \
+    (UINT32_C(1) << FRAME_HAND_POSE | UINT32_C(1) << FRAME_TRACKER_STATUS | UINT32_C(0xFF) << FRAME_JOINT_STATE0 |    \
+     UINT32_C(1) << FRAME_OPERATOR_COMMAND | UINT32_C(1) << FRAME_TASK_DEFINE | UINT32_C(1) << FRAME_PARAMETER_ACCESS)
+
+static float tick_s(const controller_t *self) {
+    return 1e-3f * (float)self->tick_ms;
+}
 
 /* ---- decode */
 
@@ -17,12 +23,12 @@ static void apply_parameters(controller_t *self) {
 }
 
 /* Measurements are taken over at once; the operator's frames wait until this tick's poses are known. */
-static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox) {
+static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbox) {
     self->request_count = 0;
     for (uint8_t i = 0; i < inbox->count; i++) {
-        const can_frame_t *frame = &inbox->frame[i];
+        can_frame_t *frame = &inbox->frame[i];
         frame_kind_t kind;
-        if (!protocol_is_for_firmware(frame) || protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
+        if (transport_receive(&self->receiver, frame, &kind) != PROTOCOL_OK) {
             continue;
         }
         bool after_now = (int32_t)(now_us - frame->timestamp_us) < 0;
@@ -31,7 +37,7 @@ static void decode(controller_t *self, uint32_t now_us, const controller_inbox_t
             hand_pose_t pose;
             hand_pose_unpack(frame, &pose);
             bool taken = hand_tracker_receive(&self->hand_tracker, &pose, received_us, now_us);
-            self->receiver.rejected += pose.valid && !taken;
+            self->receiver.protocol.rejected += pose.valid && !taken;
         } else if (kind == FRAME_TRACKER_STATUS) {
             tracker_status_t status;
             tracker_status_unpack(frame, &status);
@@ -187,8 +193,8 @@ static result_t access_result(controller_t *self, const parameter_access_t *acce
 }
 
 static void send(controller_t *self, controller_outbox_t *outbox, can_frame_t *frame) {
-    protocol_protect(&self->sender, frame);
-    outbox->frame[outbox->count++] = *frame;
+    uint8_t frames = transport_send(&self->sender, frame, &outbox->frame[outbox->count]);
+    outbox->count = (uint8_t)(outbox->count + frames);
 }
 
 static void send_ack(controller_t *self, controller_outbox_t *outbox, uint8_t command, uint8_t sequence,
@@ -277,12 +283,12 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
         return;
     }
     self->target = cooperation_target(&self->cooperation, self->hand, blend(self));
-    self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? TICK_S : 0.0f;
+    self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
     const int joint_count = self->arm->joint_count;
     for (int pass = 0; pass <= joint_count; pass++) { /* once, and once more for each joint that turns out to be blocked */
         velocity_control(&self->velocity_control_config, joint_count, self->robot, self->half_line, self->target,
                          wanted_radps);
-        if (!joint_limits_exclude(self->arm, &self->joint_limits_config, TICK_S, self->joints.position_rad, wanted_radps,
+        if (!joint_limits_exclude(self->arm, &self->joint_limits_config, tick_s(self), self->joints.position_rad, wanted_radps,
                                   self->half_line)) {
             break;
         }
@@ -315,11 +321,11 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
         .target = self->target,
         .hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us),
         .drives_fresh = self->supervisor_inputs.drives_fresh,
-        .rejected_frames = (uint8_t)self->receiver.rejected,
+        .rejected_frames = (uint8_t)self->receiver.protocol.rejected,
     };
     for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        trace.last_counter[kind] = self->receiver.e2e[kind].counter;
-        trace.received[kind] = self->receiver.e2e[kind].started;
+        trace.last_counter[kind] = self->receiver.protocol.e2e[kind].counter;
+        trace.received[kind] = self->receiver.protocol.e2e[kind].started;
     }
     can_frame_t frame;
     (void)tick_trace_pack(&trace, &frame);
@@ -334,7 +340,7 @@ static void send_status(controller_t *self, controller_outbox_t *outbox) {
         .task = self->task_id,
         .latched = is_engaged(self) && self->cooperation.latched,
         .speed_limit_percent = 100.0f * self->parameters.value[PARAMETER_SPEED_FRACTION],
-        .rejected_frames = (uint8_t)self->receiver.rejected,
+        .rejected_frames = (uint8_t)self->receiver.protocol.rejected,
     };
     can_frame_t frame;
     (void)firmware_status_pack(&status, &frame);
@@ -372,7 +378,7 @@ static void announce(controller_t *self, controller_outbox_t *outbox) {
 }
 
 static bool is_due(const controller_t *self, frame_kind_t kind) {
-    return self->tick % frame_table[kind].period_ms == 0u;
+    return self->tick * self->tick_ms % transport_period_ms(self->sender.profile, kind) == 0u;
 }
 
 static void encode(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
@@ -391,11 +397,14 @@ static void encode(controller_t *self, uint32_t now_us, controller_outbox_t *out
 
 /* ---- the pipeline */
 
-void controller_init(controller_t *self, const arm_t *arm) {
+void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile) {
     memset(self, 0, sizeof *self);
     self->arm = arm;
-    hand_tracker_init(&self->hand_tracker);
-    joint_feedback_init(&self->joints);
+    self->tick_ms = transport_period_ms(profile, FRAME_JOINT_CMD);
+    transport_sender_init(&self->sender, profile, arm->joint_count);
+    transport_receiver_init(&self->receiver, profile, arm->joint_count, LISTENS_TO);
+    hand_tracker_init(&self->hand_tracker, 1000u * transport_period_ms(profile, FRAME_HAND_POSE));
+    joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));
     supervisor_init(&self->supervisor);
     joint_limits_init(&self->limits);
     self->finite = true;
@@ -411,8 +420,7 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
     select_task(self, TASK_TELEOP, &task_table[TASK_TELEOP], self->parameters.value[PARAMETER_TASK_BLEND_S]);
 }
 
-void controller_step(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox,
-                     controller_outbox_t *outbox) {
+void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox) {
     float wanted_radps[ARM_MAX_JOINTS];
 
     outbox->count = 0;
@@ -423,7 +431,7 @@ void controller_step(controller_t *self, uint32_t now_us, const controller_inbox
     end_save(self, inbox, outbox);
     obey(self, inbox, outbox);
     aim(self, wanted_radps);
-    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, TICK_S,
+    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, tick_s(self),
                                       self->joints.position_rad, wanted_radps);
     encode(self, now_us, outbox);
     self->tick++;

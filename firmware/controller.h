@@ -2,11 +2,14 @@
  *
  *   decode -> hand -> Algorithm 1 + task -> control law -> limits -> encode, watched by the supervisor
  *
- * A pure function of the state, the time, the frames received and how a saving ended: the same log gives the same bytes on every target. */
+ * On CAN FD a tick is 1 ms, on classic CAN 4 ms.
+ *
+ * A pure function of the state, the time, the frames received and how a saving ended: the same log gives the same bytes on
+ * every target. */
 #ifndef COMANIP_CONTROLLER_H
 #define COMANIP_CONTROLLER_H
 
-#include "can_protocol.h"
+#include "can_transport.h"
 #include "cooperation.h"
 #include "hand_tracker.h"
 #include "joint_feedback.h"
@@ -15,9 +18,8 @@
 #include "supervisor.h"
 #include "velocity_control.h"
 
-#define CONTROLLER_TICK_US 1000u
 #define CONTROLLER_INBOX_FRAMES 16 /* all drives, tracker and operator in one tick; more wait for the next */
-#define CONTROLLER_CYCLIC_FRAMES 5
+#define CONTROLLER_CYCLIC_FRAMES 17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, identity */
 /* An answer to each frame, with the announcement of a parameter before it; and that a saving is over. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
@@ -42,8 +44,9 @@ typedef struct {
     cooperation_config_t cooperation_config;
     dual_quaternion_t marker_to_hand;
 
-    protocol_receiver_t receiver;
-    protocol_sender_t sender;
+    transport_receiver_t receiver;
+    transport_sender_t sender;
+    uint32_t tick_ms;
     struct {
         frame_kind_t kind;
         uint8_t place; /* in the inbox */
@@ -76,16 +79,15 @@ typedef struct {
 } controller_t;
 
 /* The arm table must outlive the controller. */
-void controller_init(controller_t *self, const arm_t *arm);
+void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile);
 
 /* Before the first step: parameters in place of the defaults. result: what the boot announcement says of them,
  * RESULT_ACCEPTED or, when a record was not valid, RESULT_STORE_FAILED. */
 void controller_set_parameters(controller_t *self, const parameters_t *parameters, result_t result);
 
-/* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first.
- * A frame stamped after now_us, as one that came while the inbox was filled, counts as received at now_us.
- * outbox: filled with the frames to send, in that order. */
-void controller_step(controller_t *self, uint32_t now_us, const controller_inbox_t *inbox,
-                     controller_outbox_t *outbox);
+/* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first, and
+ * afterwards the messages that they were. A frame stamped after now_us, as one that came while the inbox was filled, counts
+ * as received at now_us. outbox: filled with the frames to send, in that order. */
+void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox);
 
 #endif

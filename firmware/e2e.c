@@ -1,5 +1,24 @@
 #include "e2e.h"
 
+#define COUNTER4_MASK 0x0Fu
+
+/* A frame with a right CRC: is its counter the next one? */
+static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, uint8_t max_delta) {
+    uint8_t delta = (uint8_t)(counter - self->counter) & mask;
+    bool first = !self->started;
+    self->started = true;
+    self->counter = counter;
+    if (first || delta == 1u) {
+        return E2E_OK;
+    }
+    if (delta == 0u) {
+        return E2E_REPEATED;
+    }
+    return delta <= max_delta ? E2E_SOME_LOST : E2E_WRONG_SEQUENCE;
+}
+
+/* ---- Profile 5 */
+
 static uint16_t crc16(uint16_t crc, uint8_t byte) {
     /* CRC-16/CCITT (0x1021) of one byte without a table: the polynomial's taps folded by hand */
     uint8_t x = (uint8_t)((crc >> 8) ^ byte);
@@ -31,15 +50,36 @@ e2e_status_t e2e_check(e2e_receiver_t *self, const uint8_t data[], uint8_t lengt
     if (received_crc != frame_crc(data, length, data_id)) {
         return E2E_WRONG_CRC;
     }
-    uint8_t delta = (uint8_t)(data[2] - self->counter);
-    bool first = !self->started;
-    self->started = true;
-    self->counter = data[2];
-    if (first || delta == 1u) {
-        return E2E_OK;
+    return follow(self, data[2], UINT8_MAX, E2E_MAX_DELTA);
+}
+
+/* ---- Profile 2 */
+
+static uint8_t crc8(uint8_t crc, uint8_t byte) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; bit++) {
+        crc = (uint8_t)(((unsigned)crc << 1) ^ ((crc & 0x80u) != 0u ? 0x2Fu : 0u));
     }
-    if (delta == 0u) {
-        return E2E_REPEATED;
+    return crc;
+}
+
+static uint8_t profile2_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
+    uint8_t crc = 0xFFu;
+    for (uint8_t i = 1; i < length; i++) {
+        crc = crc8(crc, data[i]);
     }
-    return delta <= E2E_MAX_DELTA ? E2E_SOME_LOST : E2E_WRONG_SEQUENCE;
+    crc = crc8(crc, E2E_PROFILE2_DATA_ID(data_id, data[1] & COUNTER4_MASK));
+    return crc ^ 0xFFu;
+}
+
+void e2e_profile2_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter) {
+    data[1] = (uint8_t)((data[1] & ~COUNTER4_MASK) | (counter & COUNTER4_MASK));
+    data[0] = profile2_crc(data, length, data_id);
+}
+
+e2e_status_t e2e_profile2_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id) {
+    if (length < E2E_PROFILE2_HEADER_BYTES || data[0] != profile2_crc(data, length, data_id)) {
+        return E2E_WRONG_CRC;
+    }
+    return follow(self, data[1] & COUNTER4_MASK, COUNTER4_MASK, E2E_PROFILE2_MAX_DELTA);
 }

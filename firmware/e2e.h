@@ -1,5 +1,11 @@
-/* AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2, implicit
- * 16-bit Data ID, low byte first, after the data. Source: AUTOSAR FO R22-11, PRS_E2EProtocol, 6.6. */
+/* End-to-end protection. Source: AUTOSAR FO R22-11, PRS_E2EProtocol.
+ *
+ * Profile 5 (6.6), on CAN FD: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2, implicit
+ * 16-bit Data ID, low byte first, after the data.
+ *
+ * Profile 2 (6.4), on classic CAN: CRC-8 (0x2F, initial and final XOR 0xFF) at byte 0, 4-bit counter in the low half of
+ * byte 1, implicit Data ID after the data: one of 16, by the counter, E2E_PROFILE2_DATA_ID. It is weaker: one wrong frame in
+ * 256 has a right CRC, and a frame that is late by 16 looks new. */
 #ifndef COMANIP_E2E_H
 #define COMANIP_E2E_H
 
@@ -7,7 +13,12 @@
 #include <stdint.h>
 
 #define E2E_HEADER_BYTES 3
-#define E2E_MAX_DELTA 10 /* so many lost frames in a row are bridged; a larger step of the counter is refused once */
+#define E2E_MAX_DELTA 10 /* the largest step of the counter that is taken; a larger one is refused once */
+
+#define E2E_PROFILE2_HEADER_BYTES 2
+#define E2E_PROFILE2_COUNTERS 16
+#define E2E_PROFILE2_MAX_DELTA 5
+#define E2E_PROFILE2_DATA_ID(data_id, counter) ((uint8_t)((data_id) + 16u * (counter)))
 
 typedef enum {
     E2E_OK = 0,
@@ -27,5 +38,9 @@ void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t count
 
 /* Checks a received frame and follows its counter. Use the data only if the status is not negative. */
 e2e_status_t e2e_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id);
+
+/* The same for Profile 2. length: up to 8; the high half of byte 1 is data. counter: modulo 16. */
+void e2e_profile2_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter);
+e2e_status_t e2e_profile2_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id);
 
 #endif

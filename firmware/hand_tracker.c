@@ -12,9 +12,9 @@
 #define PERIOD_MIN_US 1000u
 #define PERIOD_MAX_US 100000u
 
-void hand_tracker_init(hand_tracker_t *self) {
+void hand_tracker_init(hand_tracker_t *self, uint32_t period_us) {
     *self = (hand_tracker_t){
-        .period_us = 1000u * frame_table[FRAME_HAND_POSE].period_ms,
+        .period_us = period_us,
         .from = dual_quaternion_identity,
         .to = dual_quaternion_identity,
     };

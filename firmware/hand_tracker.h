@@ -5,7 +5,7 @@
 #include "can_protocol.h"
 
 typedef struct {
-    uint32_t period_us; /* as announced by TrackerStatus; HandPose's own period until then */
+    uint32_t period_us; /* as announced by TrackerStatus */
     bool has_pose;
     bool has_clock;
     bool stale;
@@ -19,7 +19,8 @@ typedef struct {
     dual_quaternion_t from, to; /* interpolated over one period: marker in the tracker frame */
 } hand_tracker_t;
 
-void hand_tracker_init(hand_tracker_t *self);
+/* period_us: until the tracker announces its own. */
+void hand_tracker_init(hand_tracker_t *self, uint32_t period_us);
 
 /* Takes over the announced period, if it is within 1 and 100 ms: with a longer one, blind cooperation could last long. */
 void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status);

@@ -1,7 +1,7 @@
 #include "joint_feedback.h"
 
-void joint_feedback_init(joint_feedback_t *self) {
-    *self = (joint_feedback_t){0};
+void joint_feedback_init(joint_feedback_t *self, uint32_t timeout_us) {
+    *self = (joint_feedback_t){.timeout_us = timeout_us};
 }
 
 void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us) {
@@ -14,8 +14,7 @@ void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state
 bool joint_feedback_check_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us) {
     bool fresh = true;
     for (int i = 0; i < joint_count; i++) {
-        uint32_t timeout_us = 1000u * frame_table[FRAME_JOINT_STATE0 + i].timeout_ms;
-        if (now_us - self->received_us[i] > timeout_us) {
+        if (now_us - self->received_us[i] > self->timeout_us) {
             self->received[i] = false;
         }
         fresh = fresh && self->received[i];

@@ -5,18 +5,20 @@
 #include "can_protocol.h"
 
 typedef struct {
+    uint32_t timeout_us;
     float position_rad[ARM_MAX_JOINTS];
     drive_error_t error[ARM_MAX_JOINTS];
     uint32_t received_us[ARM_MAX_JOINTS];
     bool received[ARM_MAX_JOINTS];
 } joint_feedback_t;
 
-void joint_feedback_init(joint_feedback_t *self);
+/* timeout_us: JointState's, on this bus. */
+void joint_feedback_init(joint_feedback_t *self, uint32_t timeout_us);
 
 /* joint: 0..ARM_MAX_JOINTS - 1. received_us: not after the time of the next check. */
 void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us);
 
-/* Every joint has answered within JointState's timeout. Call it once per tick: an answer that has timed out is forgotten,
+/* Every joint has answered within the timeout. Call it once per tick: an answer that has timed out is forgotten,
  * or it would look fresh again when the clock comes round in 71 minutes. */
 bool joint_feedback_check_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us);
 

@@ -46,11 +46,15 @@ void firmware_main(void) {
     if (defect != NULL) {
         hal_panic(defect);
     }
-    controller_init(&controller, &arm_hoap3_right);
+    controller_init(&controller, &arm_hoap3_right, hal_can_profile());
     load_parameters(&controller);
 
     uint32_t now_us = 0;
-    while (hal_wait_tick(&now_us)) {
+    for (uint32_t tick_ms = 0; hal_wait_tick(&now_us); tick_ms++) {
+        hal_watchdog_feed();
+        if (tick_ms % controller.tick_ms != 0u) {
+            continue; /* classic CAN carries a command each 4 ms */
+        }
         inbox.count = 0;
         while (inbox.count < CONTROLLER_INBOX_FRAMES && hal_can_receive(&inbox.frame[inbox.count])) {
             inbox.count++;
@@ -63,6 +67,5 @@ void firmware_main(void) {
         if (outbox.save) {
             begin_save(&controller);
         }
-        hal_watchdog_feed();
     }
 }

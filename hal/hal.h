@@ -8,9 +8,13 @@
 #include <stdint.h>
 
 #include "../firmware/can_frame.h"
+#include "../firmware/can_profile.h"
 
-/* Clock, CAN controller (FD, 1/5 Mbit/s), watchdog. Panics if the hardware does not answer. */
+/* Clock, CAN controller (1 Mbit/s, FD's data phase 5 Mbit/s), watchdog. Panics if the hardware does not answer. */
 void hal_init(void);
+
+/* What the bus carries: a property of the board, or chosen by whoever starts the port. */
+can_profile_t hal_can_profile(void);
 
 /* Sleeps until the next 1 kHz tick and gives its time, monotonic modulo 2^32 us. False when the platform shuts down,
  * as a simulation or a process does. A tick that was missed is not made up for. */
@@ -19,7 +23,7 @@ bool hal_wait_tick(uint32_t *now_us);
 /* Next received frame, oldest first, with its time of reception, which may be after that of the tick. False: none left. */
 bool hal_can_receive(can_frame_t *frame);
 
-/* Queues a frame. False: the queue is full and the frame is dropped (the port counts it). Never blocks. */
+/* Queues a frame, CAN FD or classic as it says. False: the queue is full and the frame is dropped (the port counts it). Never blocks. */
 bool hal_can_send(const can_frame_t *frame);
 
 /* Once per tick. The platform stops the drives if it is not called for 10 ms. */

@@ -146,7 +146,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
 static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
     char error[OPTIONS_ERROR_BYTES];
     static world_t world;
-    bus_t *bus = mode->create_bus(error, sizeof error);
+    bus_t *bus = mode->create_bus(options->profile, error, sizeof error);
     if (bus == NULL) {
         return run_complain(mode->program, error);
     }

@@ -11,7 +11,7 @@
 typedef struct {
     const char *program; /* its name, before every complaint */
     bool is_live; /* its bus is a real one, in real time */
-    bus_t *(*create_bus)(char error[], size_t error_size);
+    bus_t *(*create_bus)(can_profile_t profile, char error[], size_t error_size);
     /* Runs the world to its end. */
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);
 } run_mode_t;

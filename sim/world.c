@@ -1,6 +1,7 @@
 #include "world.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -108,11 +109,12 @@ static void fail_as_operator(world_t *self) {
     if (tracker.range_errors == 0) {
         (void)snprintf(text, sizeof text, "%s; the tracker lost all %" PRIu64 " samples", reason, tracker.samples);
     } else {
+        const double range_m = floor(1e3 * (double)transport_hand_range_m(bus_profile(self->bus))) * 1e-3;
         (void)snprintf(text, sizeof text,
                        "%s; %s%" PRIu64 " samples are beyond the %.3f m a frame can carry: is the file in mm, or the "
                        "tracker mounted too far away?",
                        reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors,
-                       TRACKER_RANGE_M);
+                       range_m);
     }
     world_fail(self, text);
 }

@@ -1,4 +1,4 @@
-"""Reads `candump -L` logs of CAN FD frames and decodes them in bulk with the DBC: the bits come from cantools' layout, not
+"""Reads `candump -L` logs and decodes them in bulk with the DBC: the bits come from cantools' layout, not
 from our C code. For millions of frames; `cantools decode` itself is tested on a shorter log."""
 
 from __future__ import annotations
@@ -10,7 +10,9 @@ import cantools
 import numpy as np
 
 DBC = cantools.database.load_file(Path(__file__).parents[1] / "host_tools" / "comanip" / "comanip.dbc")
-LINE = re.compile(r"^\((\d{10}\.\d{6})\) (\w+) ([0-9A-F]{3})##1([0-9A-F]*)$")
+FD_MESSAGES = [message for message in DBC.messages if not message.name.startswith("Classic")]
+CLASSIC_MESSAGES = [message for message in DBC.messages if message.name.startswith("Classic")]
+LINE = re.compile(r"^\((\d{10}\.\d{6})\) (\w+) ([0-9A-F]{3})#(?:#1)?([0-9A-F]*)$")
 
 
 class Frames:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bus_log import DBC
-from e2e import p05
+from e2e import p02, p05
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
@@ -55,11 +55,21 @@ def packet(frame_id: int, data: bytes) -> bytes:
     return CANFD_FRAME.pack(frame_id, len(data), CANFD_BRS, 0, 0, data)
 
 
+def is_authentic(frame: Seen) -> bool | None:
+    """By the package autosar-e2e; None for a frame without protection."""
+    data_id = DBC.get_message_by_frame_id(frame.frame_id).dbc.attributes.get("E2EDataId")
+    if data_id is None:
+        return None
+    if not frame.name.startswith("Classic"):
+        return p05.e2e_p05_check(frame.data, data_id.value)
+    return p02.e2e_p02_check(frame.data, bytes((data_id.value + 16 * n) % 256 for n in range(16)), length=len(frame.data))
+
+
 class Bus:
     """A bus for the processes and one tap on it. A context: at its end everything that was started is stopped."""
 
-    def __init__(self, folder: Path, slow: int = SLOW):
-        self.folder, self.slow = folder, slow
+    def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd", interface: str = INTERFACE):
+        self.folder, self.slow, self.profile, self.interface = folder, slow, profile, interface
         self.environment = os.environ | {"COMANIP_HUB_DIR": str(folder)}
         self.frames: list[Seen] = []
         self._processes: list[subprocess.Popen] = []
@@ -71,11 +81,11 @@ class Bus:
             self._tap = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
             self._tap.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FD_FRAMES, 1)
             self._tap.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-            self._tap.bind((INTERFACE,))
+            self._tap.bind((self.interface,))
         else:
-            path = self.folder / INTERFACE
+            path = self.folder / self.interface
             path.unlink(missing_ok=True)
-            self.hub = self.start([HUB, "--bus", INTERFACE, "--socketcand", "off"], "hub")
+            self.hub = self.start([HUB, "--bus", self.interface, "--socketcand", "off"], "hub")
             self.wait(path.exists, "the hub's socket")
             self._tap = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             self._tap.connect(str(path))
@@ -124,11 +134,12 @@ class Bus:
         return process
 
     def firmware(self, name: str = "firmware", program: Path = FIRMWARE, *arguments: object) -> subprocess.Popen:
-        return self.start([program, "--can", INTERFACE, "--slow", self.slow, *arguments], name)
+        options = ["--can", self.interface, "--slow", self.slow, "--profile", self.profile]
+        return self.start([program, *options, *arguments], name)
 
     def plant(self, *arguments: object, name: str = "plant") -> subprocess.Popen:
-        command = [PLANT, "--can", INTERFACE, "--slow", self.slow, "--out", self.folder / name, *arguments]
-        return self.start(command, name)
+        options = ["--can", self.interface, "--slow", self.slow, "--profile", self.profile, "--out", self.folder / name]
+        return self.start([PLANT, *options, *arguments], name)
 
     def told(self, file: str) -> str:
         return (self.folder / file).read_text()
@@ -147,13 +158,35 @@ class Bus:
 
     # ---- frames
 
+    def message(self, name: str):
+        """The DBC's of this bus; on classic CAN its last part."""
+        if self.profile == "fd" or name == "FirmwareHeartbeat":
+            return DBC.get_message_by_name(name)
+        return DBC.get_message_by_name("Classic" + {"HandPose": "HandRotation"}.get(name, name))
+
     def since(self, start: int, name: str) -> list[Seen]:
-        frame_id = DBC.get_message_by_name(name).frame_id
+        frame_id = self.message(name).frame_id
         return [frame for frame in self.frames[start:] if frame.frame_id == frame_id]
+
+    def commands(self, start: int, joints: int) -> list[dict]:
+        """JointCmd's signals. On classic CAN a command is whole with the last joint's part."""
+        if self.profile == "fd":
+            return [frame.decode() for frame in self.since(start, "JointCmd")]
+        found, parts = [], {}
+        first = self.message("JointCmd0").frame_id
+        for frame in self.frames[start:]:
+            joint = frame.frame_id - first
+            if 0 <= joint < joints:
+                signals = frame.decode()
+                parts |= {f"velocity_{joint}_radps": signals["velocity_radps"], f"mode_{joint}": signals["mode"]}
+                if joint == joints - 1 and len(parts) == 2 * joints:
+                    found.append(parts)
+                    parts = {}
+        return found
 
     def status(self) -> tuple[str, str]:
         """The firmware's last word: mode and reason."""
-        frame_id = DBC.get_message_by_name("FirmwareStatus").frame_id
+        frame_id = self.message("FirmwareStatus").frame_id
         for i in range(len(self.frames) - 1, -1, -1):
             if self.frames[i].frame_id == frame_id:
                 status = self.frames[i].decode()
@@ -164,9 +197,9 @@ class Bus:
         """A status told after `start` has one of these modes."""
         self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
 
-    def statuses_pass(self, count: int) -> list[tuple[str, str]]:
-        """The next so many FirmwareStatus frames, 2 ms each."""
-        start = len(self.frames)
+    def statuses_for(self, duration_s: float) -> list[tuple[str, str]]:
+        """The next FirmwareStatus frames, of so long."""
+        start, count = len(self.frames), round(1000 * duration_s / self.message("FirmwareStatus").cycle_time)
         self.wait(lambda: len(self.since(start, "FirmwareStatus")) >= count, f"{count} FirmwareStatus frames")
         told = [frame.decode() for frame in self.since(start, "FirmwareStatus")]
         return [(str(status["mode"]), str(status["reason"])) for status in told]
@@ -191,9 +224,15 @@ class Bus:
         return str(found[0]["result"])
 
     def _send_command(self, command: str) -> None:
-        message = DBC.get_message_by_name("OperatorCommand")
+        message = self.message("OperatorCommand")
         self._counter = (self._counter + 1) % 256
-        values = {"e2e_crc": 0, "e2e_counter": self._counter, "command": command, "sequence": self._counter, "task": 0}
+        data_id, is_fd = message.dbc.attributes["E2EDataId"].value, self.profile == "fd"
+        counter = self._counter % (256 if is_fd else 16)
+        values = {"e2e_crc": 0, "e2e_counter": counter, "command": command, "sequence": self._counter, "task": 0}
         data = bytearray(message.encode(values))
-        p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
-        self.send_packet(packet(message.frame_id, bytes(data)))
+        if is_fd:
+            p05.e2e_p05_protect(data, data_id, increment_counter=False)
+            self.send_packet(packet(message.frame_id, bytes(data)))
+        else:
+            p02.e2e_p02_protect(data, bytes((data_id + 16 * n) % 256 for n in range(16)), increment_counter=False)
+            self.send_packet(CAN_FRAME.pack(message.frame_id, len(data), 0, 0, 0, bytes(data)))

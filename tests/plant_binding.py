@@ -16,7 +16,7 @@ PARTS = (
     "monitors/reach", "nodes/drive_node", "robot/arm_plant", "robot/robot_model", "scene/cup", "scene/hand_body",
     "scene/objects", "scene/physics", "scene/scene", "scene/water",
 )  # fmt: skip
-WITH_ODE_HEADERS = ("scene/grip", "scene/particle_contacts", "scene/support")
+WITHOUT_HEADER = ("bus/endpoint", "scene/grip", "scene/particle_contacts", "scene/support")  # of theirs
 
 # ODE itself, for what the product has no call for: forces and energies of bodies that tests hold against it.
 ODE = """
@@ -49,7 +49,7 @@ def _declarations(folder: Path) -> str:
 def load() -> tuple[cffi.FFI, object]:
     """Compiled anew in each test run: a few seconds, and never stale."""
     BUILD.mkdir(parents=True, exist_ok=True)
-    sources = [str(REPOSITORY / "sim" / f"{part}.c") for part in (*PARTS, *WITH_ODE_HEADERS)]
+    sources = [str(REPOSITORY / "sim" / f"{part}.c") for part in (*PARTS, *WITHOUT_HEADER)]
     sources += sorted(str(file) for file in FIRMWARE if file.name != "main.c")
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as name:

@@ -15,8 +15,8 @@ PARTS = (
     "bus/bus", "bus/frame_time", "common/rigid_pose", "nodes/gripper_node", "nodes/proximity_node", "proximity/bodies",
     "proximity/convex_shape", "proximity/proximity", "robot/robot_model",
 )  # fmt: skip
-WITHOUT_HEADER = ("proximity/body_shapes", "proximity/convex_overlap", "proximity/convex_support")
-PROTOCOL = ("can_protocol", "comanip_dbc", "dual_quaternion", "e2e", "trigonometry")
+WITHOUT_HEADER = ("bus/endpoint", "proximity/body_shapes", "proximity/convex_overlap", "proximity/convex_support")
+PROTOCOL = ("can_classic", "can_protocol", "can_transport", "comanip_dbc", "dual_quaternion", "e2e", "trigonometry")
 FAKE_SCENE = REPOSITORY / "tests" / "fake_scene.h"
 
 

@@ -7,8 +7,8 @@ from sim_binding import load
 ffi, lib = load()
 
 
-def make_frame(identifier: int, data: bytes):
-    frame = ffi.new("can_frame_t *", {"id": identifier, "length": len(data)})
+def make_frame(identifier: int, data: bytes, fd: bool = True):
+    frame = ffi.new("can_frame_t *", {"id": identifier, "length": len(data), "fd": fd})
     ffi.memmove(frame.data, data, len(data))
     return frame
 
@@ -17,7 +17,7 @@ class Bus:
     """A bus with nodes that record what they receive, and a listener."""
 
     def __init__(self, nodes: int):
-        self.bus = ffi.gc(lib.bus_create(), lib.bus_destroy)
+        self.bus = ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy)
         self.received = [[] for _ in range(nodes)]
         self.heard = []
         self.reaction = [None] * nodes

@@ -55,7 +55,7 @@ def test_worst_frame_comes_near_the_bound(length):
 
 @pytest.mark.parametrize(("identifier", "length"), [(0x800, 8), (0x123, 9), (0x123, 63), (0x123, 65)])
 def test_impossible_frames_have_no_duration(identifier, length):
-    assert lib.frame_time_ns(ffi.new("can_frame_t *", {"id": identifier, "length": length})) < 0
+    assert lib.frame_time_ns(ffi.new("can_frame_t *", {"id": identifier, "length": length, "fd": True})) < 0
 
 
 # ---- bus

@@ -12,12 +12,13 @@ from bus_log import DBC
 from simulation import REPOSITORY, SIMULATOR, run
 
 from comanip import bus_doc
+from comanip._core import lib
 
 BUS_MD = REPOSITORY / "docs" / "bus.md"
 
 
 def test_the_document_is_current():
-    current = bus_doc.markdown(DBC, bus_doc.max_delta())
+    current = bus_doc.markdown(DBC, lib.E2E_MAX_DELTA, lib.E2E_PROFILE2_MAX_DELTA)
     assert BUS_MD.read_text() == current, "docs/bus.md is not what the DBC says: run `make bus-doc`"
 
 
@@ -32,7 +33,7 @@ def test_every_frame_and_signal_is_there():
     assert told == {m.frame_id: (m.length, m.cycle_time or 0) for m in DBC.messages}
     for message in DBC.messages:
         if not re.search(r"[1-7]$", message.name):
-            section = text.partition(f"\n## {message.name}")[2].partition("\n## ")[0]
+            section = text.partition(f"\n### {message.name}")[2].partition("\n### ")[0]
             starts = {name: int(bit) for name, bit in re.findall(r"^\| `(\w+)` \| (\d+) \|", section, re.MULTILINE)}
             plain = {s.name: s.start for s in message.signals if s.name[:4] != "e2e_" and s.name in starts}
             assert starts and all(starts[name] == start for name, start in plain.items()), message.name
@@ -43,7 +44,7 @@ def test_every_frame_and_signal_is_there():
 
 def test_anchors_lead_to_sections():
     text = BUS_MD.read_text()
-    headings = {re.sub(r"[^\w-]", "", h.lower()) for h in re.findall(r"^## (.+)$", text, re.MULTILINE)}
+    headings = {re.sub(r"[^\w-]", "", h.lower().replace(" ", "-")) for h in re.findall(r"^##+ (.+)$", text, re.MULTILINE)}
     assert set(re.findall(r"\]\(#([\w-]+)\)", text)) == headings
 
 

@@ -13,7 +13,7 @@ import bus_log
 import can
 import numpy as np
 import pytest
-from bus_log import DBC
+from bus_log import DBC, FD_MESSAGES
 from can_fd_bits import frame_duration_ns
 from comanip._core import ffi, lib
 from e2e import p05
@@ -37,7 +37,7 @@ def logged_frames(path: Path) -> list[LoggedFrame]:
     frames = []
     for line in path.read_text(encoding="ascii").splitlines():
         seconds, microseconds, identifier, data = re.fullmatch(
-            r"\((\d{10})\.(\d{6})\) vcan0 ([0-7][0-9A-F]{2})##1((?:[0-9A-F]{2})*)", line
+            r"\((\d{10})\.(\d{6})\) vcan0 ([0-7][0-9A-F]{2})#(?:#1)?((?:[0-9A-F]{2})*)", line
         ).groups()
         frames.append(LoggedFrame(10**6 * int(seconds) + int(microseconds), int(identifier, 16), bytes.fromhex(data)))
     return frames
@@ -131,7 +131,7 @@ def test_every_header_verifies_and_counts_on(frames):
 def test_periods_are_those_of_the_dbc(eventful, frames):
     duration_us = 1e6 * eventful.summary["sim_s"]
     logged = by_id(frames)
-    for message in DBC.messages:
+    for message in FD_MESSAGES:
         if not message.cycle_time or message.name in ("JointState4", "JointState5", "JointState6", "JointState7"):
             continue
         t_us = np.array([frame.t_us for frame in logged[message.frame_id]])
@@ -233,7 +233,7 @@ def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
         for bit, signal in enumerate(s for s in trace.signals if s.name.endswith("_counter") and s.name[:3] != "e2e")
     }
     counters = {}
-    for message in DBC.messages:
+    for message in FD_MESSAGES:
         if "Firmware" in message.receivers:
             name = re.sub(r"(?<=[a-z])(?=[A-Z0-9])", "_", message.name).lower() + "_counter"
             counters[message.frame_id] = int(signals[name]) if received[name] else None
@@ -254,7 +254,7 @@ def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[Lo
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
     """What the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
     controller, inbox, outbox = (ffi.new(f"controller{part}_t *") for part in ("", "_inbox", "_outbox"))
-    lib.controller_init(controller, ffi.addressof(lib.arm_hoap3_right))
+    lib.controller_init(controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
     queue = deque(frame for frame in frames if frame.frame_id in addressed)
     trace = DBC.get_message_by_name("TickTrace")

@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from bus_log import DBC
+from bus_log import CLASSIC_MESSAGES, DBC, FD_MESSAGES
 from can_classic_bits import frame_duration_ns as classic_duration_ns
 from can_fd_bits import frame_duration_ns as fd_duration_ns
 from comanip import bus_report
@@ -39,7 +39,7 @@ def test_every_profile_and_number_of_joints_is_there(by_profile):
 def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
     rows = [row for row in by_profile[FD, joints]["rows"] if "," not in row["name"]]
     absent = {"FirmwareIdentity", *(f"JointState{joint}" for joint in range(joints, 8))}
-    expected = {m.name: (m.frame_id, m.length, bool(m.cycle_time)) for m in DBC.messages if m.name not in absent}
+    expected = {m.name: (m.frame_id, m.length, bool(m.cycle_time)) for m in FD_MESSAGES if m.name not in absent}
     assert {row["name"]: (row["id"], row["bytes"], row["cyclic"]) for row in rows} == expected
     assert all(row["period_ms"] == DBC.get_message_by_name(row["name"]).cycle_time for row in rows if row["cyclic"])
 
@@ -48,7 +48,7 @@ def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
 def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
     """From the payloads that make the frames longest, measured bit by bit."""
     share = 0.0
-    for message in DBC.messages:
+    for message in FD_MESSAGES:
         if message.cycle_time and not (message.name.startswith("JointState") and int(message.name[-1]) >= joints):
             payload = longest(message.frame_id, message.length, BitRates(1_000_000, 5_000_000)).payload
             share += fd_duration_ns(message.frame_id, payload) / (1e6 * message.cycle_time)
@@ -57,18 +57,26 @@ def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
 
 
 @pytest.mark.parametrize("joints", JOINTS)
-def test_classic_is_the_assumed_set(by_profile, joints):
-    """250 Hz, a command and a state a joint, the pose in two frames at 125 Hz: each in 8 bytes."""
-    rows = {row["name"]: row for row in by_profile[CLASSIC, joints]["rows"]}
-    assert {rows[f"Joint{kind}{j}"]["period_ms"] for kind in ("Cmd", "State") for j in range(joints)} == {4}
-    assert f"JointCmd{joints}" not in rows
-    assert rows["HandPosition"]["period_ms"] == rows["HandRotation"]["period_ms"] == 8
-    assert len({row["id"] for row in rows.values()}) == len(rows) - 1, "GripperState has two rows"
-    share = sum(1e-3 * row["longest_us"] / row["period_ms"] for row in rows.values() if row["cyclic"])
+def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
+    rows = [row for row in by_profile[CLASSIC, joints]["rows"] if "," not in row["name"]]
+    absent = {"ClassicFirmwareBuild", "ClassicFirmwareIdentity"}
+    absent |= {f"ClassicJoint{kind}{joint}" for kind in ("Cmd", "State") for joint in range(joints, 8)}
+    messages = [*CLASSIC_MESSAGES, DBC.get_message_by_name("FirmwareHeartbeat")]
+    expected = {m.name: (m.frame_id, m.length, m.cycle_time or 8) for m in messages if m.name not in absent}
+    assert {row["name"]: (row["id"], row["bytes"], row["period_ms"]) for row in rows} == expected
+    share = sum(1e-3 * row["longest_us"] / row["period_ms"] for row in rows if row["cyclic"])
     assert by_profile[CLASSIC, joints]["load_cyclic_percent"] == pytest.approx(100 * share)
-    for row in rows.values():
+    for row in rows:
         payload = longest(row["id"], row["bytes"], BitRates(1_000_000)).payload
         assert 1000 * row["longest_us"] == pytest.approx(classic_duration_ns(row["id"], payload))
+
+
+def test_the_classic_profile_is_as_it_was_asked_for():
+    """250 Hz of control, the pose in two frames at 125 Hz, no frame longer than 8 bytes."""
+    by_name = {message.name.removeprefix("Classic"): message for message in CLASSIC_MESSAGES}
+    assert {by_name[f"Joint{kind}{joint}"].cycle_time for kind in ("Cmd", "State") for joint in range(8)} == {4}
+    assert by_name["HandPosition"].cycle_time == by_name["HandRotation"].cycle_time == 8
+    assert max(message.length for message in CLASSIC_MESSAGES) == 8
 
 
 def test_what_is_late_is_named(written):

@@ -30,16 +30,17 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
     )
 
 
-@pytest.fixture(scope="module")
-def session(tmp_path_factory):
+@pytest.fixture(scope="module", params=["fd", "classic"])
+def session(tmp_path_factory, request):
     """A hub with firmware and plant, and where the plant logs. The plant's operator starts at once; so does the test's."""
     out = tmp_path_factory.mktemp("plant")
     with running("--socketcand", "0") as hub:
         with tool(
-            hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--scenario", SCENE, "--duration", 600, "--out", out
-        ) as plant:
+            hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--profile", request.param, "--scenario", SCENE, "--duration", 600,
+            "--out", out,
+        ) as plant:  # fmt: skip
             wait_until(lambda: "waits for the firmware" in plant.text(), "the plant")
-            with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW) as firmware:
+            with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--profile", request.param) as firmware:
                 yield hub, plant, firmware, out
 
 

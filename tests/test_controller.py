@@ -311,7 +311,7 @@ def test_damaged_frames_that_are_not_for_the_firmware_leave_no_mark():
         filtered.tick()
         unfiltered.tick()
         assert unfiltered.sent == filtered.sent
-    assert unfiltered.controller.receiver.rejected == 0
+    assert unfiltered.controller.receiver.protocol.rejected == 0
 
 
 def test_parameters_do_not_change_in_cooperation():

@@ -25,8 +25,8 @@ KINDS = [
     Frame(BEGIN_US + 10, 0x12345678, b"\1\2", fd=False, brs=False, extended=True),
     Frame(BEGIN_US + 20, 0x00000012, b"\3", fd=False, brs=False, extended=True),
     Frame(BEGIN_US + 30, 0x321, bytes(4), fd=False, brs=False, remote=True),
-    Frame(BEGIN_US + 999_999, 0x456, bytes(range(64)), fd=True, brs=True),
-    Frame(BEGIN_US + 1_000_000, 0x457, bytes(12), fd=True, brs=False, esi=True),
+    Frame(BEGIN_US + 999_999, 0x3F6, bytes(range(64)), fd=True, brs=True),
+    Frame(BEGIN_US + 1_000_000, 0x3F7, bytes(12), fd=True, brs=False, esi=True),
     Frame(BEGIN_US + 1_000_001, 0x1ABCDEF0, bytes(48), fd=True, brs=True, esi=True, extended=True),
 ]
 

@@ -10,21 +10,16 @@ import numpy as np
 import pytest
 from can_fd_bits import LENGTHS
 from comanip.frame_length import BitRates, longest, shortest
-from sim_binding import load
-
-ffi, lib = load()
+from sim_bus import lib, make_frame
 
 FD, CLASSIC = BitRates(1_000_000, 5_000_000), BitRates(1_000_000)
 DURATION_NS = {FD: can_fd_bits.frame_duration_ns, CLASSIC: can_classic_bits.frame_duration_ns}
-SIMULATED_NS = {FD: lib.frame_time_ns, CLASSIC: lib.frame_time_classic_ns}
 IDENTIFIERS = [0x078, *range(0, 0x800, 61)]
 RUNS = [0x00, 0xFF, 0x0F, 0xF0, 0x1F, 0xF8, 0x83, 0x7C, 0x10]
 
 
 def simulated_ns(rates: BitRates, identifier: int, data: bytes) -> int:
-    frame = ffi.new("can_frame_t *", {"id": identifier, "length": len(data)})
-    ffi.memmove(frame.data, data, len(data))
-    return SIMULATED_NS[rates](frame)
+    return lib.frame_time_ns(make_frame(identifier, data, fd=rates == FD))
 
 
 def random_data(rng: np.random.Generator, length: int) -> bytes:
@@ -69,7 +64,7 @@ def test_10000_classic_frames_last_as_long_as_their_bits(rng):
 
 @pytest.mark.parametrize(("identifier", "length"), [(0x800, 8), (0x123, 9), (0x123, 64)])
 def test_impossible_classic_frames_have_no_duration(identifier, length):
-    assert lib.frame_time_classic_ns(ffi.new("can_frame_t *", {"id": identifier, "length": length})) < 0
+    assert lib.frame_time_ns(make_frame(identifier, bytes(length), fd=False)) < 0
 
 
 # ---- extremes

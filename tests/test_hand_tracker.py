@@ -20,7 +20,7 @@ class Tracker:
     def __init__(self, clocks=(0, 0)):
         self.stamp_zero, self.now_zero = clocks
         self.state = ffi.new("hand_tracker_t *")
-        lib.hand_tracker_init(self.state)
+        lib.hand_tracker_init(self.state, PERIOD_US)
 
     def now(self, t_us: int) -> int:
         return (self.now_zero + t_us) % WRAP

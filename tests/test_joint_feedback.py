@@ -11,7 +11,7 @@ TIMEOUT_US = 1000 * lib.frame_table[lib.FRAME_JOINT_STATE0].timeout_ms
 
 def feedback(times_us, **state):
     made = ffi.new("joint_feedback_t *")
-    lib.joint_feedback_init(made)
+    lib.joint_feedback_init(made, TIMEOUT_US)
     message = ffi.new("joint_state_t *", state)
     for joint, time_us in enumerate(times_us):
         lib.joint_feedback_receive(made, joint, message, time_us % WRAP)

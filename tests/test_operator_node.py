@@ -30,7 +30,7 @@ class Bench:
         script = ffi.new("operator_step_t[]", 100)
         self.count = lib.operator_script(self.scenario, self.wishes, script)
         self.events = ffi.new("events_t *", events[0])  # the run's own, as the world copies them
-        self.bus = ffi.gc(lib.bus_create(), lib.bus_destroy)
+        self.bus = ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy)
         self._handlers = [ffi.callback("bus_handler_t", self._receive)]
         lib.bus_listen(self.bus, self._handlers[0], ffi.NULL)
         self.firmware, self.gripper = (lib.bus_attach(self.bus, ffi.NULL, ffi.NULL) for _ in range(2))

@@ -4,7 +4,6 @@ refused in words where they cannot be saved."""
 from __future__ import annotations
 
 import contextlib
-import os
 import resource
 import signal
 import struct
@@ -17,8 +16,8 @@ from bus_log import DBC
 from comanip.bus import BusAddress, open_bus
 from comanip.errors import ToolError
 from comanip.operator_client import OperatorClient, RefusedError
-from comanip_command import WRONG_USE, call
-from hub import PATIENCE_S, Hub, Tool, running, tool
+from comanip_command import COMANIP, WRONG_USE, call
+from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool
 from live import FIRMWARE, INTERFACE, Bus, has_kernel_can
 from simulation import REPOSITORY
 from test_comanip_on_a_hub import comanip
@@ -100,18 +99,17 @@ def test_without_a_file_there_is_no_store(hub, tmp_path):
         end(process)
 
 
-def test_a_run_with_stored_parameters_replays(tmp_path):
+@pytest.mark.parametrize("profile", ["fd", "classic"])
+def test_a_run_with_stored_parameters_replays(tmp_path, profile):
     """Firmware with a store and plant; saved once more on the way."""
     (tmp_path / "parameters").write_bytes(with_scale(0.75))
-    with Bus(tmp_path, SLOW) as bus:
+    with Bus(tmp_path, SLOW, profile) as bus:
         plant = bus.plant("--scenario", PLAIN, "--duration", 3)
         bus.wait(lambda: "waits for the firmware" in bus.told("plant.out") or plant.poll() is not None, "the plant")
         bus.firmware("firmware", FIRMWARE, "--parameters", tmp_path / "parameters")
         bus.wait(lambda: bus.since(0, "ParameterValue"), "the boot")
-        environment = os.environ | {"COMANIP_HUB_DIR": str(tmp_path)}
-        with_can = REPOSITORY / "build" / "host" / "with-can"
-        comanip_ = REPOSITORY / ".venv" / "bin" / "comanip"
-        saved = subprocess.run([with_can, comanip_, "param", "save", "-c", INTERFACE], env=environment, capture_output=True, text=True, check=False)  # fmt: skip
+        save = [WITH_CAN, COMANIP, "param", "save", "-c", INTERFACE]
+        saved = subprocess.run(save, env=bus.environment, capture_output=True, text=True, check=False)
         bus.wait(lambda: plant.poll() is not None, "the plant's end")
     assert saved.returncode == 0 or "wrong_mode" in saved.stderr, "the plant's operator may have started before"
     values = {}

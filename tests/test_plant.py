@@ -150,7 +150,7 @@ class Drives:
     def __init__(self, sim, dbc, plant, step):
         self.ffi, self.lib = sim
         self.dbc, self.plant, self.step = dbc, plant, step
-        self.bus = self.lib.bus_create()
+        self.bus = self.lib.bus_create(self.lib.CAN_PROFILE_FD)
         self.drives = self.lib.drive_node_create(self.bus, plant)
         self.node = self.lib.bus_attach(self.bus, self._hear(lambda frame: None), self.ffi.NULL)
         self.states = {}

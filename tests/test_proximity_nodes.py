@@ -340,7 +340,7 @@ class Bus:
     """A bus with a listener that keeps (end in ns, decoded frame); frames are sent from here as the operator's."""
 
     def __init__(self, dbc):
-        self.dbc, self.bus, self.heard = dbc, ffi.gc(lib.bus_create(), lib.bus_destroy), []
+        self.dbc, self.bus, self.heard = dbc, ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy), []
         self._listener = ffi.callback("void(void *, const can_frame_t *, int64_t)", self._hear)
         lib.bus_listen(self.bus, self._listener, ffi.NULL)
         self.node = lib.bus_attach(self.bus, ffi.NULL, ffi.NULL)
@@ -488,5 +488,5 @@ def test_the_firmware_takes_no_notice(dbc):
             bench.move_hand([1e-4 * np.sin(0.1 * tick), 0, 0])
             bench.tick()
         assert benches[0].sent == benches[1].sent
-    assert benches[0].controller.receiver.rejected == 0
+    assert benches[0].controller.receiver.protocol.rejected == 0
     assert benches[0].mode == core.MODE_COOPERATING

@@ -106,6 +106,7 @@ class RecordingBench(Bench):
 
     def __init__(self, **options):
         super().__init__(now_us=2**32 - 150_000, **options)  # wraps within the run
+        self.by_id = False  # the order in which the bus has what a tick sends
         self.log: list[Frame] = []
 
     def tick(self, count: int = 1) -> None:
@@ -117,7 +118,8 @@ class RecordingBench(Bench):
         at_us = 1000 * self.ticks
         inbox = [self.inbox.frame[i] for i in range(self.inbox.count)]
         self.log += [Frame(at_us, f.id, bytes(f.data[0 : f.length])) for f in inbox]
-        self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in self.sent]
+        sent = sorted(self.sent, key=lambda frame: frame[0]) if self.by_id else self.sent
+        self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in sent]
 
     def lose(self, ticks: int) -> None:
         """So many ticks of a paused firmware: what was on the bus is lost to it."""
@@ -163,7 +165,7 @@ def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
     assert report.difference is None, report.difference
     decoded = [DBC.decode_message("TickTrace", frame.data) for frame in bench.log if frame.frame_id == ID["TickTrace"]]
     assert {trace["drives_fresh"] for trace in decoded} == {0, 1}
-    assert bench.controller.receiver.rejected > 20
+    assert bench.controller.receiver.protocol.rejected > 20
     assert report.ticks == bench.ticks
 
 
@@ -180,7 +182,7 @@ def test_damaged_frames_on_a_bus_without_filters(seed):
         if rng.random() < 0.2:
             bench.receive_broken()
         bench.tick()
-    assert past > 40 and bench.controller.receiver.rejected > 40
+    assert past > 40 and bench.controller.receiver.protocol.rejected > 40
     between = [frame for frame in bench.log if frame.frame_id == ID["Clearance"]]
     assert len(between) == past
     report = replay(bench.log)
@@ -300,6 +302,20 @@ def test_savings_end_as_they_had_ended(result, rng):
     assert sum(told["result"] == result and told["sequence"] > 0 for told in results) >= 4
     report = replay(bench.log)
     assert report.difference is None, report.difference
+
+
+@pytest.mark.parametrize("order", ["sent", "by id"])
+def test_a_saving_while_parameters_are_announced(order):
+    """Through a queue they are on the bus as they were sent, else the lowest id comes first."""
+    bench = RecordingBench()
+    bench.by_id = order == "by id"
+    bench.store_result = lib.RESULT_ACCEPTED
+    bench.access(lib.PARAMETER_READ, 0, 0.0)
+    for _ in range(10):
+        assert bench.save() == lib.RESULT_ACCEPTED
+    assert bench.ticks < lib.PARAMETER_COUNT
+    bench.tick(60)
+    assert replay(bench.log).difference is None
 
 
 def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
@@ -430,5 +446,5 @@ def test_logs_that_cannot_be_replayed(tmp_path, short):
 
 
 def test_layout_that_python_packs_is_the_compilers():
-    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "data")]
-    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7], 72)
+    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "data", "fd")]
+    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7, 71], 72)

@@ -14,7 +14,7 @@ import cffi
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from sim_binding import COMPILE, FIRMWARE, REPOSITORY
+from sim_binding import COMPILE, FIRMWARE, GENERATED, REPOSITORY
 
 PARTS = (
     "common/events", "common/names", "common/rigid_pose", "monitors/check_window", "monitors/contact_monitor",
@@ -64,7 +64,7 @@ def load() -> tuple[cffi.FFI, object]:
             (folder / header).write_text("")
         umbrella = folder / "umbrella.h"
         umbrella.write_text("".join(f'#include "{REPOSITORY / "sim" / part}.h"\n' for part in PARTS))
-        command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)]
+        command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", f"-I{GENERATED}", str(umbrella)]
         ffi.cdef(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
         (folder / "scene.c").write_text(SCENE)
         sources = [str(REPOSITORY / "sim" / f"{part}.c") for part in PARTS] + [str(folder / "scene.c")]
@@ -162,6 +162,7 @@ class Watch:
             record.has_target = tick.target_m is not None
             if record.has_target:
                 record.target.position_m, record.target.rotation = list(tick.target_m), wxyz(tick.target)
+                record.hand_at_target = record.hand
             state.person_count, state.object_count, state.has_water, state.has_robot_cup = 2, 3, True, True
             for person in (PERSON, SECOND):
                 state.hand[person].position_m = list(tick.person_m)

@@ -46,9 +46,9 @@ def stock():
     return StockSlcan()
 
 
-def encode(slcan, can_id: int, data: bytes) -> bytes:
+def encode(slcan, can_id: int, data: bytes, fd: bool = True) -> bytes:
     ffi, library = slcan
-    frame = ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0")})
+    frame = ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0"), "fd": fd})
     line = ffi.new("char[]", 139)
     return ffi.buffer(line, library.slcan_encode(frame, line))[:]
 
@@ -73,8 +73,14 @@ class Link:
             frames.append((frame.timestamp_us, frame.id, self.ffi.buffer(frame.data, frame.length)[:]))
         return frames
 
+    def receive_fd(self) -> list[bool]:
+        frame, fds = self.ffi.new("can_frame_t *"), []
+        while self.library.slcan_link_receive(self.self, frame):
+            fds.append(frame.fd)
+        return fds
+
     def send(self, can_id: int, data: bytes) -> bool:
-        frame = self.ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0")})
+        frame = self.ffi.new("can_frame_t *", {"id": can_id, "length": len(data), "data": data.ljust(64, b"\0"), "fd": True})
         return self.library.slcan_link_send(self.self, frame)
 
     def take(self, limit: int = 1 << 20) -> bytes:
@@ -100,6 +106,19 @@ def test_every_length_is_written_and_read_as_python_can_does(slcan, stock, rng, 
         link = Link(slcan)
         link.put(line, now_us=length)
         assert link.receive() == [(length, can_id, data)]
+
+
+@pytest.mark.parametrize("length", CAN_FD_DLC)
+def test_classic_frames_are_written_as_python_can_does(slcan, stock, rng, length):
+    data = rng.bytes(length)
+    line = encode(slcan, 0x5AB, data, fd=False)
+    assert line == (stock.line(message(0x5AB, data, fd=False)) if length <= 8 else b"")
+
+
+def test_what_is_read_says_whether_it_is_fd(slcan, stock):
+    link = Link(slcan)
+    link.put(b"".join(stock.line(message(0x100, b"ab", fd=fd)) for fd in (False, True, False)))
+    assert link.receive_fd() == [False, True, False]
 
 
 @pytest.mark.parametrize("fd, lengths", [(False, CAN_FD_DLC[:9]), (True, CAN_FD_DLC)])

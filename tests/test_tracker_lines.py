@@ -202,8 +202,8 @@ def test_the_core_takes_the_poses(monkeypatch, capsys):
         assert status == 0, err
         wait_until(lambda: live.bench.controller.hand_tracker.last_stamp_us == 399 * 4000, "the last pose")
         assert live.bench.controller.hand_tracker.period_us == 4000
-        assert live.bench.controller.receiver.rejected <= 2, "the first frame of each id may repeat a counter"
-        assert live.bench.controller.receiver.e2e[lib.FRAME_HAND_POSE].started
+        assert live.bench.controller.receiver.protocol.rejected <= 2, "the first frame of each id may repeat a counter"
+        assert live.bench.controller.receiver.protocol.e2e[lib.FRAME_HAND_POSE].started
 
 
 def test_wrong_use():

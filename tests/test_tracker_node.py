@@ -56,7 +56,7 @@ def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
     def receive(_context, frame, end_ns):
         frames.append((frame.id, end_ns, bytes(frame.data[0 : frame.length])))
 
-    bus = ffi.gc(lib.bus_create(), lib.bus_destroy)
+    bus = ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy)
     lib.bus_listen(bus, receive, ffi.NULL)
     history = ffi.gc(lib.hand_history_create(), lib.hand_history_destroy)
     tracker = ffi.gc(lib.tracker_node_create(bus, history, tracker_options), lib.tracker_node_destroy)

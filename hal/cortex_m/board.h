@@ -16,4 +16,8 @@
 #define BOARD_LEDS REGISTER(0x40028000u)
 #define BOARD_LED_DRIVE_ENABLE (1u << 0)
 
+/* User button 0, held at reset, chooses classic CAN. */
+#define BOARD_BUTTONS REGISTER(0x40028008u)
+#define BOARD_BUTTON_CLASSIC_CAN (1u << 0)
+
 #endif

@@ -13,6 +13,10 @@ void hal_init(void) {
     BOARD_LEDS |= BOARD_LED_DRIVE_ENABLE;
 }
 
+can_profile_t hal_can_profile(void) {
+    return (BOARD_BUTTONS & BOARD_BUTTON_CLASSIC_CAN) != 0 ? CAN_PROFILE_CLASSIC : CAN_PROFILE_FD;
+}
+
 bool hal_wait_tick(uint32_t *now_us) {
     *now_us = clock_wait_tick();
     return true;

@@ -38,6 +38,10 @@ void hal_host_run(world_t *world) {
     }
 }
 
+can_profile_t hal_can_profile(void) {
+    return bus_profile(host.world->bus);
+}
+
 void hal_init(void) {
     host.node = bus_attach(host.world->bus, on_frame, NULL);
     host.first = 0;

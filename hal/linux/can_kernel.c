@@ -70,9 +70,10 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
     if (fd < 0 || ioctl(fd, SIOCGIFMTU, &request) != 0) {
         return fail(fd, name, "cannot be opened", error, error_size);
     }
-    if (request.ifr_mtu < (int)CANFD_MTU) {
+    if (request.ifr_mtu < (int)CANFD_MTU && !selection->classic) {
         (void)snprintf(error, error_size, "%s: MTU %d, expected %d: CAN FD is switched off (ip link set %s mtu 72; a real "
-                       "controller: ip link set %s type can fd on)", name, request.ifr_mtu, (int)CANFD_MTU, name, name);
+                       "controller: ip link set %s type can fd on; a bus without FD: --profile classic)", name,
+                       request.ifr_mtu, (int)CANFD_MTU, name, name);
         (void)close(fd);
         return -1;
     }

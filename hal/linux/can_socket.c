@@ -95,7 +95,7 @@ static bool take(can_socket_t *self, const struct canfd_frame *packet, ssize_t b
         self->counters.ignored++;
         return false;
     }
-    *frame = (can_frame_t){.id = (uint16_t)packet->can_id, .length = packet->len};
+    *frame = (can_frame_t){.id = (uint16_t)packet->can_id, .length = packet->len, .fd = is_fd};
     memcpy(frame->data, packet->data, packet->len);
     self->counters.received++;
     return_to_bus(self);
@@ -128,10 +128,11 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
 /* ---- send */
 
 bool can_socket_send(can_socket_t *self, const can_frame_t *frame) {
-    struct canfd_frame packet = {.can_id = frame->id, .len = frame->length, .flags = CANFD_BRS};
+    struct canfd_frame packet = {.can_id = frame->id, .len = frame->length, .flags = frame->fd ? CANFD_BRS : 0};
+    const ssize_t size = frame->fd ? CANFD_MTU : CAN_MTU; /* the structures share their first bytes */
     memcpy(packet.data, frame->data, frame->length);
-    const ssize_t bytes = has_socket(self) ? send(self->fd, &packet, CANFD_MTU, MSG_NOSIGNAL) : -1;
-    if (bytes == CANFD_MTU) {
+    const ssize_t bytes = has_socket(self) ? send(self->fd, &packet, (size_t)size, MSG_NOSIGNAL) : -1;
+    if (bytes == size) {
         self->counters.sent++;
         return_to_bus(self);
         return true;

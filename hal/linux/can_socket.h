@@ -1,6 +1,6 @@
 /* A CAN bus as a Linux process reaches it: the kernel's SocketCAN if it has the interface, else a hub (AF_UNIX,
- * SOCK_SEQPACKET) of the same name that carries the same structures. CAN FD frames with bit-rate switch are sent; FD and
- * classic ones with 11-bit ids are received. Never blocks. One thread. */
+ * SOCK_SEQPACKET) of the same name that carries the same structures. CAN FD frames with bit-rate switch and classic
+ * ones are sent; both are received, with 11-bit ids. Never blocks. One thread. */
 #ifndef COMANIP_CAN_SOCKET_H
 #define COMANIP_CAN_SOCKET_H
 
@@ -43,6 +43,7 @@ typedef struct {
 typedef struct {
     const uint16_t *ids; /* the kernel filters these out of the bus; a hub sends all, and the rest is dropped here */
     size_t count;        /* 0: all */
+    bool classic;        /* an interface without CAN FD will do */
     bool own;            /* the socket's own frames, too, in the bus's order: the kernel only, a hub sends none back */
 } can_selection_t;
 

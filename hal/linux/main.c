@@ -12,12 +12,13 @@
 #define ERROR_BYTES 512
 
 static const char usage[] =
-    "comanip-firmware: the firmware as a process of its own on a CAN FD bus\n"
+    "comanip-firmware: the firmware as a process of its own on a CAN bus\n"
     "\n"
-    "usage: build/linux/comanip-firmware --can NAME [--slow N] [--parameters FILE]\n"
+    "usage: build/linux/comanip-firmware --can NAME [--profile fd|classic] [--slow N] [--parameters FILE]\n"
     "       make run-firmware CAN=NAME PARAMETERS=FILE\n"
     "\n"
     "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; without it, the hub of this name\n"
+    "  --profile P  fd: CAN FD, control at 1 kHz (default); classic: classic CAN, control at 250 Hz. The plant needs the same\n"
     "  --slow N     time scale: a tick lasts N ms while the firmware's clock advances by 1 ms, 1 (default) to 1000; give\n"
     "               the plant the same\n"
     "  --parameters FILE  where `comanip param save` puts the parameters, and from where they come at the start; without it\n"
@@ -39,7 +40,9 @@ static int complain(const char *error) {
 int main(int argc, char *argv[]) {
     char error[ERROR_BYTES];
     run_options_t options;
-    if (!run_options_take(&options, &argc, argv, error, sizeof error)) {
+    can_profile_t profile = CAN_PROFILE_FD;
+    if (!run_options_take(&options, &argc, argv, error, sizeof error) ||
+        !run_options_take_profile(&profile, &argc, argv, error, sizeof error)) {
         return complain(error);
     }
     const char *parameters = NULL;
@@ -59,7 +62,7 @@ int main(int argc, char *argv[]) {
     if (options.can == NULL) {
         return complain("expected --can NAME, for example --can vcan0; --help says more");
     }
-    if (!port_open(options.can, options.slow, parameters, error, sizeof error)) {
+    if (!port_open(options.can, profile, options.slow, parameters, error, sizeof error)) {
         return complain(error);
     }
     firmware_main();

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/can_transport.h"
 #include "../hal.h"
 #include "can_socket.h"
 #include "pace.h"
@@ -18,6 +18,7 @@
 #define EXIT_PANIC 1
 
 static struct {
+    can_profile_t profile;
     can_socket_t can;
     pace_t pace;
     uint64_t ticks;
@@ -32,17 +33,14 @@ static void on_stop(int signal_number) {
     stopped = 1;
 }
 
-bool port_open(const char *can, uint32_t slow, const char *parameters, char error[], size_t error_size) {
+bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[], size_t error_size) {
     if (parameters != NULL && !store_open(PROGRAM, parameters, error, error_size)) {
         return false;
     }
-    uint16_t ids[FRAME_KIND_COUNT];
-    can_selection_t selection = {.ids = ids};
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        if (frame_table[kind].to_firmware) {
-            ids[selection.count++] = frame_table[kind].id;
-        }
-    }
+    uint16_t ids[TRANSPORT_MAX_IDS];
+    const can_selection_t selection = {
+        .ids = ids, .count = transport_ids_to_firmware(profile, ids), .classic = profile == CAN_PROFILE_CLASSIC};
+    port.profile = profile;
     if (!can_socket_open(&port.can, PROGRAM, can, &selection, error, error_size)) {
         return false;
     }
@@ -59,6 +57,10 @@ void hal_init(void) {
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
     pace_init(&port.pace, (uint32_t)port.pace.slow); /* the time that the start took is no overrun */
     port.empty_ns = port.pace.tick_ns;
+}
+
+can_profile_t hal_can_profile(void) {
+    return port.profile;
 }
 
 static void tell(void) {

@@ -52,3 +52,23 @@ bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[]
     *argc = left;
     return true;
 }
+
+bool run_options_take_profile(can_profile_t *profile, int *argc, char *argv[], char error[], size_t error_size) {
+    int left = 1;
+    for (int i = 1; i < *argc; i++) {
+        const char *value = NULL;
+        if (!run_options_is("--profile", *argc, argv, &i, &value)) {
+            argv[left++] = argv[i];
+            continue;
+        }
+        const bool is_classic = value != NULL && strcmp(value, "classic") == 0;
+        if (!is_classic && (value == NULL || strcmp(value, "fd") != 0)) {
+            (void)snprintf(error, error_size, "--profile '%.100s': expected fd or classic", value != NULL ? value : "");
+            return false;
+        }
+        *profile = is_classic ? CAN_PROFILE_CLASSIC : CAN_PROFILE_FD;
+    }
+    argv[left] = NULL;
+    *argc = left;
+    return true;
+}

@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "../../firmware/can_profile.h"
+
 typedef struct {
     const char *can; /* NULL: not given */
     uint32_t slow;
@@ -14,6 +16,9 @@ typedef struct {
 /* Takes --can NAME and --slow N out of the arguments, wherever they stand, and leaves the others in their order; *argc is
  * then their number. On failure false, and one line in `error`. */
 bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[], size_t error_size);
+
+/* The same for --profile fd|classic, which the plant's simulator takes by itself. */
+bool run_options_take_profile(can_profile_t *profile, int *argc, char *argv[], char error[], size_t error_size);
 
 /* argv[*index] is this option, as "--name value" or "--name=value": moves *index to its last argument and gives its value,
  * NULL if it has none. False: it is another. */

@@ -19,6 +19,10 @@ void hal_init(void) {
     interrupts_on();
 }
 
+can_profile_t hal_can_profile(void) {
+    return CAN_PROFILE_FD; /* the machine has no input to choose by */
+}
+
 bool hal_wait_tick(uint32_t *now_us) {
     *now_us = clock_wait_tick();
     return true;

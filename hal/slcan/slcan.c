@@ -31,11 +31,11 @@ size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]) {
     while (code < LENGTH_CODE_COUNT && length_of_code[code] != frame->length) {
         code++;
     }
-    if (code == LENGTH_CODE_COUNT || frame->id > STANDARD_ID_MAX) {
+    if (code > (frame->fd ? LENGTH_CODE_COUNT - 1u : CLASSIC_MAX_LENGTH_CODE) || frame->id > STANDARD_ID_MAX) {
         return 0;
     }
     size_t n = 0;
-    line[n++] = 'b';
+    line[n++] = frame->fd ? 'b' : 't';
     line[n++] = digit_of(frame->id >> 8u);
     line[n++] = digit_of(frame->id >> 4u);
     line[n++] = digit_of(frame->id);
@@ -92,6 +92,7 @@ static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
 static slcan_state_t take_digit(slcan_decoder_t *self, unsigned value, can_frame_t *frame) {
     switch (self->state) {
     case SLCAN_STATE_ID:
+        frame->fd = self->max_length_code > CLASSIC_MAX_LENGTH_CODE;
         frame->id = (uint16_t)((self->digits == 0 ? 0u : (unsigned)frame->id << 4u) | value);
         self->digits++;
         if (self->digits < ID_DIGITS) {

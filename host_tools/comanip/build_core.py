@@ -48,7 +48,7 @@ def umbrella(sources: list[Path]) -> str:
     return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in sources)
 
 
-def declarations(includes: str, build_dir: Path) -> str:
+def declarations(includes: str, generated: Path, build_dir: Path) -> str:
     """What cffi shall know: the headers as the compiler sees them, and their numeric constants."""
     source = build_dir / "umbrella.c"
     source.write_text(includes)
@@ -57,7 +57,7 @@ def declarations(includes: str, build_dir: Path) -> str:
     no_headers.mkdir(exist_ok=True)
     for name in ("stdint.h", "stdbool.h", "stddef.h"):
         (no_headers / name).write_text("")
-    preprocess = [*compiler(), "-E", "-nostdinc", f"-I{no_headers}", str(source)]
+    preprocess = [*compiler(), "-E", "-nostdinc", f"-I{no_headers}", f"-I{generated}", str(source)]
     text = run([*preprocess, "-P"])
     macros = run([*preprocess, "-dM", "-undef"])
     integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
@@ -76,7 +76,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path 
     includes = umbrella(sources)
 
     ffi = cffi.FFI()
-    ffi.cdef(declarations(includes, build_dir))
+    ffi.cdef(declarations(includes, generated, build_dir))
     ffi.set_source("comanip._core", includes)
     module = build_dir / "_core.c"
     with contextlib.redirect_stdout(None):

@@ -14,19 +14,42 @@ from pathlib import Path
 import cantools
 from cantools.database.can import Message, Signal
 
-DBC_PATH = Path(__file__).with_name("comanip.dbc")
+from comanip.frame import DBC_PATH, is_classic
+
 HEAD = """# The bus
 
 Written by `make bus-doc` from `host_tools/comanip/comanip.dbc`, the one place where frames are described: do not edit.
 
-CAN FD with bit rate switch, 1 Mbit/s nominal and 5 Mbit/s data, 11-bit identifiers, little-endian signals. Physical value = raw x
-scale. A measurement that its signal cannot carry is sent as invalid or not at all, never saturated.
-
-End-to-end protection: AUTOSAR E2E Profile 5. Byte 0 and 1: CRC-16 (0x1021, start 0xFFFF, low byte first) over the rest of the frame
-and the Data ID of the table; byte 2: a counter per frame. A receiver refuses a wrong CRC, a repetition, and more than {max_delta}
-frames lost in a row; frames that are sent on events are taken whatever number of them was lost.
+Two profiles, of which a bus has one: [CAN FD](#can-fd), with control at 1 kHz, and [classic CAN](#classic-can), with control at
+250 Hz. Identifiers have 11 bits, signals are little-endian. Physical value = raw x scale. A measurement that its signal cannot
+carry is sent as invalid or not at all, never saturated.
 
 Timeout: after so long without the frame its receiver treats the sender as lost.
+"""
+FD_HEAD = """
+## CAN FD
+
+With bit rate switch, 1 Mbit/s nominal and 5 Mbit/s data.
+
+End-to-end protection: AUTOSAR E2E Profile 5. Byte 0 and 1: CRC-16 (0x1021, start 0xFFFF, low byte first) over the rest of the frame
+and the Data ID of the table; byte 2: a counter per frame. A receiver refuses a wrong CRC, a repetition, and {max_delta}
+frames lost in a row or more; frames that are sent on events are taken whatever number of them was lost.
+"""
+CLASSIC_HEAD = """
+## Classic CAN
+
+1 Mbit/s, frames of up to 8 bytes. The same messages, short ones in one frame, long ones in parts, whose counters are equal: parts
+with other counters, or further apart than the timeout, are not put together, so that no message is ever torn. FirmwareHeartbeat is
+the same as on CAN FD.
+
+End-to-end protection: AUTOSAR E2E Profile 2. Byte 0: CRC-8 (0x2F, start and final XOR 0xFF) over the rest of the frame and the
+Data ID; low half of byte 1: a counter per message, 0 to 15. The Data ID is one of 16, by the counter n: that of the table + 16 n,
+modulo 256 (Profile 2's DataIDList). A receiver refuses a wrong CRC, a repetition, and {classic_max_delta} frames lost in a row or more.
+
+It is weaker than CAN FD's. One damaged frame in 256 has a right CRC (Profile 5: in 65,536). A frame that comes 16 messages late has
+the counter of a new one. And a pose's stamp has 8 bits of 1.024 ms: of the way from the tracker to the firmware, a delay that grows
+by more than 131 ms from one pose to the next does not show in the pose's age, where CAN FD's 32 bits of 1 us show any. Receive
+timeouts hold in either profile.
 """
 JOINT = re.compile(r"_\d(?=_|$)")
 
@@ -131,31 +154,38 @@ def section(family: Sequence[Message]) -> list[str]:
     if len(family) > 1:
         comment = re.sub(r"(\w+) 0\b", r"\1 N", comment)
     header = ("signal", "start bit", "raw", "scale", "unit", "range or values")
-    return ["", f"## {family_name(family)}", "", comment + ".", "",
+    return ["", f"### {family_name(family)}", "", comment + ".", "",
             *table(header, signal_rows(message)), *per_joint_note(message)]  # fmt: skip
 
 
-def markdown(database: cantools.database.Database, max_delta: int) -> str:
-    """The whole text. `max_delta`: of E2E counters, as the firmware has it."""
-    groups = families(database.messages)
+def markdown(database: cantools.database.Database, max_delta: int, classic_max_delta: int) -> str:
+    """The whole text. `max_delta`, `classic_max_delta`: of E2E counters, as the firmware has them."""
+    fd = families(message for message in database.messages if not is_classic(message.name))
+    classic = families(message for message in database.messages if is_classic(message.name))
     header = ("id", "frame", "bytes", "period", "timeout", "E2E Data ID", "sent by", "for")
-    lines = [HEAD.format(max_delta=max_delta), *table(header, (overview_row(group) for group in groups))]
-    for group in groups:
-        lines += section(group)
-    return "\n".join(lines) + "\n"
+    lines = [HEAD]
+    for head, groups in ((FD_HEAD, fd), (CLASSIC_HEAD, classic)):
+        lines += [head.lstrip("\n").format(max_delta=max_delta, classic_max_delta=classic_max_delta)]
+        lines += table(header, (overview_row(group) for group in groups))
+        for group in groups:
+            lines += section(group)
+        lines += [""]
+    return "\n".join(lines).rstrip("\n") + "\n"
 
 
-def max_delta() -> int:
+def max_delta(name: str) -> int:
     """Of firmware/e2e.h: how far a counter may be ahead."""
     text = (Path(__file__).parents[2] / "firmware" / "e2e.h").read_text()
-    return int(re.search(r"#define E2E_MAX_DELTA (\d+)", text)[1])
+    return int(re.search(rf"#define {name} (\d+)", text)[1])
 
 
 def main(argv: Sequence[str]) -> int:
     if len(argv) > 1:
         print("usage: python -m comanip.bus_doc [FILE]", file=sys.stderr)
         return 2
-    text = markdown(cantools.database.load_file(DBC_PATH), max_delta())
+    text = markdown(
+        cantools.database.load_file(DBC_PATH), max_delta("E2E_MAX_DELTA"), max_delta("E2E_PROFILE2_MAX_DELTA")
+    )
     if not argv:
         sys.stdout.write(text)
         return 0

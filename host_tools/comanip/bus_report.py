@@ -126,7 +126,7 @@ def overview(results: Sequence[Result]) -> Table:
     for header in ("profile", "joints", "load, all", "cyclic", "last joint state", "too late", "too late at boot"):
         table.add_column(header, justify="right" if header in ("joints", "load, all", "cyclic") else "left")
     for item in results:
-        last = next(row for row in item.rows if row.name == f"JointState{item.joints - 1}")
+        last = next(row for row in item.rows if row.name.endswith(f"JointState{item.joints - 1}"))
         table.add_row(
             item.profile,
             str(item.joints),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from comanip.frame import E2EChecker, Frame, Verdict, decode, messages
 from comanip.frame_length import FD_LENGTHS, BitRates, longest
+from comanip.transport import Receiver
 
 WINDOW_US = 1_000_000
 FD_RATES = BitRates(1_000_000, 5_000_000)
@@ -38,7 +39,8 @@ class BusState:
         self.ids: dict[tuple[int, bool], IdState] = {}
         self.now_us = 0
         self.frames = self.error_frames = 0
-        self._checker = E2EChecker()
+        self._checker, self._receiver = E2EChecker(), Receiver()
+        self._messages: dict[str, Frame] = {}
         self._busy: deque[tuple[int, int]] = deque()  # (time, duration in ns)
         self._busy_ns = 0
 
@@ -53,6 +55,9 @@ class BusState:
         state.times_us.append(frame.t_us)
         state.verdict = self._checker.check(frame)
         state.refused += state.verdict.ok is False
+        message = self._receiver.message(frame)
+        if message is not None and message.message is not None:
+            self._messages[message.name] = message
         duration_ns = frame_duration_ns(frame)
         self._busy.append((frame.t_us, duration_ns))
         self._busy_ns += duration_ns
@@ -74,9 +79,9 @@ class BusState:
         return self.ids.get((frame_id, False))
 
     def signals(self, name: str) -> dict:
-        """The last ones; empty before the first."""
-        state = self.of(name)
-        return (decode(state.last) or {}) if state else {}
+        """The last ones of this message, on a bus of either profile; empty before the first."""
+        message = self._messages.get(name)
+        return (decode(message) or {}) if message else {}
 
 
 def frame_duration_ns(frame: Frame) -> int:

@@ -1,4 +1,4 @@
-"""The traffic of the bus as streams for ``response_time``: CAN FD from the DBC, classic CAN as a set of its own.
+"""The traffic of the bus as streams for ``response_time``, from the DBC: CAN FD's frames, or those for classic CAN.
 
 What the DBC does not say is assumed here and printed by ``make bus-report``: how often frames on events come, how long
 the firmware computes, how fast a drive answers.
@@ -6,17 +6,17 @@ the firmware computes, how fast a drive answers.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import cantools
+from cantools.database.can import Message
 
+from comanip.frame import CLASSIC, DBC_PATH, is_classic
 from comanip.frame_length import BitRates, longest, shortest
 from comanip.response_time import Stream
 
-DBC_PATH = Path(__file__).with_name("comanip.dbc")
-MAX_JOINTS = 8
 NS_PER_MS, NS_PER_US = 1_000_000, 1_000
 FD_TICK_MS, CLASSIC_TICK_MS = 1, 4
 EVENT_TICKS = 2
@@ -25,7 +25,9 @@ BOOT_MS = 1000
 COMPUTING_US = 50
 ANSWER_US = 20
 TICK = "tick"
-REQUEST, ACKNOWLEDGEMENT, BOOT = "request", "acknowledgement", "boot"
+REQUEST, ACKNOWLEDGEMENT = "request", "acknowledgement"
+BOOT_ONLY = ("FirmwareIdentity", f"{CLASSIC}FirmwareIdentity", f"{CLASSIC}FirmwareBuild")
+OTHER_PARTS_OF_A_REQUEST = tuple(CLASSIC + part for part in ("TaskTranslation", "TaskRotation", "TaskInverse"))
 ASSUMPTIONS = (
     "One operator, who waits for the acknowledgement, which takes a tick: requests are at least one tick apart, in the long run"
     f" {EVENT_TICKS}. Each of their frames is to arrive within {EVENT_DEADLINE_MS} ms.",
@@ -33,8 +35,7 @@ ASSUMPTIONS = (
     f"Drives and gripper queue an answer {ANSWER_US} us after the end of the command.",
     "Each node offers its lowest id first. No errors, hence no repetitions.",
     "At boot: FirmwareIdentity, and one ParameterValue a tick until all are told.",
-    "Classic is not in the DBC yet: assumed are 250 Hz, a command and a state of 8 bytes a joint, the pose in two frames at 125 Hz,"
-    " larger messages in parts that are sent one a tick, no trace.",
+    "On classic CAN drives answer the last joint's command, and the four parts of a TaskDefine count as requests beside each other.",
 )
 
 
@@ -76,63 +77,66 @@ class Frame:
         )
 
 
-def fd_frames(joints: int) -> list[Frame]:
-    """All of the DBC but what comes at boot only; of the joint states those of an arm with so many joints."""
+def _number(name: str, kind: str) -> int | None:
+    """Which joint's frame it is."""
+    found = re.fullmatch(rf"(?:{CLASSIC})?{kind}(\d)", name)
+    return int(found[1]) if found else None
+
+
+def _messages(is_for_classic: bool) -> list[Message]:
+    """The heartbeat is the same on both."""
+    return [
+        message
+        for message in cantools.database.load_file(DBC_PATH).messages
+        if is_classic(message.name) == is_for_classic or message.name == "FirmwareHeartbeat"
+    ]
+
+
+def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
+    """All but what comes at boot only; of the joints' frames those of an arm with so many joints."""
+    prefix, tick_ms = (CLASSIC, CLASSIC_TICK_MS) if is_for_classic else ("", FD_TICK_MS)
+    sync = f"{CLASSIC}JointCmd{joints - 1}" if is_for_classic else "JointCmd"
     frames = []
-    for message in cantools.database.load_file(DBC_PATH).messages:
-        is_joint_state = message.name.startswith("JointState")
-        is_absent = is_joint_state and int(message.name.removeprefix("JointState")) >= joints
-        if is_absent or message.name == "FirmwareIdentity":
+    for message in _messages(is_for_classic):
+        state, command = _number(message.name, "JointState"), _number(message.name, "JointCmd")
+        is_absent = max(state or 0, command or 0) >= joints
+        if is_absent or message.name in BOOT_ONLY:
             continue
         batch = TICK if message.senders == ["Firmware"] else None
-        one_of = None if message.cycle_time else ACKNOWLEDGEMENT if batch else REQUEST
-        answers = "JointCmd" if is_joint_state else None
-        period_ms = message.cycle_time or EVENT_TICKS * FD_TICK_MS
+        request = f"{REQUEST}, {message.name}" if message.name in OTHER_PARTS_OF_A_REQUEST else REQUEST
+        one_of = None if message.cycle_time else ACKNOWLEDGEMENT if batch else request
+        period_ms = message.cycle_time or EVENT_TICKS * tick_ms
+        answers = sync if state is not None else None
         frames.append(Frame(message.name, message.frame_id, message.length, period_ms, batch, one_of, answers))
-    return [*frames, gripper_answer(EVENT_TICKS * FD_TICK_MS)]
+    state = next(frame for frame in frames if frame.name == f"{prefix}GripperState")
+    return [*frames, replace(state, name=f"{state.name}, answer", period_ms=EVENT_TICKS * tick_ms, answers=f"{prefix}GripperCommand")]
+
+
+def _boot_frames(is_for_classic: bool) -> list[Frame]:
+    """What comes at boot, beside all others."""
+    tick_ms = CLASSIC_TICK_MS if is_for_classic else FD_TICK_MS
+    periods_ms = dict.fromkeys(BOOT_ONLY, BOOT_MS) | dict.fromkeys(("ParameterValue", f"{CLASSIC}ParameterValue"), tick_ms)
+    return [
+        Frame(f"{message.name}, boot", message.frame_id, message.length, periods_ms[message.name], batch=TICK)
+        for message in _messages(is_for_classic)
+        if message.name in periods_ms
+    ]
+
+
+def fd_frames(joints: int) -> list[Frame]:
+    return _frames(joints, is_for_classic=False)
 
 
 def fd_boot_frames() -> list[Frame]:
-    """What comes at boot, beside all others."""
-    return [
-        Frame("FirmwareIdentity, boot", 0x013, 16, BOOT_MS, batch=TICK),
-        Frame("ParameterValue, boot", 0x012, 12, FD_TICK_MS, batch=TICK),
-    ]
+    return _boot_frames(is_for_classic=False)
 
 
 def classic_frames(joints: int) -> list[Frame]:
-    """A TrackerStatus is in two parts, so one of them comes every 10 ms."""
-    numbers, event_ms = range(joints), EVENT_TICKS * CLASSIC_TICK_MS
-    return [
-        Frame("FirmwareStatus", 0x010, 8, 8, TICK),
-        Frame("CommandAck", 0x011, 8, event_ms, TICK, ACKNOWLEDGEMENT),
-        Frame("ParameterValue", 0x012, 8, event_ms, TICK, ACKNOWLEDGEMENT),
-        *(Frame(f"JointCmd{joint}", 0x050 + joint, 8, CLASSIC_TICK_MS, TICK) for joint in numbers),
-        Frame("Clearance", 0x110, 8, 8),
-        Frame("HandPosition", 0x120, 8, 8),
-        Frame("HandRotation", 0x121, 8, 8),
-        *(Frame(f"JointState{joint}", 0x180 + joint, 8, CLASSIC_TICK_MS, answers=f"JointCmd{joint}") for joint in numbers),
-        Frame("GripperState", 0x190, 8, 20),
-        Frame("OperatorCommand", 0x200, 8, event_ms, one_of=REQUEST),
-        Frame("TaskDefine", 0x201, 8, event_ms, one_of=REQUEST),
-        Frame("ParameterAccess", 0x202, 8, event_ms, one_of=REQUEST),
-        Frame("GripperCommand", 0x210, 8, event_ms, one_of=REQUEST),
-        Frame("TrackerStatus", 0x320, 8, 10),
-        Frame("FirmwareHeartbeat", 0x701, 1, 100, TICK),
-        gripper_answer(event_ms),
-    ]
+    return _frames(joints, is_for_classic=True)
 
 
 def classic_boot_frames() -> list[Frame]:
-    return [
-        Frame("FirmwareIdentity, boot", 0x013, 8, BOOT_MS, batch=TICK),
-        Frame("ParameterValue, boot", 0x012, 8, CLASSIC_TICK_MS, batch=TICK),
-    ]
-
-
-def gripper_answer(event_ms: int) -> Frame:
-    """GripperState comes in its period, and after each command."""
-    return Frame("GripperState, answer", 0x190, 8, event_ms, answers="GripperCommand")
+    return _boot_frames(is_for_classic=True)
 
 
 def streams(frames: Sequence[Frame], rates: BitRates) -> list[Stream]:

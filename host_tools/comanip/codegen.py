@@ -8,7 +8,7 @@ Run as ``python codegen.py OUT_DIR``. Writes:
     scales and range-checks instead. The generation date is dropped, so that a build is reproducible.
 ``comanip_schema.h``
     what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
-    one X-macro row per frame.
+    one X-macro row per frame, for CAN FD and for classic CAN.
 ``comanip_build_hash.h``
     64 bits of SHA-256 over the firmware's sources and the DBC. The same sources have the same hash on the host and on
     every target, so a log of one can be replayed on another.
@@ -29,6 +29,7 @@ from cantools.database.can.message import Message
 
 DBC_PATH = Path(__file__).with_name("comanip.dbc")
 FIRMWARE = Path(__file__).parents[2] / "firmware"
+CLASSIC = "Classic"  # names of the frames for classic CAN begin so
 UNWANTED = r"(?:init|encode|decode|is_in_range|is_in_phys_range)"
 
 
@@ -55,17 +56,30 @@ def attribute(message: Message, name: str) -> int:
     return int(found.value) if found else 0
 
 
-def check_joint_states_are_alike(messages: list[Message]) -> None:
-    """One decoder serves JointState0..7, so their layouts must be the same."""
+def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
+    """One codec serves the eight frames `prefix`0..7, so their layouts must be the same."""
     layouts = {
         message.name: [(s.name, s.start, s.length, s.is_signed, s.scale) for s in message.signals]
         for message in messages
-        if message.name.startswith("JointState")
+        if re.fullmatch(prefix + r"\d", message.name)
     }
-    reference = layouts["JointState0"]
+    reference = layouts[prefix + "0"]
     for name, layout in layouts.items():
         if layout != reference:
-            raise SystemExit(f"codegen: {name} has another layout than JointState0: one decoder serves all eight")
+            raise SystemExit(f"codegen: {name} has another layout than {prefix}0: one codec serves all eight")
+
+
+def frame_rows(messages: list[Message]) -> list[str]:
+    return [
+        f"    FRAME({camel_to_snake_case(m.name).upper()}, 0x{m.frame_id:03X}u, {m.length}u, "
+        f"0x{attribute(m, 'E2EDataId'):04X}u, {m.cycle_time or 0}u, {attribute(m, 'TimeoutMs')}u, "
+        f"{str('Firmware' in m.receivers).lower()})"
+        for m in messages
+    ]
+
+
+def x_macro(name: str, rows: list[str]) -> list[str]:
+    return [f"#define {name}(FRAME) \\", *(row + " \\" for row in rows[:-1]), rows[-1], ""]
 
 
 def schema_header(database) -> str:
@@ -76,15 +90,11 @@ def schema_header(database) -> str:
         "",
         "/* FRAME(NAME, id, bytes, E2E Data ID (0 = unprotected), period in ms (0 = event), timeout in ms (0 = none),",
         " *       whether the firmware receives it) */",
-        "#define COMANIP_FRAMES(FRAME) \\",
+        *x_macro("COMANIP_FRAMES", frame_rows([m for m in database.messages if not m.name.startswith(CLASSIC)])),
+        *x_macro("COMANIP_CLASSIC_FRAMES", frame_rows([m for m in database.messages if m.name.startswith(CLASSIC)])),
+        "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Signals in plain counts have none.",
+        " * NAMES: initialisers of an array of an enumerated signal's names. */",
     ]
-    rows = [
-        f"    FRAME({camel_to_snake_case(m.name).upper()}, 0x{m.frame_id:03X}u, {m.length}u, "
-        f"0x{attribute(m, 'E2EDataId'):04X}u, {m.cycle_time or 0}u, {attribute(m, 'TimeoutMs')}u, "
-        f"{str('Firmware' in m.receivers).lower()})"
-        for m in database.messages
-    ]
-    lines += [row + " \\" for row in rows[:-1]] + [rows[-1], "", "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Signals in plain counts have none.", " * NAMES: initialisers of an array of an enumerated signal's names. */"]
     for message in database.messages:
         for signal in message.signals:
             if signal.name.startswith("e2e_") or signal.is_float:
@@ -120,7 +130,8 @@ def write_if_changed(path: Path, text: str) -> None:
 
 def main(out_dir: Path) -> None:
     database = cantools.database.load_file(DBC_PATH)
-    check_joint_states_are_alike(database.messages)
+    for prefix in ("JointState", CLASSIC + "JointState", CLASSIC + "JointCmd"):
+        check_joints_are_alike(database.messages, prefix)
     header, source, _, _ = generate(
         database, "comanip", "comanip_dbc.h", "comanip_dbc.c", "unused.c", floating_point_numbers=False
     )

@@ -11,8 +11,8 @@ import cantools
 from cantools.database.can.message import Message
 
 DBC_PATH = Path(__file__).with_name("comanip.dbc")
-E2E_HEADER_BYTES = 3  # CRC-16, counter
-COUNTERS = 256
+CLASSIC = "Classic"  # names of the frames for classic CAN begin so
+COUNTERS, CLASSIC_COUNTERS = 256, 16
 
 
 class Frame(NamedTuple):
@@ -38,6 +38,11 @@ class Frame(NamedTuple):
     def name(self) -> str:
         return self.message.name if self.message else f"0x{self.frame_id:X}"
 
+    @property
+    def counter(self) -> int:
+        """Of its end-to-end header."""
+        return self.data[1] % CLASSIC_COUNTERS if is_classic(self.name) else self.data[2]
+
 
 @functools.cache
 def database():
@@ -56,13 +61,42 @@ def data_id(name: str) -> int | None:
     return int(attribute.value) if attribute else None
 
 
+def is_classic(name: str) -> bool:
+    """The message is for classic CAN: in parts, and with end-to-end protection by Profile 2."""
+    return name.startswith(CLASSIC)
+
+
 def crc(data: bytes, data_id: int) -> int:
     """AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) over what follows it, and the Data ID, low byte first."""
     return binascii.crc_hqx(bytes(data[2:]) + data_id.to_bytes(2, "little"), 0xFFFF)
 
 
+@functools.cache
+def _crc8_table() -> list[int]:
+    table = list(range(256))
+    for _ in range(8):
+        table = [(value << 1) & 0xFF ^ (0x2F if value & 0x80 else 0) for value in table]
+    return table
+
+
+def classic_crc(data: bytes, data_id: int) -> int:
+    """AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial and final XOR 0xFF) over what follows it, and the Data ID of the
+    counter: `data_id` + 16 times the counter, modulo 256."""
+    table, value = _crc8_table(), 0xFF
+    for byte in (*data[1:], (data_id + 16 * (data[1] % CLASSIC_COUNTERS)) % 256):
+        value = table[value ^ byte]
+    return value ^ 0xFF
+
+
+def has_right_crc(frame: Frame) -> bool:
+    """Of a protected message of the DBC."""
+    if is_classic(frame.name):
+        return frame.data[0] == classic_crc(frame.data, data_id(frame.name))
+    return int.from_bytes(frame.data[:2], "little") == crc(frame.data, data_id(frame.name))
+
+
 def protected(name: str, signals: dict, counter: int) -> bytes:
-    """The message's payload with its end-to-end header. Signals out of their range raise cantools' EncodeError."""
+    """The payload of a CAN FD message with its end-to-end header. Signals out of their range raise cantools' EncodeError."""
     message = database().get_message_by_name(name)
     data = bytearray(message.encode(signals | {"e2e_crc": 0, "e2e_counter": counter % COUNTERS}))
     data[0:2] = crc(data, data_id(name)).to_bytes(2, "little")
@@ -111,13 +145,12 @@ class E2EChecker:
             return Verdict(None, "not in the DBC")
         if len(frame.data) != message.length:
             return Verdict(False, f"{len(frame.data)} bytes, expected {message.length}")
-        number = data_id(message.name)
-        if number is None:
+        if data_id(message.name) is None:
             return Verdict(None, "unprotected")
-        if int.from_bytes(frame.data[:2], "little") != crc(frame.data, number):
+        if not has_right_crc(frame):
             return Verdict(False, "wrong CRC")
-        counter = frame.data[2]
-        step = (counter - self._counter.get(frame.frame_id, counter - 1)) % COUNTERS
+        counter, counters = frame.counter, CLASSIC_COUNTERS if is_classic(message.name) else COUNTERS
+        step = (counter - self._counter.get(frame.frame_id, counter - 1)) % counters
         self._counter[frame.frame_id] = counter
         if step == 1:
             return Verdict(True, "ok")

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 from comanip import native
 from comanip.errors import ToolError
-from comanip.frame import Frame, crc, data_id, database, decode, messages
+from comanip.frame import Frame, data_id, database, decode, has_right_crc, is_classic, messages
+from comanip.transport import Profile, Receiver
 
-_CAN_FRAME = struct.Struct("<IHB64sx")  # can_frame_t
+_CAN_FRAME = struct.Struct("<IHB64s?")  # can_frame_t
 _FOREIGN_ID = 0xFFFF  # no standard data frame
 FIRMWARE = "Firmware"
 
@@ -44,40 +45,56 @@ def _native_log(ffi, frames: Sequence[Frame]):
         raise AssertionError("can_frame_t has another layout than replay.py thinks")
     pack = _CAN_FRAME.pack
     packed = b"".join(
-        pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.data) for f in frames
+        pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.data, f.fd) for f in frames
     )
     return ffi.from_buffer("can_frame_t[]", packed)
 
 
 def _first(frames: Sequence[Frame], name: str) -> Frame | None:
-    frame_id = database().get_message_by_name(name).frame_id
-    return next((frame for frame in frames if frame.frame_id == frame_id and frame.message), None)
+    return next((frame for frame in frames if frame.message and frame.name == name), None)
 
 
-def _has_right_crc(frame: Frame) -> bool:
-    return int.from_bytes(frame.data[:2], "little") == crc(frame.data, data_id(frame.name))
+def _identity(frames: Sequence[Frame]) -> dict | None:
+    """What the first FirmwareIdentity tells; on classic CAN of the two parts, each of them undamaged. Build hash None: it is
+    damaged."""
+    receiver = Receiver()
+    for frame in frames:
+        if frame.message is None or frame.name not in ("FirmwareIdentity", "ClassicFirmwareBuild", "ClassicFirmwareIdentity"):
+            continue
+        if not is_classic(frame.name) and not has_right_crc(frame):
+            return decode(frame) | {"build_hash": None}
+        message = receiver.message(frame)
+        if message is not None:
+            return decode(message)
+    return None
 
 
-def _require_boot(frames: Sequence[Frame], build_hash: int) -> str:
+def _require_boot(frames: Sequence[Frame], profile: Profile, build_hash: int) -> str:
     """The arm's name. ToolError unless the log begins at the boot of a firmware with this hash. A damaged identity is no
     other build: the replay will come upon it."""
-    identity, trace = _first(frames, "FirmwareIdentity"), _first(frames, "TickTrace")
+    trace, told = _first(frames, profile.message("TickTrace").name), _identity(frames)
     if trace is None:
         raise ToolError(
-            "the log has no TickTrace, expected one each millisecond: is the parameter `trace` 0, or is this another bus?"
+            "the log has no TickTrace, expected one each tick: is the parameter `trace` 0, or is this another bus?"
         )
-    told = decode(identity) if identity else None
-    if told is None or (trace.data[2] != 0 and _has_right_crc(trace)):
+    began = _first(frames, profile.message("FirmwareIdentity").name)
+    if began is None or (trace.counter != 0 and has_right_crc(trace)):
         raise ToolError(
-            f"the log does not begin at the firmware's boot (its first TickTrace has number {trace.data[2]}"
-            f"{'' if told else ', and there is no FirmwareIdentity'}), expected all frames since then"
+            f"the log does not begin at the firmware's boot (its first TickTrace has number {trace.counter}"
+            f"{'' if began else ', and there is no FirmwareIdentity'}), expected all frames since then"
         )
-    if _has_right_crc(identity) and told["build_hash"] != build_hash:
+    if told is None or told["build_hash"] is None:
+        return str(told["arm"]) if told else ""
+    if told["build_hash"] != build_hash:
         raise ToolError(
             f"the log comes from the firmware with build hash {told['build_hash']:016x}, this core has {build_hash:016x}: "
             "expected the same; check out and build the revision that recorded it"
         )
     return str(told["arm"])
+
+
+def _profile(frames: Sequence[Frame]) -> Profile:
+    return Profile.CLASSIC if _first(frames, "ClassicTickTrace") and not _first(frames, "TickTrace") else Profile.FD
 
 
 def _first_damaged(frames: Sequence[Frame]) -> int | None:
@@ -87,7 +104,7 @@ def _first_damaged(frames: Sequence[Frame]) -> int | None:
         for message in database().messages
         if FIRMWARE not in message.senders and FIRMWARE not in message.receivers and data_id(message.name)
     }
-    wrong = (i for i, f in enumerate(frames) if f.frame_id in others and f.message and not _has_right_crc(f))
+    wrong = (i for i, f in enumerate(frames) if f.frame_id in others and f.message and not has_right_crc(f))
     return next(wrong, None)
 
 
@@ -98,16 +115,18 @@ class Replay:
         self._ffi, self._lib = native.load()
         self.frames = frames
         ffi, lib = self._ffi, self._lib
-        name = _require_boot(frames, lib.replay_build_hash())
+        profile = _profile(frames)
+        name = _require_boot(frames, profile, lib.replay_build_hash())
         arm = getattr(lib, f"arm_{name}", lib.arm_hoap3_right)  # a damaged name: the replay will come upon it
         by_kind = [messages()[lib.frame_table[kind].id] for kind in range(lib.FRAME_KIND_COUNT)]
         self._log = _native_log(ffi, frames)
-        self._kind = ffi.new("uint8_t[]", len(frames))
+        self._stream_of = ffi.new("uint8_t[]", len(frames))
         self._next = ffi.new("uint32_t[]", len(frames))
         self._state = ffi.new("replay_t *")
         self._arm = ffi.addressof(arm)
         lib.replay_init(
-            self._state, self._arm, self._log, len(frames), self._kind, self._next,
+            self._state, self._arm, lib.CAN_PROFILE_CLASSIC if profile is Profile.CLASSIC else lib.CAN_PROFILE_FD,
+            self._log, len(frames), self._stream_of, self._next,
             [FIRMWARE in message.receivers for message in by_kind], [FIRMWARE in message.senders for message in by_kind],
         )  # fmt: skip
 
@@ -160,7 +179,7 @@ class Replay:
             return Difference("damaged: its CRC is wrong, and the firmware had not refused it", state.place, recorded)
         lost = messages()[state.sent.id].name
         return Difference(
-            f"this tick had read a {lost} with counter {state.sent.data[2]}, which is not in the log",
+            f"this tick had read a {lost} with counter {state.sent.data[0]}, which is not in the log",
             state.place,
             recorded,
         )

@@ -16,8 +16,8 @@ PERIOD_US = (1_000, 100_000)  # that the firmware takes
 INTERVALS = 50  # over whose median the period is taken
 
 
-def status_period_s() -> float:
-    return database().get_message_by_name("TrackerStatus").cycle_time / 1000
+def status_period_s(bus: LiveBus) -> float:
+    return bus.profile.message("TrackerStatus").cycle_time / 1000
 
 
 class TrackerPublisher:
@@ -38,8 +38,9 @@ class TrackerPublisher:
         self._last_us = t_us
         quaternion = (min(max(component, -1.0), 1.0) for component in pose.quaternion)  # rounding may pass 1
         signals = dict(zip(("x_m", "y_m", "z_m"), pose.position_m)) | dict(zip(("qw", "qx", "qy", "qz"), quaternion))
-        message = database().get_message_by_name("HandPose")
-        if all(_fits(message.get_signal_by_name(name), value) for name, value in signals.items()):
+        positions, quaternions = self._bus.profile.message("HandPose"), database().get_message_by_name("HandPose")
+        ranges = {name: (positions if name.endswith("_m") else quaternions).get_signal_by_name(name) for name in signals}
+        if all(_fits(ranges[name], value) for name, value in signals.items()):
             self._bus.send("HandPose", {"t_us": t_us % CLOCK_US, "valid": 1} | signals)
             self.sent += 1
         else:
@@ -60,7 +61,7 @@ class TrackerPublisher:
         """In steps of 10 us, as the frame carries it."""
         period_us = self._period_us
         if period_us is None:
-            default_us = 1000 * database().get_message_by_name("HandPose").cycle_time
+            default_us = 1000 * self._bus.profile.message("HandPose").cycle_time
             period_us = round(statistics.median(self._intervals_us)) if self._intervals_us else default_us
         return 10 * round(min(max(period_us, PERIOD_US[0]), PERIOD_US[1]) / 10)
 

@@ -30,6 +30,7 @@ typedef struct {
 } listener_t;
 
 struct bus {
+    can_profile_t profile;
     int64_t now_ns;
     int node_count;
     int listener_count;
@@ -47,8 +48,16 @@ struct bus {
     bus_statistics_t statistics;
 };
 
-bus_t *bus_create(void) {
-    return calloc(1, sizeof(bus_t));
+bus_t *bus_create(can_profile_t profile) {
+    bus_t *self = calloc(1, sizeof *self);
+    if (self != NULL) {
+        self->profile = profile;
+    }
+    return self;
+}
+
+can_profile_t bus_profile(const bus_t *self) {
+    return self->profile;
 }
 
 void bus_destroy(bus_t *self) {

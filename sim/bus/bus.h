@@ -1,5 +1,5 @@
-/* The bus that the simulated nodes share. bus.c: a CAN FD bus in virtual time, with arbitration by id, true frame
- * durations (1/5 Mbit/s) and bounded queues, deterministic. live_bus.c: a real bus, in real time (live_bus.h).
+/* The bus that the simulated nodes share. bus.c: a CAN bus in virtual time, with arbitration by id, true frame
+ * durations (1/5 Mbit/s; classic 1 Mbit/s) and bounded queues, deterministic. live_bus.c: a real bus, in real time (live_bus.h).
  *
  * Nodes send frames that are ready at some time; bus_run_until() plays the traffic up to a time and hands each frame, at
  * its end, to every other node and to the listener. Time is in ns since the start of the simulation. */
@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "../../firmware/can_frame.h"
+#include "../../firmware/can_profile.h"
 
 #define BUS_MAX_NODES 16
 #define BUS_QUEUE_FRAMES 64
@@ -26,8 +27,11 @@ typedef struct {
 
 typedef struct bus bus_t;
 
-bus_t *bus_create(void);
+bus_t *bus_create(can_profile_t profile);
 void bus_destroy(bus_t *self);
+
+/* What the nodes have agreed on. */
+can_profile_t bus_profile(const bus_t *self);
 
 /* Gives the node's number. At most BUS_MAX_NODES. A node without a handler (NULL) only sends. */
 int bus_attach(bus_t *self, bus_handler_t handler, void *context);

@@ -82,7 +82,7 @@ static int data_length_code(uint8_t length) {
     return -1;
 }
 
-int64_t frame_time_ns(const can_frame_t *frame) {
+static int64_t fd_ns(const can_frame_t *frame) {
     const int dlc = data_length_code(frame->length);
     if (dlc < 0 || frame->id > ID_MAX) {
         return -1;
@@ -132,7 +132,7 @@ static unsigned int add_stuff_bits(unsigned int *state, unsigned int octet) {
     return stuffing->stuff_bits;
 }
 
-int64_t frame_time_classic_ns(const can_frame_t *frame) {
+static int64_t classic_ns(const can_frame_t *frame) {
     if (frame->length > CLASSIC_MAX_BYTES || frame->id > ID_MAX) {
         return -1;
     }
@@ -153,4 +153,8 @@ int64_t frame_time_classic_ns(const can_frame_t *frame) {
     stuff_bits += add_stuff_bits(&state, crc_and_delimiter >> 8);
     stuff_bits += add_stuff_bits(&state, crc_and_delimiter & 0xFFU);
     return (int64_t)(CLASSIC_BITS + 8U * frame->length + stuff_bits) * NOMINAL_BIT_NS;
+}
+
+int64_t frame_time_ns(const can_frame_t *frame) {
+    return frame->fd ? fd_ns(frame) : classic_ns(frame);
 }

@@ -10,7 +10,4 @@
  * Negative: no such frame, for the id has more than 11 bits or no DLC stands for the length. */
 int64_t frame_time_ns(const can_frame_t *frame);
 
-/* The same for a classic data frame of 0..8 bytes, whose CRC is stuffed as well. */
-int64_t frame_time_classic_ns(const can_frame_t *frame);
-
 #endif

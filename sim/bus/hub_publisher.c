@@ -78,9 +78,9 @@ bool hub_publisher_open(hub_publisher_t *self, const char *bus, char error[], si
     return connect_hub(self, bus, error, error_size) || start_hub(self, bus, error, error_size);
 }
 
-static bool send_patiently(int fd, const struct canfd_frame *packet) {
+static bool send_patiently(int fd, const struct canfd_frame *packet, size_t bytes) {
     struct pollfd room = {.fd = fd, .events = POLLOUT};
-    while (send(fd, packet, CANFD_MTU, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
+    while (send(fd, packet, bytes, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
         if (errno != EAGAIN || poll(&room, 1, PATIENCE_MS) == 0) {
             return false;
         }
@@ -94,9 +94,9 @@ void hub_publisher_send(void *context, const can_frame_t *frame, int64_t end_ns)
         self->lost++;
         return;
     }
-    struct canfd_frame packet = {.can_id = frame->id, .len = frame->length, .flags = CANFD_BRS};
+    struct canfd_frame packet = {.can_id = frame->id, .len = frame->length, .flags = frame->fd ? CANFD_BRS : 0};
     memcpy(packet.data, frame->data, frame->length);
-    if (!send_patiently(self->fd, &packet)) {
+    if (!send_patiently(self->fd, &packet, frame->fd ? CANFD_MTU : CAN_MTU)) {
         (void)fprintf(stderr, "comanip-sim: the hub went away or hangs, at %.3f simulated s; the run goes on unheard\n",
                       (double)end_ns * 1e-9);
         (void)close(self->fd);

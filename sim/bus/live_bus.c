@@ -27,6 +27,7 @@ typedef struct {
 } pending_t;
 
 struct bus {
+    can_profile_t profile;
     can_socket_t can;
     pace_t pace;
     int64_t start_unix_ns; /* of time 0; a whole tick of the pace */
@@ -154,9 +155,10 @@ static void send_until(bus_t *self, int64_t time_ns) {
 
 /* ---- live_bus.h */
 
-bus_t *live_bus_create(const char *program, const char *can, uint32_t slow, char error[], size_t error_size) {
+bus_t *live_bus_create(const char *program, const char *can, can_profile_t profile, uint32_t slow, char error[],
+                       size_t error_size) {
     bus_t *self = calloc(1, sizeof *self);
-    const can_selection_t everything = {.own = true};
+    const can_selection_t everything = {.own = true, .classic = profile == CAN_PROFILE_CLASSIC};
     if (self == NULL) {
         (void)snprintf(error, error_size, "no memory for the bus");
         return NULL;
@@ -165,6 +167,7 @@ bus_t *live_bus_create(const char *program, const char *can, uint32_t slow, char
         free(self);
         return NULL;
     }
+    self->profile = profile;
     pace_init(&self->pace, slow);
     self->timing = (live_bus_timing_t){.slow = slow};
     return self;
@@ -198,6 +201,10 @@ void bus_destroy(bus_t *self) {
         can_socket_close(&self->can);
         free(self);
     }
+}
+
+can_profile_t bus_profile(const bus_t *self) {
+    return self->profile;
 }
 
 int bus_attach(bus_t *self, bus_handler_t handler, void *context) {

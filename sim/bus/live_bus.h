@@ -21,7 +21,7 @@ typedef struct {
 } live_bus_timing_t;
 
 /* program: its name, for what is told. slow: as in hal/linux/pace.h. On failure NULL, and one line in `error`. */
-bus_t *live_bus_create(const char *program, const char *can, uint32_t slow, char error[], size_t error_size);
+bus_t *live_bus_create(const char *program, const char *can, can_profile_t profile, uint32_t slow, char error[], size_t error_size);
 
 /* Waits for a frame of this id, which then is the first one, in tick 0. False: interrupted. */
 bool live_bus_start(bus_t *self, uint16_t id, const volatile sig_atomic_t *interrupted);

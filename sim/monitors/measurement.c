@@ -83,7 +83,7 @@ static double held_alone(const physical_state_t *state, size_t person, size_t ob
 }
 
 static void add_following(measurement_t *self, const tick_record_t *tick) {
-    const double orientation_deg = turn_deg(&tick->hand, &tick->target);
+    const double orientation_deg = turn_deg(&tick->hand_at_target, &tick->target);
     add_square(self, tracking_distance_mm(tick));
     self->square_orientation_deg2 += orientation_deg * orientation_deg;
 }

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define US_PER_TICK 1000u
+
 static void on_status(observer_t *self, const can_frame_t *frame, int64_t end_ns) {
     firmware_status_t status;
     firmware_status_unpack(frame, &status);
@@ -29,14 +31,18 @@ static void on_status(observer_t *self, const can_frame_t *frame, int64_t end_ns
 static void on_trace(observer_t *self, const can_frame_t *frame) {
     tick_trace_t trace;
     tick_trace_unpack(frame, &trace);
-    /* Only the target of this very tick may be compared with the hand of this tick. */
     const uint32_t tick_us = (uint32_t)((bus_epoch_ns(self->bus) + self->tick.time_ns) / 1000);
-    if (!trace.target_valid || trace.now_us != tick_us) {
+    const uint32_t age_ticks = (tick_us - trace.now_us) / US_PER_TICK;
+    const bool is_of_a_tick = (tick_us - trace.now_us) % US_PER_TICK == 0 && age_ticks < self->target_ticks;
+    self->tick.has_target = trace.target_valid && is_of_a_tick;
+    if (!self->tick.has_target) {
         return;
     }
+    /* A target may be compared only with the hand of its own time. */
+    self->tick.hand_at_target = self->past_hand[(self->ticks - age_ticks) % OBSERVER_PAST_TICKS];
+    self->target_ticks_left = self->target_ticks;
     const quaternion_t r = trace.target.primary;
     const vector3_t t = dual_quaternion_translation(trace.target);
-    self->tick.has_target = true;
     self->tick.target = (rigid_pose_t){{(double)t.x, (double)t.y, (double)t.z},
                                        {(double)r.w, (double)r.x, (double)r.y, (double)r.z}};
 }
@@ -49,31 +55,35 @@ static void on_parameter(observer_t *self, const can_frame_t *frame) {
     }
 }
 
-static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
-    observer_t *self = context;
-    frame_kind_t kind;
-    if (protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
-        if (frame->id == frame_table[FRAME_JOINT_CMD].id) {
-            limit_monitor_undecodable(&self->limits, end_ns);
-        }
-        return;
-    }
+static void on_message(observer_t *self, frame_kind_t kind, const can_frame_t *message, int64_t end_ns) {
     if (kind == FRAME_FIRMWARE_STATUS) {
-        on_status(self, frame, end_ns);
+        on_status(self, message, end_ns);
     } else if (kind == FRAME_TICK_TRACE) {
-        on_trace(self, frame);
+        on_trace(self, message);
     } else if (kind == FRAME_PARAMETER_VALUE) {
-        on_parameter(self, frame);
+        on_parameter(self, message);
     } else if (kind == FRAME_JOINT_CMD) {
-        joint_command_unpack(frame, &self->tick.command);
+        joint_command_unpack(message, &self->tick.command);
         self->tick.has_command = true;
         limit_monitor_command(&self->limits, &self->tick.command, end_ns,
                               (double)self->parameter[PARAMETER_SPEED_FRACTION],
                               (double)self->parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2]);
     } else if (kind >= FRAME_JOINT_STATE0 && kind < FRAME_JOINT_STATE0 + ROBOT_JOINTS) {
         joint_state_t state;
-        joint_state_unpack(frame, &state);
+        joint_state_unpack(message, &state);
         self->tick.measured_rad[kind - FRAME_JOINT_STATE0] = (double)state.position_rad;
+    }
+}
+
+static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+    observer_t *self = context;
+    can_frame_t message = *frame;
+    frame_kind_t kind;
+    const protocol_status_t status = transport_receive(&self->receiver, &message, &kind);
+    if (status == PROTOCOL_OK) {
+        on_message(self, kind, &message, end_ns);
+    } else if (kind == FRAME_JOINT_CMD && status != PROTOCOL_INCOMPLETE && status != PROTOCOL_UNKNOWN_ID) {
+        limit_monitor_undecodable(&self->limits, end_ns);
     }
 }
 
@@ -84,6 +94,9 @@ void observer_init(observer_t *self, bus_t *bus) {
         self->parameter[i] = parameter_table[i].default_value;
     }
     limit_monitor_init(&self->limits);
+    const can_profile_t profile = bus_profile(bus);
+    transport_receiver_init(&self->receiver, profile, ROBOT_JOINTS, TRANSPORT_ALL_KINDS);
+    self->target_ticks = 2u * transport_period_ms(profile, FRAME_TICK_TRACE) - 1u;
     bus_listen(bus, on_frame, self);
 }
 
@@ -95,6 +108,8 @@ void observer_free(observer_t *self) {
 void observer_begin_tick(observer_t *self, int64_t time_ns, const rigid_pose_t *hand) {
     self->tick.time_ns = time_ns;
     self->tick.hand = *hand;
-    self->tick.has_target = false;
+    self->past_hand[++self->ticks % OBSERVER_PAST_TICKS] = *hand;
+    self->target_ticks_left -= self->target_ticks_left > 0;
+    self->tick.has_target = self->tick.has_target && self->target_ticks_left > 0;
     self->tick.has_command = false;
 }

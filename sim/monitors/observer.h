@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/can_transport.h"
 #include "../../firmware/parameters.h"
 #include "../bus/bus.h"
 #include "../common/rigid_pose.h"
@@ -21,13 +21,17 @@ typedef struct {
     reason_t reason;
 } mode_change_t;
 
-/* One tick at one instant: where the arm was, what the firmware aimed at and what it commanded. */
+#define OBSERVER_PAST_TICKS 8
+
+/* One tick of 1 ms: where the arm was, what the firmware aimed at and what it commanded. On classic CAN the firmware aims each
+ * 4 ms, which the bus tells some ms later: its target is kept until the next one. */
 typedef struct {
     int64_t time_ns;
     rigid_pose_t hand; /* ODE's */
     control_mode_t mode;
     bool has_target;
     rigid_pose_t target;
+    rigid_pose_t hand_at_target; /* ODE's hand at the target's own time; on CAN FD that of this tick */
     bool has_command;
     joint_command_t command;
     double measured_rad[ROBOT_JOINTS]; /* as the drives report it */
@@ -35,8 +39,12 @@ typedef struct {
 
 typedef struct {
     const bus_t *bus;
-    protocol_receiver_t receiver;
+    transport_receiver_t receiver;
     tick_record_t tick;
+    rigid_pose_t past_hand[OBSERVER_PAST_TICKS]; /* ring, by the number of the tick */
+    uint64_t ticks;
+    uint32_t target_ticks;      /* a target counts for so many from its own on */
+    uint32_t target_ticks_left;
     float parameter[PARAMETER_COUNT]; /* in force; defaults until the bus says otherwise */
     mode_change_t *modes;
     size_t mode_count;

@@ -16,7 +16,7 @@ void tracking_init(tracking_t *self) {
 }
 
 double tracking_distance_mm(const tick_record_t *tick) {
-    const double *a = tick->hand.position_m, *b = tick->target.position_m;
+    const double *a = tick->hand_at_target.position_m, *b = tick->target.position_m;
     const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return 1e3 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
@@ -83,7 +83,7 @@ void tracking_sample(tracking_t *self, const tick_record_t *tick, const float pa
     const bool in_reach = is_target_in_reach(self, tick);
     const tracking_error_t error = {
         .position_mm = tracking_distance_mm(tick),
-        .orientation_deg = rotation_angle_between(tick->hand.rotation, tick->target.rotation) / ROBOT_RAD_PER_DEG,
+        .orientation_deg = rotation_angle_between(tick->hand_at_target.rotation, tick->target.rotation) / ROBOT_RAD_PER_DEG,
     };
     add(&self->all, error);
     self->out_of_reach_ticks += !in_reach;

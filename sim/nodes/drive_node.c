@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../bus/endpoint.h"
 
 #define PULSES_PER_RAD (ROBOT_PULSES_PER_DEGREE / ROBOT_RAD_PER_DEG)
 #define VELOCITY_WINDOW 8 /* the reported velocity is the encoder's way over so many samples: 10 mrad/s resolution */
@@ -18,11 +18,10 @@ typedef struct {
 } drive_t;
 
 struct drive_node {
-    bus_t *bus;
-    int node;
+    endpoint_t endpoint;
+    int64_t timeout_ns; /* JointCmd's */
+    int64_t period_ns;  /* JointState's */
     arm_plant_t *plant;
-    protocol_receiver_t receiver;
-    protocol_sender_t sender;
     drive_t drive[ROBOT_JOINTS];
     int64_t sample_ns[VELOCITY_WINDOW];
     int samples; /* taken in all, up to VELOCITY_WINDOW */
@@ -62,21 +61,16 @@ static void send_states(drive_node_t *self, int64_t ready_ns) {
         };
         can_frame_t frame;
         if (joint_state_pack(i, &state, &frame) == PROTOCOL_OK) {
-            protocol_protect(&self->sender, &frame);
-            (void)bus_send(self->bus, self->node, &frame, ready_ns); /* a full queue is counted by the bus */
+            endpoint_send(&self->endpoint, &frame, ready_ns);
         }
     }
 }
 
-static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+static void on_command(void *context, frame_kind_t kind, const can_frame_t *message, int64_t end_ns) {
     drive_node_t *self = context;
-    frame_kind_t kind;
-    if (frame->id != frame_table[FRAME_JOINT_CMD].id ||
-        protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
-        return;
-    }
+    (void)kind;
     joint_command_t command;
-    joint_command_unpack(frame, &command);
+    joint_command_unpack(message, &command);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         self->drive[i].mode = command.mode[i];
         self->drive[i].commanded_radps = (double)command.velocity_radps[i];
@@ -91,10 +85,11 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
 drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant) {
     drive_node_t *self = calloc(1, sizeof *self);
     if (self != NULL) {
-        self->bus = bus;
         self->plant = plant;
+        self->timeout_ns = (int64_t)transport_timeout_ms(bus_profile(bus), FRAME_JOINT_CMD) * 1000000;
+        self->period_ns = (int64_t)transport_period_ms(bus_profile(bus), FRAME_JOINT_STATE0) * 1000000;
         self->newest = VELOCITY_WINDOW - 1; /* the first sample goes to 0 */
-        self->node = bus_attach(bus, on_frame, self);
+        endpoint_attach(&self->endpoint, bus, ENDPOINT_KIND(FRAME_JOINT_CMD), on_command, self);
     }
     return self;
 }
@@ -104,9 +99,8 @@ void drive_node_destroy(drive_node_t *self) {
 }
 
 void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s) {
-    const int64_t timeout_ns = (int64_t)frame_table[FRAME_JOINT_CMD].timeout_ms * 1000000;
-    self->timed_out = self->commanded && now_ns - self->command_ns > timeout_ns;
-    if (self->timed_out) {
+    self->timed_out = self->commanded && now_ns - self->command_ns > self->timeout_ns;
+    if (self->timed_out && now_ns % self->period_ns == 0) {
         sample_encoders(self, now_ns);
         send_states(self, now_ns);
     }
@@ -130,5 +124,5 @@ double drive_node_encoder_rad(const drive_node_t *self, int joint) {
 }
 
 uint32_t drive_node_rejected(const drive_node_t *self) {
-    return self->receiver.rejected;
+    return endpoint_rejected(&self->endpoint);
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../bus/endpoint.h"
 
 #define NS_PER_MS 1000000
 #define RESPONSE_NS 20000   /* from the end of GripperCommand to the GripperState that answers it */
@@ -11,11 +11,9 @@
 #define FORCE_MAX_N 6500.0  /* the frame carries 6553.5 N: a spike beyond is told as this */
 
 struct gripper_node {
-    bus_t *bus;
-    int node;
+    endpoint_t endpoint;
     scene_t *scene;
-    protocol_receiver_t receiver;
-    protocol_sender_t sender;
+    uint32_t unknown_actions;
     bool commanded; /* there has been a command */
     gripper_command_t command;
 };
@@ -42,22 +40,17 @@ static void send_state(gripper_node_t *self, int64_t ready_ns) {
     };
     can_frame_t frame;
     if (gripper_state_pack(&state, &frame) == PROTOCOL_OK) {
-        protocol_protect(&self->sender, &frame);
-        (void)bus_send(self->bus, self->node, &frame, ready_ns); /* a full queue is counted by the bus */
+        endpoint_send(&self->endpoint, &frame, ready_ns);
     }
 }
 
-static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+static void on_command(void *context, frame_kind_t kind, const can_frame_t *message, int64_t end_ns) {
     gripper_node_t *self = context;
-    frame_kind_t kind;
-    if (frame->id != frame_table[FRAME_GRIPPER_COMMAND].id ||
-        protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
-        return;
-    }
+    (void)kind;
     gripper_command_t command;
-    gripper_command_unpack(frame, &command);
+    gripper_command_unpack(message, &command);
     if (command.action > GRIPPER_CLOSE) {
-        self->receiver.rejected++; /* unknown: not obeyed, and not answered */
+        self->unknown_actions++; /* not obeyed, and not answered */
         return;
     }
     self->commanded = true;
@@ -69,9 +62,8 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
 gripper_node_t *gripper_node_create(bus_t *bus, scene_t *scene) {
     gripper_node_t *self = calloc(1, sizeof *self);
     if (self != NULL) {
-        self->bus = bus;
         self->scene = scene;
-        self->node = bus_attach(bus, on_frame, self);
+        endpoint_attach(&self->endpoint, bus, ENDPOINT_KIND(FRAME_GRIPPER_COMMAND), on_command, self);
     }
     return self;
 }
@@ -81,12 +73,12 @@ void gripper_node_destroy(gripper_node_t *self) {
 }
 
 void gripper_node_step(gripper_node_t *self, int64_t from_ns, int64_t until_ns) {
-    const int64_t period_ns = (int64_t)frame_table[FRAME_GRIPPER_STATE].period_ms * NS_PER_MS;
+    const int64_t period_ns = (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_GRIPPER_STATE) * NS_PER_MS;
     for (int64_t due_ns = (from_ns + period_ns - 1) / period_ns * period_ns; due_ns < until_ns; due_ns += period_ns) {
         send_state(self, due_ns);
     }
 }
 
 uint32_t gripper_node_rejected(const gripper_node_t *self) {
-    return self->receiver.rejected;
+    return endpoint_rejected(&self->endpoint) + self->unknown_actions;
 }

@@ -4,15 +4,18 @@
 #include <stdlib.h>
 
 #include "../../firmware/parameters.h"
+#include "../bus/endpoint.h"
 #include "../common/names.h"
 #include "../scenario/step_wait.h"
 
 #define TEXT_BYTES 160
 #define CLOSING_STEPS 2
+#define LISTENS_TO                                                                                                   \
+    (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) |                                       \
+     ENDPOINT_KIND(FRAME_PARAMETER_VALUE) | ENDPOINT_KIND(FRAME_GRIPPER_STATE))
 
 struct operator_node {
-    bus_t *bus;
-    int node;
+    endpoint_t endpoint;
     events_t *events;
     operator_step_t *steps; /* of the script, and CLOSING_STEPS */
     size_t script_count;
@@ -24,8 +27,6 @@ struct operator_node {
     int64_t timeout_ns; /* when to send again */
     bool begun;
     uint8_t sequence;
-    protocol_sender_t sender;
-    protocol_receiver_t receiver;
     control_mode_t mode;
     reason_t reason;
     task_id_t task;
@@ -105,19 +106,11 @@ static bool awaits(const operator_node_t *self, operator_action_t action) {
     return !self->failed && self->current < step_count(self) && self->steps[self->current].action == action;
 }
 
-static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+static void on_message(void *context, frame_kind_t kind, const can_frame_t *message, int64_t end_ns) {
     operator_node_t *self = context;
-    const bool wanted = frame->id == frame_table[FRAME_FIRMWARE_STATUS].id ||
-                        frame->id == frame_table[FRAME_COMMAND_ACK].id ||
-                        frame->id == frame_table[FRAME_PARAMETER_VALUE].id ||
-                        frame->id == frame_table[FRAME_GRIPPER_STATE].id;
-    frame_kind_t kind;
-    if (!wanted || protocol_check(&self->receiver, frame, &kind) != PROTOCOL_OK) {
-        return;
-    }
     if (kind == FRAME_FIRMWARE_STATUS) {
         firmware_status_t status;
-        firmware_status_unpack(frame, &status);
+        firmware_status_unpack(message, &status);
         self->mode = status.mode;
         self->reason = status.reason;
         self->task = status.task;
@@ -125,19 +118,19 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     } else if (kind == FRAME_COMMAND_ACK &&
                (awaits(self, OPERATOR_COMMAND) || awaits(self, OPERATOR_DEFINE_TASK))) {
         command_ack_t ack;
-        command_ack_unpack(frame, &ack);
+        command_ack_unpack(message, &ack);
         if (ack.command == (uint8_t)self->steps[self->current].command) {
             on_result(self, ack.sequence, ack.result, end_ns);
         }
     } else if (kind == FRAME_PARAMETER_VALUE && awaits(self, OPERATOR_WRITE_PARAMETER)) {
         parameter_value_t value;
-        parameter_value_unpack(frame, &value);
+        parameter_value_unpack(message, &value);
         if (value.parameter == self->steps[self->current].parameter) {
             on_result(self, value.sequence, value.result, end_ns);
         }
     } else if (kind == FRAME_GRIPPER_STATE && awaits(self, OPERATOR_MOVE_GRIPPER)) {
         gripper_state_t state;
-        gripper_state_unpack(frame, &state);
+        gripper_state_unpack(message, &state);
         on_result(self, state.sequence, RESULT_ACCEPTED, end_ns);
     }
 }
@@ -156,11 +149,10 @@ operator_node_t *operator_node_create(bus_t *bus, events_t *events, const operat
     copy[count] = (operator_step_t){OPERATOR_COMMAND, .command = COMMAND_STOP, .done_event = EVENT_NONE};
     copy[count + 1] = (operator_step_t){OPERATOR_AWAIT_MODE, .mode = MODE_READY, .done_event = EVENT_NONE,
                                         .mode_patience_s = OPERATOR_STOP_PATIENCE_S};
-    self->bus = bus;
     self->events = events;
     self->steps = copy;
     self->script_count = count;
-    self->node = bus_attach(bus, on_frame, self);
+    endpoint_attach(&self->endpoint, bus, LISTENS_TO, on_message, self);
     return self;
 }
 
@@ -203,8 +195,7 @@ static void send_step(operator_node_t *self, int64_t ready_ns) {
         fail(self, ready_ns, "the frame cannot carry it");
         return;
     }
-    protocol_protect(&self->sender, &frame);
-    (void)bus_send(self->bus, self->node, &frame, ready_ns); /* a full queue shows as a missing answer */
+    endpoint_send(&self->endpoint, &frame, ready_ns); /* a full queue shows as a missing answer */
     self->sendings++;
     self->timeout_ns = ready_ns + ns_from_s(OPERATOR_ACK_TIMEOUT_S);
 }

@@ -2,21 +2,18 @@
 
 #include <stdlib.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../bus/endpoint.h"
 
 #define NS_PER_MS 1000000
 
 struct proximity_node {
-    bus_t *bus;
-    int node;
-    protocol_sender_t sender;
+    endpoint_t endpoint;
 };
 
 proximity_node_t *proximity_node_create(bus_t *bus) {
     proximity_node_t *self = calloc(1, sizeof *self);
     if (self != NULL) {
-        self->bus = bus;
-        self->node = bus_attach(bus, NULL, NULL);
+        endpoint_attach(&self->endpoint, bus, 0, NULL, NULL);
     }
     return self;
 }
@@ -47,13 +44,12 @@ static clearance_report_t report_of(const clearance_t *clearance) {
 }
 
 void proximity_node_step(proximity_node_t *self, const clearance_t *clearance, int64_t from_ns, int64_t until_ns) {
-    const int64_t period_ns = (int64_t)frame_table[FRAME_CLEARANCE].period_ms * NS_PER_MS;
+    const int64_t period_ns = (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_CLEARANCE) * NS_PER_MS;
     const clearance_report_t report = report_of(clearance);
     for (int64_t due_ns = (from_ns + period_ns - 1) / period_ns * period_ns; due_ns < until_ns; due_ns += period_ns) {
         can_frame_t frame;
         if (clearance_report_pack(&report, &frame) == PROTOCOL_OK) {
-            protocol_protect(&self->sender, &frame);
-            (void)bus_send(self->bus, self->node, &frame, due_ns); /* a full queue is counted by the bus */
+            endpoint_send(&self->endpoint, &frame, due_ns);
         }
     }
 }

@@ -6,19 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../bus/endpoint.h"
 #include "../common/random.h"
 
 struct tracker_node {
-    bus_t *bus;
-    int bus_node;
+    endpoint_t endpoint;
+    float range_m; /* that the bus carries */
     const hand_history_t *history;
     tracker_options_t options;
     rigid_pose_t torso_in_tracker;
     int64_t latency_ns;
     random_t noise;
     random_t dropout;
-    protocol_sender_t sender;
     uint64_t next_sample;
     uint64_t next_status;
     int64_t last_valid_ns;
@@ -71,8 +70,8 @@ tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, c
     if (self == NULL) {
         return NULL;
     }
-    self->bus = bus;
-    self->bus_node = bus_attach(bus, NULL, NULL);
+    self->range_m = transport_hand_range_m(bus_profile(bus));
+    endpoint_attach(&self->endpoint, bus, 0, NULL, NULL);
     self->history = history;
     self->options = *options;
     self->latency_ns = llround(options->latency_s * 1e9);
@@ -122,6 +121,12 @@ static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker)
     return has_pose && !in_gap && !dropped;
 }
 
+/* NaN is not. */
+static bool is_in_range(const tracker_node_t *self, const hand_pose_t *pose) {
+    return fabsf(pose->position_m.x) <= self->range_m && fabsf(pose->position_m.y) <= self->range_m &&
+           fabsf(pose->position_m.z) <= self->range_m;
+}
+
 static void send_hand_pose(tracker_node_t *self, int64_t measured_ns, int64_t ready_ns) {
     rigid_pose_t marker;
     hand_pose_t pose = {.t_us = clock_us(self, measured_ns), .rotation = {.w = 1.0F}};
@@ -134,11 +139,12 @@ static void send_hand_pose(tracker_node_t *self, int64_t measured_ns, int64_t re
                                        .y = (float)marker.rotation[2],
                                        .z = (float)marker.rotation[3]};
     }
-    can_frame_t frame;
-    if (hand_pose_pack(&pose, &frame) == PROTOCOL_OUT_OF_RANGE) { /* and packed as invalid */
+    if (pose.valid && !is_in_range(self, &pose)) {
         self->statistics.range_errors++;
-        pose.valid = false;
+        pose = (hand_pose_t){.t_us = pose.t_us, .rotation = {.w = 1.0F}};
     }
+    can_frame_t frame;
+    (void)hand_pose_pack(&pose, &frame);
     if (self->statistics.samples == 0) {
         self->last_valid_ns = measured_ns; /* a gap at the beginning counts from the first sample */
     }
@@ -149,8 +155,7 @@ static void send_hand_pose(tracker_node_t *self, int64_t measured_ns, int64_t re
     }
     self->statistics.samples++;
     self->statistics.lost += !pose.valid;
-    protocol_protect(&self->sender, &frame);
-    (void)bus_send(self->bus, self->bus_node, &frame, ready_ns); /* the bus counts what it drops */
+    endpoint_send(&self->endpoint, &frame, ready_ns);
 }
 
 static void send_status(tracker_node_t *self, int64_t ready_ns) {
@@ -164,12 +169,11 @@ static void send_status(tracker_node_t *self, int64_t ready_ns) {
     };
     can_frame_t frame;
     (void)tracker_status_pack(&status, &frame); /* in range for all options that pass the check */
-    protocol_protect(&self->sender, &frame);
-    (void)bus_send(self->bus, self->bus_node, &frame, ready_ns);
+    endpoint_send(&self->endpoint, &frame, ready_ns);
 }
 
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns) {
-    const int64_t status_period_ns = (int64_t)frame_table[FRAME_TRACKER_STATUS].period_ms * 1000000;
+    const int64_t status_period_ns = (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_TRACKER_STATUS) * 1000000;
     for (;;) { /* in the order of time: what a status counts does not depend on the length of a step */
         const int64_t measured_ns = llround((double)self->next_sample * 1e9 / self->options.rate_hz);
         const int64_t pose_ns = measured_ns + self->latency_ns;

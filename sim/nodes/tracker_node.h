@@ -9,8 +9,6 @@
 #include "../bus/bus.h"
 #include "../hand/hand_history.h"
 
-#define TRACKER_RANGE_M 8.388 /* of a marker's coordinates: HandPose has 24 bits of um */
-
 /* Times are those of the simulation unless said otherwise. */
 typedef struct {
     double rate_hz;        /* of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */

@@ -6,7 +6,7 @@
 #include "../scenario/scenario_file.h"
 
 static const char usage[] =
-    "comanip-sim: a human hand moves a simulated humanoid arm over a CAN FD bus, in virtual time\n"
+    "comanip-sim: a human hand moves a simulated humanoid arm over a CAN bus, in virtual time\n"
     "\n"
     "usage: build/host/comanip-sim [options]\n"
     "       make sim ARGS='[options]'   (make exits with 2 whatever failed: call the program for its exit status)\n"
@@ -27,7 +27,7 @@ static const char usage[] =
     "                               t_task [m], q_task, q_inv, and how long it takes to come into force [s]\n"
     "  --clutch S                   the operator takes a new reference at S seconds\n"
     "tracker\n"
-    "  --rate HZ                    of poses on the bus, 15 to 1000 (default 250)\n"
+    "  --rate HZ                    of poses on the bus, 15 to 1000 (default 250; classic CAN 125)\n"
     "  --noise-mm X, --noise-deg X  standard deviation per axis (default 0.05 and 0.02)\n"
     "  --latency-ms X               from the measurement to the frame (default 4)\n"
     "  --mount-translation X,Y,Z    of the tracker seen from the torso [m] (default 0.3,1.5,0.2)\n"
@@ -36,7 +36,8 @@ static const char usage[] =
     "  --dropout P                  probability that a sample is lost (default 0)\n"
     "  --gap START:DURATION         one gap [s] without poses\n"
     "  --tracker-clock US           its own clock at the start, e.g. 4294000000 wraps after 1 s (default 0)\n"
-    "live\n"
+    "bus\n"
+    "  --profile fd|classic         CAN FD, control at 1 kHz (default), or classic CAN, at 250 Hz\n"
     "  --hub NAME                   show each frame, as it happens, on the hub NAME, e.g. vcan0; starts one if none runs\n"
     "  --real-time                  no faster than real time\n"
     "output\n"

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../../firmware/can_transport.h"
 #include "../../host_tools/hub/hub_path.h"
 #include "option_values.h"
 
@@ -18,7 +19,7 @@ enum {
     OPTION_DURATION, OPTION_PHYSICS_STEP, OPTION_RATE,
     OPTION_NOISE_MM, OPTION_NOISE_DEG, OPTION_LATENCY_MS, OPTION_MOUNT_TRANSLATION, OPTION_MOUNT_ROTATION,
     OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_PAPER_LAW, OPTION_DEFINE,
-    OPTION_CLUTCH, OPTION_HUB, OPTION_REAL_TIME, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
+    OPTION_CLUTCH, OPTION_PROFILE, OPTION_HUB, OPTION_REAL_TIME, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
 };
 
 static const struct option option_table[] = {
@@ -44,6 +45,7 @@ static const struct option option_table[] = {
     {"paper-law", no_argument, NULL, OPTION_PAPER_LAW},
     {"define", required_argument, NULL, OPTION_DEFINE},
     {"clutch", required_argument, NULL, OPTION_CLUTCH},
+    {"profile", required_argument, NULL, OPTION_PROFILE},
     {"hub", required_argument, NULL, OPTION_HUB},
     {"real-time", no_argument, NULL, OPTION_REAL_TIME},
     {"quiet", no_argument, NULL, OPTION_QUIET},
@@ -191,6 +193,9 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
     case OPTION_OUT:
         self->out = value;
         return value[0] != '\0' || wrong(error, name, value, "the path of a folder");
+    case OPTION_PROFILE:
+        self->profile = strcmp(value, "classic") == 0 ? CAN_PROFILE_CLASSIC : CAN_PROFILE_FD;
+        return self->profile == CAN_PROFILE_CLASSIC || strcmp(value, "fd") == 0 || wrong(error, name, value, "fd or classic");
     case OPTION_HUB:
         self->hub = value;
         return hub_name_is_valid(value) ||
@@ -230,6 +235,7 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
     self->physics_step_us = 1000;
     self->seed = 1;
     tracker_options_set_defaults(&self->tracker);
+    self->tracker.rate_hz = 0.0; /* the bus's own, unless told */
     opterr = 0; /* messages are ours */
     bool paper_law = false;
     int option, row = 0;
@@ -274,5 +280,8 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
         set_paper_law(&self->operator);
     }
     self->tracker.seed = self->seed;
+    if (!(self->tracker.rate_hz > 0.0)) {
+        self->tracker.rate_hz = 1e3 / (double)transport_period_ms(self->profile, FRAME_HAND_POSE);
+    }
     return tracker_options_check(&self->tracker, error, OPTIONS_ERROR_BYTES) ? OPTIONS_RUN : OPTIONS_WRONG;
 }

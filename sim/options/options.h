@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "../../firmware/can_profile.h"
 #include "../../firmware/parameters.h"
 #include "../nodes/tracker_node.h"
 #include "../nodes/operator_script.h"
@@ -22,6 +23,7 @@ typedef struct {
     uint64_t seed;
     tracker_options_t tracker;
     operator_wishes_t operator;
+    can_profile_t profile; /* of the bus */
     const char *hub; /* its bus shows the simulated one to listeners; NULL: none */
     bool real_time;  /* no faster than */
     bool quiet;

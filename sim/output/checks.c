@@ -36,7 +36,7 @@ static double fault_modes(const observer_t *observer) {
 
 /* Frames that some receiver refused: the firmware says so in its status, the others are asked. */
 static double rejected_frames(const world_t *world) {
-    return (double)world->observer.firmware_rejected + (double)world->observer.receiver.rejected +
+    return (double)world->observer.firmware_rejected + (double)world->observer.receiver.protocol.rejected +
            (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
 }
 

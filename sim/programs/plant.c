@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/can_transport.h"
 #include "../../hal/linux/pace.h"
 #include "../../hal/linux/run_options.h"
 #include "../bus/live_bus.h"
@@ -14,7 +14,7 @@
 #define PRIORITY 70 /* below the firmware's */
 
 static const char usage[] =
-    "comanip-plant: arm, drives, gripper, tracker, operator and people, simulated in real time, on a CAN FD bus on which\n"
+    "comanip-plant: arm, drives, gripper, tracker, operator and people, simulated in real time, on a CAN bus on which\n"
     "the firmware runs as a process of its own\n"
     "\n"
     "usage: build/linux/comanip-plant --can NAME [--slow N] [options of comanip-sim]\n"
@@ -28,8 +28,8 @@ static const char usage[] =
 
 static run_options_t options;
 
-static bus_t *create_bus(char error[], size_t error_size) {
-    return live_bus_create(PROGRAM, options.can, options.slow, error, error_size);
+static bus_t *create_bus(can_profile_t profile, char error[], size_t error_size) {
+    return live_bus_create(PROGRAM, options.can, profile, options.slow, error, error_size);
 }
 
 static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
@@ -37,7 +37,7 @@ static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
     pace_make_real_time(PROGRAM, PRIORITY);
     (void)printf(PROGRAM ": waits for the firmware on %s\n", options.can);
     (void)fflush(stdout);
-    if (live_bus_start(world->bus, frame_table[FRAME_JOINT_CMD].id, interrupted)) {
+    if (live_bus_start(world->bus, transport_first_id(bus_profile(world->bus), FRAME_JOINT_CMD), interrupted)) {
         (void)printf(PROGRAM ": the firmware is there\n");
         (void)fflush(stdout);
         while (world_advance(world)) {

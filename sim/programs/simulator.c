@@ -5,8 +5,8 @@
 #include "../live.h"
 #include "../run.h"
 
-static bus_t *create_bus(char error[], size_t error_size) {
-    bus_t *bus = bus_create();
+static bus_t *create_bus(can_profile_t profile, char error[], size_t error_size) {
+    bus_t *bus = bus_create(profile);
     if (bus == NULL) {
         (void)snprintf(error, error_size, "no memory for the simulated world");
     }

@@ -3,6 +3,7 @@ cansniffer, cangen, python-can. Runs in user-mode Linux: make test-socketcan."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pty
@@ -12,33 +13,35 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import can
 import pytest
-from bus_log import DBC
+from bus_log import DBC, FD_MESSAGES
 from comanip_command import call
 from e2e import p05
-from live import ATTEMPTS, CAN_FRAME, FIRMWARE, REPOSITORY, SLOW, Bus
+from live import ATTEMPTS, CAN_FRAME, FIRMWARE, REPOSITORY, SLOW, Bus, Seen, is_authentic
 from test_bus_log import LoggedFrame
 from test_two_processes import PLAIN, begin, run_to_end
 
 CANTOOLS = Path(sys.executable).parent / "cantools"
-LINE = re.compile(r"\((\d+)\.(\d{6})\) (\w+) ([0-7][0-9A-F]{2})##([0-9A-F])((?:[0-9A-F]{2})*)(?: [RT])?")
+LINE = re.compile(r"\((\d+)\.(\d{6})\) (\w+) ([0-7][0-9A-F]{2})#(?:#([0-9A-F]))?((?:[0-9A-F]{2})*)(?: [RT])?")
 FDF = 4  # newer kernels set it in the flags, older ones do not
-TO_FIRMWARE = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
+TO_FIRMWARE = {message.frame_id for message in FD_MESSAGES if "Firmware" in message.receivers}
 FOREIGN_ID = 0x7A5
 ERROR_FLAG = 0x20000000  # linux/can.h, linux/can/error.h
 ERROR_CONTROLLER, ERROR_BUS_OFF, ERROR_RESTARTED = 0x004, 0x040, 0x100
 TX_PASSIVE = 0x20
 
 
-def read_log(path: Path) -> list[LoggedFrame]:
+def read_log(path: Path, fd: bool = True) -> list[LoggedFrame]:
     frames = []
     for line in path.read_text().splitlines():
         seconds, microseconds, _, frame_id, flags, data = LINE.fullmatch(line).groups()
-        assert int(flags, 16) & ~FDF == 1, "CAN FD with bit-rate switch"
+        assert int(flags, 16) & ~FDF == 1 if fd else flags is None, "CAN FD has its bit-rate switch"
         frames.append(LoggedFrame(10**6 * int(seconds) + int(microseconds), int(frame_id, 16), bytes.fromhex(data)))
     return frames
 
@@ -51,10 +54,35 @@ def payload(frames: list[LoggedFrame]) -> list[tuple[int, bytes]]:
     return [(frame.frame_id, frame.data) for frame in frames]
 
 
-def is_listening(count: int) -> bool:
-    """So many sockets take all frames of vcan0."""
+def is_listening(count: int, interface: str = "vcan0") -> bool:
+    """So many sockets take all frames of it."""
     lines = Path("/proc/net/can/rcvlist_all").read_text().splitlines()
-    return sum(line.split()[0] == "vcan0" for line in lines if line.strip()) >= count
+    return sum(line.split()[0] == interface for line in lines if line.strip()) >= count
+
+
+@contextlib.contextmanager
+def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
+    """Its screen, which grows meanwhile. cansniffer of can-utils 2020 knows classic frames only."""
+    master, slave = pty.openpty()
+    sniffer = subprocess.Popen(["cansniffer", interface], stdin=slave, stdout=slave, stderr=slave)
+    os.close(slave)
+    shown, over = bytearray(), threading.Event()
+
+    def read() -> None:
+        while not over.is_set():
+            if select.select([master], [], [], 0.2)[0]:
+                shown.extend(os.read(master, 4096))
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    try:
+        yield shown
+    finally:
+        over.set()
+        reader.join()
+        sniffer.kill()
+        sniffer.wait()
+        os.close(master)
 
 
 @pytest.fixture(scope="module")
@@ -237,9 +265,9 @@ def test_the_systems_clock_is_set(tmp_path):
         time.clock_settime(time.CLOCK_REALTIME, time.time() - step_s)
         try:
             bus.wait(lambda: "the system's clock was set: -" in bus.told("firmware.err"), "the report")
-            bus.statuses_pass(20)
+            bus.statuses_for(0.04)
             start = len(bus.frames)
-            bus.statuses_pass(20)
+            bus.statuses_for(0.04)
             ticks = [frame.decode() for frame in bus.since(start, "TickTrace")]
         finally:
             time.clock_settime(time.CLOCK_REALTIME, time.time() + step_s)
@@ -253,23 +281,67 @@ def test_a_bus_without_fd_is_refused():
     assert done.returncode == 2
     assert done.stderr == (
         "comanip-firmware: classic0: MTU 16, expected 72: CAN FD is switched off (ip link set classic0 mtu 72; a real "
-        "controller: ip link set classic0 type can fd on)\n"
+        "controller: ip link set classic0 type can fd on; a bus without FD: --profile classic)\n"
     )
 
 
+# ---- classic CAN, on an interface that has no FD
+
+
+@pytest.fixture(scope="module")
+def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
+    """candump and python-can's logger listen, and so does cansniffer, whose screen comes back."""
+    for attempt in range(ATTEMPTS):
+        folder = tmp_path_factory.mktemp("classic")
+        with Bus(folder, SLOW << attempt, "classic", "classic0") as bus, open(folder / "candump.log", "w") as log:
+            candump = subprocess.Popen(["candump", "-L", "classic0"], stdout=log)
+            logger = bus.start(
+                [sys.executable, "-m", "can.logger", "-i", "socketcan", "-c", "classic0", "-f", folder / "python.log"], "logger"
+            )
+            bus.wait(lambda: is_listening(3, "classic0"), "all listeners")
+            with watched_by_cansniffer("classic0") as screen:
+                status = run_to_end(bus, 2.5)
+            time.sleep(1)  # for what is still on its way to the listeners' files
+            for process in (candump, logger):
+                process.send_signal(signal.SIGINT)
+                process.wait()
+            if status == 0:
+                break
+    assert status == 0, bus.told("plant.out") + bus.told("plant.err")
+    return folder, bytes(screen)
+
+
+def test_classic_candump_python_can_and_the_plants_log_are_the_same(classic_session):
+    folder, _ = classic_session
+    dumped, logged, python = (read_log(folder / n, fd=False) for n in ("candump.log", "plant/bus.log", "python.log"))
+    assert len(logged) > 10_000
+    assert payload(dumped)[: len(logged)] == payload(logged)
+    assert payload(python) == payload(dumped)
+
+
+def test_every_classic_frame_is_protected(classic_session):
+    for frame in read_log(classic_session[0] / "candump.log", fd=False):
+        assert is_authentic(Seen(0, frame.frame_id, frame.data)) is not False
+
+
+def test_the_classic_log_replays_byte_for_byte(classic_session):
+    replayed = call("replay", classic_session[0] / "candump.log")
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
+def test_cansniffer_shows_the_firmwares_classic_frames(classic_session):
+    shown = classic_session[1].upper()
+    for name in ("ClassicFirmwareStatus", "ClassicJointState0", "ClassicHandPosition"):
+        assert f"{DBC.get_message_by_name(name).frame_id:X}".encode() in shown, shown[-500:]
+
+
 def test_cansniffer_shows_what_changes(alone):
-    """cansniffer of can-utils 2020 knows classic frames only: it watches cangen's beside the firmware's."""
-    master, slave = pty.openpty()
-    sniffer = subprocess.Popen(["cansniffer", "vcan0"], stdin=slave, stdout=slave, stderr=slave)
-    os.close(slave)
-    cangen = subprocess.Popen(["cangen", "vcan0", "-I", f"{FOREIGN_ID:x}", "-L", "8", "-D", "i", "-g", "20"])
-    shown = b""
-    deadline = time.monotonic() + 60
-    while f"{FOREIGN_ID:X}".encode() not in shown.upper() and time.monotonic() < deadline:
-        if select.select([master], [], [], 1)[0]:
-            shown += os.read(master, 4096)
-    for process in (cangen, sniffer):
-        process.kill()
-        process.wait()
-    os.close(master)
+    """cangen's classic frames beside the firmware's."""
+    with watched_by_cansniffer("vcan0") as shown:
+        cangen = subprocess.Popen(["cangen", "vcan0", "-I", f"{FOREIGN_ID:x}", "-L", "8", "-D", "i", "-g", "20"])
+        deadline = time.monotonic() + 60
+        while f"{FOREIGN_ID:X}".encode() not in shown.upper() and time.monotonic() < deadline:
+            time.sleep(0.2)
+        cangen.kill()
+        cangen.wait()
     assert f"{FOREIGN_ID:X}".encode() in shown.upper(), shown[-500:]

@@ -5,43 +5,25 @@
 
 #include "comanip_build_hash.h"
 #include "replay_inbox.h"
+#include "replay_log.h"
 #include "replay_store.h"
 
 uint64_t replay_build_hash(void) {
     return COMANIP_BUILD_HASH;
 }
 
-/* ---- the log */
-
-static frame_kind_t kind_of(const can_frame_t *frame) {
-    int kind = 0;
-    while (kind < FRAME_KIND_COUNT && frame_table[kind].id != frame->id) {
-        kind++;
-    }
-    return (frame_kind_t)kind;
-}
-
-void replay_init(replay_t *self, const arm_t *arm, const can_frame_t log[], uint32_t count, uint8_t kind[],
-                 uint32_t next[], const bool to_firmware[], const bool from_firmware[]) {
+void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const can_frame_t log[], uint32_t count,
+                 uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]) {
     memset(self, 0, sizeof *self);
     self->log = log;
     self->count = count;
-    self->kind = kind;
+    self->stream_of = stream_of;
     self->next = next;
+    self->profile = profile;
     memcpy(self->to_firmware, to_firmware, sizeof self->to_firmware);
     memcpy(self->from_firmware, from_firmware, sizeof self->from_firmware);
-    for (int i = 0; i < FRAME_KIND_COUNT; i++) {
-        self->cursor[i] = REPLAY_NO_FRAME;
-    }
-    for (uint32_t i = count; i-- > 0;) {
-        kind[i] = (uint8_t)kind_of(&log[i]);
-        if (kind[i] < FRAME_KIND_COUNT) {
-            next[i] = self->cursor[kind[i]];
-            self->cursor[kind[i]] = i;
-        }
-    }
-    self->tick_place = self->cursor[FRAME_TICK_TRACE];
-    self->former_tick_place = 0;
+    replay_log_index(self);
+    self->tick_place = replay_stream_of_kind(self, FRAME_TICK_TRACE)->cursor;
     self->boots = 1;
     replay_boot(self, arm);
 }
@@ -55,16 +37,16 @@ void replay_end(replay_t *self, replay_result_t result, uint32_t place) {
     }
 }
 
-void replay_note_lost(replay_t *self, frame_kind_t kind, uint8_t counter) {
-    self->sent = (can_frame_t){.id = frame_table[kind].id, .length = E2E_HEADER_BYTES, .data = {0, 0, counter}};
+void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t counter) {
+    self->sent = (can_frame_t){.id = stream->description->id, .length = 1, .data = {counter}};
     replay_end(self, REPLAY_LOST, self->tick_place);
 }
 
 /* ---- what it had sent */
 
 static void compare_frame(replay_t *self, const can_frame_t *sent) {
-    const frame_kind_t kind = kind_of(sent);
-    const uint32_t place = self->cursor[kind];
+    replay_stream_t *stream = replay_stream_of_id(self, sent->id);
+    const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME && self->result == REPLAY_EQUAL) { /* else the log ends within the tick */
             self->sent = *sent;
@@ -79,15 +61,16 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
         }
         replay_end(self, REPLAY_DIFFERENT, place);
     }
-    self->cursor[kind] = self->next[place];
+    stream->cursor = self->next[place];
     self->compared++;
 }
 
 /* Frames of the firmware before `limit` that the replay has not sent. */
 static void find_unsent(replay_t *self, uint32_t limit) {
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        if (self->from_firmware[kind] && self->cursor[kind] < limit) {
-            replay_end(self, REPLAY_NOT_SENT, self->cursor[kind]);
+    for (int i = 0; i < self->stream_count; i++) {
+        const replay_stream_t *stream = &self->stream[i];
+        if (self->from_firmware[stream->kind] && stream->cursor < limit) {
+            replay_end(self, REPLAY_NOT_SENT, stream->cursor);
         }
     }
 }
@@ -95,54 +78,62 @@ static void find_unsent(replay_t *self, uint32_t limit) {
 /* ---- a tick */
 
 /* Another process of the same firmware has begun: its counters start over, and it says who it is. */
-static bool is_reboot(const replay_t *self, const can_frame_t *recorded) {
-    const uint32_t heartbeat = self->cursor[FRAME_FIRMWARE_HEARTBEAT];
-    return self->ticks > 0u && recorded->data[2] == 0u && heartbeat != REPLAY_NO_FRAME &&
-           self->log[heartbeat].data[0] == HEARTBEAT_BOOT_UP &&
-           self->cursor[FRAME_FIRMWARE_IDENTITY] < self->next[self->tick_place];
+static bool is_reboot(replay_t *self) {
+    const uint32_t heartbeat = replay_stream_of_kind(self, FRAME_FIRMWARE_HEARTBEAT)->cursor;
+    return self->ticks > 0u && replay_counter_of(self, &self->log[self->tick_place]) == 0u &&
+           heartbeat != REPLAY_NO_FRAME && self->log[heartbeat].data[0] == HEARTBEAT_BOOT_UP &&
+           replay_stream_of_kind(self, FRAME_FIRMWARE_IDENTITY)->cursor < self->next[self->tick_place];
 }
 
 static void step(replay_t *self, const tick_trace_t *trace) {
     self->controller = self->before;
     replay_stamp_inbox(self, trace);
     self->inbox.save_over = false;
-    controller_step(&self->controller, trace->now_us, &self->inbox, &self->outbox);
+    self->received = self->inbox; /* the step makes messages of it */
+    controller_step(&self->controller, trace->now_us, &self->received, &self->outbox);
     if (replay_ends_save(self)) {
         self->controller = self->before;
-        controller_step(&self->controller, trace->now_us, &self->inbox, &self->outbox);
+        self->received = self->inbox;
+        controller_step(&self->controller, trace->now_us, &self->received, &self->outbox);
     }
 }
 
-static bool has_sent(const replay_t *self, const can_frame_t *recorded) {
+/* The firmware sends the TickTrace with these parts. */
+static bool has_sent(replay_t *self, const uint32_t part_place[]) {
+    const uint16_t first_id = self->log[part_place[0]].id;
     for (int i = 0; i < self->outbox.count; i++) {
         const can_frame_t *sent = &self->outbox.frame[i];
-        if (sent->id == recorded->id) {
-            return sent->length == recorded->length && memcmp(sent->data, recorded->data, sent->length) == 0;
+        if (replay_stream_of_id(self, sent->id)->kind != FRAME_TICK_TRACE) {
+            continue;
+        }
+        const can_frame_t *recorded = &self->log[part_place[sent->id - first_id]];
+        if (sent->length != recorded->length || memcmp(sent->data, recorded->data, sent->length) != 0) {
+            return false;
         }
     }
-    return false;
+    return true;
 }
 
 /* False: it cannot have been so. */
 static bool try_plan(replay_t *self, const tick_trace_t *trace, replay_plan_t plan) {
     self->controller = self->before;
-    memcpy(self->cursor, self->cursor_before, sizeof self->cursor);
+    memcpy(self->stream, self->stream_before, sizeof self->stream);
     if (!replay_fill_inbox(self, trace, plan)) {
         return false;
     }
     step(self, trace);
-    while ((uint8_t)self->controller.receiver.rejected != trace->rejected_frames && replay_read_refused(self)) {
+    while ((uint8_t)self->controller.receiver.protocol.rejected != trace->rejected_frames && replay_read_refused(self)) {
         step(self, trace);
     }
     return true;
 }
 
 /* The firmware's tick with what it had read. False: nothing fits. */
-static bool redo_tick(replay_t *self, const can_frame_t *recorded, const tick_trace_t *trace) {
+static bool redo_tick(replay_t *self, const uint32_t part_place[], const tick_trace_t *trace) {
     int first_possible = REPLAY_READ_PLANS;
     for (int plan = REPLAY_READ_ALL; plan < REPLAY_READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
         if (try_plan(self, trace, (replay_plan_t)plan)) {
-            if (has_sent(self, recorded)) {
+            if (has_sent(self, part_place)) {
                 return true;
             }
             first_possible = first_possible == REPLAY_READ_PLANS ? plan : first_possible;
@@ -151,24 +142,35 @@ static bool redo_tick(replay_t *self, const can_frame_t *recorded, const tick_tr
     return first_possible != REPLAY_READ_PLANS && try_plan(self, trace, (replay_plan_t)first_possible);
 }
 
+/* damaged: its place, or REPLAY_NO_FRAME: a part is missing, as where the log ends. */
+static void end_without_trace(replay_t *self, uint32_t damaged) {
+    if (damaged != REPLAY_NO_FRAME) {
+        replay_end(self, REPLAY_DAMAGED, damaged);
+    } else if (self->next[self->tick_place] != REPLAY_NO_FRAME) {
+        replay_end(self, REPLAY_NOT_SENT, self->tick_place);
+    } else {
+        self->tick_place = REPLAY_NO_FRAME;
+    }
+}
+
 static void replay_tick(replay_t *self) {
-    const can_frame_t *recorded = &self->log[self->tick_place];
-    if (!replay_has_right_crc(recorded, FRAME_TICK_TRACE)) {
-        replay_end(self, REPLAY_DAMAGED, self->tick_place);
+    tick_trace_t trace;
+    uint32_t part_place[REPLAY_TRACE_PARTS];
+    if (!replay_read_trace(self, self->tick_place, &trace, part_place)) {
+        end_without_trace(self, part_place[0]);
         return;
     }
-    tick_trace_t trace;
-    tick_trace_unpack(recorded, &trace);
-    if (is_reboot(self, recorded)) {
+    if (is_reboot(self)) {
         find_unsent(self, self->former_tick_place);
         replay_boot(self, self->controller.arm);
         self->boots++;
     }
     self->before = self->controller;
-    memcpy(self->cursor_before, self->cursor, sizeof self->cursor);
-    if (!redo_tick(self, recorded, &trace)) {
+    memcpy(self->stream_before, self->stream, sizeof self->stream);
+    if (!redo_tick(self, part_place, &trace)) {
         if (self->result == REPLAY_EQUAL) {
-            replay_note_lost(self, FRAME_OPERATOR_COMMAND, trace.last_counter[FRAME_OPERATOR_COMMAND]);
+            replay_note_lost(self, replay_stream_of_kind(self, FRAME_OPERATOR_COMMAND),
+                             trace.last_counter[FRAME_OPERATOR_COMMAND]);
         }
         return;
     }
@@ -193,7 +195,7 @@ void replay_finish(replay_t *self) {
     if (self->result != REPLAY_EQUAL) {
         return;
     }
-    const uint32_t command = self->cursor[FRAME_JOINT_CMD];
+    const uint32_t command = replay_stream_of_kind(self, FRAME_JOINT_CMD)->cursor;
     const bool within_tick = command == REPLAY_NO_FRAME || self->next[command] == REPLAY_NO_FRAME;
     find_unsent(self, within_tick ? self->former_tick_place : REPLAY_NO_FRAME);
 }

@@ -7,7 +7,9 @@
  *   hand_age_us     A HandPose is stamped now - hand_age: whatever its true stamp was, the tracker's clock offset and the
  *                   age come out the same, for both follow from now, the age and the tracker's own stamp.
  *   drives_fresh    A JointState gets the oldest stamp with which its drive stays fresh as long as the trace says so.
- *   rejected_frames Which frames that leave no counter (wrong CRC, length, repeated) a tick had read. */
+ *   rejected_frames Which frames that leave no counter (wrong CRC, length, repeated) a tick had read.
+ *
+ * On classic CAN the parts of a message are read in the tick that had read the last of them. */
 #ifndef COMANIP_REPLAY_H
 #define COMANIP_REPLAY_H
 
@@ -21,31 +23,44 @@ typedef enum {
     REPLAY_NOT_SENT = 2,  /* the firmware does not send the frame at `place` */
     REPLAY_NOT_IN_LOG = 3, /* the firmware sends `sent`, and the log, at `place` in that tick, has no such frame any more */
     REPLAY_DAMAGED = 4,    /* the frame at `place` was read by the firmware or sent by it, and its CRC is wrong in the log */
-    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with id and counter only, that the log does not
-                      * have, or not among so few that a tick can read them */
+    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with its id and, as only byte, its counter, that the
+                      * log does not have, or not among so few that a tick can read them */
 } replay_result_t;
+
+/* The frames of one id. */
+typedef struct {
+    const frame_description_t *description;
+    frame_kind_t kind;
+    uint32_t cursor; /* next frame to be read by, or expected from, the firmware */
+} replay_stream_t;
+
+#define REPLAY_MAX_STREAMS (CLASSIC_FRAME_COUNT + 1) /* the heartbeat is the same in both profiles */
+#define REPLAY_NO_STREAM REPLAY_MAX_STREAMS
+#define REPLAY_TRACE_PARTS 5
 
 typedef struct {
     /* The log, as the caller owns it: standard frames of up to 64 bytes in the order of the bus; timestamps are ignored. */
     const can_frame_t *log;
     uint32_t count;
-    uint8_t *kind;  /* count: frame_kind_t of each, FRAME_KIND_COUNT for foreign ids */
-    uint32_t *next; /* count: place of the next frame of the same kind */
+    uint8_t *stream_of; /* count: number of each one's stream, REPLAY_NO_STREAM for foreign ids */
+    uint32_t *next;     /* count: place of the next frame of the same stream */
     bool to_firmware[FRAME_KIND_COUNT];
     bool from_firmware[FRAME_KIND_COUNT];
+    can_profile_t profile;
+    replay_stream_t stream[REPLAY_MAX_STREAMS];
+    int stream_count;
 
     controller_t controller;
     controller_t before; /* this tick, to do it again */
-    controller_inbox_t inbox;
+    controller_inbox_t inbox, received;
     controller_outbox_t outbox;
     uint32_t place_of[CONTROLLER_INBOX_FRAMES]; /* in the log, of the frames in the inbox */
-    uint32_t cursor[FRAME_KIND_COUNT]; /* next frame to be read by, or expected from, the firmware */
-    uint32_t cursor_before[FRAME_KIND_COUNT];
+    replay_stream_t stream_before[REPLAY_MAX_STREAMS];
 
     replay_result_t result;
     uint32_t place;
     can_frame_t sent;
-    uint32_t tick_place; /* of the next tick's TickTrace; REPLAY_NO_FRAME: the trace is at its end */
+    uint32_t tick_place; /* of the next tick's TickTrace, or its first part; REPLAY_NO_FRAME: the trace is at its end */
     uint32_t former_tick_place;
     uint32_t ticks, boots, fed, compared;
 } replay_t;
@@ -53,9 +68,9 @@ typedef struct {
 /* Of this core: a log of another one cannot be replayed. */
 uint64_t replay_build_hash(void);
 
-/* to_firmware, from_firmware: FRAME_KIND_COUNT each, as the DBC has it. kind, next: room for `count` each. */
-void replay_init(replay_t *self, const arm_t *arm, const can_frame_t log[], uint32_t count, uint8_t kind[],
-                 uint32_t next[], const bool to_firmware[], const bool from_firmware[]);
+/* to_firmware, from_firmware: FRAME_KIND_COUNT each, as the DBC has it. stream_of, next: room for `count` each. */
+void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const can_frame_t log[], uint32_t count,
+                 uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]);
 
 /* Replays the ticks whose TickTrace stands before `end`, up to the first difference. True: there may be more. */
 bool replay_run(replay_t *self, uint32_t end);

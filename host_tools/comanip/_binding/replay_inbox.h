@@ -14,13 +14,11 @@ typedef enum {
     REPLAY_READ_PLANS
 } replay_plan_t;
 
-bool replay_has_right_crc(const can_frame_t *frame, frame_kind_t kind);
-
 /* Of several, the difference that stands first in the log counts. */
 void replay_end(replay_t *self, replay_result_t result, uint32_t place);
 
 /* REPLAY_LOST: this frame. */
-void replay_note_lost(replay_t *self, frame_kind_t kind, uint8_t counter);
+void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t counter);
 
 /* Takes the frames up to the traced counters. False: there is one that the log does not have (then the replay has ended), or
  * they are more than a tick reads. */

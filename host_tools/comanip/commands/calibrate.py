@@ -13,10 +13,11 @@ import typer
 from comanip import logs, pose_lines
 from comanip.bus import BusAddress, LiveBus, open_bus
 from comanip.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.frame import Frame, decode
 from comanip.operator_client import OperatorClient
+from comanip.transport import Receiver
 
 HELP = examples(
     "comanip calibrate                                guides you, reads the bus, prints the commands",
@@ -44,8 +45,8 @@ class _Unwrapped:
 
 def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
     """Of the valid HandPose frames."""
-    clock = _Unwrapped()
-    for frame in frames:
+    clock, receiver = _Unwrapped(), Receiver()
+    for frame in (received and receiver.message(received) for received in frames):
         if frame is None or frame.name != "HandPose" or (pose := decode(frame)) is None or not pose["valid"]:
             continue
         yield clock.seconds(int(pose["t_us"])), np.array([pose["x_m"], pose["y_m"], pose["z_m"]])
@@ -119,7 +120,7 @@ def _tell(result: Calibration) -> None:
 def calibrate(
     from_: Annotated[Path | None, typer.Option("--from", help="A log (.log, .asc, .blf, .trc) or a recording (.csv) instead of the bus.")] = None,
     write: Annotated[bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")] = False,
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
 ) -> None:  # fmt: skip
     """Find the tracker's rotation (q_Tv^E) from three moves of the hand: forward, left, up, with rests between.
 
@@ -130,7 +131,7 @@ def calibrate(
         is_recording = from_.suffix.lower() == ".csv"
         result = solve(found_moves(recorded_samples(from_) if is_recording else hand_samples(logs.read(from_))))
     else:
-        with open_bus(BusAddress(interface, channel, host, port)) as bus:
+        with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
             result = solve(_guide(bus))
     _tell(result)
     values = [float(value) for value in result.rotation_vector]
@@ -138,7 +139,7 @@ def calibrate(
         for name, value in zip(PARAMETERS, values):
             console().print(f"comanip param set {name} -- {value:.5f}")
         return
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         client = OperatorClient(bus)
         for name, value in zip(PARAMETERS, values):
             client.write(name, value)

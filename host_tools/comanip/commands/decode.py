@@ -11,7 +11,7 @@ import typer
 from comanip import logs
 from comanip.commands.options import examples
 from comanip.errors import ToolError
-from comanip.frame import E2EChecker, messages, signals_text
+from comanip.frame import CLASSIC, E2EChecker, messages, signals_text
 
 HELP = examples(
     "comanip decode out/pour/bus.log --only FirmwareStatus --only CommandAck",
@@ -25,7 +25,7 @@ def decode(
         Path, typer.Argument(help="A log (.log, .asc, .blf, .trc); - or none: candump's lines from standard input.")
     ] = Path("-"),
     only: Annotated[
-        list[str] | None, typer.Option("--only", help="This message of the DBC alone; may be repeated.")
+        list[str] | None, typer.Option("--only", help="This message of the DBC alone, on either bus; may be repeated.")
     ] = None,
 ) -> None:
     """Print each frame with its time, id, name, end-to-end verdict and decoded signals."""
@@ -37,7 +37,7 @@ def decode(
     checker = E2EChecker()
     for frame in frames:
         verdict = checker.check(frame)
-        if only and frame.name not in only:
+        if only and not {frame.name, frame.name.removeprefix(CLASSIC)} & set(only):
             continue
         kind = "error frame" if frame.error else "remote request" if frame.remote else signals_text(frame)
         # as it comes: somebody may watch

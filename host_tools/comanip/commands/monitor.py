@@ -16,7 +16,7 @@ from rich.text import Text
 from comanip import logs
 from comanip.bus import BusAddress, open_bus
 from comanip.bus_state import BusState
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.frame import Frame, signals_text
 
@@ -82,7 +82,7 @@ def _table(state: BusState, now_us: int) -> Table:
 
 def _from_bus(bus) -> Iterator[Frame | None]:
     while True:
-        yield bus.receive(REFRESH_S / 4)
+        yield bus.receive_frame(REFRESH_S / 4)
 
 
 def _from_log(path: Path) -> Iterator[Frame | None]:
@@ -145,7 +145,7 @@ def _show(frames: Iterator[Frame | None], source: str, duration_s: float | None,
 
 
 def monitor(
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
     log: Annotated[Path | None, typer.Option(help="A log instead of a bus, at its recorded pace.")] = None,
     duration: Annotated[float | None, typer.Option(min=0.0, help="Seconds, then end. Else until Ctrl-C, or the log's end.")] = None,
     once: Annotated[bool, typer.Option("--once", help="One table at the end instead of a live one; wants --duration or --log.")] = False,
@@ -156,6 +156,6 @@ def monitor(
     if log is not None:
         _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
         return
-    bus_address = BusAddress(interface, channel, host, port)
+    bus_address = BusAddress(interface, channel, host, port, profile)
     with open_bus(bus_address) as bus:
         _show(_from_bus(bus), str(bus_address), duration, once)

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from comanip import native
 from comanip.bus import BusAddress, open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.operator_client import OperatorClient, parameter_names
 
@@ -40,11 +40,11 @@ def ranges() -> dict[str, tuple[float, float, float]]:
 
 
 @app.command("list", epilog=examples("comanip param list -i socketcand"))
-def list_(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT) -> None:
+def list_(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
     """Show the value in force of each parameter, with its range and default."""
     known = ranges()
     table = Table("parameter", "value", "from", "to", "default", box=None, pad_edge=False)
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         client = OperatorClient(bus)
         for name in parameter_names():
             table.add_row(name, f"{client.read(name):.7g}", *(f"{bound:.7g}" for bound in known.get(name, ())))
@@ -53,11 +53,11 @@ def list_(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Ho
 
 @app.command(epilog=examples("comanip param get stale_periods"))
 def get(
-    name: Name, interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT
+    name: Name, interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None
 ) -> None:
     """Read one parameter."""
     _require_name(name)
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         console().print(f"{OperatorClient(bus).read(name):.7g}")
 
 
@@ -67,21 +67,21 @@ def get(
 )
 def set_(
     name: Name, value: Annotated[float, typer.Argument(help="SI units; a negative one after --", show_default=False)],
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
 ) -> None:  # fmt: skip
     """Write one parameter, and read it back. The arm must be at rest. Lost at the next boot unless saved."""
     _require_name(name)
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).write(name, value)
     console().print(f"{name} = {value:.7g}: accepted, reads back the same")
 
 
 @app.command(epilog=examples("comanip param save"))
-def save(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT) -> None:
+def save(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
     """Have the firmware keep all parameters for its next boot. The arm must be at rest.
 
     Where the firmware has no store it says not_supported: on Linux it keeps them in the file of --parameters.
     """
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).save()
     console().print("saved: the firmware begins with these parameters at its next boot")

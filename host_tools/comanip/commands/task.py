@@ -7,9 +7,10 @@ from typing import Annotated
 import typer
 
 from comanip.bus import BusAddress, open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
 from comanip.errors import ToolError
 from comanip.operator_client import OperatorClient, choices
+from comanip.transport import Profile
 
 HELP = examples(
     "comanip task select mirror",
@@ -21,8 +22,8 @@ CUSTOM = "custom"  # is defined by a TaskDefine, not selected
 app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, clutch, stop.", epilog=HELP)
 
 
-def _tell(interface: str, channel: str, host: str, port: int, command: str, task: str = "pour") -> None:
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+def _tell(interface: str, channel: str, host: str, port: int, profile: Profile | None, command: str, task: str = "pour") -> None:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).command(command, task)
     console().print(f"{command}{' ' + task if command == 'select' else ''}: accepted")
 
@@ -30,18 +31,18 @@ def _tell(interface: str, channel: str, host: str, port: int, command: str, task
 @app.command(epilog=examples("comanip task select pour"))
 def select(
     task: Annotated[str, typer.Argument(help="pour, teleop or mirror", show_default=False)],
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
 ) -> None:  # fmt: skip
     """Select the task: which relative pose the two hands shall keep."""
     known = [name for name in choices("OperatorCommand", "task") if name != CUSTOM]
     if task not in known:
         raise ToolError(f"task '{task}': no such task, expected one of {', '.join(known)}")
-    _tell(interface, channel, host, port, "select", task)
+    _tell(interface, channel, host, port, profile, "select", task)
 
 
 def _add(command: str, text: str) -> None:
-    def run(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT) -> None:
-        _tell(interface, channel, host, port, command)
+    def run(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
+        _tell(interface, channel, host, port, profile, command)
 
     app.command(command, help=text, epilog=examples(f"comanip task {command}"))(run)
 

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from comanip.bus import BusAddress, open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, Channel, Host, Interface, Port, examples
+from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, examples
 from comanip.errors import ToolError
 from comanip.pose_lines import ORDERS, Pose, parse
 from comanip.tracker_publisher import TrackerPublisher, status_period_s
@@ -31,7 +31,7 @@ def _lines(queue_: queue.Queue) -> None:
     queue_.put(None)
 
 
-def _read(lines: queue.Queue, order: str, on_bad) -> Iterator[Pose | None]:
+def _read(lines: queue.Queue, order: str, status_s: float, on_bad) -> Iterator[Pose | None]:
     """Each pose, or None when it is time for a status. Ends with the input."""
     number = 0
     due_s = time.monotonic()
@@ -39,7 +39,7 @@ def _read(lines: queue.Queue, order: str, on_bad) -> Iterator[Pose | None]:
         try:
             line = lines.get(timeout=max(0.0, due_s - time.monotonic()))
         except queue.Empty:
-            due_s = time.monotonic() + status_period_s()
+            due_s = time.monotonic() + status_s
             yield None
             continue
         if line is None:
@@ -53,7 +53,7 @@ def _read(lines: queue.Queue, order: str, on_bad) -> Iterator[Pose | None]:
         if pose is not None:
             yield pose
         if time.monotonic() >= due_s:
-            due_s = time.monotonic() + status_period_s()
+            due_s = time.monotonic() + status_s
             yield None
 
 
@@ -76,7 +76,7 @@ def tracker(
     quaternion: Annotated[str, typer.Option(help="Order of its components in the lines: wxyz or xyzw.")] = "wxyz",
     rate: Annotated[float | None, typer.Option(min=10, max=1000, help="Of the tracker, in Hz. Else taken from the times of its poses.")] = None,
     pace: Annotated[bool, typer.Option("--pace", help="Wait for each pose's own time: for a recording.")] = False,
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT,
+    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
 ) -> None:  # fmt: skip
     """Publish poses as HandPose and TrackerStatus, with end-to-end protection.
 
@@ -92,7 +92,7 @@ def tracker(
         raise ToolError("tracker: no source of poses, expected --stdin")
     if quaternion not in ORDERS:
         raise ToolError(f"--quaternion '{quaternion}': expected one of {', '.join(ORDERS)}")
-    with open_bus(BusAddress(interface, channel, host, port)) as bus:
+    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         publisher = TrackerPublisher(bus, rate)
         bad = 0
 
@@ -106,7 +106,7 @@ def tracker(
         threading.Thread(target=_lines, args=(lines,), daemon=True).start()
         waiting = _Pace()
         try:
-            for pose in _read(lines, quaternion, on_bad):
+            for pose in _read(lines, quaternion, status_period_s(bus), on_bad):
                 if pose is None:
                     publisher.publish_status()
                     continue

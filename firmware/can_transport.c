@@ -1,0 +1,202 @@
+#include "can_transport.h"
+
+#include <string.h>
+
+#include "comanip_schema.h"
+
+#define EVENT_PARTS_WITHIN_MS 50u /* parts of a message that is sent on events */
+
+/* ---- what is on the bus */
+
+/* The message's first frame. FirmwareHeartbeat is the same in both profiles. */
+static const frame_description_t *description_of(can_profile_t profile, frame_kind_t kind) {
+    bool is_classic = profile == CAN_PROFILE_CLASSIC && kind != FRAME_FIRMWARE_HEARTBEAT;
+    return is_classic ? &classic_table[classic_first(kind)] : &frame_table[kind];
+}
+
+uint16_t transport_first_id(can_profile_t profile, frame_kind_t kind) {
+    return description_of(profile, kind)->id;
+}
+
+uint16_t transport_period_ms(can_profile_t profile, frame_kind_t kind) {
+    return description_of(profile, kind)->period_ms;
+}
+
+uint16_t transport_timeout_ms(can_profile_t profile, frame_kind_t kind) {
+    return description_of(profile, kind)->timeout_ms;
+}
+
+float transport_hand_range_m(can_profile_t profile) {
+    return profile == CAN_PROFILE_CLASSIC
+               ? (float)COMANIP_CLASSIC_HAND_POSITION_X_M_RAW_MAX * COMANIP_CLASSIC_HAND_POSITION_X_M_RESOLUTION
+               : (float)COMANIP_HAND_POSE_X_M_RAW_MAX * COMANIP_HAND_POSE_X_M_RESOLUTION;
+}
+
+uint8_t transport_ids_to_firmware(can_profile_t profile, uint16_t ids[TRANSPORT_MAX_IDS]) {
+    const bool is_classic = profile == CAN_PROFILE_CLASSIC;
+    const frame_description_t *table = is_classic ? classic_table : frame_table;
+    const int size = is_classic ? CLASSIC_FRAME_COUNT : FRAME_KIND_COUNT;
+    uint8_t count = 0;
+    for (int i = 0; i < size; i++) {
+        if (table[i].to_firmware) {
+            ids[count++] = table[i].id;
+        }
+    }
+    return count;
+}
+
+/* ---- sending */
+
+void transport_sender_init(transport_sender_t *self, can_profile_t profile, uint8_t joint_count) {
+    *self = (transport_sender_t){.profile = profile, .joint_count = joint_count};
+}
+
+static frame_kind_t kind_of(uint16_t id) {
+    int kind = 0;
+    while (kind < FRAME_KIND_COUNT - 1 && frame_table[kind].id != id) {
+        kind++;
+    }
+    return (frame_kind_t)kind;
+}
+
+static uint8_t send_parts(transport_sender_t *self, frame_kind_t kind, const can_frame_t *message, can_frame_t frame[]) {
+    uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES];
+    if (!classic_split(kind, message->data, part)) {
+        return 0;
+    }
+    const uint8_t parts = classic_parts(kind, self->joint_count);
+    const uint8_t counter = self->counters.counter[kind]++;
+    for (uint8_t i = 0; i < parts; i++) {
+        const frame_description_t *description = &classic_table[classic_first(kind) + i];
+        frame[i] = (can_frame_t){.id = description->id, .length = description->length};
+        memcpy(frame[i].data, part[i], description->length);
+        e2e_profile2_protect(frame[i].data, frame[i].length, description->data_id, counter);
+    }
+    return parts;
+}
+
+uint8_t transport_send(transport_sender_t *self, const can_frame_t *message, can_frame_t frame[]) {
+    frame_kind_t kind = kind_of(message->id);
+    if (self->profile == CAN_PROFILE_CLASSIC && kind != FRAME_FIRMWARE_HEARTBEAT) {
+        return send_parts(self, kind, message, frame);
+    }
+    frame[0] = *message;
+    frame[0].fd = self->profile == CAN_PROFILE_FD;
+    protocol_protect(&self->counters, &frame[0]);
+    return 1;
+}
+
+/* ---- receiving */
+
+void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, uint8_t joint_count, uint32_t kinds) {
+    memset(self, 0, sizeof *self);
+    self->profile = profile;
+    self->joint_count = joint_count;
+    self->kinds = kinds;
+}
+
+static transport_pending_t *pending_of(transport_receiver_t *self, frame_kind_t kind) {
+    switch (kind) {
+    case FRAME_FIRMWARE_IDENTITY: return &self->pending[0];
+    case FRAME_JOINT_CMD: return &self->pending[1];
+    case FRAME_TICK_TRACE: return &self->pending[2];
+    case FRAME_HAND_POSE: return &self->pending[3];
+    case FRAME_TASK_DEFINE: return &self->pending[4];
+    default: return &self->pending[5]; /* FRAME_TRACKER_STATUS */
+    }
+}
+
+/* Sixteen messages later a counter comes again: a part that has waited for so long belongs to another message. */
+static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, uint32_t now_us) {
+    uint32_t within_ms = transport_timeout_ms(CAN_PROFILE_CLASSIC, kind);
+    return now_us - pending->begun_us > 1000u * (within_ms != 0u ? within_ms : EVENT_PARTS_WITHIN_MS);
+}
+
+/* An invalid pose's stamp means nothing. */
+static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
+    hand_pose_t pose;
+    hand_pose_unpack(message, &pose);
+    if (!pose.valid) {
+        return;
+    }
+    uint32_t expected_us = self->pose_stamp_us + (message->timestamp_us - self->pose_received_us);
+    self->pose_stamp_us = classic_unwrap_stamp(message->data, expected_us);
+    self->pose_received_us = message->timestamp_us;
+}
+
+/* Makes the message of the parts. */
+static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t counter, uint8_t parts,
+                     uint8_t part[][CLASSIC_MAX_BYTES], can_frame_t *frame) {
+    frame->id = frame_table[kind].id;
+    frame->length = frame_table[kind].length;
+    classic_join(kind, parts, part, frame->data);
+    if (kind == FRAME_HAND_POSE) {
+        restore_stamp(self, frame);
+    }
+    self->protocol.e2e[kind] = (e2e_receiver_t){.started = true, .counter = counter};
+}
+
+static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind, uint8_t parts, uint8_t place,
+                                   uint8_t counter, can_frame_t *frame) {
+    transport_pending_t *pending = pending_of(self, kind);
+    if (pending->received == 0u || pending->counter != counter || is_too_old(pending, kind, frame->timestamp_us)) {
+        pending->received = 0;
+        pending->counter = counter;
+        pending->begun_us = frame->timestamp_us;
+    }
+    memcpy(pending->part[place], frame->data, CLASSIC_MAX_BYTES);
+    pending->received = (uint8_t)(pending->received | (1u << place));
+    if (pending->received != (1u << parts) - 1u) {
+        return PROTOCOL_INCOMPLETE;
+    }
+    pending->received = 0;
+    complete(self, kind, counter, parts, pending->part, frame);
+    return PROTOCOL_OK;
+}
+
+static protocol_status_t receive_classic(transport_receiver_t *self, classic_frame_t number, frame_kind_t kind,
+                                         can_frame_t *frame) {
+    const frame_description_t *description = &classic_table[number];
+    if (frame->length != description->length) {
+        return PROTOCOL_WRONG_LENGTH;
+    }
+    e2e_status_t status =
+        e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
+    const uint8_t counter = self->classic[number].counter;
+    const uint8_t parts = classic_parts(kind, self->joint_count), place = (uint8_t)(number - classic_first(kind));
+    if (place >= parts) {
+        return PROTOCOL_UNKNOWN_ID; /* a joint that the arm does not have */
+    }
+    if (parts == 1u && status != E2E_WRONG_CRC) {
+        self->protocol.e2e[kind] = self->classic[number];
+    }
+    if (status < 0 && !(status == E2E_WRONG_SEQUENCE && description->period_ms == 0u)) {
+        return PROTOCOL_NOT_AUTHENTIC;
+    }
+    if (parts > 1u) {
+        return take_part(self, kind, parts, place, counter, frame);
+    }
+    uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES];
+    memcpy(part[0], frame->data, CLASSIC_MAX_BYTES);
+    complete(self, kind, counter, parts, part, frame);
+    return PROTOCOL_OK;
+}
+
+protocol_status_t transport_receive(transport_receiver_t *self, can_frame_t *frame, frame_kind_t *kind) {
+    classic_frame_t number = CLASSIC_FRAME_COUNT;
+    *kind = kind_of(frame->id);
+    bool is_known = frame_table[*kind].id == frame->id;
+    bool is_classic = self->profile == CAN_PROFILE_CLASSIC && !(is_known && *kind == FRAME_FIRMWARE_HEARTBEAT);
+    if (is_classic) {
+        is_known = classic_find(frame->id, &number, kind);
+    }
+    if (!is_known || (self->kinds & (UINT32_C(1) << *kind)) == 0u) {
+        return PROTOCOL_UNKNOWN_ID;
+    }
+    if (!is_classic) {
+        return protocol_check(&self->protocol, frame, kind);
+    }
+    protocol_status_t status = receive_classic(self, number, *kind, frame);
+    self->protocol.rejected += status < 0 && status != PROTOCOL_UNKNOWN_ID;
+    return status;
+}

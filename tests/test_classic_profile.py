@@ -1,0 +1,220 @@
+"""The same firmware on classic CAN, in lockstep with the simulated world: 250 Hz of control, seen through the bus alone."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bus_log import CLASSIC_MESSAGES, DBC
+from can_classic_bits import frame_duration_ns
+from comanip import logs
+from comanip.replay import Replay, Report
+from comanip_command import call
+from live import Seen, is_authentic
+from simulation import EXPERIMENTS, EXIT_WRONG_USE, REPOSITORY, Run, experiment, modes, run
+from test_bus_log import by_id, logged_frames
+
+CLASSIC = ("--profile", "classic")
+EQUAL, DIFFERENT = 0, 1
+ID = {message.name: message.frame_id for message in DBC.messages}
+NAME = {message.frame_id: message.name for message in DBC.messages}
+PARTS = {  # of the messages that have some
+    "HandPose": ("HandPosition", "HandRotation"),
+    "TickTrace": ("TickTrace", "TickTraceInputs", "TickTraceAge", "TargetPosition", "TargetRotation"),
+    "JointCmd": tuple(f"JointCmd{joint}" for joint in range(4)),
+    "TrackerStatus": ("TrackerClock", "TrackerStatus"),
+}
+
+
+@pytest.fixture(scope="module", params=EXPERIMENTS)
+def experiment_run(request, tmp_path_factory) -> Run:
+    return run(tmp_path_factory.mktemp(request.param), "--scenario", experiment(request.param), "--seed", 3, *CLASSIC)
+
+
+def test_the_experiments_succeed(experiment_run):
+    experiment_run.require_pass()
+
+
+def test_their_logs_replay_byte_for_byte(experiment_run):
+    replayed = call("replay", experiment_run.log)
+    assert replayed.returncode == EQUAL, replayed.stdout + replayed.stderr
+    ticks = int(re.search(r"EQUAL: (\d+) ticks", replayed.stdout)[1])
+    assert abs(ticks - experiment_run.summary["ticks"] / 4) <= 2, "one tick of the firmware in four ms"
+
+
+@pytest.fixture(scope="module")
+def eventful(tmp_path_factory) -> Run:
+    """Writes, select, start, clutch, stop; a gap and lost samples, so holds; a tracker's clock that wraps."""
+    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    return run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75", *CLASSIC).require_pass()
+
+
+@pytest.fixture(scope="module")
+def frames(eventful) -> list:
+    return logged_frames(eventful.log)
+
+
+def replay(frames: list) -> Report:
+    replaying = Replay(frames)
+    for _ in replaying.run():
+        pass
+    return replaying.report()
+
+
+# ---- the bus
+
+
+def test_all_frames_are_classic_and_in_the_dbc(eventful, frames):
+    lines = eventful.log.read_text().splitlines()
+    assert all(re.fullmatch(r"\(\d{10}\.\d{6}\) vcan0 [0-7][0-9A-F]{2}#(?:[0-9A-F]{2}){1,8}", line) for line in lines)
+    names = {NAME[frame_id].removeprefix("Classic") for frame_id in by_id(frames)}
+    absent = {f"Joint{kind}{joint}" for kind in ("Cmd", "State") for joint in range(4, 8)}
+    absent |= {"TaskDefine", "TaskTranslation", "TaskRotation", "TaskInverse", "GripperCommand"}
+    assert names == {m.name.removeprefix("Classic") for m in CLASSIC_MESSAGES} - absent | {"FirmwareHeartbeat"}
+
+
+def test_every_frame_is_protected_and_none_is_missing(frames):
+    for frame_id, sent in by_id(frames).items():
+        if NAME[frame_id] == "FirmwareHeartbeat":
+            continue
+        assert all(is_authentic(Seen(0, frame_id, frame.data)) for frame in sent), NAME[frame_id]
+        counters = np.array([frame.data[1] & 15 for frame in sent])
+        assert counters[0] == 0 and np.all(np.diff(counters) % 16 == 1), NAME[frame_id]
+
+
+def test_periods_are_those_of_the_dbc(eventful, frames):
+    logged = by_id(frames)
+    for message in CLASSIC_MESSAGES:
+        if message.cycle_time and not re.search(r"Joint(Cmd|State)[4-7]$", message.name):
+            expected = 1000 * eventful.summary["sim_s"] / message.cycle_time
+            assert abs(len(logged[message.frame_id]) - expected) <= 1, message.name
+
+
+def test_frames_take_as_long_as_their_bits(frames):
+    """No two on the wire at once, and each behind the other by its stuffed length at least; back to back exactly so."""
+    ends_us = np.array([frame.t_us for frame in frames])
+    durations_us = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames]) / 1000
+    waits_us = np.diff(ends_us) - durations_us[1:]
+    assert waits_us.min() > -1, "the log has whole microseconds"
+    assert np.sum(np.abs(waits_us) < 1) > len(frames) / 3, "the firmware's frames follow one another"
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_parts_have_equal_counters_and_come_together(frames, name):
+    logged = by_id(frames)
+    parts = [logged[ID["Classic" + part]] for part in PARTS[name]]
+    whole = min(map(len, parts))
+    counters = [[frame.data[1] & 15 for frame in part[:whole]] for part in parts]
+    assert all(counter == counters[0] for counter in counters)
+    first, last = (np.array([frame.t_us for frame in part[:whole]]) for part in (parts[0], parts[-1]))
+    assert np.all(last > first) and np.all(last - first < 4000)
+
+
+def test_cantools_decodes_the_log(eventful, frames):
+    done = subprocess.run(
+        [Path(sys.executable).parent / "cantools", "decode", "--single-line", REPOSITORY / "host_tools/comanip/comanip.dbc"],
+        stdin=open(eventful.log), capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert re.findall(r":: (\w+)\([^\n]*\)$", done.stdout, re.MULTILINE) == [NAME[frame.frame_id] for frame in frames]
+
+
+# ---- the firmware
+
+
+def test_it_holds_in_the_gap_and_goes_on(eventful):
+    told = [mode for mode, _ in modes(eventful)]
+    assert "hold" in told and told[told.index("hold") + 1] == "cooperating"
+
+
+def test_commands_stay_within_the_limits(frames):
+    """Per tick of 4 ms at most the acceleration limit of 25 rad/s^2 times 4 ms, and the speed of the arm's table."""
+    logged = by_id(frames)
+    for joint in range(4):
+        message = DBC.get_message_by_name(f"ClassicJointCmd{joint}")
+        speeds = np.array([message.decode(f.data, decode_choices=False)["velocity_radps"] for f in logged[message.frame_id]])
+        assert np.abs(speeds).max() <= 4.76 + 1e-9
+        assert np.abs(np.diff(speeds)).max() <= 4e-3 * 25 + 1e-9
+
+
+def test_two_runs_are_byte_identical(eventful, tmp_path):
+    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    again = run(tmp_path / "again", *arguments, "--param", "motion_scale=0.75", *CLASSIC).require_pass()
+    assert again.log.read_bytes() == eventful.log.read_bytes()
+
+
+def test_a_task_can_be_defined(tmp_path):
+    """Its four parts are one message; what comes out is the task that Algorithm 1 has for these constants."""
+    done = run(tmp_path / "out", "--scenario", "teleop", "--define", "constant:0,0,0.05:1,0,0,0:1,0,0,0:1", *CLASSIC)
+    names = [NAME[frame.frame_id] for frame in logged_frames(done.log)]
+    assert [names.count(f"ClassicTask{part}") for part in ("Define", "Translation", "Rotation", "Inverse")] == [1] * 4
+    acks = [DBC.decode_message(f.frame_id, f.data) for f in logged_frames(done.log) if NAME[f.frame_id] == "ClassicCommandAck"]
+    assert ("define", "accepted") in {(str(ack["command"]), str(ack["result"])) for ack in acks}
+    assert call("replay", done.log).returncode == EQUAL
+
+
+# ---- replay
+
+
+def test_an_eventful_log_replays_with_any_clock(eventful, rng):
+    recorded = list(logs.read(eventful.log))
+    moved = [
+        frame._replace(t_us=1_700_000_000_000_000 + int(1.0002 * frame.t_us) + int(late))
+        for frame, late in zip(recorded, rng.integers(0, 90, len(recorded)))
+    ]
+    assert replay(moved).difference is None
+
+
+@pytest.mark.parametrize("name", ["JointCmd2", "TickTrace", "TickTraceAge", "TargetRotation", "HandPosition", "HandRotation",
+                                  "JointState1", "TrackerClock", "FirmwareStatus", "CommandAck", "Clearance"])  # fmt: skip
+def test_a_flipped_bit_is_reported_at_its_frame(eventful, rng, name):
+    recorded = list(logs.read(eventful.log))
+    places = [place for place, frame in enumerate(recorded) if frame.frame_id == ID["Classic" + name]]
+    place = places[len(places) // 2]
+    data = bytearray(recorded[place].data)
+    bit = int(rng.integers(8 * len(data)))
+    data[bit // 8] ^= 1 << bit % 8
+    recorded[place] = recorded[place]._replace(data=bytes(data))
+    report = replay(recorded)
+    assert report.difference is not None and report.difference.place == place, report.difference
+
+
+def test_a_log_may_end_anywhere(eventful):
+    recorded = list(logs.read(eventful.log))[:3000]
+    for end in range(len(recorded) - 60, len(recorded)):
+        assert replay(recorded[:end]).difference is None, end
+
+
+def test_another_build_is_refused_by_name(eventful, tmp_path):
+    """Its hash in both parts of the identity, with the protection that such a firmware would give them."""
+    from e2e import p02
+
+    lines = []
+    for line in eventful.log.read_text().splitlines():
+        head, data = line.rsplit("#", 1)
+        frame_id = int(head.split()[-1], 16)
+        if NAME[frame_id] == "ClassicFirmwareBuild":
+            changed = bytearray.fromhex(data)
+            changed[4] ^= 0x55
+            base = DBC.get_message_by_frame_id(frame_id).dbc.attributes["E2EDataId"].value
+            p02.e2e_p02_protect(changed, bytes((base + 16 * n) % 256 for n in range(16)), increment_counter=False)
+            data = changed.hex().upper()
+        lines.append(f"{head}#{data}\n")
+    path = tmp_path / "other.log"
+    path.write_text("".join(lines))
+    refused = call("replay", path)
+    assert refused.returncode == 2 and "build hash" in refused.stderr
+
+
+# ---- wrong use
+
+
+@pytest.mark.parametrize("value", ["", "FD", "can2.0", "classic "])
+def test_other_profiles_are_refused(tmp_path, value):
+    done = run(tmp_path / "out", "--profile", value)
+    assert done.status == EXIT_WRONG_USE
+    assert f"--profile '{value}': expected fd or classic" in done.stderr
+    assert not (tmp_path / "out").exists()
