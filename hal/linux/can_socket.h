@@ -35,7 +35,8 @@ typedef struct {
 } can_socket_t;
 
 typedef struct {
-    int64_t unix_ns; /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0: a hub has none */
+    int64_t unix_ns;     /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0: a hub has none */
+    int64_t hardware_ns; /* the controller's, by a clock of its own; 0: it has none */
     bool own;        /* sent by this very socket */
 } can_reception_t;
 

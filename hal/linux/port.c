@@ -8,6 +8,7 @@
 #include "../../firmware/can_transport.h"
 #include "../hal.h"
 #include "can_socket.h"
+#include "hardware_clock.h"
 #include "pace.h"
 #include "store.h"
 #include "watchdog.h"
@@ -23,6 +24,8 @@ static struct {
     pace_t pace;
     uint64_t ticks;
     uint64_t told_overruns;
+    hardware_clock_t hardware_clock;
+    bool has_told_stamps;
     int64_t empty_ns; /* the last tick at which nothing was left to receive: what comes later came later */
 } port;
 
@@ -88,15 +91,35 @@ bool hal_wait_tick(uint32_t *now_us) {
 
 /* A hub tells no time: then the frame counts as received when it may have come at the earliest, so that none looks
  * fresher than it is. */
+static int64_t time_of_reception_ns(const can_reception_t *reception) {
+    if (reception->unix_ns == 0) {
+        return port.empty_ns;
+    }
+    const int64_t kernel_ns = pace_stamp_unix_ns(&port.pace, reception->unix_ns);
+    return reception->hardware_ns == 0 ? kernel_ns
+                                       : hardware_clock_map(&port.hardware_clock, reception->hardware_ns, kernel_ns);
+}
+
+/* Of the first frame: what the bus offers does not change. */
+static void tell_stamps(const can_reception_t *reception) {
+    if (!port.has_told_stamps) {
+        port.has_told_stamps = true;
+        (void)printf(PROGRAM ": times of reception: %s\n",
+                     reception->hardware_ns != 0 ? "the CAN controller's"
+                     : reception->unix_ns != 0   ? "the kernel's, for the CAN controller tells none"
+                                                 : "when it was looked last, for a hub tells none");
+        (void)fflush(stdout);
+    }
+}
+
 bool hal_can_receive(can_frame_t *frame) {
     can_reception_t reception;
     if (!can_socket_receive(&port.can, frame, &reception)) {
         port.empty_ns = port.pace.tick_ns;
         return false;
     }
-    const bool has_stamp = reception.unix_ns != 0;
-    frame->timestamp_us = pace_clock_us(
-        &port.pace, has_stamp ? pace_stamp_unix_ns(&port.pace, reception.unix_ns) : port.empty_ns);
+    tell_stamps(&reception);
+    frame->timestamp_us = pace_clock_us(&port.pace, time_of_reception_ns(&reception));
     return true;
 }
 
