@@ -19,7 +19,7 @@ FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/arms/*.[ch])
 # The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
 SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
     host_tools/hub/hub_path.c
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) hal/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
@@ -30,8 +30,8 @@ INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_too
 # As processes of their own on a real bus: the firmware through the Linux port, and the plant.
 FIRMWARE_PROCESS := $(BUILD)/linux/comanip-firmware
 PLANT_PROCESS := $(BUILD)/linux/comanip-plant
-CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c
-FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c)
+CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c host_tools/hub/hub_path.c
+FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c) host_tools/hub/hub_path.c
 PLANT_PROCESS_SOURCES := $(CORE_SOURCES) $(CAN_SOURCES) $(SIM_SOURCES) sim/bus/live_bus.c sim/programs/plant.c
 LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o))
 
@@ -50,7 +50,7 @@ help: ## this text
 	@echo "      PROFILE=classic runs it on classic CAN, at 250 Hz, in place of CAN FD, at 1 kHz; run-firmware and run-plant take it, too"
 	@echo "      CAN=hub REALTIME=1 shows the running bus to make candump, in real time"
 	@echo "  make experiments SEEDS=20 OUT=dir"
-	@echo "  make run-firmware CAN=vcan0 SLOW=n, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
+	@echo "  make run-firmware CAN=vcan0 SLOW=n PARAMETERS=file, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
 
 # ---- what is needed
 
@@ -129,8 +129,9 @@ sim: build ## run a scenario; ends with a pass/fail table and the paths of what 
 
 # The kernel's interface of this name, or else the hub of this name.
 RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
-run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold
-	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN) $${RUN_PROFILE:+--profile "$$RUN_PROFILE"}
+run-firmware: export RUN_PARAMETERS := $(PARAMETERS)
+run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold; PARAMETERS=file
+	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN) $${RUN_PROFILE:+--profile "$$RUN_PROFILE"} $${RUN_PARAMETERS:+--parameters "$$RUN_PARAMETERS"}
 
 run-plant: build ## the simulated plant as a second process on CAN=vcan0, in real time; takes what `make sim` takes
 	@$(RUN_ARGUMENTS); \
@@ -165,7 +166,7 @@ check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings a
 	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
 	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
-	@for source in $(wildcard hal/host/*.c) $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/host/*.c) hal/no_store.c $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"
 
 include hal/target.mk

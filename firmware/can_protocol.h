@@ -234,6 +234,7 @@ typedef enum {
     RESULT_UNKNOWN_PARAMETER = 7,
     RESULT_FAULT_PRESENT = 8,
     RESULT_NOT_SUPPORTED = 9, /* by this port */
+    RESULT_STORE_FAILED = 10, /* parameters could not be saved; at boot: what is stored is not valid, so defaults */
 } result_t;
 
 typedef struct {

@@ -170,10 +170,11 @@ static result_t define_result(controller_t *self, const task_define_t *define) {
 }
 
 /* Parameters change at standstill only: a gain or a tracker rotation that changes in motion is a jump of the target. */
+static bool may_change_parameters(const controller_t *self) {
+    return !is_engaged(self) && joint_limits_at_rest(&self->limits, self->arm);
+}
+
 static result_t access_result(controller_t *self, const parameter_access_t *access) {
-    if (access->operation == PARAMETER_SAVE) {
-        return RESULT_NOT_SUPPORTED; /* no port has a store yet */
-    }
     if (access->parameter >= PARAMETER_COUNT) {
         return RESULT_UNKNOWN_PARAMETER;
     }
@@ -183,7 +184,7 @@ static result_t access_result(controller_t *self, const parameter_access_t *acce
     if (access->operation != PARAMETER_WRITE) {
         return RESULT_UNKNOWN_COMMAND;
     }
-    if (is_engaged(self) || !joint_limits_at_rest(&self->limits, self->arm)) {
+    if (!may_change_parameters(self)) {
         return RESULT_WRONG_MODE;
     }
     result_t result = parameters_set(&self->parameters, access->parameter, access->value);
@@ -216,7 +217,40 @@ static void send_parameter(controller_t *self, controller_outbox_t *outbox, uint
     send(self, outbox, &frame);
 }
 
-/* Each request is answered in the tick that takes it. */
+/* A parameter that is written before its turn is announced first, so that what was in force at boot is on the bus, and a
+ * replay can begin with it. */
+static void access_parameter(controller_t *self, controller_outbox_t *outbox, const parameter_access_t *access) {
+    const bool announced = access->parameter + 1u < self->announced;
+    if (access->operation == PARAMETER_WRITE && access->parameter < PARAMETER_COUNT && !announced) {
+        send_parameter(self, outbox, access->parameter, 0, self->boot_result);
+    }
+    send_parameter(self, outbox, access->parameter, access->sequence, access_result(self, access));
+}
+
+/* Answered when it is over; a request that is repeated meanwhile is the same one. Not in motion: the machine has better
+ * things to do then. */
+static void begin_save(controller_t *self, controller_outbox_t *outbox, const parameter_access_t *access) {
+    if (self->saving && access->sequence == self->save_sequence) {
+        return;
+    }
+    if (self->saving || !may_change_parameters(self)) {
+        send_parameter(self, outbox, access->parameter, access->sequence, RESULT_WRONG_MODE);
+        return;
+    }
+    self->saving = true;
+    self->save_parameter = access->parameter;
+    self->save_sequence = access->sequence;
+    outbox->save = true;
+}
+
+static void end_save(controller_t *self, const controller_inbox_t *inbox, controller_outbox_t *outbox) {
+    if (self->saving && inbox->save_over) {
+        self->saving = false;
+        send_parameter(self, outbox, self->save_parameter, self->save_sequence, inbox->save_result);
+    }
+}
+
+/* Each request but that to save is answered in the tick that takes it. */
 static void obey(controller_t *self, const controller_inbox_t *inbox, controller_outbox_t *outbox) {
     for (uint8_t i = 0; i < self->request_count; i++) {
         const can_frame_t *frame = &inbox->frame[self->request[i].place];
@@ -231,7 +265,11 @@ static void obey(controller_t *self, const controller_inbox_t *inbox, controller
         } else {
             parameter_access_t access;
             parameter_access_unpack(frame, &access);
-            send_parameter(self, outbox, access.parameter, access.sequence, access_result(self, &access));
+            if (access.operation == PARAMETER_SAVE) {
+                begin_save(self, outbox, &access);
+            } else {
+                access_parameter(self, outbox, &access);
+            }
         }
     }
 }
@@ -332,7 +370,7 @@ static void announce(controller_t *self, controller_outbox_t *outbox) {
         (void)firmware_identity_pack(&identity, &frame);
         send(self, outbox, &frame);
     } else if (self->announced <= PARAMETER_COUNT) {
-        send_parameter(self, outbox, (uint8_t)(self->announced - 1u), 0, RESULT_ACCEPTED);
+        send_parameter(self, outbox, (uint8_t)(self->announced - 1u), 0, self->boot_result);
     } else {
         return;
     }
@@ -365,13 +403,20 @@ void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile
     self->tick_ms = transport_period_ms(profile, FRAME_JOINT_CMD);
     transport_sender_init(&self->sender, profile, arm->joint_count);
     transport_receiver_init(&self->receiver, profile, arm->joint_count, LISTENS_TO);
-    parameters_set_defaults(&self->parameters);
-    apply_parameters(self);
     hand_tracker_init(&self->hand_tracker, 1000u * transport_period_ms(profile, FRAME_HAND_POSE));
     joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));
     supervisor_init(&self->supervisor);
     joint_limits_init(&self->limits);
     self->finite = true;
+    parameters_t defaults;
+    parameters_set_defaults(&defaults);
+    controller_set_parameters(self, &defaults, RESULT_ACCEPTED);
+}
+
+void controller_set_parameters(controller_t *self, const parameters_t *parameters, result_t result) {
+    self->parameters = *parameters;
+    self->boot_result = result;
+    apply_parameters(self);
     select_task(self, TASK_TELEOP, &task_table[TASK_TELEOP], self->parameters.value[PARAMETER_TASK_BLEND_S]);
 }
 
@@ -379,9 +424,11 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     float wanted_radps[ARM_MAX_JOINTS];
 
     outbox->count = 0;
+    outbox->save = false;
     decode(self, now_us, inbox);
     sense(self, now_us);
     supervise(self, now_us);
+    end_save(self, inbox, outbox);
     obey(self, inbox, outbox);
     aim(self, wanted_radps);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, tick_s(self),

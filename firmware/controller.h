@@ -4,7 +4,8 @@
  *
  * On CAN FD a tick is 1 ms, on classic CAN 4 ms.
  *
- * A pure function of the state, the time and the frames received: the same log gives the same bytes on every target. */
+ * A pure function of the state, the time, the frames received and how a saving ended: the same log gives the same bytes on
+ * every target. */
 #ifndef COMANIP_CONTROLLER_H
 #define COMANIP_CONTROLLER_H
 
@@ -19,16 +20,20 @@
 
 #define CONTROLLER_INBOX_FRAMES 16 /* all drives, tracker and operator in one tick; more wait for the next */
 #define CONTROLLER_CYCLIC_FRAMES 17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, identity */
-#define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + CONTROLLER_INBOX_FRAMES) /* an answer to each frame */
+/* An answer to each frame, with the announcement of a parameter before it; and that a saving is over. */
+#define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
 typedef struct {
     can_frame_t frame[CONTROLLER_INBOX_FRAMES];
     uint8_t count;
+    bool save_over; /* the saving that an outbox had asked for is over: with this result */
+    result_t save_result;
 } controller_inbox_t;
 
 typedef struct {
     can_frame_t frame[CONTROLLER_OUTBOX_FRAMES];
     uint8_t count;
+    bool save; /* the parameters shall be saved; until an inbox says that it is over, this is not asked again */
 } controller_outbox_t;
 
 typedef struct {
@@ -68,10 +73,17 @@ typedef struct {
 
     uint32_t tick;
     uint16_t announced; /* frames of the boot announcement sent so far */
+    result_t boot_result; /* as it tells it of each parameter */
+    bool saving;
+    uint8_t save_parameter, save_sequence; /* of the request, for its answer */
 } controller_t;
 
 /* The arm table must outlive the controller. */
 void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile);
+
+/* Before the first step: parameters in place of the defaults. result: what the boot announcement says of them,
+ * RESULT_ACCEPTED or, when a record was not valid, RESULT_STORE_FAILED. */
+void controller_set_parameters(controller_t *self, const parameters_t *parameters, result_t result);
 
 /* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first, and
  * afterwards the messages that they were. A frame stamped after now_us, as one that came while the inbox was filled, counts

@@ -6,6 +6,35 @@
 #include "../hal/hal.h"
 #include "arms/hoap3_right.h"
 #include "controller.h"
+#include "parameter_store.h"
+
+/* What is stored comes into force as a whole or not at all. */
+static void load_parameters(controller_t *controller) {
+    uint8_t record[PARAMETER_STORE_BYTES + 1]; /* a longer one is seen to be longer */
+    size_t length;
+    if (hal_store_read(record, sizeof record, &length)) {
+        parameters_t parameters = controller->parameters;
+        bool valid = parameter_store_decode(record, length, &parameters);
+        controller_set_parameters(controller, &parameters, valid ? RESULT_ACCEPTED : RESULT_STORE_FAILED);
+    }
+}
+
+static void begin_save(const controller_t *controller) {
+    uint8_t record[PARAMETER_STORE_BYTES];
+    parameter_store_encode(&controller->parameters, record);
+    hal_store_write(record, sizeof record);
+}
+
+static void note_save(controller_inbox_t *inbox) {
+    static const result_t result[] = {
+        [HAL_STORE_NONE] = RESULT_NOT_SUPPORTED,
+        [HAL_STORE_WRITTEN] = RESULT_ACCEPTED,
+        [HAL_STORE_FAILED] = RESULT_STORE_FAILED,
+    };
+    hal_store_status_t status = hal_store_status();
+    inbox->save_over = status != HAL_STORE_WRITING;
+    inbox->save_result = inbox->save_over ? result[status] : RESULT_ACCEPTED;
+}
 
 void firmware_main(void) {
     static controller_t controller;
@@ -18,6 +47,7 @@ void firmware_main(void) {
         hal_panic(defect);
     }
     controller_init(&controller, &arm_hoap3_right, hal_can_profile());
+    load_parameters(&controller);
 
     uint32_t now_us = 0;
     for (uint32_t tick_ms = 0; hal_wait_tick(&now_us); tick_ms++) {
@@ -29,9 +59,13 @@ void firmware_main(void) {
         while (inbox.count < CONTROLLER_INBOX_FRAMES && hal_can_receive(&inbox.frame[inbox.count])) {
             inbox.count++;
         }
+        note_save(&inbox);
         controller_step(&controller, now_us, &inbox, &outbox);
         for (uint8_t i = 0; i < outbox.count; i++) {
             (void)hal_can_send(&outbox.frame[i]); /* a full queue is the port's to count: the drives' own timeout acts */
+        }
+        if (outbox.save) {
+            begin_save(&controller);
         }
     }
 }

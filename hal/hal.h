@@ -4,6 +4,7 @@
 #define COMANIP_HAL_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "../firmware/can_frame.h"
@@ -27,6 +28,25 @@ bool hal_can_send(const can_frame_t *frame);
 
 /* Once per tick. The platform stops the drives if it is not called for 10 ms. */
 void hal_watchdog_feed(void);
+
+/* ---- one record that outlasts a loss of power, if the port has a store for it */
+
+typedef enum {
+    HAL_STORE_NONE, /* this port has no store */
+    HAL_STORE_WRITING,
+    HAL_STORE_WRITTEN,
+    HAL_STORE_FAILED, /* the former record is still there; the port has said why on whatever console there is */
+} hal_store_status_t;
+
+/* The record as it was at hal_init(), up to `capacity` bytes of it, and how many these are. False: there is none. */
+bool hal_store_read(void *bytes, size_t capacity, size_t *length);
+
+/* Begins to write another record in its place, from a copy, and returns at once: flash and disks take longer than a tick.
+ * Whatever interrupts it, the next boot reads the former record or this one. Not while one is HAL_STORE_WRITING. */
+void hal_store_write(const void *bytes, size_t length);
+
+/* Of the last write. */
+hal_store_status_t hal_store_status(void);
 
 /* Takes the drives' power away by the shortest way the platform has, says why on whatever console there is, and never
  * returns. cause: one line. */

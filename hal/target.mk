@@ -16,13 +16,13 @@ cortex-m4f.prefix := arm-none-eabi-
 cortex-m4f.specs := nano.specs
 cortex-m4f.cpu := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 cortex-m4f.script := hal/cortex_m/mps2_an386.ld
-cortex-m4f.sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN)
+cortex-m4f.sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN) hal/no_store.c
 
 rv32imac.prefix := riscv64-unknown-elf-
 rv32imac.specs := picolibc.specs
 rv32imac.cpu := -march=rv32imac -mabi=ilp32
 rv32imac.script := hal/riscv/virt.ld
-rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN)
+rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN) hal/no_store.c
 
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc

@@ -16,9 +16,10 @@ Q_X_MINUS_90 = oracle.rotation([1, 0, 0], -np.pi / 2)  # the paper's (9)
 
 
 class Bench:
-    """position_rad: where the arm stands. hand: pose (8,) of the person's hand in torso axes, or None for no frames."""
+    """position_rad: where the arm stands. hand: pose (8,) of the person's hand in torso axes, or None for no frames.
+    store_result: how the port's store ends a saving, store_ticks after it began; stored: what it was to save, each time."""
 
-    def __init__(self, position_deg=(90, -5, 0, -90), now_us: int = 0):
+    def __init__(self, position_deg=(90, -5, 0, -90), now_us: int = 0, parameters=None, boot_result: int = 0):
         self.position_rad = np.radians(np.array(position_deg, float))
         self.hand = oracle.pose(oracle.rotation([0, 1, 0], np.pi / 2), [0.4, 0.2, 0.1])
         self.hand_valid = True
@@ -36,7 +37,12 @@ class Bench:
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")
         self.outbox = ffi.new("controller_outbox_t *")
+        self.store_result, self.store_ticks = lib.RESULT_NOT_SUPPORTED, 1
+        self.stored: list[list[float]] = []
+        self.store_until = 0  # tick
         lib.controller_init(self.controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
+        if parameters is not None:
+            lib.controller_set_parameters(self.controller, parameters, boot_result)
 
     # ---- frames in
 
@@ -97,10 +103,36 @@ class Bench:
         message.sequence, message.value = self._next_sequence(), value
         return self._ask(lib.parameter_access_pack, message)
 
+    def save(self, parameter: int = 0, ticks: int = 10) -> int:
+        """The answer, which comes when the store is done."""
+        message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "parameter": parameter})
+        message.sequence = self._next_sequence()
+        self.ask(message)
+        for _ in range(ticks):
+            self.tick()
+            if self.answers():
+                break
+        return self.answer()
+
+    def ask(self, message) -> None:
+        """A parameter_access_t, in the next tick."""
+        frame = ffi.new("can_frame_t *")
+        assert lib.parameter_access_pack(message, frame) == lib.PROTOCOL_OK
+        self.requests.append(frame)
+
     def receive_broken(self) -> None:
         """An OperatorCommand with a flipped bit, in the next tick."""
         frame = ffi.new("can_frame_t *")
         assert lib.operator_command_pack(ffi.new("operator_command_t *"), frame) == lib.PROTOCOL_OK
+        self._receive_broken(frame)
+
+    def receive_broken_between_others(self) -> None:
+        """The same of a Clearance, which is not for the firmware: a port without filters hands it on."""
+        frame = ffi.new("can_frame_t *")
+        assert lib.clearance_report_pack(ffi.new("clearance_report_t *"), frame) == lib.PROTOCOL_OK
+        self._receive_broken(frame)
+
+    def _receive_broken(self, frame) -> None:
         lib.protocol_protect(self.sender, frame)
         frame.data[7] ^= 1
         self.raw.append(frame)
@@ -124,7 +156,11 @@ class Bench:
                 self.inbox.frame[self.inbox.count] = frame[0]
                 self.inbox.count += 1
             self.raw.clear()
+            self.inbox.save_over, self.inbox.save_result = self.ticks >= self.store_until, self.store_result
             lib.controller_step(self.controller, self.now_us % 2**32, self.inbox, self.outbox)
+            if self.outbox.save:
+                self.stored.append(list(self.controller.parameters.value))
+                self.store_until = self.ticks + self.store_ticks
             frames = [self.outbox.frame[i] for i in range(self.outbox.count)]
             self.sent = [(f.id, bytes(f.data[0 : f.length])) for f in frames]
             for frame in frames:
@@ -138,6 +174,12 @@ class Bench:
 
     def answer(self) -> int:
         """Result of the one CommandAck or ParameterValue with the last request's sequence."""
+        results = self.answers()
+        assert len(results) == 1, f"one answer expected, got {results}"
+        return results[0]
+
+    def answers(self) -> list[int]:
+        """The results in this tick of those with the last request's sequence."""
         results = []
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
@@ -151,8 +193,7 @@ class Bench:
                 continue
             if message.sequence == self.sequence:
                 results.append(message.result)
-        assert len(results) == 1, f"one answer expected, got {results}"
-        return results[0]
+        return results
 
     @property
     def mode(self) -> int:

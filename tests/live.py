@@ -133,8 +133,9 @@ class Bus:
         self._processes.append(process)
         return process
 
-    def firmware(self, name: str = "firmware", program: Path = FIRMWARE) -> subprocess.Popen:
-        return self.start([program, "--can", self.interface, "--slow", self.slow, "--profile", self.profile], name)
+    def firmware(self, name: str = "firmware", program: Path = FIRMWARE, *arguments: object) -> subprocess.Popen:
+        options = ["--can", self.interface, "--slow", self.slow, "--profile", self.profile]
+        return self.start([program, *options, *arguments], name)
 
     def plant(self, *arguments: object, name: str = "plant") -> subprocess.Popen:
         options = ["--can", self.interface, "--slow", self.slow, "--profile", self.profile, "--out", self.folder / name]

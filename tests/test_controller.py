@@ -3,6 +3,8 @@ targets and drives follow."""
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -187,13 +189,102 @@ def test_unknown_commands_and_tasks_are_refused():
     assert bench.controller.task_id == lib.TASK_TELEOP  # as at boot
 
 
-def test_saving_parameters_is_refused_by_name_and_changes_nothing():
+@pytest.mark.parametrize("result", [lib.RESULT_NOT_SUPPORTED, lib.RESULT_STORE_FAILED, lib.RESULT_ACCEPTED])
+def test_a_saving_is_answered_with_how_it_ended_and_changes_nothing(result):
     bench = Bench().until_ready()
+    bench.store_result = result
+    assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED
     before = list(bench.controller.parameters.value)
-    assert bench.access(lib.PARAMETER_SAVE, 0, 5.0) == lib.RESULT_NOT_SUPPORTED
-    assert bench.access(lib.PARAMETER_SAVE, 255, 0.0) == lib.RESULT_NOT_SUPPORTED
+    assert bench.save(0) == result
+    assert bench.save(255) == result
     assert bench.access(lib.PARAMETER_SAVE + 1, 0, 5.0) == lib.RESULT_UNKNOWN_COMMAND
     assert list(bench.controller.parameters.value) == before
+    assert bench.stored == [before, before]
+
+
+def test_a_saving_that_takes_long_is_one_saving_with_one_answer():
+    bench = Bench().until_ready()
+    bench.store_result, bench.store_ticks = lib.RESULT_ACCEPTED, 30
+    message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "parameter": 3, "sequence": 77})
+    bench.sequence = 77
+    answers = []
+    for tick in range(50):
+        if tick % 5 == 0 and tick < 30:
+            bench.ask(message)  # as a client repeats what is not answered
+        bench.tick()
+        answers += [(tick, result) for result in bench.answers()]
+    assert answers == [(30, lib.RESULT_ACCEPTED)]
+    assert len(bench.stored) == 1
+    bench.store_ticks = 5
+    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "the next one is another"
+
+
+def test_a_second_saving_waits_for_the_first():
+    bench = Bench().until_ready()
+    bench.store_result, bench.store_ticks = lib.RESULT_ACCEPTED, 30
+    first = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "sequence": 201})
+    bench.ask(first)
+    bench.tick()
+    assert bench.save() == lib.RESULT_WRONG_MODE, "somebody else's"
+    assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED, "all else goes on"
+    bench.sequence = 201
+    found = []
+    for _ in range(30):
+        bench.tick()
+        found += bench.answers()
+    assert found == [lib.RESULT_ACCEPTED]
+
+
+def test_nothing_is_saved_in_motion():
+    bench = Bench().until_ready().start(lib.TASK_TELEOP)
+    assert bench.save() == lib.RESULT_WRONG_MODE
+    bench.move_hand([0.1, 0, 0])
+    bench.tick(50)
+    bench.command(lib.COMMAND_STOP)
+    assert bench.mode == lib.MODE_READY and np.abs(bench.velocity_radps).max() > 0
+    assert bench.save() == lib.RESULT_WRONG_MODE, "it still runs out"
+    bench.tick(500)
+    assert bench.velocity_radps.tolist() == [0] * 4
+    assert bench.save() == lib.RESULT_NOT_SUPPORTED
+    assert len(bench.stored) == 1
+
+
+def announced(bench: Bench, ticks: int) -> list[tuple[int, int, float]]:
+    """(parameter, result, value) of each ParameterValue that is no answer."""
+    found = []
+    for _ in range(ticks):
+        bench.tick()
+        for frame_id, data in bench.sent:
+            if frame_id == FRAME_ID["PARAMETER_VALUE"] and data[4] == 0:
+                found.append((data[3], data[5], struct.unpack("<f", data[6:10])[0]))
+    return found
+
+
+def test_parameters_from_a_store_are_in_force_and_announced():
+    parameters = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(parameters)
+    for parameter, value in ((lib.PARAMETER_SPEED_FRACTION, 0.25), (lib.PARAMETER_TASK_BLEND_S, 3.0), (lib.PARAMETER_GAIN_PER_S, 11.0)):
+        assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_ACCEPTED
+    bench = Bench(parameters=parameters)
+    assert announced(bench, 50) == [(i, lib.RESULT_ACCEPTED, parameters.value[i]) for i in range(lib.PARAMETER_COUNT)]
+    config = bench.controller.velocity_control_config
+    assert (config.gain_per_s[0], bench.controller.joint_limits_config.speed_fraction, bench.controller.blend_s) == (11, 0.25, 3)
+
+
+def test_a_store_that_is_not_valid_is_told_at_boot():
+    defaults = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(defaults)
+    bench = Bench(parameters=defaults, boot_result=lib.RESULT_STORE_FAILED)
+    expected = [(i, lib.RESULT_STORE_FAILED, lib.parameter_table[i].default_value) for i in range(lib.PARAMETER_COUNT)]
+    assert announced(bench, 50) == expected
+    assert bench.access(lib.PARAMETER_READ, 3, 0.0) == lib.RESULT_ACCEPTED, "an answer is about the request"
+
+
+def test_a_parameter_written_before_its_turn_is_announced_first():
+    bench = Bench()
+    bench.ask(ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": 30, "sequence": 9, "value": 0.5}))
+    told = announced(bench, 50)
+    assert [value for parameter, _, value in told if parameter == 30] == [0, 0.5]
 
 
 def test_trace_tells_of_fresh_drives_and_of_refused_frames():
@@ -210,6 +301,17 @@ def test_trace_tells_of_fresh_drives_and_of_refused_frames():
         silent.append((bench.trace.drives_fresh, bench.mode == lib.MODE_FAULT or bench.mode == lib.MODE_IDLE))
     assert all(fresh != left for fresh, left in silent), "the mode is left in the tick in which the drives are silent"
     assert silent[0][0] and not silent[-1][0]
+
+
+def test_damaged_frames_that_are_not_for_the_firmware_leave_no_mark():
+    """With a port's filters or without: the same bytes."""
+    filtered, unfiltered = Bench().until_ready(), Bench().until_ready()
+    for _ in range(20):
+        unfiltered.receive_broken_between_others()
+        filtered.tick()
+        unfiltered.tick()
+        assert unfiltered.sent == filtered.sent
+    assert unfiltered.controller.receiver.protocol.rejected == 0
 
 
 def test_parameters_do_not_change_in_cooperation():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 from bus_log import DBC
@@ -57,7 +59,9 @@ def test_refusals_are_named(live, comanip):
     live.bench.hand = None
     live.wait_for_mode(lib.MODE_IDLE)
     require_refused(comanip("task", "start", *BUS), "start", "wrong_mode")
-    require_refused(comanip("param", "save", *BUS), "save", "not_supported", "memory")
+    require_refused(comanip("param", "save", *BUS), "save", "not_supported", "--parameters")
+    live.bench.store_result = lib.RESULT_STORE_FAILED
+    require_refused(comanip("param", "save", *BUS), "save", "store_failed", "could not write")
     require_refused(comanip("param", "set", "stale_periods", 1000, *BUS), "stale_periods", "out_of_range", "2.5")
     require_refused(comanip("param", "set", "no_such", 1, *BUS), "no_such", "motion_scale")
     require_refused(comanip("param", "set", "damping", 1e39, *BUS), "1e+39", "float32")
@@ -77,6 +81,24 @@ def test_parameters_are_written_and_read_back(live, comanip):
     for i, name in enumerate(PARAMETERS):
         row = lib.parameter_table[i]
         assert rows[name] == pytest.approx([values[i], row.minimum, row.maximum, row.default_value], rel=1e-6)
+
+
+def test_parameters_are_saved_once_though_the_store_is_slow(live, comanip, monkeypatch):
+    """Slower than the deadline of an attempt: the request is repeated, with the same number."""
+    monkeypatch.setattr("comanip.operator_client.SAVE_S", 0.0)
+    live.bench.store_result = lib.RESULT_ACCEPTED
+    live.bench.store_ticks = 10**9
+
+    def end_when_repeated() -> None:
+        wait_until(lambda: len(live.heard) >= 3, "three requests")
+        live.bench.store_until = 0
+
+    ending = threading.Thread(target=end_when_repeated)
+    ending.start()
+    status, out, _ = comanip("param", "save", *BUS)
+    ending.join()
+    assert status == 0 and out.startswith("saved")
+    assert live.bench.stored == [list(live.bench.controller.parameters.value)]
 
 
 def test_a_value_that_reads_back_otherwise_is_told(live, comanip, monkeypatch):

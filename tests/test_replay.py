@@ -104,8 +104,9 @@ def test_a_log_may_end_anywhere(short):
 class RecordingBench(Bench):
     """A bench whose frames, in and out, are a log; its clock is that of the firmware, which the log does not know."""
 
-    def __init__(self):
-        super().__init__(now_us=2**32 - 150_000)  # wraps within the run
+    def __init__(self, **options):
+        super().__init__(now_us=2**32 - 150_000, **options)  # wraps within the run
+        self.by_id = False  # the order in which the bus has what a tick sends
         self.log: list[Frame] = []
 
     def tick(self, count: int = 1) -> None:
@@ -117,7 +118,8 @@ class RecordingBench(Bench):
         at_us = 1000 * self.ticks
         inbox = [self.inbox.frame[i] for i in range(self.inbox.count)]
         self.log += [Frame(at_us, f.id, bytes(f.data[0 : f.length])) for f in inbox]
-        self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in self.sent]
+        sent = sorted(self.sent, key=lambda frame: frame[0]) if self.by_id else self.sent
+        self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in sent]
 
     def lose(self, ticks: int) -> None:
         """So many ticks of a paused firmware: what was on the bus is lost to it."""
@@ -167,6 +169,28 @@ def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
     assert report.ticks == bench.ticks
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_damaged_frames_on_a_bus_without_filters(seed):
+    """For the firmware and past it: all that it sent comes out, and what is left to tell is the first that went past it."""
+    rng = np.random.default_rng(seed)
+    bench = RecordingBench().until_ready().start(lib.TASK_TELEOP)
+    past = 0
+    for _ in range(400):
+        if rng.random() < 0.2:
+            bench.receive_broken_between_others()
+            past += 1
+        if rng.random() < 0.2:
+            bench.receive_broken()
+        bench.tick()
+    assert past > 40 and bench.controller.receiver.protocol.rejected > 40
+    between = [frame for frame in bench.log if frame.frame_id == ID["Clearance"]]
+    assert len(between) == past
+    report = replay(bench.log)
+    assert report.ticks == bench.ticks
+    assert "went past the firmware" in report.difference.what and report.difference.recorded == between[0]
+    assert replay([frame for frame in bench.log if frame.frame_id != ID["Clearance"]]).difference is None
+
+
 @pytest.mark.parametrize("age_us", [1500, 2500, 2999, 3000, 3001, 5000])
 def test_frames_that_waited_long_before_they_were_read(age_us):
     """As after a pause of the process: they count from when they came, which the log does not tell."""
@@ -208,6 +232,104 @@ def test_a_firmware_that_was_restarted():
     report = replay(first.log + second.log)
     assert report.difference is None, report.difference
     assert (report.boots, report.ticks) == (2, 777 + second.ticks - 5 * 777 // 4 * 4)
+
+
+def stored_parameters(rng: np.random.Generator):
+    """Other ones than the defaults, all but `trace` and what would leave no time to cooperate."""
+    parameters = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(parameters)
+    for i in range(lib.PARAMETER_COUNT):
+        row = lib.parameter_table[i]
+        if not row.integer:
+            value = row.default_value + 0.3 * rng.uniform(0, 1) * (row.maximum - row.default_value)
+            assert lib.parameters_set(parameters, i, value) == lib.RESULT_ACCEPTED
+    lib.parameters_set(parameters, lib.PARAMETER_SPEED_FRACTION, 0.37)
+    return parameters
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_firmware_that_booted_with_stored_parameters(seed):
+    rng = np.random.default_rng(seed)
+    bench = run_bench(RecordingBench(parameters=stored_parameters(rng)), rng, 700)
+    report = replay(bench.log)
+    assert report.difference is None, report.difference
+    assert report.ticks == bench.ticks
+
+
+def test_each_boot_has_its_own_parameters(rng):
+    first = RecordingBench(parameters=stored_parameters(rng))
+    first.tick(300)
+    second = RecordingBench(parameters=stored_parameters(rng))
+    second.ticks, second.now_us, second.sender = 4 * 500, 10**9, first.sender
+    second.until_ready().start(lib.TASK_TELEOP).tick(200)
+    report = replay(first.log + second.log)
+    assert (report.difference, report.boots) == (None, 2)
+
+
+def test_a_boot_whose_store_was_not_valid():
+    defaults = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(defaults)
+    bench = RecordingBench(parameters=defaults, boot_result=lib.RESULT_STORE_FAILED)
+    bench.until_ready().start(lib.TASK_TELEOP).tick(100)
+    assert replay(bench.log).difference is None
+
+
+@pytest.mark.parametrize("early_ticks", range(0, 45, 4))
+def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
+    """Before or after it was announced: the speed fraction is in each status, so that it cannot be guessed wrong."""
+    bench = RecordingBench(parameters=stored_parameters(rng))
+    bench.tick(early_ticks)
+    bench.write(lib.PARAMETER_SPEED_FRACTION, 0.5)
+    bench.tick(60)
+    assert replay(bench.log).difference is None
+
+
+@pytest.mark.parametrize("result", [lib.RESULT_ACCEPTED, lib.RESULT_STORE_FAILED, lib.RESULT_NOT_SUPPORTED])
+def test_savings_end_as_they_had_ended(result, rng):
+    """With other answers about the same parameter, with the same number, meanwhile."""
+    bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
+    assert bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED  # of several first ones, a replay knows the last
+    bench.store_result = result
+    for bench.store_ticks in (1, 2, 7, 40):
+        sequence = bench.store_ticks
+        for operation in (lib.PARAMETER_SAVE, lib.PARAMETER_READ, lib.PARAMETER_WRITE, lib.PARAMETER_SAVE):
+            message = {"operation": operation, "parameter": 5, "sequence": sequence, "value": 12.0}
+            bench.ask(ffi.new("parameter_access_t *", message))
+            if operation != lib.PARAMETER_SAVE:
+                bench.tick(int(rng.integers(1, 3)))
+        bench.tick(50)
+    results = [DBC.decode_message(f.frame_id, f.data, decode_choices=False) for f in bench.log if f.frame_id == ID["ParameterValue"]]
+    assert sum(told["result"] == result and told["sequence"] > 0 for told in results) >= 4
+    report = replay(bench.log)
+    assert report.difference is None, report.difference
+
+
+@pytest.mark.parametrize("order", ["sent", "by id"])
+def test_a_saving_while_parameters_are_announced(order):
+    """Through a queue they are on the bus as they were sent, else the lowest id comes first."""
+    bench = RecordingBench()
+    bench.by_id = order == "by id"
+    bench.store_result = lib.RESULT_ACCEPTED
+    bench.access(lib.PARAMETER_READ, 0, 0.0)
+    for _ in range(10):
+        assert bench.save() == lib.RESULT_ACCEPTED
+    assert bench.ticks < lib.PARAMETER_COUNT
+    bench.tick(60)
+    assert replay(bench.log).difference is None
+
+
+def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
+    bench = RecordingBench().until_ready()
+    bench.store_result, bench.store_ticks = lib.RESULT_ACCEPTED, 5
+    assert bench.save() == lib.RESULT_ACCEPTED
+    bench.tick(20)
+    place = [i for i, frame in enumerate(bench.log) if frame.frame_id == ID["ParameterValue"]][-1]
+    for bit in rng.choice(8 * len(bench.log[place].data), 20, replace=False):
+        assert replay(flipped(bench.log, place, int(bit))).difference.place == place
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the store may never have ended"
+    bench.tick(2)
+    assert bench.save() == lib.RESULT_ACCEPTED
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "but not when there is a next one"
 
 
 def test_at_recorded_pace(tmp_path, short):

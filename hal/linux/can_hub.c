@@ -2,20 +2,13 @@
 
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-_Static_assert(CAN_SOCKET_PATH_BYTES == sizeof(((struct sockaddr_un *)NULL)->sun_path), "sockaddr_un has other paths");
-
 int can_hub_connect(const char *path) {
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    memcpy(address.sun_path, path, strlen(path)); /* fits: can_hub_open() made the path */
     const int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+    if (fd >= 0 && hub_connect(fd, path) != 0) {
         const int cause = errno;
         (void)close(fd);
         errno = cause;
@@ -24,24 +17,13 @@ int can_hub_connect(const char *path) {
     return fd;
 }
 
-/* A folder in /tmp can be made by anybody: only our own hub, or root's, is listened to. */
-static bool is_trusted(const char *path) {
-    struct stat status;
-    return stat(path, &status) != 0 || status.st_uid == getuid() || status.st_uid == 0;
-}
-
-int can_hub_open(const char *name, char path[CAN_SOCKET_PATH_BYTES], char error[], size_t error_size) {
-    const char *folder = getenv("COMANIP_HUB_DIR");
-    const bool is_set = folder != NULL && folder[0] != '\0';
-    const int length = is_set ? snprintf(path, CAN_SOCKET_PATH_BYTES, "%s/%s", folder, name)
-                              : snprintf(path, CAN_SOCKET_PATH_BYTES, "/tmp/comanip-hub-%u/%s", getuid(), name);
-    if (length >= CAN_SOCKET_PATH_BYTES) {
-        (void)snprintf(error, error_size, "COMANIP_HUB_DIR '%.200s': expected a path of less than %d bytes", folder,
-                       CAN_SOCKET_PATH_BYTES - (int)strlen(name) - 1);
+int can_hub_open(const char *name, char path[HUB_PATH_BYTES], char error[], size_t error_size) {
+    char folder[HUB_PATH_BYTES];
+    if (!hub_folder(folder, error, error_size) || !hub_path(path, folder, name, "", error, error_size)) {
         return -1;
     }
-    if (!is_trusted(path)) {
-        (void)snprintf(error, error_size, "%s: the hub %s belongs to another user", name, path);
+    const bool is_there = access(path, F_OK) == 0;
+    if (is_there && !hub_folder_is_trusted(folder, error, error_size)) {
         return -1;
     }
     const int fd = can_hub_connect(path);

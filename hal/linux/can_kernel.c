@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/errqueue.h>
+#include <linux/net_tstamp.h>
 #include <net/if.h>
 #include <stdio.h>
 #include <string.h>
@@ -51,16 +53,18 @@ static bool set_filters(int fd, const can_selection_t *selection) {
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(selection->count * sizeof filter[0])) == 0;
 }
 
-/* Time stamps are the software's: those that candump writes. */
+/* Time stamps are the kernel's, which are those that candump writes, and the controller's where it has any. */
 static bool set_options(int fd, const can_selection_t *selection) {
     const can_err_mask_t errors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;
+    const unsigned stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
+                            SOF_TIMESTAMPING_RAW_HARDWARE;
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)) {
         (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as much as an ordinary user may have */
     }
     return set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) && set_filters(fd, selection) &&
            set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, selection->own) &&
            setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0 &&
-           set(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1) && set(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);
+           set(fd, SOL_SOCKET, SO_TIMESTAMPING, (int)stamps) && set(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);
 }
 
 int can_kernel_open(const char *name, const can_selection_t *selection, char error[], size_t error_size) {
@@ -87,16 +91,21 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
     return fd;
 }
 
+static int64_t ns_from(const struct timespec *time) {
+    return (int64_t)time->tv_sec * 1000000000 + time->tv_nsec;
+}
+
 static void read_notes(struct msghdr *message, can_kernel_notes_t *notes) {
     *notes = (can_kernel_notes_t){.own = (message->msg_flags & MSG_CONFIRM) != 0};
     for (struct cmsghdr *control = CMSG_FIRSTHDR(message); control != NULL; control = CMSG_NXTHDR(message, control)) {
         if (control->cmsg_level != SOL_SOCKET) {
             continue;
         }
-        if (control->cmsg_type == SO_TIMESTAMPNS) {
-            struct timespec stamp;
-            memcpy(&stamp, CMSG_DATA(control), sizeof stamp);
-            notes->unix_ns = (int64_t)stamp.tv_sec * 1000000000 + stamp.tv_nsec;
+        if (control->cmsg_type == SO_TIMESTAMPING) {
+            struct scm_timestamping stamps;
+            memcpy(&stamps, CMSG_DATA(control), sizeof stamps);
+            notes->unix_ns = ns_from(&stamps.ts[0]);
+            notes->hardware_ns = ns_from(&stamps.ts[2]);
         } else if (control->cmsg_type == SO_RXQ_OVFL) {
             memcpy(&notes->drops, CMSG_DATA(control), sizeof notes->drops);
             notes->has_drops = true;
@@ -107,7 +116,7 @@ static void read_notes(struct msghdr *message, can_kernel_notes_t *notes) {
 ssize_t can_kernel_receive(int fd, struct canfd_frame *packet, can_kernel_notes_t *notes) {
     union {
         struct cmsghdr header; /* for its alignment */
-        char bytes[CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t))];
+        char bytes[CMSG_SPACE(sizeof(struct scm_timestamping)) + CMSG_SPACE(sizeof(uint32_t))];
     } control;
     struct iovec data = {.iov_base = packet, .iov_len = sizeof *packet};
     struct msghdr message = {

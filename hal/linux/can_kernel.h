@@ -17,7 +17,7 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
 
 /* What the kernel says of a packet. */
 typedef struct {
-    int64_t unix_ns; /* 0: nothing */
+    int64_t unix_ns, hardware_ns; /* as can_reception_t; 0: nothing */
     bool own;
     bool has_drops;
     uint32_t drops; /* of this socket since it was opened, modulo 2^32 */

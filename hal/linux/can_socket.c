@@ -118,7 +118,8 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
             count_kernel_drops(self, notes.drops);
         }
         if (take(self, &packet, bytes, frame)) {
-            *reception = (can_reception_t){.unix_ns = notes.unix_ns, .own = notes.own};
+            *reception = (can_reception_t){
+                .unix_ns = notes.unix_ns, .hardware_ns = notes.hardware_ns, .own = notes.own};
             return true;
         }
     }

@@ -9,9 +9,9 @@
 #include <stdint.h>
 
 #include "../../firmware/can_frame.h"
+#include "../../host_tools/hub/hub_path.h"
 
 #define CAN_SOCKET_NAME_BYTES 16 /* IFNAMSIZ */
-#define CAN_SOCKET_PATH_BYTES 108 /* of sockaddr_un */
 
 typedef struct {
     uint64_t received, sent;
@@ -26,7 +26,7 @@ typedef struct {
 typedef struct {
     const char *program; /* for what is told on stderr */
     char name[CAN_SOCKET_NAME_BYTES];
-    char hub_path[CAN_SOCKET_PATH_BYTES]; /* "": the kernel's interface */
+    char hub_path[HUB_PATH_BYTES]; /* "": the kernel's interface */
     int fd;                               /* to wait for; negative: the hub is gone */
     bool lost;                            /* told, and not yet back */
     uint32_t kernel_drops;                /* the kernel's count, as last seen */
@@ -35,7 +35,8 @@ typedef struct {
 } can_socket_t;
 
 typedef struct {
-    int64_t unix_ns; /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0: a hub has none */
+    int64_t unix_ns;     /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0: a hub has none */
+    int64_t hardware_ns; /* the controller's, by a clock of its own; 0: it has none */
     bool own;        /* sent by this very socket */
 } can_reception_t;
 

@@ -14,13 +14,15 @@
 static const char usage[] =
     "comanip-firmware: the firmware as a process of its own on a CAN bus\n"
     "\n"
-    "usage: build/linux/comanip-firmware --can NAME [--profile fd|classic] [--slow N]\n"
-    "       make run-firmware CAN=NAME\n"
+    "usage: build/linux/comanip-firmware --can NAME [--profile fd|classic] [--slow N] [--parameters FILE]\n"
+    "       make run-firmware CAN=NAME PARAMETERS=FILE\n"
     "\n"
     "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; without it, the hub of this name\n"
     "  --profile P  fd: CAN FD, control at 1 kHz (default); classic: classic CAN, control at 250 Hz. The plant needs the same\n"
     "  --slow N     time scale: a tick lasts N ms while the firmware's clock advances by 1 ms, 1 (default) to 1000; give\n"
     "               the plant the same\n"
+    "  --parameters FILE  where `comanip param save` puts the parameters, and from where they come at the start; without it\n"
+    "               they are the defaults, and cannot be saved\n"
     "  -h, --help   this text\n"
     "\n"
     "Ends on SIGINT or SIGTERM. exit status: 0 ended so, 1 panic, 2 wrong use\n";
@@ -43,18 +45,24 @@ int main(int argc, char *argv[]) {
         !run_options_take_profile(&profile, &argc, argv, error, sizeof error)) {
         return complain(error);
     }
-    if (argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
-        (void)fputs(usage, stdout);
-        return EXIT_SUCCESS;
-    }
-    if (argc > 1) {
-        (void)snprintf(error, sizeof error, "'%.100s': no such option; --help lists them", argv[1]);
-        return complain(error);
+    const char *parameters = NULL;
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            (void)fputs(usage, stdout);
+            return EXIT_SUCCESS;
+        }
+        if (!run_options_is("--parameters", argc, argv, &i, &parameters)) {
+            (void)snprintf(error, sizeof error, "'%.100s': no such option; --help lists them", argv[i]);
+            return complain(error);
+        }
+        if (parameters == NULL || parameters[0] == '\0') {
+            return complain("--parameters '': expected the name of a file");
+        }
     }
     if (options.can == NULL) {
         return complain("expected --can NAME, for example --can vcan0; --help says more");
     }
-    if (!port_open(options.can, profile, options.slow, error, sizeof error)) {
+    if (!port_open(options.can, profile, options.slow, parameters, error, sizeof error)) {
         return complain(error);
     }
     firmware_main();

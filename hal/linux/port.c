@@ -8,7 +8,9 @@
 #include "../../firmware/can_transport.h"
 #include "../hal.h"
 #include "can_socket.h"
+#include "hardware_clock.h"
 #include "pace.h"
+#include "store.h"
 #include "watchdog.h"
 
 #define PROGRAM "comanip-firmware"
@@ -22,6 +24,8 @@ static struct {
     pace_t pace;
     uint64_t ticks;
     uint64_t told_overruns;
+    hardware_clock_t hardware_clock;
+    bool has_told_stamps;
     int64_t empty_ns; /* the last tick at which nothing was left to receive: what comes later came later */
 } port;
 
@@ -32,7 +36,10 @@ static void on_stop(int signal_number) {
     stopped = 1;
 }
 
-bool port_open(const char *can, can_profile_t profile, uint32_t slow, char error[], size_t error_size) {
+bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[], size_t error_size) {
+    if (parameters != NULL && !store_open(PROGRAM, parameters, error, error_size)) {
+        return false;
+    }
     uint16_t ids[TRANSPORT_MAX_IDS];
     const can_selection_t selection = {
         .ids = ids, .count = transport_ids_to_firmware(profile, ids), .classic = profile == CAN_PROFILE_CLASSIC};
@@ -48,6 +55,7 @@ void hal_init(void) {
     const struct sigaction action = {.sa_handler = on_stop};
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
+    store_start(); /* before this thread has a priority that the store's would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
     pace_init(&port.pace, (uint32_t)port.pace.slow); /* the time that the start took is no overrun */
@@ -83,15 +91,35 @@ bool hal_wait_tick(uint32_t *now_us) {
 
 /* A hub tells no time: then the frame counts as received when it may have come at the earliest, so that none looks
  * fresher than it is. */
+static int64_t time_of_reception_ns(const can_reception_t *reception) {
+    if (reception->unix_ns == 0) {
+        return port.empty_ns;
+    }
+    const int64_t kernel_ns = pace_stamp_unix_ns(&port.pace, reception->unix_ns);
+    return reception->hardware_ns == 0 ? kernel_ns
+                                       : hardware_clock_map(&port.hardware_clock, reception->hardware_ns, kernel_ns);
+}
+
+/* Of the first frame: what the bus offers does not change. */
+static void tell_stamps(const can_reception_t *reception) {
+    if (!port.has_told_stamps) {
+        port.has_told_stamps = true;
+        (void)printf(PROGRAM ": times of reception: %s\n",
+                     reception->hardware_ns != 0 ? "the CAN controller's"
+                     : reception->unix_ns != 0   ? "the kernel's, for the CAN controller tells none"
+                                                 : "when it was looked last, for a hub tells none");
+        (void)fflush(stdout);
+    }
+}
+
 bool hal_can_receive(can_frame_t *frame) {
     can_reception_t reception;
     if (!can_socket_receive(&port.can, frame, &reception)) {
         port.empty_ns = port.pace.tick_ns;
         return false;
     }
-    const bool has_stamp = reception.unix_ns != 0;
-    frame->timestamp_us = pace_clock_us(
-        &port.pace, has_stamp ? pace_stamp_unix_ns(&port.pace, reception.unix_ns) : port.empty_ns);
+    tell_stamps(&reception);
+    frame->timestamp_us = pace_clock_us(&port.pace, time_of_reception_ns(&reception));
     return true;
 }
 

@@ -6,9 +6,7 @@
 
 #include "pace.h"
 
-/* The value after `name`, as "--name value" or "--name=value"; moves *index to the last argument used. False: it is not
- * this option; *value is NULL if the option has none. */
-static bool is_option(const char *name, int argc, char *argv[], int *index, const char **value) {
+bool run_options_is(const char *name, int argc, char *argv[], int *index, const char **value) {
     const size_t length = strlen(name);
     const char *argument = argv[*index];
     if (strncmp(argument, name, length) != 0 || (argument[length] != '\0' && argument[length] != '=')) {
@@ -34,13 +32,13 @@ bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[]
     int left = 1;
     for (int i = 1; i < *argc; i++) {
         const char *value = NULL;
-        if (is_option("--can", *argc, argv, &i, &value)) {
+        if (run_options_is("--can", *argc, argv, &i, &value)) {
             self->can = value;
             if (value == NULL || value[0] == '\0') {
                 (void)snprintf(error, error_size, "--can '': expected the name of a CAN interface, for example vcan0");
                 return false;
             }
-        } else if (is_option("--slow", *argc, argv, &i, &value)) {
+        } else if (run_options_is("--slow", *argc, argv, &i, &value)) {
             if (value == NULL || !read_slow(value, &self->slow)) {
                 (void)snprintf(error, error_size, "--slow '%.100s': expected a whole number from 1 to %u",
                                value != NULL ? value : "", PACE_SLOW_MAX);
@@ -59,7 +57,7 @@ bool run_options_take_profile(can_profile_t *profile, int *argc, char *argv[], c
     int left = 1;
     for (int i = 1; i < *argc; i++) {
         const char *value = NULL;
-        if (!is_option("--profile", *argc, argv, &i, &value)) {
+        if (!run_options_is("--profile", *argc, argv, &i, &value)) {
             argv[left++] = argv[i];
             continue;
         }

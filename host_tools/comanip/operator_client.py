@@ -17,6 +17,7 @@ from comanip.frame import database, decode
 
 ATTEMPTS = 5
 ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
+SAVE_S = 2.0  # but this only when the record is in the store, which may be a slow card
 ACCEPTED = "accepted"
 
 
@@ -33,7 +34,8 @@ _WHY = {
     "tracker_stale": " (the arm holds, for the hand's poses have stopped)",
     "fault_present": " (the cause of the fault is still there: `comanip monitor` shows it)",
     "out_of_range": " (docs/bus.md and `comanip param list` have the ranges)",
-    "not_supported": " (this firmware's port has no memory that outlasts its power)",
+    "not_supported": " (this firmware has no store: its port has none, or, on Linux, it runs without --parameters FILE)",
+    "store_failed": " (the firmware's port could not write; what was saved before is still there. Its console says why)",
 }
 
 
@@ -91,24 +93,25 @@ class OperatorClient:
             raise ToolError(f"{parameter}: accepted as {wanted:g}, but reads back as {found:g}")
 
     def save(self) -> None:
-        """All parameters, for the next boot."""
-        answer = self._access("save", parameter_names()[0], 0.0)
+        """All parameters, for the next boot: when this returns, they outlast a loss of power."""
+        answer = self._access("save", parameter_names()[0], 0.0, max(SAVE_S, self._answer_s))
         if answer.result != ACCEPTED:
             raise RefusedError("save", answer.result)
 
     # ---- one request and its answer
 
-    def _access(self, operation: str, parameter: str, value: float) -> ParameterAnswer:
+    def _access(self, operation: str, parameter: str, value: float, answer_s: float | None = None) -> ParameterAnswer:
         signals = {"operation": operation, "parameter": parameter, "value": value}
-        answer = self._request("ParameterAccess", signals, "ParameterValue", {"parameter": parameter})
+        answer = self._request("ParameterAccess", signals, "ParameterValue", {"parameter": parameter}, answer_s)
         return ParameterAnswer(answer["value"], str(answer["result"]))
 
-    def _request(self, request: str, signals: dict, answer: str, expected: dict) -> dict:
+    def _request(self, request: str, signals: dict, answer: str, expected: dict, answer_s: float | None = None) -> dict:
+        answer_s = self._answer_s if answer_s is None else answer_s
         self._sequence = self._sequence % 255 + 1  # 0 is the boot announcement's
         wanted = expected | {"sequence": self._sequence}
         for _ in range(self._attempts):
             self._bus.send(request, signals | {"sequence": self._sequence})
-            deadline_s = time.monotonic() + self._answer_s
+            deadline_s = time.monotonic() + answer_s
             while (frame := self._bus.receive_until(deadline_s)) is not None or time.monotonic() < deadline_s:
                 if frame is None or frame.name != answer:
                     continue
@@ -116,5 +119,5 @@ class OperatorClient:
                 if found and all(found[name] == value for name, value in wanted.items()):
                     return found
         raise ToolError(
-            f"{request}: no {answer} in {self._attempts} attempts of {1000 * self._answer_s:g} ms: does the firmware run on this bus?"
+            f"{request}: no {answer} in {self._attempts} attempts of {1000 * answer_s:g} ms: does the firmware run on this bus?"
         )

@@ -6,6 +6,7 @@
 #include "comanip_build_hash.h"
 #include "replay_inbox.h"
 #include "replay_log.h"
+#include "replay_store.h"
 
 uint64_t replay_build_hash(void) {
     return COMANIP_BUILD_HASH;
@@ -24,7 +25,7 @@ void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const 
     replay_log_index(self);
     self->tick_place = replay_stream_of_kind(self, FRAME_TICK_TRACE)->cursor;
     self->boots = 1;
-    controller_init(&self->controller, arm, profile);
+    replay_boot(self, arm);
 }
 
 /* ---- differences */
@@ -87,8 +88,14 @@ static bool is_reboot(replay_t *self) {
 static void step(replay_t *self, const tick_trace_t *trace) {
     self->controller = self->before;
     replay_stamp_inbox(self, trace);
+    self->inbox.save_over = false;
     self->received = self->inbox; /* the step makes messages of it */
     controller_step(&self->controller, trace->now_us, &self->received, &self->outbox);
+    if (replay_ends_save(self)) {
+        self->controller = self->before;
+        self->received = self->inbox;
+        controller_step(&self->controller, trace->now_us, &self->received, &self->outbox);
+    }
 }
 
 /* The firmware sends the TickTrace with these parts. */
@@ -155,7 +162,7 @@ static void replay_tick(replay_t *self) {
     }
     if (is_reboot(self)) {
         find_unsent(self, self->former_tick_place);
-        controller_init(&self->controller, self->controller.arm, self->profile);
+        replay_boot(self, self->controller.arm);
         self->boots++;
     }
     self->before = self->controller;

@@ -1,5 +1,7 @@
 /* The firmware again, fed with a recorded bus: what each of its ticks had consumed stands in that tick's TickTrace.
  *
+ * The parameters at boot, which may be stored ones, are those of its announcement; how a saving ended is in its answer.
+ *
  * The log's own times are not used, for they are another clock's than the firmware's (the simulator's log apart). What the
  * firmware makes of a frame's time of reception is in the trace:
  *   hand_age_us     A HandPose is stamped now - hand_age: whatever its true stamp was, the tracker's clock offset and the

@@ -69,7 +69,7 @@ def set_(
     name: Name, value: Annotated[float, typer.Argument(help="SI units; a negative one after --", show_default=False)],
     interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
 ) -> None:  # fmt: skip
-    """Write one parameter, and read it back. The arm must be at rest. Lost at the next boot."""
+    """Write one parameter, and read it back. The arm must be at rest. Lost at the next boot unless saved."""
     _require_name(name)
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).write(name, value)
@@ -78,7 +78,10 @@ def set_(
 
 @app.command(epilog=examples("comanip param save"))
 def save(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
-    """Have the firmware keep all parameters for its next boot. No port of it can do so yet: it says not_supported."""
+    """Have the firmware keep all parameters for its next boot. The arm must be at rest.
+
+    Where the firmware has no store it says not_supported: on Linux it keeps them in the file of --parameters.
+    """
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).save()
-    console().print("saved")
+    console().print("saved: the firmware begins with these parameters at its next boot")

@@ -1,0 +1,72 @@
+#include "parameter_store.h"
+
+#include <string.h>
+
+#define MAGIC 0x504E4D43u /* "CMNP" */
+#define LAYOUT_AT 4
+#define VALUES_AT 8
+#define CRC_AT (PARAMETER_STORE_BYTES - 4)
+
+_Static_assert(sizeof(float) == sizeof(uint32_t), "float is not float32");
+
+static uint32_t crc32(uint32_t crc, const uint8_t bytes[], size_t length) {
+    crc = ~crc;
+    for (size_t i = 0; i < length; i++) {
+        crc ^= bytes[i];
+        for (int bit = 0; bit < 8; bit++) {
+            crc = (crc >> 1) ^ (0xEDB88320u & (0u - (crc & 1u)));
+        }
+    }
+    return ~crc;
+}
+
+static uint32_t layout(void) {
+    uint32_t crc = 0;
+    for (int i = 0; i < PARAMETER_COUNT; i++) {
+        crc = crc32(crc, (const uint8_t *)parameter_table[i].name, strlen(parameter_table[i].name) + 1u);
+    }
+    return crc;
+}
+
+static void put(uint8_t bytes[4], uint32_t value) {
+    for (int i = 0; i < 4; i++) {
+        bytes[i] = (uint8_t)(value >> 8 * i);
+    }
+}
+
+static uint32_t get(const uint8_t bytes[4]) {
+    uint32_t value = 0;
+    for (int i = 0; i < 4; i++) {
+        value |= (uint32_t)bytes[i] << 8 * i;
+    }
+    return value;
+}
+
+void parameter_store_encode(const parameters_t *parameters, uint8_t record[PARAMETER_STORE_BYTES]) {
+    put(record, MAGIC);
+    put(&record[LAYOUT_AT], layout());
+    for (int i = 0; i < PARAMETER_COUNT; i++) {
+        uint32_t bits;
+        memcpy(&bits, &parameters->value[i], sizeof bits);
+        put(&record[VALUES_AT + 4 * i], bits);
+    }
+    put(&record[CRC_AT], crc32(0, record, CRC_AT));
+}
+
+bool parameter_store_decode(const uint8_t record[], size_t length, parameters_t *parameters) {
+    if (length != PARAMETER_STORE_BYTES || get(record) != MAGIC || get(&record[LAYOUT_AT]) != layout() ||
+        get(&record[CRC_AT]) != crc32(0, record, CRC_AT)) {
+        return false;
+    }
+    parameters_t stored;
+    for (uint8_t i = 0; i < PARAMETER_COUNT; i++) {
+        const uint32_t bits = get(&record[VALUES_AT + 4 * i]);
+        float value;
+        memcpy(&value, &bits, sizeof value);
+        if (parameters_set(&stored, i, value) != RESULT_ACCEPTED) {
+            return false;
+        }
+    }
+    *parameters = stored;
+    return true;
+}

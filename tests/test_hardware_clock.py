@@ -1,0 +1,110 @@
+"""A controller's time stamps brought to the kernel's clock: the true times are known here, since they are made here."""
+
+from __future__ import annotations
+
+import subprocess
+
+import cffi
+import numpy as np
+import pytest
+from simulation import REPOSITORY
+
+PERIOD_NS = 250_000  # 4,000 frames a second
+START_NS = 1_700_000_000_000_000_000  # of the kernel's clock, Unix time
+HEADER = REPOSITORY / "hal" / "linux" / "hardware_clock.h"
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hardware_clock")
+    for name in ("stdint.h", "stdbool.h"):
+        (folder / name).touch()
+    text = subprocess.run(["gcc", "-E", "-P", "-nostdinc", f"-I{folder}", HEADER], check=True, capture_output=True, text=True).stdout
+    flags = ["-std=c11", "-O1", "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
+    subprocess.run(["gcc", *flags, HEADER.with_suffix(".c"), "-o", folder / "clock.so"], check=True)
+    ffi = cffi.FFI()
+    ffi.cdef(text)
+    return ffi, ffi.dlopen(str(folder / "clock.so"))
+
+
+def mapped(library, hardware_ns, kernel_ns) -> np.ndarray:
+    ffi, lib = library
+    clock = ffi.new("hardware_clock_t *")
+    pairs = zip(hardware_ns, kernel_ns, strict=True)
+    return np.array([lib.hardware_clock_map(clock, int(hardware), int(kernel)) for hardware, kernel in pairs])
+
+
+def delays_ns(rng, count: int) -> np.ndarray:
+    """Of an interrupt: 20 us at least, some 50 us more, now and then a millisecond, and each second a pause of 8 ms."""
+    delays = 20_000 + rng.exponential(50_000, count)
+    delays += np.where(rng.random(count) < 0.01, rng.uniform(0, 1_000_000, count), 0)
+    place = np.arange(count) * PERIOD_NS % 1_000_000_000
+    return np.maximum(delays, np.where(place < 8_000_000, 8_000_000 - place, 0)).astype(np.int64)
+
+
+def bus(rng, seconds: float, ppm: float = 0.0, hardware_start_ns: int = 12_345) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """True times of the frames by the kernel's clock, both kinds of stamps."""
+    count = int(seconds * 1e9 / PERIOD_NS)
+    true = START_NS + np.arange(count, dtype=np.int64) * PERIOD_NS
+    hardware = hardware_start_ns + ((true - START_NS) * (1 + 1e-6 * ppm)).astype(np.int64)
+    kernel = np.maximum.accumulate(true + delays_ns(rng, count))  # it serves them in their order
+    return true, hardware, kernel
+
+
+SETTLED = 400  # frames: 100 ms
+
+
+@pytest.mark.parametrize("ppm", [0, 20, 100, -100, 500, -500])
+def test_jitter_is_taken_out_and_drift_followed(library, rng, ppm):
+    """No more than 0.1 ms is left, the least delay included, where the kernel's stamps are up to 8 ms late."""
+    true, hardware, kernel = bus(rng, 20, ppm)
+    late = (mapped(library, hardware, kernel) - true)[SETTLED:]
+    assert (kernel - true).max() >= 7_000_000
+    assert np.percentile(kernel - true, 99) > 500_000
+    assert abs(late).max() < 100_000
+    assert late.std() < 0.2 * (kernel - true).std()
+
+
+def test_no_frame_looks_later_than_the_kernel_saw_it(library, rng):
+    _, hardware, kernel = bus(rng, 5, -300)
+    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # nonsense as well
+    assert (mapped(library, hardware, kernel) <= kernel).all()
+
+
+@pytest.mark.parametrize("step_ns", [-(10**12), -(2**32) * 1000, -(2**56), 10**9, 3600 * 10**9])
+def test_a_counter_that_wraps_or_is_set(library, rng, step_ns):
+    """As after 2^32 us, or a restart of the controller: the frames keep their times."""
+    true, hardware, kernel = bus(rng, 4, 50, hardware_start_ns=2**57)
+    half = len(true) // 2
+    hardware[half:] += step_ns
+    late = mapped(library, hardware, kernel) - true
+    assert (late <= kernel - true).all()
+    assert abs(np.concatenate((late[SETTLED:half], late[half + SETTLED :]))).max() < 100_000
+
+
+@pytest.mark.parametrize("step_ns", [10**9, -(10**9), 10**12, -(10**12)])
+def test_a_kernels_clock_that_is_set(library, rng, step_ns):
+    true, hardware, kernel = bus(rng, 4)
+    half = len(true) // 2
+    true[half:] += step_ns
+    kernel[half:] += step_ns
+    late = mapped(library, hardware, kernel) - true
+    assert abs(np.concatenate((late[SETTLED:half], late[half + SETTLED :]))).max() < 100_000
+
+
+def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
+    """As of a frame that was stamped just when the clock was set back."""
+    true, hardware, kernel = bus(rng, 2)
+    kernel[4000] -= 10**12
+    late = mapped(library, hardware, kernel) - true
+    assert abs(late[4000 + SETTLED :]).max() < 100_000
+
+
+def test_a_pause_of_the_bus(library, rng):
+    """An hour without frames, in which the clocks drifted apart by 0.4 s."""
+    true, hardware, kernel = bus(rng, 2)
+    half = len(true) // 2
+    true[half:], kernel[half:] = true[half:] + 3600 * 10**9, kernel[half:] + 3600 * 10**9
+    hardware[half:] += 3600 * 10**9 - 400_000_000
+    late = mapped(library, hardware, kernel) - true
+    assert abs(late[half + SETTLED :]).max() < 100_000

@@ -1,0 +1,311 @@
+"""The firmware's parameters in a file of the Linux port: saved, found again after a restart, whole after any interruption, and
+refused in words where they cannot be saved."""
+
+from __future__ import annotations
+
+import contextlib
+import resource
+import signal
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from bus_log import DBC
+from comanip.bus import BusAddress, open_bus
+from comanip.errors import ToolError
+from comanip.operator_client import OperatorClient, RefusedError
+from comanip_command import COMANIP, WRONG_USE, call
+from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool
+from live import FIRMWARE, INTERFACE, Bus, has_kernel_can
+from simulation import REPOSITORY
+from test_comanip_on_a_hub import comanip
+from test_parameter_store import BYTES, DEFAULTS, NAMES, record
+from test_two_processes import PLAIN
+
+pytestmark = pytest.mark.skipif(has_kernel_can(), reason="the bus has no part in it: tried on a hub")
+
+SLOW = 5
+SCALE = NAMES.index("motion_scale")
+KILLED_BY_LIMIT = -signal.SIGXFSZ
+
+
+def with_scale(value: float) -> bytes:
+    return record([value if i == SCALE else default for i, default in enumerate(DEFAULTS)])
+
+
+@pytest.fixture(scope="module")
+def hub():
+    with running("--socketcand", "0") as hub_:
+        yield hub_
+
+
+@pytest.fixture
+def file(tmp_path) -> Path:
+    return tmp_path / "parameters"
+
+
+@contextlib.contextmanager
+def operator(hub: Hub, **options):
+    with open_bus(BusAddress("socketcand", hub.bus, "127.0.0.1", hub.port)) as bus:
+        yield OperatorClient(bus, **options)
+
+
+@contextlib.contextmanager
+def firmware(hub: Hub, *arguments: object):
+    """With an operator's client, past the boot."""
+    with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, *arguments) as process:
+        with operator(hub, attempts=PATIENCE_S, answer_s=1.0) as client:
+            client.read("motion_scale")
+            yield process, client
+
+
+def end(process: Tool) -> str:
+    process.process.send_signal(signal.SIGTERM)
+    text = process.wait()
+    assert process.process.returncode == 0, text
+    return text
+
+
+# ---- kept
+
+
+def test_saved_killed_and_found_again(hub, file):
+    with firmware(hub, "--parameters", file) as (process, client):
+        assert client.read("motion_scale") == 1
+        client.write("motion_scale", 0.5)
+        assert not file.exists(), "writing is not saving"
+        done = comanip(hub, "socketcand", "param", "save")
+        assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("saved: "), done
+        assert file.read_bytes() == with_scale(0.5)
+        assert [path.name for path in file.parent.iterdir()] == [file.name], "nothing else is left"
+        process.process.kill()
+        process.wait()
+        assert f"comanip-firmware: parameters: {file} is not there yet, defaults\n" in process.text()
+    with firmware(hub, f"--parameters={file}") as (process, client):
+        assert client.read("motion_scale") == 0.5
+        assert client.read("damping") == DEFAULTS[NAMES.index("damping")]
+        client.write("motion_scale", 0.25)
+        client.save()
+        assert f"comanip-firmware: parameters of {file}, {BYTES} bytes\n" in end(process)
+    assert file.read_bytes() == with_scale(0.25)
+
+
+def test_without_a_file_there_is_no_store(hub, tmp_path):
+    with firmware(hub) as (process, client):
+        with pytest.raises(RefusedError, match=r"save: refused: not_supported \(.*--parameters FILE"):
+            client.save()
+        end(process)
+
+
+@pytest.mark.parametrize("profile", ["fd", "classic"])
+def test_a_run_with_stored_parameters_replays(tmp_path, profile):
+    """Firmware with a store and plant; saved once more on the way."""
+    (tmp_path / "parameters").write_bytes(with_scale(0.75))
+    with Bus(tmp_path, SLOW, profile) as bus:
+        plant = bus.plant("--scenario", PLAIN, "--duration", 3)
+        bus.wait(lambda: "waits for the firmware" in bus.told("plant.out") or plant.poll() is not None, "the plant")
+        bus.firmware("firmware", FIRMWARE, "--parameters", tmp_path / "parameters")
+        bus.wait(lambda: bus.since(0, "ParameterValue"), "the boot")
+        save = [WITH_CAN, COMANIP, "param", "save", "-c", INTERFACE]
+        saved = subprocess.run(save, env=bus.environment, capture_output=True, text=True, check=False)
+        bus.wait(lambda: plant.poll() is not None, "the plant's end")
+    assert saved.returncode == 0 or "wrong_mode" in saved.stderr, "the plant's operator may have started before"
+    values = {}
+    for frame in bus.since(0, "ParameterValue"):
+        told = frame.decode()
+        values.setdefault(str(told["parameter"]), told["value"])
+    assert values["motion_scale"] == 0.75
+    replayed = call("replay", tmp_path / "plant" / "bus.log")
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
+# ---- not valid
+
+
+def boot_results(hub: Hub, file: Path) -> tuple[set[str], dict[str, float]]:
+    """What the boot announcement says: its results, and the values."""
+    values, results = {}, set()
+    with hub.connect() as tap, tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--parameters", file):
+        while len(values) < len(NAMES):
+            packet = tap.recv(72)
+            frame_id, length = struct.unpack_from("=IB", packet)
+            if frame_id == DBC.get_message_by_name("ParameterValue").frame_id:
+                told = DBC.decode_message(frame_id, packet[8 : 8 + length])
+                values[str(told["parameter"])] = told["value"]
+                results.add(str(told["result"]))
+    return results, values
+
+
+def test_a_valid_record_is_announced_as_accepted(hub, file):
+    file.write_bytes(with_scale(0.5))
+    results, values = boot_results(hub, file)
+    assert (results, values["motion_scale"]) == ({"accepted"}, 0.5)
+
+
+INVALID = {
+    "empty": b"",
+    "truncated": with_scale(0.5)[:-1],
+    "one bit": bytes([*with_scale(0.5)[:100], with_scale(0.5)[100] ^ 0x20, *with_scale(0.5)[101:]]),
+    "out of range": with_scale(1e6),
+    "another layout": record(DEFAULTS, ["renamed", *NAMES[1:]]),
+    "longer": with_scale(0.5) + bytes(9000),
+    "text": b"motion_scale = 0.5\n",
+}
+
+
+@pytest.mark.parametrize("kind", INVALID)
+def test_an_invalid_record_gives_defaults_and_is_told_on_the_bus(hub, file, kind):
+    file.write_bytes(INVALID[kind])
+    results, values = boot_results(hub, file)
+    assert results == {"store_failed"}
+    assert list(values.values()) == pytest.approx(DEFAULTS, rel=1e-6)
+    with firmware(hub, "--parameters", file) as (process, client):
+        client.write("motion_scale", 0.5)
+        client.save()
+        end(process)
+    assert file.read_bytes() == with_scale(0.5), "a saving mends it"
+
+
+# ---- interrupted
+
+
+def is_whole(file: Path, *scales: float) -> bool:
+    return file.read_bytes() in [with_scale(scale) for scale in scales]
+
+
+@pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, BYTES - 1])
+def test_killed_within_the_write(hub, file, bytes_written):
+    """The kernel kills the process at the byte after these (RLIMIT_FSIZE). Then a firmware boots and saves as if nothing were."""
+    file.write_bytes(with_scale(0.5))
+    with firmware(hub, "--parameters", file) as (process, client):
+        client.write("motion_scale", 0.25)
+        resource.prlimit(process.process.pid, resource.RLIMIT_FSIZE, (bytes_written, bytes_written))
+        with pytest.raises(ToolError, match="no ParameterValue"):
+            with operator(hub, attempts=1) as impatient:
+                impatient.save()
+        process.wait()
+        assert process.process.returncode == KILLED_BY_LIMIT
+    assert file.read_bytes() == with_scale(0.5)
+    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "it was killed there"
+    with firmware(hub, "--parameters", file) as (process, client):
+        assert client.read("motion_scale") == 0.5
+        client.write("motion_scale", 2)
+        client.save()
+        end(process)
+    assert [path.name for path in file.parent.iterdir()] == [file.name]
+    assert is_whole(file, 2)
+
+
+
+
+WRITER = """
+#include <string.h>
+#include "hal/linux/record_file.h"
+int main(int argc, char *argv[]) {
+    char record[20000];
+    (void)argc;
+    for (int i = 0; ; i++) {
+        const size_t length = i % 2 == 0 ? 20000 : 10000;
+        memset(record, i % 2 == 0 ? 'a' : 'b', length);
+        if (!record_file_write(argv[1], record, length)) { return 1; }
+    }
+}
+"""
+
+
+def test_killed_at_any_moment(tmp_path, rng):
+    """A process that does nothing but write two records in turn; each time it is killed, one of them is there as a whole."""
+    source, program, path = tmp_path / "writer.c", tmp_path / "writer", tmp_path / "records" / "record"
+    source.write_text(WRITER)
+    path.parent.mkdir()
+    flags = ["-std=c11", "-D_DEFAULT_SOURCE", "-D_POSIX_C_SOURCE=200809L", f"-I{REPOSITORY}"]
+    subprocess.run(["gcc", *flags, source, REPOSITORY / "hal/linux/record_file.c", "-o", program], check=True)
+    found, interrupted = set(), 0
+    for _ in range(100):
+        with subprocess.Popen([program, path]) as writer:
+            while not path.exists():
+                assert writer.poll() is None
+            time.sleep(float(rng.uniform(0, 0.01)))
+            writer.kill()
+        assert writer.returncode == -signal.SIGKILL
+        content = path.read_bytes()
+        assert content in (b"a" * 20000, b"b" * 10000)
+        found.add(content[:1])
+        interrupted += path.with_name("record.tmp").exists()
+    assert found == {b"a", b"b"}
+    assert interrupted > 10, "most of its time it is within a write"
+
+
+# ---- refused
+
+
+@contextlib.contextmanager
+def mounted(folder: Path):
+    """A disk of 64 KiB."""
+    folder.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", folder], capture_output=True, check=False).returncode != 0:
+        pytest.skip("only root can mount a small disk")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", folder], check=True)
+
+
+def require_refusal(hub: Hub, process: Tool, file: Path, cause: str) -> None:
+    """On the bus, by the command, on the firmware's console; and the firmware goes on."""
+    done = comanip(hub, "socketcand", "param", "save")
+    assert done.returncode == WRONG_USE
+    assert done.stderr.startswith("comanip: save: refused: store_failed (") and done.stderr.count("\n") == 1, done.stderr
+    wanted = f"comanip-firmware: parameters not saved: {file}: {cause}\n"
+    assert wanted in process.text()
+    assert file.read_bytes() == with_scale(0.5)
+    assert not file.with_name("parameters.tmp").exists()
+
+
+def test_full_and_read_only_disks(hub, tmp_path):
+    with mounted(tmp_path / "disk") as disk:
+        file, ballast = disk / "parameters", disk / "ballast"
+        file.write_bytes(with_scale(0.5))
+        with firmware(hub, "--parameters", file) as (process, client):
+            client.write("motion_scale", 0.25)
+            with contextlib.suppress(OSError), open(ballast, "wb", buffering=0) as full:
+                while full.write(bytes(4096)):
+                    pass
+            require_refusal(hub, process, file, "No space left on device")
+            ballast.unlink()
+            subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+            require_refusal(hub, process, file, "Read-only file system")
+            subprocess.run(["mount", "-o", "remount,rw", disk], check=True)
+            client.save()
+            assert file.read_bytes() == with_scale(0.25)
+            end(process)
+
+
+def test_a_file_that_cannot_be_written(hub, file):
+    """Here since a folder has the temporary file's name."""
+    file.write_bytes(with_scale(0.5))
+    file.with_name("parameters.tmp").mkdir()
+    with firmware(hub, "--parameters", file) as (process, client):
+        client.write("motion_scale", 0.25)
+        with pytest.raises(RefusedError, match="save: refused: store_failed"):
+            client.save()
+        assert f"comanip-firmware: parameters not saved: {file}: Is a directory\n" in process.text()
+        assert client.read("motion_scale") == 0.25, "in force all the same"
+        end(process)
+    assert file.read_bytes() == with_scale(0.5)
+
+
+@pytest.mark.parametrize(("path", "cause"), [("missing/parameters", "No such file or directory"), (".", "Is a directory")])
+def test_a_path_that_cannot_be_one_is_refused_at_the_start(hub, tmp_path, path, cause):
+    command = [FIRMWARE, "--can", hub.bus, "--parameters", tmp_path / path]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S, env=hub.environment)
+    assert (done.returncode, done.stdout) == (WRONG_USE, "")
+    assert done.stderr == f"comanip-firmware: --parameters '{tmp_path / path}': {cause}\n"
+
+
+@pytest.mark.parametrize("arguments", [["--parameters"], ["--parameters="], ["--parameters", ""]])
+def test_the_option_wants_a_file(arguments):
+    done = subprocess.run([FIRMWARE, "--can", "vcan0", *arguments], capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stderr) == (WRONG_USE, "comanip-firmware: --parameters '': expected the name of a file\n")
