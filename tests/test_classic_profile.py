@@ -182,6 +182,16 @@ def test_a_flipped_bit_is_reported_at_its_frame(eventful, rng, name):
     assert report.difference is not None and report.difference.place == place, report.difference
 
 
+def test_a_flipped_bit_after_the_last_tick_is_reported(eventful):
+    recorded = list(logs.read(eventful.log))
+    for place in range(len(recorded) - 40, len(recorded)):
+        data = bytearray(recorded[place].data)
+        data[-1] ^= 0x10
+        spoilt = [*recorded[:place], recorded[place]._replace(data=bytes(data)), *recorded[place + 1 :]]
+        if recorded[place].frame_id != ID["FirmwareHeartbeat"]:
+            assert replay(spoilt).difference.place == place
+
+
 def test_a_log_may_end_anywhere(eventful):
     recorded = list(logs.read(eventful.log))[:3000]
     for end in range(len(recorded) - 60, len(recorded)):

@@ -97,15 +97,18 @@ def _profile(frames: Sequence[Frame]) -> Profile:
     return Profile.CLASSIC if _first(frames, "ClassicTickTrace") and not _first(frames, "TickTrace") else Profile.FD
 
 
+def _is_damaged(frame: Frame) -> bool:
+    return bool(frame.message and data_id(frame.name) and not has_right_crc(frame))
+
+
 def _first_damaged(frames: Sequence[Frame]) -> int | None:
     """Place of the first frame between other nodes whose CRC is wrong: no replay can tell of it."""
     others = {
         message.frame_id
         for message in database().messages
-        if FIRMWARE not in message.senders and FIRMWARE not in message.receivers and data_id(message.name)
+        if FIRMWARE not in message.senders and FIRMWARE not in message.receivers
     }
-    wrong = (i for i, f in enumerate(frames) if f.frame_id in others and f.message and not has_right_crc(f))
-    return next(wrong, None)
+    return next((i for i, frame in enumerate(frames) if frame.frame_id in others and _is_damaged(frame)), None)
 
 
 class Replay:
@@ -153,7 +156,14 @@ class Replay:
         damaged, found = _first_damaged(self.frames), self._found()
         if damaged is not None and (found is None or damaged < found.place):
             return Difference("damaged: its CRC is wrong; it went past the firmware", damaged, self.frames[damaged])
-        return found
+        return found or self._damaged_at_the_end()
+
+    def _damaged_at_the_end(self) -> Difference | None:
+        """After the last tick that the log tells of."""
+        for place in range(self._state.former_tick_place, len(self.frames)):
+            if _is_damaged(self.frames[place]):
+                return Difference("damaged: its CRC is wrong; the log ends before a tick reads it", place, self.frames[place])
+        return None
 
     def _found(self) -> Difference | None:
         lib, state = self._lib, self._state
