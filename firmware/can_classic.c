@@ -83,6 +83,48 @@ static void decode_short_rotation(const rotation_code_t *code, int16_t *w, int16
 #define GET_ROTATION(raw, prefix)                                                                                    \
     {.smaller = {(raw).prefix##_a, (raw).prefix##_b, (raw).prefix##_c}, .largest = (raw).prefix##_largest}
 
+/* ---- messages of one frame with the same signals */
+
+#define COPY(signal) to.signal = from.signal;
+#define SAME_SIGNALS(name, SIGNALS, fits)                                                                            \
+    static bool split_##name(const message_t message, part_t part[]) {                                               \
+        FROM_MESSAGE(name, from);                                                                                    \
+        struct comanip_classic_##name##_t to = {0};                                                                  \
+        SIGNALS(COPY)                                                                                                \
+        TO_PART(name, to, 0);                                                                                        \
+        return fits;                                                                                                 \
+    }                                                                                                                \
+    static void join_##name(part_t part[], message_t message) {                                                      \
+        FROM_PART(name, from, 0);                                                                                    \
+        struct comanip_##name##_t to = {0};                                                                          \
+        SIGNALS(COPY)                                                                                                \
+        TO_MESSAGE(name, to);                                                                                        \
+    }
+
+#define OPERATION_MAX 15u
+
+#define FIRMWARE_STATUS_SIGNALS(X)                                                                                   \
+    X(mode) X(latched) X(stop_category) X(reason)                                                                    \
+    X(task) X(speed_limit_percent) X(rejected_frames)
+#define COMMAND_ACK_SIGNALS(X) X(result) X(command) X(sequence)
+#define PARAMETER_VALUE_SIGNALS(X) X(result) X(parameter) X(sequence) X(value)
+#define OPERATOR_COMMAND_SIGNALS(X) X(command) X(sequence) X(task)
+#define PARAMETER_ACCESS_SIGNALS(X) X(operation) X(parameter) X(sequence) X(value)
+#define GRIPPER_COMMAND_SIGNALS(X) X(action) X(sequence)
+#define GRIPPER_STATE_SIGNALS(X) X(state) X(sequence) X(opening_percent) X(force_n)
+#define CLEARANCE_SIGNALS(X)                                                                                         \
+    X(person_m) X(self_m) X(person_valid) X(self_valid) X(person)                                                    \
+    X(person_part) X(robot_part) X(arm_part) X(body_part)
+
+SAME_SIGNALS(firmware_status, FIRMWARE_STATUS_SIGNALS, true)
+SAME_SIGNALS(command_ack, COMMAND_ACK_SIGNALS, true)
+SAME_SIGNALS(parameter_value, PARAMETER_VALUE_SIGNALS, true)
+SAME_SIGNALS(operator_command, OPERATOR_COMMAND_SIGNALS, true)
+SAME_SIGNALS(parameter_access, PARAMETER_ACCESS_SIGNALS, from.operation <= OPERATION_MAX)
+SAME_SIGNALS(gripper_command, GRIPPER_COMMAND_SIGNALS, true)
+SAME_SIGNALS(gripper_state, GRIPPER_STATE_SIGNALS, true)
+SAME_SIGNALS(clearance, CLEARANCE_SIGNALS, true)
+
 /* ---- tracker */
 
 #define STAMP_LOW(t_us) (uint8_t)(((t_us) / CLASSIC_STAMP_STEP_US) & 0xFu)
@@ -228,22 +270,7 @@ static void join_joint_state(part_t part[], message_t message) {
 
 /* ---- operator */
 
-static bool split_operator_command(const message_t message, part_t part[]) {
-    FROM_MESSAGE(operator_command, from);
-    struct comanip_classic_operator_command_t to = {
-        .command = from.command, .sequence = from.sequence, .task = from.task};
-    TO_PART(operator_command, to, 0);
-    return true;
-}
-
-static void join_operator_command(part_t part[], message_t message) {
-    FROM_PART(operator_command, from, 0);
-    struct comanip_operator_command_t to = {.command = from.command, .sequence = from.sequence, .task = from.task};
-    TO_MESSAGE(operator_command, to);
-}
-
 #define FORM_MAX 15u
-#define OPERATION_MAX 15u
 
 static bool split_task_define(const message_t message, part_t part[]) {
     FROM_MESSAGE(task_define, from);
@@ -285,80 +312,7 @@ static void join_task_define(part_t part[], message_t message) {
     TO_MESSAGE(task_define, to);
 }
 
-static bool split_parameter_access(const message_t message, part_t part[]) {
-    FROM_MESSAGE(parameter_access, from);
-    struct comanip_classic_parameter_access_t to = {
-        .operation = from.operation, .parameter = from.parameter, .sequence = from.sequence, .value = from.value};
-    TO_PART(parameter_access, to, 0);
-    return from.operation <= OPERATION_MAX;
-}
-
-static void join_parameter_access(part_t part[], message_t message) {
-    FROM_PART(parameter_access, from, 0);
-    struct comanip_parameter_access_t to = {
-        .operation = from.operation, .parameter = from.parameter, .sequence = from.sequence, .value = from.value};
-    TO_MESSAGE(parameter_access, to);
-}
-
 /* ---- firmware */
-
-static bool split_firmware_status(const message_t message, part_t part[]) {
-    FROM_MESSAGE(firmware_status, from);
-    struct comanip_classic_firmware_status_t to = {
-        .mode = from.mode,
-        .latched = from.latched,
-        .stop_category = from.stop_category,
-        .reason = from.reason,
-        .task = from.task,
-        .speed_limit_percent = from.speed_limit_percent,
-        .rejected_frames = from.rejected_frames,
-    };
-    TO_PART(firmware_status, to, 0);
-    return true;
-}
-
-static void join_firmware_status(part_t part[], message_t message) {
-    FROM_PART(firmware_status, from, 0);
-    struct comanip_firmware_status_t to = {
-        .mode = from.mode,
-        .stop_category = from.stop_category,
-        .latched = from.latched,
-        .reason = from.reason,
-        .task = from.task,
-        .speed_limit_percent = from.speed_limit_percent,
-        .rejected_frames = from.rejected_frames,
-    };
-    TO_MESSAGE(firmware_status, to);
-}
-
-static bool split_command_ack(const message_t message, part_t part[]) {
-    FROM_MESSAGE(command_ack, from);
-    struct comanip_classic_command_ack_t to = {
-        .result = from.result, .command = from.command, .sequence = from.sequence};
-    TO_PART(command_ack, to, 0);
-    return true;
-}
-
-static void join_command_ack(part_t part[], message_t message) {
-    FROM_PART(command_ack, from, 0);
-    struct comanip_command_ack_t to = {.command = from.command, .sequence = from.sequence, .result = from.result};
-    TO_MESSAGE(command_ack, to);
-}
-
-static bool split_parameter_value(const message_t message, part_t part[]) {
-    FROM_MESSAGE(parameter_value, from);
-    struct comanip_classic_parameter_value_t to = {
-        .result = from.result, .parameter = from.parameter, .sequence = from.sequence, .value = from.value};
-    TO_PART(parameter_value, to, 0);
-    return true;
-}
-
-static void join_parameter_value(part_t part[], message_t message) {
-    FROM_PART(parameter_value, from, 0);
-    struct comanip_parameter_value_t to = {
-        .parameter = from.parameter, .sequence = from.sequence, .result = from.result, .value = from.value};
-    TO_MESSAGE(parameter_value, to);
-}
 
 #define BUILD_HASH_LOW_BITS 48
 #define BUILD_HASH_LOW_MASK (((uint64_t)1 << BUILD_HASH_LOW_BITS) - 1u)
@@ -449,77 +403,6 @@ static void join_tick_trace(part_t part[], message_t message) {
     const rotation_code_t code = GET_ROTATION(rotation, target);
     decode_short_rotation(&code, &to.target_qw, &to.target_qx, &to.target_qy, &to.target_qz);
     TO_MESSAGE(tick_trace, to);
-}
-
-/* ---- gripper and proximity sensor */
-
-static bool split_gripper_command(const message_t message, part_t part[]) {
-    FROM_MESSAGE(gripper_command, from);
-    struct comanip_classic_gripper_command_t to = {.action = from.action, .sequence = from.sequence};
-    TO_PART(gripper_command, to, 0);
-    return true;
-}
-
-static void join_gripper_command(part_t part[], message_t message) {
-    FROM_PART(gripper_command, from, 0);
-    struct comanip_gripper_command_t to = {.action = from.action, .sequence = from.sequence};
-    TO_MESSAGE(gripper_command, to);
-}
-
-static bool split_gripper_state(const message_t message, part_t part[]) {
-    FROM_MESSAGE(gripper_state, from);
-    struct comanip_classic_gripper_state_t to = {
-        .state = from.state,
-        .sequence = from.sequence,
-        .opening_percent = from.opening_percent,
-        .force_n = from.force_n,
-    };
-    TO_PART(gripper_state, to, 0);
-    return true;
-}
-
-static void join_gripper_state(part_t part[], message_t message) {
-    FROM_PART(gripper_state, from, 0);
-    struct comanip_gripper_state_t to = {
-        .sequence = from.sequence,
-        .state = from.state,
-        .opening_percent = from.opening_percent,
-        .force_n = from.force_n,
-    };
-    TO_MESSAGE(gripper_state, to);
-}
-
-static bool split_clearance(const message_t message, part_t part[]) {
-    FROM_MESSAGE(clearance, from);
-    struct comanip_classic_clearance_t to = {
-        .person_m = from.person_m,
-        .self_m = from.self_m,
-        .person_valid = from.person_valid,
-        .self_valid = from.self_valid,
-        .person = from.person,
-        .person_part = from.person_part,
-        .robot_part = from.robot_part,
-        .arm_part = from.arm_part,
-        .body_part = from.body_part,
-    };
-    TO_PART(clearance, to, 0);
-    return true;
-}
-
-static void join_clearance(part_t part[], message_t message) {
-    FROM_PART(clearance, from, 0);
-    struct comanip_clearance_t to = {
-        .person_m = from.person_m,
-        .self_m = from.self_m,
-        .person_valid = from.person_valid,
-        .self_valid = from.self_valid,
-        .person = from.person,
-        .person_part = from.person_part,
-        .robot_part = from.robot_part,
-        .arm_part = from.arm_part,
-        .body_part = from.body_part,
-    };
-    TO_MESSAGE(clearance, to);
 }
 
 /* ---- which message is which frames */

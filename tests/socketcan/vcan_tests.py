@@ -85,25 +85,33 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
         os.close(master)
 
 
+def record_run(bus: Bus, *logger_options: str) -> int:
+    """candump and python-can's logger listen from before the firmware's boot to after the plant's end. Gives the plant's
+    status."""
+    with open(bus.folder / "candump.log", "w") as log:
+        candump = subprocess.Popen(["candump", "-L", bus.interface], stdout=log)
+        logger = bus.start(
+            [sys.executable, "-m", "can.logger", "-i", "socketcan", "-c", bus.interface, *logger_options, "-f",
+             bus.folder / "python.log"],
+            "logger",
+        )  # fmt: skip
+        bus.wait(lambda: is_listening(3, bus.interface), "all listeners")
+        status = run_to_end(bus, 2.5)
+        time.sleep(1)  # for what is still on its way to the listeners' files
+        for process in (candump, logger):
+            process.send_signal(signal.SIGINT)
+            process.wait()
+    return status
+
+
 @pytest.fixture(scope="module")
 def session(tmp_path_factory) -> Path:
-    """candump and python-can's logger listen from before the firmware's boot to after the plant's end."""
     for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("session")
-        with Bus(folder, SLOW << attempt) as bus, open(folder / "candump.log", "w") as log:
-            candump = subprocess.Popen(["candump", "-L", "vcan0"], stdout=log)
-            logger = bus.start(
-                [sys.executable, "-m", "can.logger", "-i", "socketcan", "-c", "vcan0", "--fd", "-f", folder / "python.log"],
-                "logger",
-            )
-            bus.wait(lambda: is_listening(3), "all listeners")
-            status = run_to_end(bus, 2.5)
-            time.sleep(1)  # for what is still on its way to the listeners' files
-            for process in (candump, logger):
-                process.send_signal(signal.SIGINT)
-                process.wait()
-            if status == 0:
-                break
+        with Bus(folder, SLOW << attempt) as bus:
+            status = record_run(bus, "--fd")
+        if status == 0:
+            break
     assert status == 0, bus.told("plant.out") + bus.told("plant.err")
     return folder
 
@@ -290,23 +298,13 @@ def test_a_bus_without_fd_is_refused():
 
 @pytest.fixture(scope="module")
 def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
-    """candump and python-can's logger listen, and so does cansniffer, whose screen comes back."""
+    """And what cansniffer had on its screen meanwhile."""
     for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("classic")
-        with Bus(folder, SLOW << attempt, "classic", "classic0") as bus, open(folder / "candump.log", "w") as log:
-            candump = subprocess.Popen(["candump", "-L", "classic0"], stdout=log)
-            logger = bus.start(
-                [sys.executable, "-m", "can.logger", "-i", "socketcan", "-c", "classic0", "-f", folder / "python.log"], "logger"
-            )
-            bus.wait(lambda: is_listening(3, "classic0"), "all listeners")
-            with watched_by_cansniffer("classic0") as screen:
-                status = run_to_end(bus, 2.5)
-            time.sleep(1)  # for what is still on its way to the listeners' files
-            for process in (candump, logger):
-                process.send_signal(signal.SIGINT)
-                process.wait()
-            if status == 0:
-                break
+        with Bus(folder, SLOW << attempt, "classic", "classic0") as bus, watched_by_cansniffer("classic0") as screen:
+            status = record_run(bus)
+        if status == 0:
+            break
     assert status == 0, bus.told("plant.out") + bus.told("plant.err")
     return folder, bytes(screen)
 
