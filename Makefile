@@ -105,11 +105,11 @@ $(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/c
 # ---- use
 
 # Through the environment, so that names with quotes and spaces come through whole; only what is set is passed on.
-sim run-plant: export RUN_SCENARIO := $(SCENARIO)
-sim run-plant: export RUN_TRACKER := $(TRACKER)
-sim run-plant: export RUN_SEED := $(SEED)
-sim run-plant run-firmware: export RUN_PROFILE := $(PROFILE)
-sim run-plant: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
+sim run-plant pil: export RUN_SCENARIO := $(SCENARIO)
+sim run-plant pil: export RUN_TRACKER := $(TRACKER)
+sim run-plant pil: export RUN_SEED := $(SEED)
+sim run-plant run-firmware pil: export RUN_PROFILE := $(PROFILE)
+sim run-plant pil: export RUN_OUT := $(or $(OUT),out/$(basename $(notdir $(or $(SCENARIO),pour))))
 RUN_ARGUMENTS = case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
 	    echo "make $@: give the scenario and the folder as SCENARIO= and OUT=, not in ARGS" >&2; exit 2;; esac; \
 	set -- --out "$$RUN_OUT"; \

@@ -8,7 +8,7 @@ TARGET_MAIN ?= firmware/main.c
 
 TARGET_CFLAGS := $(CORE_CFLAGS) -g -ffunction-sections -fdata-sections
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
-TARGET_SLCAN := $(wildcard hal/slcan/*.c)
+TARGET_SLCAN := $(filter-out hal/slcan/free_running.c hal/slcan/lockstep.c,$(wildcard hal/slcan/*.c))
 
 TARGET_IMAGES := cortex-m4f rv32imac
 
@@ -16,23 +16,23 @@ cortex-m4f.prefix := arm-none-eabi-
 cortex-m4f.specs := nano.specs
 cortex-m4f.cpu := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 cortex-m4f.script := hal/cortex_m/mps2_an386.ld
-cortex-m4f.sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN) hal/no_store.c
+cortex-m4f.sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN) hal/slcan/free_running.c hal/no_store.c
 
 rv32imac.prefix := riscv64-unknown-elf-
 rv32imac.specs := picolibc.specs
 rv32imac.cpu := -march=rv32imac -mabi=ilp32
 rv32imac.script := hal/riscv/virt.ld
-rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN) hal/no_store.c
+rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN) hal/slcan/free_running.c hal/no_store.c
 
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: target target-check target-deps
+.PHONY: target target-check target-deps pil
 
 target: ## the firmware as images for Cortex-M4F and rv32imac in build/target/, and their sizes
 
 # $(1): image
-define TARGET_RULES
+define IMAGE_RULES
 $(1).compile := $$($(1).prefix)gcc --specs=$$($(1).specs) $$($(1).cpu)
 $(1).objects := $$(addprefix $$(TARGET_BUILD)/$(1)/, \
     $$(addsuffix .o,$$(basename $$(CORE_SOURCES) $$($(1).sources) $$(TARGET_MAIN))))
@@ -52,14 +52,47 @@ $$(TARGET_BUILD)/$(1)/comanip.elf: $$($(1).objects) $$($(1).script)
 	$$(Q)$$($(1).compile) $$(TARGET_CFLAGS) $$(TARGET_LDFLAGS) -T $$($(1).script) -Wl,-Map=$$(@:.elf=.map) \
 	    $$($(1).objects) -lm -o $$@
 
+-include $$($(1).objects:.o=.d)
+endef
+
+define TARGET_RULES
+$(call IMAGE_RULES,$(1))
 target-$(1): $$(TARGET_BUILD)/$(1)/comanip.elf
 	@$$($(1).prefix)size $$<
 
 .PHONY: target-$(1)
 target: target-$(1)
--include $$($(1).objects:.o=.d)
 endef
 $(foreach image,$(TARGET_IMAGES),$(eval $(call TARGET_RULES,$(image))))
+
+# The same image in lockstep with the simulator (hal/slcan/lockstep.h): for `make pil`, not among TARGET_IMAGES.
+define PIL_VARIABLES
+$(1)-pil.prefix := $$($(1).prefix)
+$(1)-pil.specs := $$($(1).specs)
+$(1)-pil.cpu := $$($(1).cpu)
+$(1)-pil.script := $$($(1).script)
+$(1)-pil.sources := $$($(1).sources:hal/slcan/free_running.c=hal/slcan/lockstep.c)
+endef
+PIL_IMAGES := $(TARGET_IMAGES:%=%-pil)
+$(foreach image,$(TARGET_IMAGES),$(eval $(call PIL_VARIABLES,$(image))))
+$(foreach image,$(PIL_IMAGES),$(eval $(call IMAGE_RULES,$(image))))
+
+PIL_PROCESS := $(BUILD)/host/comanip-pil
+PIL_PROCESS_SOURCES := $(CORE_SOURCES) $(SIM_SOURCES) sim/bus/bus.c sim/programs/pil.c sim/programs/remote_firmware.c hal/slcan/slcan.c
+PIL_IMAGE.mps2-an386 := cortex-m4f-pil
+PIL_IMAGE.virt := rv32imac-pil
+
+$(PIL_PROCESS): $(PIL_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
+	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
+
+BOARD ?= mps2-an386
+pil: build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386|virt in QEMU, in lockstep with the simulator; takes what `make sim` takes
+	@if [ -z "$(PIL_IMAGE.$(BOARD))" ]; then echo "make pil: BOARD='$(BOARD)': expected mps2-an386 or virt" >&2; exit 2; fi
+	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(PIL_IMAGE.$(BOARD))/comanip.elf
+	@$(RUN_ARGUMENTS); \
+	$(PYTHON) -m comanip.pil "$(BOARD)" $(TARGET_BUILD)/$(PIL_IMAGE.$(BOARD))/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS)
 
 # A compiler that does not find a specs file answers with its bare name.
 target-check:

@@ -1,6 +1,7 @@
 /* SysTick: the 1 kHz tick, and between ticks the microseconds. */
 #include <stdbool.h>
 
+#include "../slcan/slcan_hal.h"
 #include "board.h"
 #include "drivers.h"
 

@@ -59,6 +59,10 @@ void serial_start_transmission(void) {
     NVIC_SET_PENDING = 1u << BOARD_UART_TX_INTERRUPT;
 }
 
+void serial_wait(void) {
+    wait_for_interrupt();
+}
+
 void serial_write_polled(uint8_t byte) {
     while ((UART_STATE & UART_STATE_TX_FULL) != 0) {
     }

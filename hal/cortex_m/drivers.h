@@ -7,7 +7,6 @@
 /* clock.c: SysTick as the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
 uint32_t clock_us(void);             /* monotonic modulo 2^32; also in interrupts */
-uint32_t clock_wait_tick(void);      /* sleeps until a tick that was not given before; its time */
 void systick_handler(void);
 
 /* cmsdk_uart.c: 8N1, interrupt-driven, into slcan_hal_link. */

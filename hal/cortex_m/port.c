@@ -17,11 +17,6 @@ can_profile_t hal_can_profile(void) {
     return (BOARD_BUTTONS & BOARD_BUTTON_CLASSIC_CAN) != 0 ? CAN_PROFILE_CLASSIC : CAN_PROFILE_FD;
 }
 
-bool hal_wait_tick(uint32_t *now_us) {
-    *now_us = clock_wait_tick();
-    return true;
-}
-
 void hal_watchdog_feed(void) {
     watchdog_feed();
 }

@@ -1,4 +1,5 @@
 /* Machine timer (CLINT): the 1 kHz tick, and between ticks the microseconds. */
+#include "../slcan/slcan_hal.h"
 #include "board.h"
 #include "drivers.h"
 

@@ -8,7 +8,6 @@
 void clock_start(void);
 uint32_t clock_us(void);        /* monotonic modulo 2^32; also in interrupts */
 uint32_t clock_tick_us(void);   /* time of the last tick */
-uint32_t clock_wait_tick(void); /* sleeps until a tick that was not given before; its time */
 void clock_handler(void);
 
 /* ns16550.c: 8N1, interrupt-driven, into slcan_hal_link. */

@@ -73,6 +73,10 @@ void serial_start_transmission(void) {
     UART_INTERRUPT = UART_INTERRUPT_RX | UART_INTERRUPT_TX_EMPTY; /* interrupts at once if there is room */
 }
 
+void serial_wait(void) {
+    wait_for_interrupt();
+}
+
 void serial_write_polled(uint8_t byte) {
     while ((UART_STATE & UART_STATE_TX_EMPTY) == 0) {
     }

@@ -23,11 +23,6 @@ can_profile_t hal_can_profile(void) {
     return CAN_PROFILE_FD; /* the machine has no input to choose by */
 }
 
-bool hal_wait_tick(uint32_t *now_us) {
-    *now_us = clock_wait_tick();
-    return true;
-}
-
 void hal_watchdog_feed(void) {
     fed_us = clock_tick_us();
 }

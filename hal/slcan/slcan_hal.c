@@ -5,10 +5,6 @@
 
 slcan_link_t slcan_hal_link;
 
-bool hal_can_receive(can_frame_t *frame) {
-    return slcan_link_receive(&slcan_hal_link, frame);
-}
-
 bool hal_can_send(const can_frame_t *frame) {
     bool queued = slcan_link_send(&slcan_hal_link, frame);
     if (queued) {

@@ -1,5 +1,6 @@
-/* What a port with a UART instead of a CAN controller shares: it provides the two serial functions, and gets
- * hal_can_receive() and hal_can_send() (slcan_hal.c). */
+/* What a port with a UART instead of a CAN controller shares: it provides the functions below, and gets hal_can_send()
+ * (slcan_hal.c), and hal_wait_tick() with hal_can_receive(): free_running.c, or lockstep.c for an image that a simulator
+ * steps. */
 #ifndef COMANIP_SLCAN_HAL_H
 #define COMANIP_SLCAN_HAL_H
 
@@ -10,6 +11,12 @@ extern slcan_link_t slcan_hal_link;
 
 /* Provided by the port: bytes wait in the link; see that the transmit interrupt takes them. */
 void serial_start_transmission(void);
+
+/* Provided by the port: sleeps until a tick of its clock that was not given before; its time. */
+uint32_t clock_wait_tick(void);
+
+/* Provided by the port: sleeps until an interrupt, a tick's at the latest. */
+void serial_wait(void);
 
 /* Provided by the port: sends one byte by polling, interrupts off. */
 void serial_write_polled(uint8_t byte);

@@ -1,0 +1,57 @@
+/* The firmware's ticks by a simulator: see lockstep.h. */
+#include "lockstep.h"
+
+#include "../hal.h"
+#include "slcan_hal.h"
+
+#define QUEUE_FRAMES 32 /* two ticks of all that may come */
+
+static struct {
+    can_frame_t frame[QUEUE_FRAMES]; /* ring */
+    uint8_t first, count;
+    uint32_t stamp_us; /* of the next frame */
+} received;
+
+static void keep(const can_frame_t *frame) {
+    if (received.count == QUEUE_FRAMES) {
+        hal_panic("lockstep: more frames in a tick than expected");
+    }
+    can_frame_t *place = &received.frame[(received.first + received.count++) % QUEUE_FRAMES];
+    *place = *frame;
+    place->timestamp_us = received.stamp_us;
+}
+
+static void say_done(void) {
+    const can_frame_t done = lockstep_frame(LOCKSTEP_DONE_ID, 0);
+    while (!hal_can_send(&done)) {
+        serial_wait(); /* until the line has taken the tick's frames */
+    }
+}
+
+bool hal_wait_tick(uint32_t *now_us) {
+    say_done();
+    for (;;) {
+        can_frame_t frame;
+        if (!slcan_link_receive(&slcan_hal_link, &frame)) {
+            serial_wait();
+            hal_watchdog_feed(); /* the simulator may take its time */
+        } else if (frame.id == LOCKSTEP_STAMP_ID) {
+            received.stamp_us = lockstep_time_us(&frame);
+        } else if (frame.id == LOCKSTEP_TICK_ID) {
+            *now_us = lockstep_time_us(&frame);
+            return true;
+        } else {
+            keep(&frame);
+        }
+    }
+}
+
+bool hal_can_receive(can_frame_t *frame) {
+    if (received.count == 0) {
+        return false;
+    }
+    *frame = received.frame[received.first];
+    received.first = (received.first + 1u) % QUEUE_FRAMES;
+    received.count--;
+    return true;
+}

@@ -1,0 +1,58 @@
+"""Processor in the loop: the firmware's image in QEMU, in lockstep with the simulator over its serial line.
+
+``python -m comanip.pil BOARD IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). Exit status: the simulator's, 2 for wrong
+use or if there is no emulator. What QEMU computes is what the processor's instructions say; cycles and times it cannot show.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+MACHINES = {
+    "mps2-an386": ["qemu-system-arm", "-machine", "mps2-an386"],
+    "virt": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
+}
+# One instruction is 2 ns of the board's time, which stands still while it waits: no watchdog bites on a busy machine.
+VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
+START_S = 10
+EXIT_WRONG_USE = 2
+
+
+def complain(text: str) -> int:
+    print(f"comanip.pil: {text}", file=sys.stderr)
+    return EXIT_WRONG_USE
+
+
+def main(argv: Sequence[str]) -> int:
+    if len(argv) < 3 or argv[0] not in MACHINES:
+        return complain(f"expected BOARD IMAGE PROGRAM [options], with a board out of {', '.join(MACHINES)}: see `make pil`")
+    board, image, program, *options = argv
+    with tempfile.TemporaryDirectory() as folder:
+        serial = Path(folder) / "serial"
+        command = [*MACHINES[board], *VIRTUAL_TIME, "-display", "none", "-monitor", "none", "-kernel", image,
+                   "-serial", f"unix:{serial},server=on,wait=on"]  # fmt: skip
+        try:
+            emulator = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+            )
+        except FileNotFoundError:
+            return complain(f"{MACHINES[board][0]} is not installed: make target-deps")
+        try:
+            deadline_s = time.monotonic() + START_S
+            while not serial.exists() and emulator.poll() is None and time.monotonic() < deadline_s:
+                time.sleep(0.02)
+            if emulator.poll() is not None:
+                return complain(f"{MACHINES[board][0]} ended: {emulator.stderr.read().strip()}")
+            return subprocess.run([program, "--serial", str(serial), *options], check=False).returncode
+        finally:
+            emulator.kill()
+            emulator.wait()
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,40 @@
+/* comanip-pil: the simulated world in lockstep with an image of the firmware that runs elsewhere, as in QEMU. */
+#include <stdio.h>
+#include <string.h>
+
+#include "../run.h"
+#include "remote_firmware.h"
+
+#define PROGRAM "comanip-pil"
+
+static const char *serial;
+
+static bus_t *create_bus(can_profile_t profile, char error[], size_t error_size) {
+    if (profile != CAN_PROFILE_FD) {
+        (void)snprintf(error, error_size, "--profile classic: expected fd: the boards in QEMU start for CAN FD");
+        return NULL;
+    }
+    if (!remote_firmware_open(serial, error, error_size)) {
+        return NULL;
+    }
+    bus_t *bus = bus_create(profile);
+    if (bus == NULL) {
+        (void)snprintf(error, error_size, "no memory for the simulated world");
+    }
+    return bus;
+}
+
+static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
+    (void)interrupted; /* the world looks at it each tick */
+    remote_firmware_run(world);
+}
+
+int main(int argc, char *argv[]) {
+    static const run_mode_t lockstep = {.program = PROGRAM, .is_live = true, .create_bus = create_bus, .run = run};
+    if (argc < 3 || strcmp(argv[1], "--serial") != 0) {
+        return run_complain(PROGRAM, "expected --serial PATH [options of comanip-sim]: `make pil` starts it, and QEMU");
+    }
+    serial = argv[2];
+    argv[2] = argv[0];
+    return run_main(&lockstep, argc - 2, argv + 2);
+}

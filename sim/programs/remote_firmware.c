@@ -1,0 +1,161 @@
+#include "remote_firmware.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "../../firmware/can_transport.h"
+#include "../../hal/slcan/lockstep.h"
+#include "../../hal/slcan/slcan.h"
+
+#define QUEUE_FRAMES 64         /* hal/host's */
+#define COMPUTE_TIME_NS 50000   /* hal/host's */
+#define PATIENCE_MS 60000
+#define READ_BYTES 4096
+#define LINE_BYTES 256
+#define PANIC "#panic: "
+
+static struct {
+    int fd;
+    world_t *world;
+    int node;
+    uint16_t ids[TRANSPORT_MAX_IDS]; /* that the firmware receives */
+    uint8_t id_count;
+    can_frame_t queue[QUEUE_FRAMES];
+    size_t count;
+    slcan_decoder_t decoder;
+    char line[LINE_BYTES]; /* the last one, for what is no frame */
+    size_t line_bytes;
+} remote = {.fd = -1};
+
+bool remote_firmware_open(const char *path, char error[], size_t error_size) {
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    if (strlen(path) >= sizeof address.sun_path) {
+        (void)snprintf(error, error_size, "%.100s: expected a path of less than %zu bytes", path, sizeof address.sun_path);
+        return false;
+    }
+    memcpy(address.sun_path, path, strlen(path));
+    remote.fd = socket(AF_UNIX, SOCK_STREAM, 0);
+    if (remote.fd < 0 || connect(remote.fd, (const struct sockaddr *)&address, sizeof address) != 0) {
+        (void)snprintf(error, error_size, "%.100s: no serial line there: %s", path, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+static bool is_for_firmware(const can_frame_t *frame) {
+    for (uint8_t i = 0; i < remote.id_count; i++) {
+        if (remote.ids[i] == frame->id) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
+    (void)context;
+    (void)end_ns;
+    if (!is_for_firmware(frame)) {
+        return;
+    }
+    if (remote.count == QUEUE_FRAMES) {
+        remote.world->firmware_overflows++;
+        return;
+    }
+    remote.queue[remote.count++] = *frame;
+}
+
+static bool send_line(const can_frame_t *frame) {
+    char line[SLCAN_LINE_MAX_BYTES];
+    const size_t bytes = slcan_encode(frame, line);
+    for (size_t done = 0; done < bytes;) {
+        const ssize_t sent = send(remote.fd, line + done, bytes - done, MSG_NOSIGNAL);
+        if (sent <= 0) {
+            return false;
+        }
+        done += (size_t)sent;
+    }
+    return true;
+}
+
+static bool send_tick(uint32_t now_us) {
+    bool is_sent = true;
+    for (size_t i = 0; i < remote.count; i++) {
+        const can_frame_t stamp = lockstep_frame(LOCKSTEP_STAMP_ID, remote.queue[i].timestamp_us);
+        is_sent = is_sent && send_line(&stamp) && send_line(&remote.queue[i]);
+    }
+    remote.count = 0;
+    const can_frame_t tick = lockstep_frame(LOCKSTEP_TICK_ID, now_us);
+    return is_sent && send_line(&tick);
+}
+
+static void note_line(char byte) {
+    if (byte == '\r') {
+        remote.line[remote.line_bytes] = '\0';
+        remote.line_bytes = 0;
+        if (strncmp(remote.line, PANIC, strlen(PANIC)) == 0) {
+            char text[WORLD_TEXT_BYTES];
+            (void)snprintf(text, sizeof text, "firmware panic: %s", remote.line + strlen(PANIC));
+            world_fail(remote.world, text);
+        }
+    } else if (remote.line_bytes < LINE_BYTES - 1) {
+        remote.line[remote.line_bytes++] = byte;
+    }
+}
+
+/* Hands the image's frames to the bus. True: it has sent all of its tick. */
+static bool take_bytes(const char bytes[], ssize_t count) {
+    bool is_done = false;
+    for (ssize_t i = 0; i < count; i++) {
+        can_frame_t frame;
+        static can_frame_t partial;
+        note_line(bytes[i]);
+        if (slcan_decode(&remote.decoder, (uint8_t)bytes[i], &partial) != SLCAN_FRAME) {
+            continue;
+        }
+        frame = partial;
+        if (frame.id == LOCKSTEP_DONE_ID) {
+            is_done = true;
+        } else {
+            (void)bus_send(remote.world->bus, remote.node, &frame, remote.world->now_ns + COMPUTE_TIME_NS);
+        }
+    }
+    return is_done;
+}
+
+static bool await_done(void) {
+    char bytes[READ_BYTES];
+    struct pollfd line = {.fd = remote.fd, .events = POLLIN};
+    for (;;) {
+        if (poll(&line, 1, PATIENCE_MS) <= 0) {
+            world_fail(remote.world, "the image did not answer for a minute");
+            return false;
+        }
+        const ssize_t count = read(remote.fd, bytes, sizeof bytes);
+        if (count <= 0) {
+            world_fail(remote.world, "the serial line to the image was closed");
+            return false;
+        }
+        if (take_bytes(bytes, count)) {
+            return true;
+        }
+        if (remote.world->failure[0] != '\0') {
+            return false;
+        }
+    }
+}
+
+void remote_firmware_run(world_t *world) {
+    remote.world = world;
+    remote.node = bus_attach(world->bus, on_frame, NULL);
+    remote.id_count = transport_ids_to_firmware(bus_profile(world->bus), remote.ids);
+    bool answers = await_done(); /* it has booted */
+    while (world_advance(world) && answers) {
+        answers = send_tick((uint32_t)(world->now_ns / 1000)) && await_done();
+    }
+    (void)close(remote.fd);
+}
