@@ -124,6 +124,8 @@ def test_each_says_which_bus_it_is_on(together):
     kind = "the kernel's interface" if has_kernel_can() else "the hub "
     assert f"comanip-firmware: {INTERFACE} is {kind}" in firmware
     assert f"comanip-plant: {INTERFACE} is {kind}" in plant
+    stamps = "the kernel's, for the CAN controller tells none" if has_kernel_can() else "when it was looked last, for a hub tells none"
+    assert firmware.count(f"comanip-firmware: times of reception: {stamps}\n") == firmware.count("times of reception") == 1
     for told in (firmware, plant):
         assert ("real-time priority" in told) != ("not real-time" in told)
 
