@@ -1,0 +1,148 @@
+"""``make bitexact``: one input, fed into controller_step() as each compiler made it for each processor, must give the same bytes.
+
+``bitexact.py BUILD [--smoke]``. The host's builds run here, the images in QEMU; the first host build is the reference, and every
+other one is compared with it tick by tick. Prints a table and writes BUILD/reports/bitexact.json. Exit status: 1 if any differs.
+What QEMU computes is what the instructions say; no silicon was asked.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
+RUNNER = REPOSITORY / "tests" / "bitexact" / "runner.c"
+SCENARIOS = ("pour", "teleop", "mirror", "handover", "crank")
+EVENTS = ["--gap", "4:0.2", "--dropout", "0.02", "--tracker-clock", "4294000000"]
+VECTOR_TICKS, SMOKE_VECTOR_TICKS = 20_000, 4_000
+CORE_FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", f"-I{REPOSITORY / 'build' / 'generated'}"]
+HOSTS = [(compiler, level) for compiler in ("gcc", "clang") for level in ("-O0", "-O2", "-O3")]
+MACHINES = {
+    "cortex-m4f": ["qemu-system-arm", "-machine", "mps2-an386"],
+    "rv32imac": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
+}
+SEMIHOSTING = ["-display", "none", "-monitor", "none", "-serial", "null", "-semihosting-config", "enable=on,target=native"]
+HASH_BYTES = 4
+
+
+@dataclass(frozen=True)
+class Result:
+    """`differs_at_tick`: the first, from 0; None: all are equal."""
+
+    build: str
+    ticks: int
+    differs_at_tick: int | None
+    skipped: str = ""
+
+
+def make_input(folder: Path, smoke: bool) -> None:
+    runs = [("teleop", "fd", ["--duration", "3"])] if smoke else [(s, p, []) for p in ("fd", "classic") for s in SCENARIOS]
+    runs += [] if smoke else [("teleop", "fd", EVENTS), ("pour", "classic", EVENTS)]
+    paths = []
+    for number, (scenario, profile, options) in enumerate(runs):
+        out = folder / "runs" / str(number)
+        command = [SIMULATOR, "--scenario", scenario, "--profile", profile, "--quiet", "--out", out, *options]
+        subprocess.run([str(part) for part in command], check=False, stderr=subprocess.DEVNULL)
+        paths.append(out / "bus.log")
+    ticks = SMOKE_VECTOR_TICKS if smoke else VECTOR_TICKS
+    subprocess.run([sys.executable, RUNNER.with_name("stimulus.py"), folder / "input.bin", str(ticks), *paths], check=True)
+
+
+def core_sources() -> list[Path]:
+    sources = [*(REPOSITORY / "firmware").glob("*.c"), *(REPOSITORY / "firmware" / "arms").glob("*.c")]
+    return sorted(s for s in sources if s.name != "main.c") + [REPOSITORY / "build" / "generated" / "comanip_dbc.c"]
+
+
+def run_in(folder: Path, name: str, command: list[str]) -> bytes:
+    place = folder / name
+    place.mkdir(parents=True, exist_ok=True)
+    (place / "input.bin").unlink(missing_ok=True)
+    (place / "input.bin").symlink_to(folder / "input.bin")
+    subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL)
+    return (place / "output.bin").read_bytes()
+
+
+def compile_host(program: Path, compiler: str, *flags: str) -> None:
+    command = [compiler, *CORE_FLAGS, *flags, *map(str, core_sources()), str(RUNNER), "-lm", "-o", str(program)]
+    subprocess.run(command, check=True)
+
+
+def host_output(folder: Path, compiler: str, level: str) -> bytes:
+    name = f"{compiler}{level}"
+    (folder / name).mkdir(parents=True, exist_ok=True)
+    compile_host(folder / name / "runner", compiler, level)
+    return run_in(folder, name, [str(folder / name / "runner")])
+
+
+def image_output(folder: Path, image: str) -> bytes:
+    build = folder / "target"
+    elf = build / image / "comanip.elf"
+    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    subprocess.run(["make", "-s", str(elf), f"TARGET_MAIN={RUNNER.relative_to(REPOSITORY)}", f"TARGET_BUILD={build}"],
+                   cwd=REPOSITORY, check=True, env=environment)  # fmt: skip
+    return run_in(folder, image, [*MACHINES[image], *SEMIHOSTING, "-kernel", str(elf)])
+
+
+def compared(build: str, output: bytes, reference: bytes) -> Result:
+    ticks = len(output) // HASH_BYTES
+    if output == reference:
+        return Result(build, ticks, None)
+    pairs = zip(range(0, len(reference), HASH_BYTES), range(0, len(output), HASH_BYTES))
+    unequal = (i for i, j in pairs if reference[i : i + HASH_BYTES] != output[j : j + HASH_BYTES])
+    return Result(build, ticks, next(unequal, min(len(reference), len(output))) // HASH_BYTES)
+
+
+def missing(build: str, program: str, package: str) -> Result | None:
+    return None if shutil.which(program) else Result(build, 0, None, f"{program} is missing: {package}")
+
+
+def run(folder: Path, smoke: bool) -> list[Result]:
+    folder.mkdir(parents=True, exist_ok=True)
+    make_input(folder, smoke)
+    jobs = []
+    for compiler, level in HOSTS:
+        jobs.append((f"x86-64 {compiler} {level}", missing("", compiler, f"apt-get install {compiler}"), host_output, (compiler, level)))
+    for image, machine in MACHINES.items():
+        jobs.append((f"{image} gcc -O2, QEMU", missing("", machine[0], "make target-deps"), image_output, (image,)))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        outputs = [None if absent else pool.submit(function, folder, *arguments) for _, absent, function, arguments in jobs]
+        outputs = [output.result() if output else None for output in outputs]
+    reference = next(output for output in outputs if output)
+    return [
+        Result(name, 0, None, absent.skipped) if absent else compared(name, output, reference)
+        for (name, absent, _, _), output in zip(jobs, outputs)
+    ]
+
+
+def show(results: list[Result]) -> None:
+    table = Table(title="controller_step(): the same input, the bytes that it sends", title_justify="left")
+    for header in ("build", "ticks", "against the first"):
+        table.add_column(header, justify="right" if header == "ticks" else "left")
+    for result in results:
+        verdict = "equal" if result.differs_at_tick is None else f"[red]differs at tick {result.differs_at_tick}[/]"
+        table.add_row(result.build, str(result.ticks), result.skipped or verdict)
+    Console().print(table)
+
+
+def main(argv: list[str]) -> int:
+    build, smoke = Path(argv[0]).resolve(), "--smoke" in argv
+    results = run(build / ("bitexact-smoke" if smoke else "bitexact"), smoke)
+    report = build / "reports" / "bitexact.json"
+    report.parent.mkdir(parents=True, exist_ok=True)
+    report.write_text(json.dumps({"smoke": smoke, "builds": [asdict(result) for result in results]}, indent=1) + "\n")
+    show(results)
+    return any(result.differs_at_tick is not None for result in results)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,149 @@
+"""What controller_step() is fed with: recorded runs, tick by tick as the firmware had read them, and made-up vectors."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from comanip import logs
+from comanip._core import ffi, lib
+from comanip.frame import Frame
+from comanip.replay import Replay
+
+TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # runner.c
+HEAD, FRAME = struct.Struct("<IBB"), struct.Struct("<IHBB")
+VECTOR_TICKS_PER_BOOT = 500
+SPECIAL_BITS = (  # of a float32
+    0x00000000, 0x80000000, 0x00000001, 0x807FFFFF, 0x00800000, 0x3F800000, 0xBF800000, 0x7F7FFFFF,
+    0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC12345, 0x7F800001, 0x501502F9, 0x322BCC77,
+)  # fmt: skip
+
+
+def boot(profile: int) -> bytes:
+    return HEAD.pack(0, BOOT_FD if profile == lib.CAN_PROFILE_FD else BOOT_CLASSIC, 0)
+
+
+def tick(now_us: int, frames: Sequence) -> bytes:
+    parts = [HEAD.pack(now_us % 2**32, TICK, len(frames))]
+    for frame in frames:
+        parts.append(FRAME.pack(frame.timestamp_us, frame.id, frame.length, frame.fd))
+        parts.append(bytes(frame.data[0 : frame.length]))
+    return b"".join(parts)
+
+
+def now_us(trace: Frame) -> int:
+    begin = 2 if trace.name == "ClassicTickTrace" else 3
+    return int.from_bytes(trace.data[begin : begin + 4], "little")
+
+
+def recorded(log: Path) -> Iterator[bytes]:
+    """A run's ticks, from its boot on: as the replay finds that the firmware had read them."""
+    frames = list(logs.read(log))
+    replaying = Replay(frames)
+    state = replaying._state
+    yield boot(state.profile)
+    while state.tick_place != lib.REPLAY_NO_FRAME:
+        place = state.tick_place
+        replaying.run_to(place + 1)
+        if state.result != lib.REPLAY_EQUAL:
+            raise AssertionError(f"{log}: does not replay: {replaying.report().difference}")
+        yield tick(now_us(frames[place]), [state.inbox.frame[i] for i in range(state.inbox.count)])
+
+
+class Vectors:
+    """Frames that are authentic, with contents of every kind: at rest, in motion, at limits, nonsense."""
+
+    def __init__(self, rng: np.random.Generator, profile: int):
+        self._rng, self._profile = rng, profile
+        self._sender = ffi.new("transport_sender_t *")
+        lib.transport_sender_init(self._sender, profile, lib.ARM_MAX_JOINTS)
+        self._hand = np.array([0.4, 0.2, 0.1])
+
+    def _sent(self, message, now: int) -> list:
+        frames = ffi.new("can_frame_t[]", lib.TRANSPORT_MAX_FRAMES)
+        count = lib.transport_send(self._sender, message, frames)
+        result = [ffi.new("can_frame_t *", frames[i]) for i in range(count)]
+        for frame in result:
+            frame.timestamp_us = (now - int(self._rng.integers(3000))) % 2**32
+        return result
+
+    def _number(self) -> float:
+        bits = int(self._rng.choice(SPECIAL_BITS)) if self._rng.random() < 0.5 else int(self._rng.integers(2**32))
+        return struct.unpack("<f", struct.pack("<I", bits))[0]
+
+    def _pose(self, now: int):
+        q = self._rng.normal(size=4) if self._rng.random() < 0.5 else np.array([1, 1e-3, -1e-3, 0])
+        q = q / np.linalg.norm(q) * self._rng.choice([1, -1, 1.0005, 0.5])
+        self._hand = self._hand + self._rng.normal(size=3) * self._rng.choice([1e-4, 1e-2, 1])
+        self._hand = np.clip(self._hand, -3, 3)
+        pose = ffi.new("hand_pose_t *", {"t_us": (now + int(self._rng.integers(-2000, 1))) % 2**32, "valid": self._rng.random() < 0.95})
+        pose.position_m, pose.rotation = dict(zip("xyz", self._hand)), dict(zip("wxyz", q))
+        frame = ffi.new("can_frame_t *")
+        lib.hand_pose_pack(pose, frame)
+        return frame
+
+    def _state(self, joint: int):
+        row = lib.arm_hoap3_right.joints[min(joint, 3)]
+        span = (row.position_min_rad, row.position_max_rad)
+        position = self._rng.choice([*span, self._rng.uniform(*span), self._rng.uniform(-8, 8), 0.0])
+        state = ffi.new("joint_state_t *", {"position_rad": position, "error": 1 if self._rng.random() < 1e-3 else 0})
+        frame = ffi.new("can_frame_t *")
+        lib.joint_state_pack(joint, state, frame)
+        return frame
+
+    def _request(self):
+        frame, kind = ffi.new("can_frame_t *"), self._rng.integers(4)
+        if kind == 0:
+            message = {"operation": 1, "parameter": int(self._rng.integers(lib.PARAMETER_COUNT + 2)), "sequence": 1}
+            access = ffi.new("parameter_access_t *", message)
+            access.value = self._number() if self._rng.random() < 0.7 else float(self._rng.uniform(0, 2))
+            lib.parameter_access_pack(access, frame)
+        elif kind == 1:
+            q = [random / np.linalg.norm(random) for random in self._rng.normal(size=(2, 4))]
+            define = ffi.new("task_define_t *", {"form": int(self._rng.integers(3)), "blend_s": float(self._rng.choice([0, 0.1, 60]))})
+            define.t_task_m, define.q_task, define.q_inv = (
+                dict(zip("xyz", self._rng.uniform(-1, 1, 3))), dict(zip("wxyz", q[0])), dict(zip("wxyz", q[1])))  # fmt: skip
+            lib.task_define_pack(define, frame)
+        else:
+            command = ffi.new("operator_command_t *", {"command": int(self._rng.integers(7)), "task": int(self._rng.integers(5))})
+            lib.operator_command_pack(command, frame)
+        return frame
+
+    def ticks(self, count: int) -> Iterator[bytes]:
+        period_us = 1000 if self._profile == lib.CAN_PROFILE_FD else 4000
+        now = int(self._rng.integers(2**32))
+        yield boot(self._profile)
+        for i in range(count):
+            now = (now + period_us) % 2**32
+            frames = [] if self._rng.random() < 0.01 else [f for joint in range(4) for f in self._sent(self._state(joint), now)]
+            if i % (4 if period_us == 1000 else 2) == 0 and self._rng.random() < 0.98:
+                frames += self._sent(self._pose(now), now)
+            if self._rng.random() < 0.2:
+                frames += self._sent(self._request(), now)
+            for frame in frames:
+                if self._rng.random() < 2e-3:
+                    frame.data[int(self._rng.integers(frame.length))] ^= 1 << int(self._rng.integers(8))
+            yield tick(now, [frame[0] for frame in frames[:16]])
+
+
+def vectors(ticks: int, seed: int) -> Iterator[bytes]:
+    rng = np.random.default_rng(seed)
+    for part in range(ticks // VECTOR_TICKS_PER_BOOT):
+        profile = (lib.CAN_PROFILE_FD, lib.CAN_PROFILE_CLASSIC)[part % 2]
+        yield from Vectors(rng, profile).ticks(VECTOR_TICKS_PER_BOOT)
+
+
+def main() -> None:
+    """``stimulus.py OUT VECTOR_TICKS LOG...``"""
+    out, ticks, *paths = sys.argv[1:]
+    with open(out, "wb") as file:
+        for path in paths:
+            file.writelines(recorded(Path(path)))
+        file.writelines(vectors(int(ticks), seed=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+"""The same input gives the same bytes on the host and on the targets: a part of what `make bitexact` shows, and that it would
+find a build that computes otherwise."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from simulation import REPOSITORY
+from test_target import make
+
+sys.path.insert(0, str(REPOSITORY / "tests" / "bitexact"))
+import bitexact  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("bitexact")
+
+
+def test_all_builds_send_the_same_bytes(folder):
+    missing = make("target-check")
+    if missing.returncode != 0:
+        pytest.skip(missing.stderr.strip())
+    results = bitexact.run(folder, smoke=True)
+    assert len(results) == len(bitexact.HOSTS) + len(bitexact.MACHINES)
+    done = [result for result in results if not result.skipped]
+    assert {result.ticks for result in done} == {done[0].ticks} and done[0].ticks > 6000
+    assert [result for result in done if result.differs_at_tick is not None] == []
+
+
+def test_another_arithmetic_is_found(folder):
+    """A compiler that may reorder sums."""
+    if not (folder / "input.bin").exists():
+        bitexact.make_input(folder, smoke=True)
+    reference = bitexact.host_output(folder, "gcc", "-O2")
+    program = folder / "other"
+    program.mkdir(exist_ok=True)
+    bitexact.compile_host(program / "runner", "gcc", "-O2", "-ffast-math")
+    other = bitexact.compared("other", bitexact.run_in(folder, "other", [str(program / "runner")]), reference)
+    assert other.differs_at_tick is not None
