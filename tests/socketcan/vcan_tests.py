@@ -54,18 +54,27 @@ def payload(frames: list[LoggedFrame]) -> list[tuple[int, bytes]]:
     return [(frame.frame_id, frame.data) for frame in frames]
 
 
-def is_listening(count: int, interface: str = "vcan0") -> bool:
+def listeners(interface: str) -> int:
     """So many sockets take all frames of it."""
     lines = Path("/proc/net/can/rcvlist_all").read_text().splitlines()
-    return sum(line.split()[0] == interface for line in lines if line.strip()) >= count
+    return sum(line.split()[0] == interface for line in lines if line.strip())
+
+
+def wait_for_listeners(interface: str, count: int) -> None:
+    deadline = time.monotonic() + 60
+    while listeners(interface) < count:
+        assert time.monotonic() < deadline, f"{interface}: {listeners(interface)} listeners, expected {count}"
+        time.sleep(0.05)
 
 
 @contextlib.contextmanager
 def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
     """Its screen, which grows meanwhile. cansniffer of can-utils 2020 knows classic frames only."""
     master, slave = pty.openpty()
+    others = listeners(interface)
     sniffer = subprocess.Popen(["cansniffer", interface], stdin=slave, stdout=slave, stderr=slave)
     os.close(slave)
+    wait_for_listeners(interface, others + 1)
     shown, over = bytearray(), threading.Event()
 
     def read() -> None:
@@ -88,6 +97,7 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
 def record_run(bus: Bus, *logger_options: str) -> int:
     """candump and python-can's logger listen from before the firmware's boot to after the plant's end. Gives the plant's
     status."""
+    others = listeners(bus.interface)
     with open(bus.folder / "candump.log", "w") as log:
         candump = subprocess.Popen(["candump", "-L", bus.interface], stdout=log)
         logger = bus.start(
@@ -95,7 +105,7 @@ def record_run(bus: Bus, *logger_options: str) -> int:
              bus.folder / "python.log"],
             "logger",
         )  # fmt: skip
-        bus.wait(lambda: is_listening(3, bus.interface), "all listeners")
+        wait_for_listeners(bus.interface, others + 2)
         status = run_to_end(bus, 2.5)
         time.sleep(1)  # for what is still on its way to the listeners' files
         for process in (candump, logger):
