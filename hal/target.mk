@@ -27,7 +27,7 @@ rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: target target-check target-deps pil bitexact
+.PHONY: target target-check target-deps pil bitexact size
 
 target: ## the firmware as images for Cortex-M4F and rv32imac in build/target/, and their sizes
 
@@ -93,6 +93,10 @@ pil: build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386|virt in
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(PIL_IMAGE.$(BOARD))/comanip.elf
 	@$(RUN_ARGUMENTS); \
 	$(PYTHON) -m comanip.pil "$(BOARD)" $(TARGET_BUILD)/$(PIL_IMAGE.$(BOARD))/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS)
+
+size: deps target ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
+	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(UPDATE),--update) \
+	    $(foreach image,$(TARGET_IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
 bitexact: build target-check ## one input through every compiler's and processor's controller_step(): the same bytes; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)

@@ -1,0 +1,80 @@
+"""`make size`: its figures against the toolchain's own, and what it says of a budget that is exceeded."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from comanip import size_report
+from simulation import REPOSITORY
+from test_target import PREFIXES, make
+
+BUDGET = REPOSITORY / "hal" / "size_budget.toml"
+
+
+@pytest.fixture(scope="module")
+def maps() -> dict[str, Path]:
+    missing = make("target-check")
+    if missing.returncode != 0:
+        pytest.skip(missing.stderr.strip())
+    built = make("-j2", "target")
+    assert built.returncode == 0, built.stderr
+    return {image: REPOSITORY / "build" / "target" / image / "comanip.map" for image in PREFIXES}
+
+
+def report(maps, budget: Path, out: Path, *options: str) -> int:
+    return size_report.main([str(budget), str(out), *options, *(f"{image}={path}" for image, path in maps.items())])
+
+
+def test_totals_are_those_of_the_toolchains_size(maps):
+    for image, path in maps.items():
+        told = subprocess.run([PREFIXES[image] + "size", path.with_suffix(".elf")], capture_output=True, text=True, check=True)
+        text, data, bss = map(int, told.stdout.splitlines()[1].split()[:3])
+        found = size_report.read_map(path)
+        assert (found.total.text, found.total.data, found.total.bss) == (text, data, bss), image
+        for kind, total in zip(size_report.KINDS, (text, data, bss), strict=True):
+            assert sum(getattr(size, kind) for size in found.modules.values()) == total
+
+
+def test_functions_are_counted_in_their_module(maps):
+    """What nm says of the symbols of one module is in its figure."""
+    listing = subprocess.run(
+        [PREFIXES["cortex-m4f"] + "nm", "-S", maps["cortex-m4f"].with_suffix(".elf")], capture_output=True, text=True, check=True
+    ).stdout
+    sizes = {line.split()[3]: int(line.split()[1], 16) for line in listing.splitlines() if len(line.split()) == 4}
+    modules = size_report.read_map(maps["cortex-m4f"]).modules
+    assert modules["firmware/controller"].text >= sizes["controller_step"]
+    assert modules["hal/slcan/slcan_hal"].bss == sizes["slcan_hal_link"]
+    assert modules["stack"].bss == 4096
+
+
+def test_the_committed_budget_holds(maps, tmp_path, capsys):
+    assert report(maps, BUDGET, tmp_path / "size.json") == 0, capsys.readouterr().err
+    written = json.loads((tmp_path / "size.json").read_text())
+    assert written["cortex-m4f"]["modules_bytes"]["firmware/e2e"]["text"] > 0
+    assert written["cortex-m4f"]["total_bytes"]["text"] > 10_000
+
+
+def test_what_is_beyond_its_budget_is_told_with_the_difference(maps, tmp_path, capsys):
+    lower = tmp_path / "budget.toml"
+    found = size_report.read_map(maps["cortex-m4f"]).modules["firmware/e2e"].text
+    text = re.sub(rf'"firmware/e2e" = \[{found}, 0, 0\]', f'"firmware/e2e" = [{found - 7}, 0, 0]', BUDGET.read_text(), count=1)
+    lower.write_text(text.replace('"firmware/task" = ', '"firmware/another" = ', 1))
+    assert report(maps, lower, tmp_path / "size.json") == 1
+    told = capsys.readouterr().err
+    assert f"cortex-m4f: firmware/e2e: text {found} bytes, budget {found - 7}: 7 too many" in told
+    assert re.search(r"cortex-m4f: firmware/task: text (\d+) bytes, budget 0: \1 too many", told)
+
+
+def test_a_new_budget_is_the_present_size(maps, tmp_path):
+    fresh = tmp_path / "budget.toml"
+    assert report(maps, fresh, tmp_path / "size.json", "--update") == 0
+    assert report(maps, fresh, tmp_path / "size.json") == 0
+
+
+def test_wrong_use(capsys):
+    assert size_report.main([]) == 2
+    assert capsys.readouterr().err.startswith("usage:")
