@@ -6,7 +6,7 @@
 TARGET_BUILD ?= $(BUILD)/target
 TARGET_MAIN ?= firmware/main.c
 
-TARGET_CFLAGS := $(CORE_CFLAGS) -g -ffunction-sections -fdata-sections
+TARGET_CFLAGS := $(CORE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgraph-info=su
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
 TARGET_SLCAN := $(filter-out hal/slcan/free_running.c hal/slcan/lockstep.c,$(wildcard hal/slcan/*.c))
 
@@ -27,7 +27,7 @@ rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: target target-check target-deps pil bitexact size
+.PHONY: target target-check target-deps pil bitexact size stack
 
 target: ## the firmware as images for Cortex-M4F and rv32imac in build/target/, and their sizes
 
@@ -97,6 +97,10 @@ pil: build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386|virt in
 size: deps target ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
 	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(UPDATE),--update) \
 	    $(foreach image,$(TARGET_IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
+
+stack: deps target ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
+	@$(PYTHON) -m comanip.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
+	    $(foreach image,$(TARGET_IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
 bitexact: build target-check ## one input through every compiler's and processor's controller_step(): the same bytes; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)

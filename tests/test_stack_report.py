@@ -1,0 +1,107 @@
+"""`make stack`: its bound against planted call graphs, and against what an image in QEMU has really used."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from comanip import stack_report
+from comanip.stack_report import Graph, UnboundedError
+from simulation import REPOSITORY
+from test_target import MACHINES, PREFIXES, make, run
+
+BUDGET = REPOSITORY / "hal" / "stack_budget.toml"
+STACK_BEGIN = {"cortex-m4f": 0x20000000, "rv32imac": 0x80040000}  # of the linker scripts
+STACK_BYTES = 4096
+
+
+def graph_of(folder: Path, source: str, indirect: dict[str, list[str]] | None = None) -> Graph:
+    (folder / "planted.c").write_text(source)
+    subprocess.run(["gcc", "-O1", "-fno-inline", "-fcallgraph-info=su", "-fstack-usage", "-c", "planted.c"], cwd=folder, check=True)
+    graph = Graph()
+    stack_report.read_call_graphs(folder, graph)
+    stack_report.resolve(graph, indirect or {})
+    return graph
+
+
+CHAIN = """
+    void use(volatile char *p);
+    __attribute__((noipa)) static void c(void) { volatile char x[300]; x[0] = 1; }
+    __attribute__((noipa)) static void b(void) { volatile char x[50]; x[0] = 1; c(); x[1] = 2; }
+    __attribute__((noipa)) static void d(void) { volatile char x[200]; x[0] = 1; }
+    void a(void) { volatile char x[10]; x[0] = 1; b(); d(); x[1] = 2; }
+"""
+
+
+def test_the_depth_is_the_sum_along_the_deepest_way(tmp_path):
+    graph = graph_of(tmp_path, CHAIN)
+    frames = {}
+    for line in (tmp_path / "planted.su").read_text().splitlines():
+        place, size, _ = line.split("\t")
+        frames[place.split(":")[-1]] = int(size)
+    depth, way = graph.depth("a")
+    assert [stack_report.plain(name) for name in way] == ["a", "b", "c"]
+    assert depth == frames["a"] + frames["b"] + frames["c"] > 250
+
+
+def test_what_has_no_bound_is_refused(tmp_path):
+    recursive = "int f(int n); int g(int n) { return n ? f(n - 1) + 1 : 0; } int f(int n) { return n ? g(n - 1) * 2 : 1; }"
+    with pytest.raises(UnboundedError, match="recursion: f -> g -> f"):
+        graph_of(tmp_path, recursive).depth("f")
+    with pytest.raises(UnboundedError, match="no fixed size"):
+        graph_of(tmp_path, "int use(char *p); int f(int n) { char x[n]; return use(x); }")
+    pointer = "void (*p)(void); void target_one(void) { volatile char x[400]; x[0] = 1; } void f(void) { p(); p(); }"
+    with pytest.raises(UnboundedError, match="f calls through a pointer"):
+        graph_of(tmp_path, pointer)
+    assert graph_of(tmp_path, pointer, {"f": ["target_"]}).depth("f")[0] > 270
+
+
+@pytest.fixture(scope="module")
+def folders() -> dict[str, Path]:
+    missing = make("target-check")
+    if missing.returncode != 0:
+        pytest.skip(missing.stderr.strip())
+    built = make("-j2", "target")
+    assert built.returncode == 0, built.stderr
+    return {image: REPOSITORY / "build" / "target" / image for image in PREFIXES}
+
+
+def report(folders, budget: Path, out: Path) -> int:
+    return stack_report.main([str(budget), str(out), *(f"{image}={folder}" for image, folder in folders.items())])
+
+
+def test_the_committed_budget_holds_and_a_smaller_one_does_not(folders, tmp_path, capsys):
+    assert report(folders, BUDGET, tmp_path / "stack.json") == 0, capsys.readouterr().err
+    worst = json.loads((tmp_path / "stack.json").read_text())["cortex-m4f"]["worst_case_bytes"]
+    smaller = tmp_path / "budget.toml"
+    smaller.write_text(BUDGET.read_text().replace("budget_bytes = 4096", f"budget_bytes = {worst - 8}", 1))
+    assert report(folders, smaller, tmp_path / "stack.json") == 1
+    assert f"cortex-m4f: {worst} bytes, budget {worst - 8}: 8 too many" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("image", PREFIXES)
+def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
+    """The RAM begins as zeros: what is not zero was used."""
+    if shutil.which(MACHINES[image][0]) is None:
+        pytest.skip(f"{MACHINES[image][0]} is not installed: make target-deps")
+    assert report(folders, BUDGET, tmp_path / "stack.json") == 0
+    worst = json.loads((tmp_path / "stack.json").read_text())[image]["worst_case_bytes"]
+    begin = STACK_BEGIN[image]
+    _, told = run(image, folders[image] / "comanip.elf", tmp_path, lambda text: text.count("\rb050") > 200,
+                  monitor=f"xp /{STACK_BYTES // 4}xw {begin:#x}\n")  # fmt: skip
+    words = {}
+    for address, values in re.findall(r"^([0-9a-f]+): ((?:0x[0-9a-f]{8} ?)+)", told, re.MULTILINE):
+        for i, value in enumerate(values.split()):
+            words[int(address, 16) + 4 * i] = int(value, 16)
+    assert len(words) == STACK_BYTES // 4
+    used = begin + STACK_BYTES - min(address for address, value in words.items() if value)
+    assert worst / 4 < used <= worst
+
+
+def test_wrong_use(capsys):
+    assert stack_report.main([]) == 2
+    assert capsys.readouterr().err.startswith("usage:")
