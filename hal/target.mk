@@ -10,13 +10,21 @@ TARGET_CFLAGS := $(CORE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgra
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
 TARGET_SLCAN := $(filter-out hal/slcan/free_running.c hal/slcan/lockstep.c,$(wildcard hal/slcan/*.c))
 
-TARGET_IMAGES := cortex-m4f rv32imac
+CORTEX_M_IMAGES := cortex-m3 cortex-m4f cortex-m7
+TARGET_IMAGES := $(CORTEX_M_IMAGES) rv32imac
 
-cortex-m4f.prefix := arm-none-eabi-
-cortex-m4f.specs := nano.specs
+cortex-m3.cpu := -mcpu=cortex-m3 -mthumb -mfloat-abi=soft
 cortex-m4f.cpu := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
-cortex-m4f.script := hal/cortex_m/mps2_an386.ld
-cortex-m4f.sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN) hal/slcan/free_running.c hal/no_store.c
+cortex-m7.cpu := -mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard
+
+# $(1): image. They differ in nothing but the core.
+define CORTEX_M_VARIABLES
+$(1).prefix := arm-none-eabi-
+$(1).specs := nano.specs
+$(1).script := hal/cortex_m/mps2.ld
+$(1).sources := $(wildcard hal/cortex_m/*.c) $(TARGET_SLCAN) hal/slcan/free_running.c hal/no_store.c
+endef
+$(foreach image,$(CORTEX_M_IMAGES),$(eval $(call CORTEX_M_VARIABLES,$(image))))
 
 rv32imac.prefix := riscv64-unknown-elf-
 rv32imac.specs := picolibc.specs
@@ -24,12 +32,22 @@ rv32imac.cpu := -march=rv32imac -mabi=ilp32
 rv32imac.script := hal/riscv/virt.ld
 rv32imac.sources := $(wildcard hal/riscv/*.c) hal/riscv/startup.S $(TARGET_SLCAN) hal/slcan/free_running.c hal/no_store.c
 
+# BOARD=, as QEMU calls its machines, and the image for it.
+BOARDS := mps2-an385 mps2-an386 mps2-an500 virt
+BOARD_IMAGE.mps2-an385 := cortex-m3
+BOARD_IMAGE.mps2-an386 := cortex-m4f
+BOARD_IMAGE.mps2-an500 := cortex-m7
+BOARD_IMAGE.virt := rv32imac
+BOARD_CHECK = @if [ -z "$(BOARD_IMAGE.$(BOARD))" ]; then echo "make $@: BOARD='$(BOARD)': expected one of $(BOARDS)" >&2; exit 2; fi
+
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: target target-check target-deps pil bitexact size stack
+.PHONY: target targets target-check target-deps pil bitexact size stack
 
-target: ## the firmware as images for Cortex-M4F and rv32imac in build/target/, and their sizes
+# All images, or the one for BOARD.
+target: $(if $(BOARD),$(BOARD_IMAGE.$(BOARD):%=target-%),targets) ## the firmware as images in build/target/, and their sizes; BOARD=mps2-an386 etc.: one
+	$(if $(BOARD),$(BOARD_CHECK))
 
 # $(1): image
 define IMAGE_RULES
@@ -61,7 +79,7 @@ target-$(1): $$(TARGET_BUILD)/$(1)/comanip.elf
 	@$$($(1).prefix)size $$<
 
 .PHONY: target-$(1)
-target: target-$(1)
+targets: target-$(1)
 endef
 $(foreach image,$(TARGET_IMAGES),$(eval $(call TARGET_RULES,$(image))))
 
@@ -79,26 +97,24 @@ $(foreach image,$(PIL_IMAGES),$(eval $(call IMAGE_RULES,$(image))))
 
 PIL_PROCESS := $(BUILD)/host/comanip-pil
 PIL_PROCESS_SOURCES := $(CORE_SOURCES) $(SIM_SOURCES) sim/bus/bus.c sim/programs/pil.c sim/programs/remote_firmware.c hal/slcan/slcan.c
-PIL_IMAGE.mps2-an386 := cortex-m4f-pil
-PIL_IMAGE.virt := rv32imac-pil
 
 $(PIL_PROCESS): $(PIL_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 	@mkdir -p $(@D)
 	@echo "  LINK $@"
 	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
 
-BOARD ?= mps2-an386
-pil: build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386|virt in QEMU, in lockstep with the simulator; takes what `make sim` takes
-	@if [ -z "$(PIL_IMAGE.$(BOARD))" ]; then echo "make pil: BOARD='$(BOARD)': expected mps2-an386 or virt" >&2; exit 2; fi
-	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(PIL_IMAGE.$(BOARD))/comanip.elf
+pil: BOARD := $(or $(BOARD),mps2-an386)
+pil: build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes
+	$(BOARD_CHECK)
+	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE.$(BOARD))-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
-	$(PYTHON) -m comanip.pil "$(BOARD)" $(TARGET_BUILD)/$(PIL_IMAGE.$(BOARD))/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS)
+	$(PYTHON) -m comanip.pil "$(BOARD)" $(TARGET_BUILD)/$(BOARD_IMAGE.$(BOARD))-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS)
 
-size: deps target ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
+size: deps targets ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
 	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(UPDATE),--update) \
 	    $(foreach image,$(TARGET_IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
-stack: deps target ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
+stack: deps targets ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
 	@$(PYTHON) -m comanip.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
 	    $(foreach image,$(TARGET_IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 

@@ -12,7 +12,12 @@ import pytest
 from simulation import EXIT_WRONG_USE, REPOSITORY, experiment, run
 from test_target import make
 
-BOARDS = {"mps2-an386": ("cortex-m4f-pil", "qemu-system-arm"), "virt": ("rv32imac-pil", "qemu-system-riscv32")}
+BOARDS = {
+    "mps2-an385": ("cortex-m3-pil", "qemu-system-arm"),
+    "mps2-an386": ("cortex-m4f-pil", "qemu-system-arm"),
+    "mps2-an500": ("cortex-m7-pil", "qemu-system-arm"),
+    "virt": ("rv32imac-pil", "qemu-system-riscv32"),
+}
 PROGRAM = REPOSITORY / "build" / "host" / "comanip-pil"
 TIMEOUT_S = 300
 
@@ -69,8 +74,8 @@ def test_an_image_that_panics_ends_the_run_with_its_words(board, tmp_path):
 def test_wrong_use(tmp_path):
     assert pil().returncode == EXIT_WRONG_USE
     refused = pil("arduino", "x.elf", PROGRAM)
-    assert refused.returncode == EXIT_WRONG_USE and "mps2-an386, virt" in refused.stderr
+    assert refused.returncode == EXIT_WRONG_USE and "mps2-an385, mps2-an386, mps2-an500, virt" in refused.stderr
     alone = subprocess.run([PROGRAM, "--serial", tmp_path / "nothing"], capture_output=True, text=True, check=False)
     assert alone.returncode == EXIT_WRONG_USE and "no serial line there" in alone.stderr
     no_board = make("pil", "BOARD=arduino")
-    assert no_board.returncode != 0 and "BOARD='arduino': expected mps2-an386 or virt" in no_board.stderr
+    assert no_board.returncode != 0 and "BOARD='arduino': expected one of mps2-an385 mps2-an386 mps2-an500 virt" in no_board.stderr

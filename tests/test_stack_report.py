@@ -12,10 +12,10 @@ import pytest
 from comanip import stack_report
 from comanip.stack_report import Graph, UnboundedError
 from simulation import REPOSITORY
-from test_target import MACHINES, PREFIXES, make, run
+from test_target import CORTEX_M, MACHINES, PREFIXES, make, run
 
 BUDGET = REPOSITORY / "hal" / "stack_budget.toml"
-STACK_BEGIN = {"cortex-m4f": 0x20000000, "rv32imac": 0x80040000}  # of the linker scripts
+STACK_BEGIN = {**dict.fromkeys(CORTEX_M, 0x20000000), "rv32imac": 0x80040000}  # of the linker scripts
 STACK_BYTES = 4096
 
 

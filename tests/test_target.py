@@ -24,12 +24,17 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 # 500 million instructions per second: the software floating point of rv32imac needs more than 125 million for 1 kHz.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 MACHINES = {
+    "cortex-m3": ["qemu-system-arm", "-machine", "mps2-an385"],
     "cortex-m4f": ["qemu-system-arm", "-machine", "mps2-an386"],
+    "cortex-m7": ["qemu-system-arm", "-machine", "mps2-an500"],
     "rv32imac": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
 }
-PREFIXES = {"cortex-m4f": "arm-none-eabi-", "rv32imac": "riscv64-unknown-elf-"}
-SPECS = {"cortex-m4f": "nano.specs", "rv32imac": "picolibc.specs"}
-CPUS = {"cortex-m4f": ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"],
+CORTEX_M = ("cortex-m3", "cortex-m4f", "cortex-m7")
+PREFIXES = {**dict.fromkeys(CORTEX_M, "arm-none-eabi-"), "rv32imac": "riscv64-unknown-elf-"}
+SPECS = {**dict.fromkeys(CORTEX_M, "nano.specs"), "rv32imac": "picolibc.specs"}
+CPUS = {"cortex-m3": ["-mcpu=cortex-m3", "-mthumb", "-mfloat-abi=soft"],
+        "cortex-m4f": ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"],
+        "cortex-m7": ["-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-sp-d16", "-mfloat-abi=hard"],
         "rv32imac": ["-march=rv32imac", "-mabi=ilp32"]}  # fmt: skip
 
 
@@ -112,7 +117,25 @@ def test_a_missing_compiler_is_named_with_its_package(image):
     answer = make("target", f"{image}.prefix=no-such-")
     assert answer.returncode != 0
     assert "no-such-gcc" in answer.stderr
-    assert {"cortex-m4f": "gcc-arm-none-eabi", "rv32imac": "gcc-riscv64-unknown-elf"}[image] in answer.stderr
+    assert f"gcc-{PREFIXES[image]}".removesuffix("-") in answer.stderr
+
+
+def test_each_image_is_made_for_its_processor(elf, image):
+    """As the object files say, by the ABI's addenda for Arm (tag CPU_name) and RISC-V (tag arch)."""
+    told = subprocess.run([PREFIXES[image] + "readelf", "-A", str(elf)], check=True, capture_output=True, text=True).stdout
+    core = {"cortex-m3": "7-M", "cortex-m4f": "7E-M", "cortex-m7": "7E-M", "rv32imac": "rv32i"}[image]
+    floating_point = {"cortex-m4f": "VFPv4-D16", "cortex-m7": "FPv5/FP-D16 for ARMv8"}.get(image)
+    assert re.search(rf'(Tag_CPU_name|Tag_RISCV_arch): "{core}', told, re.IGNORECASE)
+    assert re.findall("Tag_FP_arch: (.+)", told) == ([floating_point] if floating_point else [])
+
+
+def test_a_board_is_one_image_and_an_unknown_one_is_refused(target_build):
+    built = make("target", "BOARD=mps2-an500")
+    assert built.returncode == 0
+    assert [line.split()[-1] for line in built.stdout.splitlines()[1:]] == ["build/target/cortex-m7/comanip.elf"]
+    refused = make("target", "BOARD=arduino")
+    assert refused.returncode == 2
+    assert "BOARD='arduino': expected one of mps2-an385 mps2-an386 mps2-an500 virt" in refused.stderr
 
 
 # ---- what they do
@@ -201,9 +224,9 @@ def test_boot_announcement(first_second, image, elf, dbc):
     assert ticks == list(range(1000, 1000 + 1000 * len(ticks), 1000))  # none missed
 
 
-def test_both_images_send_the_same_bytes(first_second, target_build):
+def test_all_images_send_the_same_bytes(first_second, target_build):
     streams = {image: first_second(image, target_build / image / "comanip.elf") for image in MACHINES}
-    assert streams["cortex-m4f"] == streams["rv32imac"]
+    assert {image for image in MACHINES if streams[image] != streams["cortex-m4f"]} == set()
 
 
 def protected(dbc, name: str, values: dict) -> bytes:
@@ -276,7 +299,7 @@ def busy(milliseconds: int) -> str:
 FAULTS = {
     "hang": ("for (;;) { }", {"watchdog: not fed in time"}),
     "busy for 12 ms": (busy(12), {"watchdog: not fed in time"}),
-    "invalid address": ("*(volatile int *)0x60000000u = 1", {"bus fault", "access fault"}),
+    "invalid address": ("*(volatile int *)0x90000000u = 1", {"bus fault", "access fault"}),
     "invalid instruction": ("__asm__ volatile(\"udf #0\")", {"usage fault", "illegal instruction"}),
     "panic": ("hal_panic(\"planted\")", {"planted"}),
     "loop ended": ("return", {"the firmware's loop ended"}),
@@ -287,22 +310,22 @@ FAULTS = {
 def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_build, fault, tmp_path):
     statement, causes = FAULTS[fault]
     if image == "rv32imac":
-        statement = statement.replace("0x60000000u", "0x00200000u").replace("udf #0", "unimp")
+        statement = statement.replace("0x90000000u", "0x00200000u").replace("udf #0", "unimp")
     elf = planted(image, tmp_path, statement)
-    lights = "xp /1wx 0x40028000\n" if image == "cortex-m4f" else ""
+    lights = "xp /1wx 0x40028000\n" if image in CORTEX_M else ""
     text, answer = run(image, elf, tmp_path, lambda t: re.search("#panic: .*\r", t) is not None, monitor=lights)
     frames, cause = text.split("\r#panic: ")
     assert cause.removesuffix("\r") in causes
     ticks = ticks_us(frames)
     assert ticks[-1] in (49000, 50000) and ticks[0] == 1000  # the last line may be cut short: the panic does not wait
-    if image == "cortex-m4f":
+    if image in CORTEX_M:
         (lit,) = re.findall("40028000: 0x([0-9a-f]+)", answer)
         assert int(lit, 16) & 1 == 0  # the drives' enable line
 
 
-def test_the_drives_are_enabled_while_the_firmware_runs(target_build, tmp_path):
-    elf = target_build / "cortex-m4f" / "comanip.elf"
-    _, answer = run("cortex-m4f", elf, tmp_path, lambda t: t.count("b050") > 10, monitor="xp /1wx 0x40028000\n")
+@pytest.mark.parametrize("image", CORTEX_M)
+def test_the_drives_are_enabled_while_the_firmware_runs(elf, image, tmp_path):
+    _, answer = run(image, elf, tmp_path, lambda t: t.count("b050") > 10, monitor="xp /1wx 0x40028000\n")
     (lit,) = re.findall("40028000: 0x([0-9a-f]+)", answer)
     assert int(lit, 16) & 1 == 1
 

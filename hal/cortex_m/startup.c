@@ -33,7 +33,9 @@ _Noreturn void reset_handler(void) {
         *word = 0;
     }
     SCB_HANDLER_CONTROL |= SCB_HANDLER_CONTROL_FAULTS;
+#ifdef __ARM_FP
     SCB_COPROCESSOR_ACCESS |= SCB_COPROCESSOR_ACCESS_FPU;
+#endif
     __asm__ volatile("dsb\n\tisb" ::: "memory");
     firmware_main();
     hal_panic("the firmware's loop ended");

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 MACHINES = {
-    "mps2-an386": ["qemu-system-arm", "-machine", "mps2-an386"],
+    **{board: ["qemu-system-arm", "-machine", board] for board in ("mps2-an385", "mps2-an386", "mps2-an500")},
     "virt": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
 }
 # One instruction is 2 ns of the board's time, which stands still while it waits: no watchdog bites on a busy machine.

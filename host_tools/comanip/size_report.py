@@ -133,7 +133,7 @@ def main(argv: Sequence[str]) -> int:
         return 2
     budget_path, report = Path(argv[0]), Path(argv[1])
     images = {name: read_map(Path(path)) for name, path in maps.items()}
-    show(images, Console())
+    show(images, Console(width=160))
     report.parent.mkdir(parents=True, exist_ok=True)
     content = {
         name: {"total_bytes": asdict(image.total), "modules_bytes": {m: asdict(size) for m, size in image.modules.items()}}

@@ -28,7 +28,9 @@ VECTOR_TICKS, SMOKE_VECTOR_TICKS = 20_000, 4_000
 CORE_FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", f"-I{REPOSITORY / 'build' / 'generated'}"]
 HOSTS = [(compiler, level) for compiler in ("gcc", "clang") for level in ("-O0", "-O2", "-O3")]
 MACHINES = {
+    "cortex-m3": ["qemu-system-arm", "-machine", "mps2-an385"],
     "cortex-m4f": ["qemu-system-arm", "-machine", "mps2-an386"],
+    "cortex-m7": ["qemu-system-arm", "-machine", "mps2-an500"],
     "rv32imac": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
 }
 SEMIHOSTING = ["-display", "none", "-monitor", "none", "-serial", "null", "-semihosting-config", "enable=on,target=native"]
