@@ -37,7 +37,7 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan bench bus-doc bus-report check-c target \
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan bench arms bus-doc bus-report check-c target \
     target-deps clean
 
 help: ## this text
@@ -155,6 +155,9 @@ test-socketcan: build $(VENV)/.installed-tests ## prove it on the kernel's Socke
 
 bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
 	@$(PYTHON) tests/bench_simulator.py
+
+arms: deps ## write firmware/arms/*.c anew from the arms' descriptions, firmware/arms/*.toml
+	@$(PYTHON) -m comanip.arm_codegen
 
 bus-doc: deps ## write docs/bus.md anew from the DBC
 	@$(PYTHON) -m comanip.bus_doc docs/bus.md

@@ -6,10 +6,11 @@
 #include "trigonometry.h"
 
 #define UNIT_TOLERANCE 1e-4f
+#define REACH_MAX_M 100.0f
 
-static bool is_pose(dual_quaternion_t pose) {
-    float product = quaternion_dot(pose.primary, pose.dual);
-    return quaternion_is_unit(pose.primary, UNIT_TOLERANCE) && product > -UNIT_TOLERANCE && product < UNIT_TOLERANCE;
+static bool is_pose(pose_t pose) {
+    const float reach = vector3_dot(pose.translation_m, pose.translation_m);
+    return quaternion_is_unit(pose.rotation, UNIT_TOLERANCE) && reach <= REACH_MAX_M * REACH_MAX_M;
 }
 
 const char *arm_check(const arm_t *arm) {
@@ -17,12 +18,12 @@ const char *arm_check(const arm_t *arm) {
         return "arm table: joint_count must be 1 to 8";
     }
     if (!is_pose(arm->effector)) {
-        return "arm table: effector is not a unit dual quaternion";
+        return "arm table: effector is not a pose";
     }
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
         if (!is_pose(joint->fixed)) {
-            return "arm table: a joint's fixed transform is not a unit dual quaternion";
+            return "arm table: a joint's fixed transform is not a pose";
         }
         quaternion_t axis = {0.0f, joint->axis.x, joint->axis.y, joint->axis.z};
         if (!quaternion_is_unit(axis, UNIT_TOLERANCE)) {
@@ -39,50 +40,38 @@ const char *arm_check(const arm_t *arm) {
     return NULL;
 }
 
-static dual_quaternion_t turned(vector3_t axis, float angle_rad, dual_quaternion_t pose) {
-    float sine, cosine;
-    sine_cosine(0.5f * angle_rad, &sine, &cosine);
-    quaternion_t turn = {cosine, sine * axis.x, sine * axis.y, sine * axis.z};
-    return (dual_quaternion_t){quaternion_multiply(turn, pose.primary), quaternion_multiply(turn, pose.dual)};
+/* The pose, seen from the joint's frame as the joint turned it. */
+static pose_t turned(vector3_t axis, float angle_rad, pose_t pose) {
+    const sine_cosine_t half = sine_cosine(0.5f * angle_rad);
+    const quaternion_t turn = {half.cosine, half.sine * axis.x, half.sine * axis.y, half.sine * axis.z};
+    return (pose_t){quaternion_multiply(turn, pose.rotation), quaternion_rotate(turn, pose.translation_m)};
 }
 
-/* The joint's axis, a line through the origin, seen from the hand, whose pose is seen from the joint: conj(x) l x, halved. */
-static dual_quaternion_t half_line_from_hand(dual_quaternion_t hand, vector3_t axis) {
-    const quaternion_t half_axis = {0.0f, 0.5f * axis.x, 0.5f * axis.y, 0.5f * axis.z};
-    dual_quaternion_t turned_axis = {quaternion_multiply(half_axis, hand.primary),
-                                     quaternion_multiply(half_axis, hand.dual)};
-    dual_quaternion_t line = dual_quaternion_multiply(dual_quaternion_conjugate(hand), turned_axis);
-    line.primary.w = 0.0f; /* but for rounding, it is pure */
-    line.dual.w = 0.0f;
-    return line;
+pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
+    pose_t hand = arm->effector;
+    for (int i = arm->joint_count - 1; i >= 0; i--) {
+        const arm_joint_t *joint = &arm->joints[i];
+        hand = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
+    }
+    return hand;
 }
 
 /* From the hand towards the torso, so that the axes come out as seen from the hand: small numbers, near the hand. */
-dual_quaternion_t arm_hand_and_axes(const arm_t *arm, const float position_rad[],
-                                    dual_quaternion_t half_line[ARM_MAX_JOINTS]) {
-    dual_quaternion_t hand = arm->effector; /* seen from the frame reached so far */
+void arm_lines(const arm_t *arm, const float position_rad[], arm_lines_t *lines) {
+    pose_t hand = arm->effector; /* seen from the frame reached so far, through whose origin the joint's axis goes */
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
-        half_line[i] = half_line_from_hand(hand, joint->axis);
-        hand = dual_quaternion_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
+        const quaternion_t to_hand = quaternion_conjugate(hand.rotation);
+        lines->axis[i] = quaternion_rotate(to_hand, joint->axis);
+        lines->moment_m[i] = quaternion_rotate(to_hand, vector3_cross(joint->axis, hand.translation_m));
+        hand = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
     }
-    return hand;
+    lines->hand = hand;
 }
 
-dual_quaternion_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
-    dual_quaternion_t hand = arm->effector;
-    for (int i = arm->joint_count - 1; i >= 0; i--) {
-        const arm_joint_t *joint = &arm->joints[i];
-        hand = dual_quaternion_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
-    }
-    return hand;
-}
-
-dual_quaternion_t arm_pose_jacobian(const arm_t *arm, const float position_rad[],
-                                    dual_quaternion_t column[ARM_MAX_JOINTS]) {
-    dual_quaternion_t hand = arm_hand_and_axes(arm, position_rad, column);
-    for (int i = 0; i < arm->joint_count; i++) {
-        column[i] = dual_quaternion_multiply(hand, column[i]);
-    }
-    return hand;
+dual_quaternion_t arm_half_line(vector3_t axis, vector3_t moment_m) {
+    return (dual_quaternion_t){
+        {0.0f, 0.5f * axis.x, 0.5f * axis.y, 0.5f * axis.z},
+        {0.0f, 0.5f * moment_m.x, 0.5f * moment_m.y, 0.5f * moment_m.z},
+    };
 }

@@ -1,4 +1,4 @@
-/* A serial arm described by a constant table, and its kinematics in dual quaternions (equation (3)).
+/* A serial arm described by a constant table, and its kinematics.
  *
  * Frames: torso (x forward, y left, z up) -> joint 0 -> ... -> hand (z forward, x up when the forearm points forward). */
 #ifndef COMANIP_ARM_H
@@ -6,42 +6,56 @@
 
 #include <stdint.h>
 
-#include "dual_quaternion.h"
+#include "pose.h"
 
 #define ARM_MAX_JOINTS 8
+
+struct velocity_control_config;
+struct velocity_request;
+typedef struct arm arm_t;
 
 /* One revolute joint: from the previous joint's moving frame (the torso for the first) by `fixed`, then a rotation of
  * the joint's angle about `axis`. */
 typedef struct {
-    dual_quaternion_t fixed; /* unit */
+    pose_t fixed;
     vector3_t axis;          /* unit, in the frame reached by `fixed` */
     float position_min_rad;  /* usable range, already inside the mechanical stops; within +-8 rad */
     float position_max_rad;
     float velocity_max_radps; /* > 0, at most 32 */
 } arm_joint_t;
 
-typedef struct {
+/* Law (4) where it is isotropic; as velocity_control(), which calls it. */
+typedef void arm_isotropic_law_t(const arm_t *arm, const struct velocity_control_config *config,
+                                 const struct velocity_request *request, float velocity_radps[]);
+
+struct arm {
     const char *name;
     uint8_t id;          /* FirmwareIdentity.arm in the DBC */
     uint8_t joint_count; /* 1..ARM_MAX_JOINTS */
     const arm_joint_t *joints;
-    dual_quaternion_t effector; /* from the last joint's moving frame to the hand; unit */
-} arm_t;
+    pose_t effector; /* from the last joint's moving frame to the hand */
+    arm_isotropic_law_t *isotropic; /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
+};
+
+/* The hand seen from the torso, and each joint's axis seen from the hand, a line: its direction, and its moment about the hand's
+ * origin, p x axis with p a point on it. */
+typedef struct {
+    pose_t hand;
+    vector3_t axis[ARM_MAX_JOINTS];
+    vector3_t moment_m[ARM_MAX_JOINTS];
+} arm_lines_t;
 
 /* NULL if the table is within the ranges above, else a line that names the defect. */
 const char *arm_check(const arm_t *arm);
 
-/* Hand pose seen from the torso. position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
-dual_quaternion_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
+/* Hand pose seen from the torso (equation (3)). position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
+pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
-/* Forward kinematics, and each joint's axis as a line seen from the hand, halved: 1/2 (l + eps p x l), with l the axis and p
- * a point on it; pure dual quaternions. hand * half_line[i] is column i of the Jacobian, seen from wherever the hand is. */
-dual_quaternion_t arm_hand_and_axes(const arm_t *arm, const float position_rad[],
-                                    dual_quaternion_t half_line[ARM_MAX_JOINTS]);
+/* Of the arm's joints. */
+void arm_lines(const arm_t *arm, const float position_rad[], arm_lines_t *lines);
 
-/* Forward kinematics and the analytic 8 x n Jacobian: column i is d(vec8 hand)/d(position i). The columns have the sign
- * of the returned hand. */
-dual_quaternion_t arm_pose_jacobian(const arm_t *arm, const float position_rad[],
-                                    dual_quaternion_t column[ARM_MAX_JOINTS]);
+/* A line seen from the hand as a dual quaternion, halved: the hand's dual quaternion times it is the joint's column of the
+ * analytic 8 x n Jacobian, d(vec8 hand) / d(position), with the sign of that dual quaternion. */
+dual_quaternion_t arm_half_line(vector3_t axis, vector3_t moment_m);
 
 #endif

@@ -392,8 +392,8 @@ protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *fram
     FOR_EACH_RECEIVED(PACK_COUNTER)
     bool fits = true;
     if (message->target_valid) {
-        vector3_t t = dual_quaternion_translation(message->target);
-        quaternion_t r = message->target.primary;
+        vector3_t t = message->target.translation_m;
+        quaternion_t r = message->target.rotation;
         PACK(fits, t.x, TICK_TRACE_TARGET_X_M, int32_t, raw.target_x_m);
         PACK(fits, t.y, TICK_TRACE_TARGET_Y_M, int32_t, raw.target_y_m);
         PACK(fits, t.z, TICK_TRACE_TARGET_Z_M, int32_t, raw.target_z_m);
@@ -418,7 +418,7 @@ void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message) {
     *message = (tick_trace_t){
         .now_us = raw.now_us,
         .target_valid = raw.target_valid != 0u,
-        .target = dual_quaternion_from_pose(quaternion_normalise(r), t),
+        .target = {quaternion_normalise(r), t},
         .hand_age_us = raw.hand_age_us,
         .drives_fresh = raw.drives_fresh != 0u,
         .rejected_frames = raw.rejected_frames,

@@ -17,6 +17,7 @@
 #include "arm.h"
 #include "can_frame.h"
 #include "e2e.h"
+#include "pose.h"
 #include "task.h"
 
 /* FRAME_JOINT_STATE0 + i is joint i. */
@@ -273,7 +274,7 @@ typedef struct {
     uint8_t last_counter[FRAME_KIND_COUNT];
     bool received[FRAME_KIND_COUNT];
     bool target_valid;
-    dual_quaternion_t target; /* robot hand in the torso frame */
+    pose_t target;            /* robot hand in the torso frame */
     uint32_t hand_age_us;     /* limited to 24 bits */
     bool drives_fresh;        /* all drives had answered in time */
     uint8_t rejected_frames;  /* modulo 256, this tick's included */

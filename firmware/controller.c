@@ -56,8 +56,12 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
 /* ---- hand and robot, this tick */
 
 static void sense(controller_t *self, uint32_t now_us) {
-    self->hand = dual_quaternion_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
-    self->robot = arm_hand_and_axes(self->arm, self->joints.position_rad, self->half_line);
+    self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
+}
+
+/* The robot's measured hand in the torso frame, this tick: asked for only where a reference is taken. */
+static pose_t robot_pose(const controller_t *self) {
+    return arm_forward_kinematics(self->arm, self->joints.position_rad);
 }
 
 static void supervise(controller_t *self, uint32_t now_us) {
@@ -100,7 +104,7 @@ static result_t start(controller_t *self) {
     result_t result = supervisor_start(&self->supervisor);
     if (result == RESULT_ACCEPTED) {
         self->blend_elapsed_s = 0.0f;
-        cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, self->robot);
+        cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, robot_pose(self));
     }
     return result;
 }
@@ -118,8 +122,8 @@ static result_t latch(controller_t *self) {
     result_t result = cooperation_required(self);
     if (result == RESULT_ACCEPTED) {
         if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
-            (void)cooperation_target(&self->cooperation, self->hand, blend(self)); /* the virtual hand of this tick */
-            cooperation_latch_measured(&self->cooperation, self->robot);
+            cooperation_update(&self->cooperation, &self->hand, blend(self)); /* the virtual hand of this tick */
+            cooperation_latch_measured(&self->cooperation, robot_pose(self));
         } else {
             cooperation_latch(&self->cooperation);
         }
@@ -130,7 +134,7 @@ static result_t latch(controller_t *self) {
 static result_t clutch(controller_t *self) {
     result_t result = cooperation_required(self);
     if (result == RESULT_ACCEPTED) {
-        cooperation_clutch(&self->cooperation, self->hand, self->robot, blend(self));
+        cooperation_clutch(&self->cooperation, self->hand, robot_pose(self), blend(self));
     }
     return result;
 }
@@ -282,17 +286,16 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
     if (self->supervisor.mode != MODE_COOPERATING) {
         return;
     }
-    self->target = cooperation_target(&self->cooperation, self->hand, blend(self));
+    cooperation_update(&self->cooperation, &self->hand, blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
-    const int joint_count = self->arm->joint_count;
-    for (int pass = 0; pass <= joint_count; pass++) { /* once, and once more for each joint that turns out to be blocked */
-        velocity_control(&self->velocity_control_config, joint_count, self->robot, self->half_line, self->target,
-                         wanted_radps);
-        if (!joint_limits_exclude(self->arm, &self->joint_limits_config, tick_s(self), self->joints.position_rad, wanted_radps,
-                                  self->half_line)) {
-            break;
-        }
-    }
+    velocity_request_t request = {.position_rad = self->joints.position_rad, .target = &self->cooperation.target};
+    uint8_t more;
+    do { /* once, and once more whenever joints turn out to be blocked */
+        velocity_control(self->arm, &self->velocity_control_config, &request, wanted_radps);
+        more = (uint8_t)(~request.blocked & joint_limits_blocked(self->arm, &self->joint_limits_config, tick_s(self),
+                                                         self->joints.position_rad, wanted_radps));
+        request.blocked = (uint8_t)(request.blocked | more);
+    } while (more != 0u);
 }
 
 /* ---- encode */
@@ -318,7 +321,7 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
     tick_trace_t trace = {
         .now_us = now_us,
         .target_valid = self->supervisor.mode == MODE_COOPERATING,
-        .target = self->target,
+        .target = self->cooperation.target,
         .hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us),
         .drives_fresh = self->supervisor_inputs.drives_fresh,
         .rejected_frames = (uint8_t)self->receiver.protocol.rejected,

@@ -42,7 +42,7 @@ typedef struct {
     velocity_control_config_t velocity_control_config; /* views of the parameters, made anew when one is written */
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
-    dual_quaternion_t marker_to_hand;
+    pose_t marker_to_hand;
 
     transport_receiver_t receiver;
     transport_sender_t sender;
@@ -55,9 +55,7 @@ typedef struct {
 
     hand_tracker_t hand_tracker;
     joint_feedback_t joints;
-    dual_quaternion_t hand;  /* human's hand in the tracker frame, this tick */
-    dual_quaternion_t robot; /* robot's measured hand in the torso frame, this tick */
-    dual_quaternion_t half_line[ARM_MAX_JOINTS]; /* its joints, seen from it */
+    pose_t hand; /* human's hand in the tracker frame, this tick */
 
     supervisor_t supervisor;
     supervisor_inputs_t supervisor_inputs;
@@ -67,7 +65,6 @@ typedef struct {
     float blend_s;         /* how long the selected task takes to come into force */
     float blend_elapsed_s; /* of it, in cooperation */
     cooperation_t cooperation;
-    dual_quaternion_t target; /* robot's hand in the torso frame */
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */
 

@@ -1,7 +1,10 @@
 /* Algorithm 1: from the pose of the human's hand to the pose the robot's hand shall take.
  *
  * Names follow the paper: E is the tracker, T the robot's torso, Tv the virtual torso (tracker's origin, torso's axes),
- * H0 the human's hand at the start, Hv the virtual hand. */
+ * H0 the human's hand at the start, Hv the virtual hand.
+ *
+ * What starts or changes a cooperation is the paper's dual quaternions, line by line. The loop is the same in closed form: its
+ * constant factors are folded into one 4 x 4 matrix for the hand's rotation and one 3 x 3 for its displacement. */
 #ifndef COMANIP_COOPERATION_H
 #define COMANIP_COOPERATION_H
 
@@ -16,40 +19,47 @@ typedef struct {
     float motion_scale;            /* multiplies the hand's displacement, never its rotation; 1 is the paper */
 } cooperation_config_t;
 
+/* The loop's constants. */
+typedef struct {
+    float turn[4][4];               /* q_H^E's rotation (w x y z) to the target's */
+    float carry[3][3];              /* the hand's displacement in tracker axes to the virtual hand's in torso axes */
+    vector3_t hand_start_m;         /* in the tracker frame */
+    vector3_t virtual_hand_start_m; /* in the torso frame */
+} cooperation_loop_t;
+
 typedef struct {
     cooperation_config_t config;
     task_t task;
-    dual_quaternion_t hand_start;            /* q_H0^E */
-    dual_quaternion_t hand_start_in_torso;   /* q_H0^Tv, equation (8) */
-    dual_quaternion_t virtual_hand_start;    /* q_Hv0^H0 */
-    dual_quaternion_t virtual_hand;          /* q_Hv^Tv of the latest hand, equation (7) */
-    dual_quaternion_t relation;              /* the q_task in force at the latest hand */
-    dual_quaternion_t blend_from;            /* the q_task that the present one is blended from */
-    dual_quaternion_t latched_relation;
+    dual_quaternion_t hand_start_in_torso; /* q_H0^Tv, equation (8) */
+    dual_quaternion_t virtual_hand_start;  /* q_Hv0^H0 */
+    task_relation_t relation;              /* the q_task in force */
+    task_relation_t blend_from;            /* the q_task that the present one is blended from */
     bool latched;
+    bool settled; /* the loop's constants are those of the relation in force, which does not change any more */
+    cooperation_loop_t loop;
     float forward_displacement_m; /* x_H - x_H0 in torso axes, scaled */
+    pose_t target;                /* the latest */
 } cooperation_t;
 
-/* Initialisation of Algorithm 1. hand: q_H^E; robot: q_R^T, both unit. The relation being performed at this moment is
- * what a blend starts from. */
-void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task,
-                       dual_quaternion_t hand, dual_quaternion_t robot);
+/* Initialisation of Algorithm 1. hand: q_H^E; robot: q_R^T. The relation being performed at this moment is what a blend
+ * starts from. */
+void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task, pose_t hand, pose_t robot);
 
-/* Another task from here on, the start poses kept. `blend` of cooperation_target() counts anew from 0. Releases a latch. */
+/* Another task from here on, the start poses kept. `blend` of cooperation_update() counts anew from 0. Releases a latch. */
 void cooperation_select(cooperation_t *self, const task_t *task);
 
 /* Takes a new reference (clutch): the hand's displacement counts from `hand`, the robot's from `robot`, and the task goes
  * on where it was (`blend`, or latched), so that the next target is `robot`. */
-void cooperation_clutch(cooperation_t *self, dual_quaternion_t hand, dual_quaternion_t robot, float blend);
+void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float blend);
 
 /* Section V-B.3, at grasp: the q_task in force is stored and stays constant (the commanded relation). */
 void cooperation_latch(cooperation_t *self);
 
 /* The same with the relation that is being performed: conj(q_Rm) q_Hm, robot = q_Rm. */
-void cooperation_latch_measured(cooperation_t *self, dual_quaternion_t robot);
+void cooperation_latch_measured(cooperation_t *self, pose_t robot);
 
-/* One pass of Algorithm 1's loop up to q_R^Tv = q_Hv^Tv conj(q_task). blend within 0..1: how far the way from
- * `blend_from` to the task's own q_task is gone; 1 is the paper. Returns a unit dual quaternion in the torso frame. */
-dual_quaternion_t cooperation_target(cooperation_t *self, dual_quaternion_t hand, float blend);
+/* One pass of Algorithm 1's loop up to q_R^Tv = q_Hv^Tv conj(q_task): self->target, in the torso frame. blend within 0..1: how
+ * far the way from `blend_from` to the task's own q_task is gone; 1 is the paper. */
+void cooperation_update(cooperation_t *self, const pose_t *hand, float blend);
 
 #endif

@@ -15,6 +15,22 @@ static quaternion_t half_translation(vector3_t t_m) {
     return (quaternion_t){0.0f, 0.5f * t_m.x, 0.5f * t_m.y, 0.5f * t_m.z};
 }
 
+vector3_t vector3_add(vector3_t a, vector3_t b) {
+    return (vector3_t){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+vector3_t vector3_scale(vector3_t a, float factor) {
+    return (vector3_t){a.x * factor, a.y * factor, a.z * factor};
+}
+
+vector3_t vector3_cross(vector3_t a, vector3_t b) {
+    return (vector3_t){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+float vector3_dot(vector3_t a, vector3_t b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 quaternion_t quaternion_add(quaternion_t a, quaternion_t b) {
     return (quaternion_t){a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
 }
@@ -53,10 +69,15 @@ quaternion_t quaternion_normalise(quaternion_t a) {
     return quaternion_scale(a, 1.0f / square_root(norm_squared));
 }
 
+/* By two products: a rotation that is unit but for rounding gives a vector whose length is off, never its direction. */
 vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
     quaternion_t rotated = quaternion_multiply(
         quaternion_multiply(rotation, (quaternion_t){0.0f, v.x, v.y, v.z}), quaternion_conjugate(rotation));
     return (vector3_t){rotated.x, rotated.y, rotated.z};
+}
+
+quaternion_t quaternion_align(quaternion_t a, quaternion_t reference) {
+    return quaternion_dot(a, reference) < 0.0f ? quaternion_scale(a, -1.0f) : a;
 }
 
 quaternion_t quaternion_from_rotation_vector(vector3_t v_rad) {
@@ -65,10 +86,9 @@ quaternion_t quaternion_from_rotation_vector(vector3_t v_rad) {
         return quaternion_normalise((quaternion_t){1.0f, 0.5f * v_rad.x, 0.5f * v_rad.y, 0.5f * v_rad.z});
     }
     float angle_rad = square_root(angle_squared);
-    float sine, cosine;
-    sine_cosine(0.5f * angle_rad, &sine, &cosine);
-    float factor = sine / angle_rad;
-    return (quaternion_t){cosine, factor * v_rad.x, factor * v_rad.y, factor * v_rad.z};
+    const sine_cosine_t half = sine_cosine(0.5f * angle_rad);
+    float factor = half.sine / angle_rad;
+    return (quaternion_t){half.cosine, factor * v_rad.x, factor * v_rad.y, factor * v_rad.z};
 }
 
 quaternion_t quaternion_from_matrix(const float matrix[9]) {
@@ -91,8 +111,7 @@ quaternion_t quaternion_from_matrix(const float matrix[9]) {
 }
 
 quaternion_t quaternion_interpolate(quaternion_t a, quaternion_t b, float s) {
-    float sign = quaternion_dot(a, b) < 0.0f ? -1.0f : 1.0f;
-    return quaternion_normalise(quaternion_add(quaternion_scale(a, 1.0f - s), quaternion_scale(b, sign * s)));
+    return quaternion_normalise(quaternion_add(quaternion_scale(a, 1.0f - s), quaternion_scale(quaternion_align(b, a), s)));
 }
 
 dual_quaternion_t dual_quaternion_add(dual_quaternion_t a, dual_quaternion_t b) {
@@ -145,13 +164,6 @@ dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, 
     vector3_t t_b = dual_quaternion_translation(b);
     return dual_quaternion_from_pose(quaternion_multiply(b.primary, a.primary),
                                      (vector3_t){t_a.x + t_b.x, t_a.y + t_b.y, t_a.z + t_b.z});
-}
-
-dual_quaternion_t dual_quaternion_interpolate(dual_quaternion_t a, dual_quaternion_t b, float s) {
-    vector3_t t_a = dual_quaternion_translation(a);
-    vector3_t t_b = dual_quaternion_translation(b);
-    vector3_t t = {t_a.x + s * (t_b.x - t_a.x), t_a.y + s * (t_b.y - t_a.y), t_a.z + s * (t_b.z - t_a.z)};
-    return dual_quaternion_from_pose(quaternion_interpolate(a.primary, b.primary, s), t);
 }
 
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference) {

@@ -27,6 +27,11 @@ typedef struct {
 extern const quaternion_t quaternion_identity;
 extern const dual_quaternion_t dual_quaternion_identity;
 
+vector3_t vector3_add(vector3_t a, vector3_t b);
+vector3_t vector3_scale(vector3_t a, float factor);
+vector3_t vector3_cross(vector3_t a, vector3_t b);
+float vector3_dot(vector3_t a, vector3_t b);
+
 quaternion_t quaternion_add(quaternion_t a, quaternion_t b);
 quaternion_t quaternion_scale(quaternion_t a, float factor);
 quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b);
@@ -38,6 +43,9 @@ bool quaternion_is_unit(quaternion_t a, float tolerance);
 
 /* a / |a|. The zero quaternion comes back as the identity. */
 quaternion_t quaternion_normalise(quaternion_t a);
+
+/* Whichever of a and -a, the same rotation, lies on the reference's side. */
+quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
 /* The vector rotated by the unit quaternion: r v conj(r). */
 vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v);
@@ -73,9 +81,6 @@ dual_quaternion_t dual_quaternion_translation_part(dual_quaternion_t pose);
 
 /* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a): translations add, rotations compose as P(b) P(a). */
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);
-
-/* From a (s = 0) to b (s = 1): translation in a straight line, rotation by quaternion_interpolate. */
-dual_quaternion_t dual_quaternion_interpolate(dual_quaternion_t a, dual_quaternion_t b, float s);
 
 /* Whichever of pose and -pose lies on the reference's side, <P(pose), P(reference)> >= 0: the double cover's answer. */
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference);

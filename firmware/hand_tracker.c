@@ -15,8 +15,8 @@
 void hand_tracker_init(hand_tracker_t *self, uint32_t period_us) {
     *self = (hand_tracker_t){
         .period_us = period_us,
-        .from = dual_quaternion_identity,
-        .to = dual_quaternion_identity,
+        .from = pose_identity,
+        .to = pose_identity,
     };
 }
 
@@ -54,10 +54,10 @@ bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_
     self->last_stamp_us = pose->t_us;
     self->received_us = received_us;
 
-    dual_quaternion_t sample =
-        dual_quaternion_from_pose(quaternion_normalise(pose->rotation), pose->position_m);
+    pose_t sample = {quaternion_normalise(pose->rotation), pose->position_m};
     self->from = self->has_pose ? hand_tracker_pose(self, now_us) : sample;
-    self->to = dual_quaternion_align(sample, self->from);
+    sample.rotation = quaternion_align(sample.rotation, self->from.rotation);
+    self->to = sample;
     self->blend_start_us = now_us;
     self->has_pose = true;
     return true;
@@ -84,10 +84,10 @@ bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale
     return stale;
 }
 
-dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us) {
+pose_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us) {
     uint32_t elapsed_us = now_us - self->blend_start_us;
     if (elapsed_us >= self->period_us) {
         return self->to;
     }
-    return dual_quaternion_interpolate(self->from, self->to, (float)elapsed_us / (float)self->period_us);
+    return pose_interpolate(self->from, self->to, (float)elapsed_us / (float)self->period_us);
 }

@@ -16,7 +16,7 @@ typedef struct {
     uint32_t received_us;     /* of the newest valid pose */
     uint32_t age_at_reception_us; /* how much later it came than the fastest frame */
     uint32_t blend_start_us;
-    dual_quaternion_t from, to; /* interpolated over one period: marker in the tracker frame */
+    pose_t from, to; /* interpolated over one period: marker in the tracker frame */
 } hand_tracker_t;
 
 /* period_us: until the tracker announces its own. */
@@ -42,6 +42,6 @@ bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale
 
 /* The marker's pose in the tracker frame, moved from the last sample to the newest over one tracker period: a
  * continuous path from samples slower than the tick, at the cost of that period as latency. The identity at first. */
-dual_quaternion_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us);
+pose_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us);
 
 #endif

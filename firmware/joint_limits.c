@@ -113,21 +113,20 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
     return finite;
 }
 
-bool joint_limits_exclude(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                          const float measured_rad[], const float wanted_radps[], dual_quaternion_t half_line[]) {
+uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
+                             const float measured_rad[], const float wanted_radps[]) {
     const float delay_s = config->command_delay_s + tick_s;
     const float near_rad = JOINT_LIMITS_AT_LIMIT_RAD + 0.5f * braking(config, tick_s) * delay_s * delay_s;
-    bool any = false;
+    uint8_t blocked = 0;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
         bool above = wanted_radps[i] > 0.0f && joint->position_max_rad - measured_rad[i] < near_rad;
         bool below = wanted_radps[i] < 0.0f && measured_rad[i] - joint->position_min_rad < near_rad;
         if (above || below) {
-            half_line[i] = (dual_quaternion_t){{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f, 0.0f}};
-            any = true;
+            blocked = (uint8_t)(blocked | 1u << i);
         }
     }
-    return any;
+    return blocked;
 }
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm) {

@@ -40,11 +40,10 @@ void joint_limits_init(joint_limits_t *self);
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
                         const float measured_rad[], const float wanted_radps[]);
 
-/* Takes joints that stand at an end of their range, and are asked to go beyond it, out of the Jacobian (their axes of
- * arm_hand_and_axes() become 0), so that the law, solved again, lets the other joints do what they can instead of counting on these. True if
- * there was one: then solve again, at most joint_count times. */
-bool joint_limits_exclude(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                          const float measured_rad[], const float wanted_radps[], dual_quaternion_t half_line[]);
+/* The joints, a bit each, that stand at an end of their range and are asked to go beyond it. Solved again without them, the law
+ * lets the other joints do what they can instead of counting on these. */
+uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
+                             const float measured_rad[], const float wanted_radps[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

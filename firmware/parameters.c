@@ -80,6 +80,7 @@ void parameters_velocity_control(const parameters_t *self, velocity_control_conf
     }
     config->damping = self->value[PARAMETER_DAMPING];
     config->error_frame = self->value[PARAMETER_ERROR_FRAME] > 0.0f ? ERROR_FRAME_TARGET : ERROR_FRAME_TORSO;
+    velocity_control_prepare(config);
 }
 
 void parameters_joint_limits(const parameters_t *self, joint_limits_config_t *config) {
@@ -100,8 +101,9 @@ void parameters_cooperation(const parameters_t *self, cooperation_config_t *conf
     config->motion_scale = self->value[PARAMETER_MOTION_SCALE];
 }
 
-dual_quaternion_t parameters_marker_to_hand(const parameters_t *self) {
-    return dual_quaternion_from_pose(
+pose_t parameters_marker_to_hand(const parameters_t *self) {
+    return (pose_t){
         quaternion_from_rotation_vector(vector_at(self, PARAMETER_MARKER_TO_HAND_ROTATION_RAD)),
-        vector_at(self, PARAMETER_MARKER_TO_HAND_TRANSLATION_M));
+        vector_at(self, PARAMETER_MARKER_TO_HAND_TRANSLATION_M),
+    };
 }

@@ -51,6 +51,6 @@ result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 void parameters_velocity_control(const parameters_t *self, velocity_control_config_t *config);
 void parameters_joint_limits(const parameters_t *self, joint_limits_config_t *config);
 void parameters_cooperation(const parameters_t *self, cooperation_config_t *config);
-dual_quaternion_t parameters_marker_to_hand(const parameters_t *self);
+pose_t parameters_marker_to_hand(const parameters_t *self);
 
 #endif

@@ -10,10 +10,16 @@ const task_t task_table[TASK_BUILT_IN_COUNT] = {
     [TASK_MIRROR] = {TASK_FORM_MIRRORED, {0.0f, 0.0f, 0.0f}, Q_X_PI, Q_X_PI},
 };
 
-dual_quaternion_t task_relation(const task_t *task, float forward_displacement_m) {
-    vector3_t t = task->t_task_m;
-    if (task->form == TASK_FORM_MIRRORED) {
-        t.z += 2.0f * forward_displacement_m;
-    }
-    return dual_quaternion_from_pose(task->q_task, t);
+task_relation_t task_relation(const task_t *task) {
+    return (task_relation_t){{task->q_task, task->t_task_m}, task->form == TASK_FORM_MIRRORED ? 2.0f : 0.0f};
+}
+
+pose_t task_relation_at(const task_relation_t *relation, float forward_displacement_m) {
+    pose_t pose = relation->pose;
+    pose.translation_m.z += relation->slope * forward_displacement_m;
+    return pose;
+}
+
+task_relation_t task_relation_interpolate(const task_relation_t *a, const task_relation_t *b, float s) {
+    return (task_relation_t){pose_interpolate(a->pose, b->pose, s), a->slope + s * (b->slope - a->slope)};
 }

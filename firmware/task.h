@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "dual_quaternion.h"
+#include "pose.h"
 
 typedef enum {
     TASK_FORM_CONSTANT = 0,
@@ -31,7 +31,19 @@ typedef struct {
 /* Table I. */
 extern const task_t task_table[TASK_BUILT_IN_COUNT];
 
-/* Equation (2): q_task of this task, given how far the human's hand has moved along the torso's x axis since the start. */
-dual_quaternion_t task_relation(const task_t *task, float forward_displacement_m);
+/* q_task as a function of how far the human's hand has moved along the torso's x axis since the start: that displacement times
+ * `slope` adds to the translation along z. */
+typedef struct {
+    pose_t pose;
+    float slope; /* 0: constant */
+} task_relation_t;
+
+task_relation_t task_relation(const task_t *task);
+
+/* Equation (2): q_task at this displacement. */
+pose_t task_relation_at(const task_relation_t *relation, float forward_displacement_m);
+
+/* From a (s = 0) to b (s = 1), as pose_interpolate(). */
+task_relation_t task_relation_interpolate(const task_relation_t *a, const task_relation_t *b, float s);
 
 #endif

@@ -2,7 +2,9 @@
 
 #include <stdint.h>
 
-/* Minimax polynomials on [-pi/4, pi/4] (Cephes' coefficients for single precision). */
+#include "trigonometry_inline.h"
+
+/* Minimax polynomials of degree 7 and 8 on [-pi/4, pi/4] (Cephes' coefficients for single precision). */
 static float sine_polynomial(float x) {
     float z = x * x;
     return ((-1.9515295891e-4f * z + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * x + x;
@@ -13,10 +15,10 @@ static float cosine_polynomial(float x) {
     return ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z - 0.5f * z + 1.0f;
 }
 
-void sine_cosine(float angle_rad, float *sine, float *cosine) {
+/* Cody-Waite reduction to [-pi/4, pi/4]. */
+sine_cosine_t sine_cosine_reduced(float angle_rad) {
     if (!(angle_rad >= -TRIGONOMETRY_MAX_RAD && angle_rad <= TRIGONOMETRY_MAX_RAD)) {
-        *sine = *cosine = __builtin_nanf("");
-        return;
+        return (sine_cosine_t){__builtin_nanf(""), __builtin_nanf("")};
     }
     float turns = angle_rad * 0.63661977236758134f; /* quarter turns, 2/pi */
     int32_t quadrant = (int32_t)(turns + (turns < 0.0f ? -0.5f : 0.5f));
@@ -26,9 +28,13 @@ void sine_cosine(float angle_rad, float *sine, float *cosine) {
     float s = sine_polynomial(x);
     float c = cosine_polynomial(x);
     switch ((uint32_t)quadrant & 3u) {
-    case 0u: *sine = s, *cosine = c; break;
-    case 1u: *sine = c, *cosine = -s; break;
-    case 2u: *sine = -s, *cosine = -c; break;
-    default: *sine = -c, *cosine = s; break;
+    case 0u: return (sine_cosine_t){s, c};
+    case 1u: return (sine_cosine_t){c, -s};
+    case 2u: return (sine_cosine_t){-s, -c};
+    default: return (sine_cosine_t){-c, s};
     }
+}
+
+sine_cosine_t sine_cosine(float angle_rad) {
+    return sine_cosine_inline(angle_rad);
 }

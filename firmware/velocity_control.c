@@ -1,154 +1,52 @@
 #include "velocity_control.h"
 
-#include <stdbool.h>
-#include <string.h>
+#include "velocity_control_general.h"
 
-/* As parts of the largest diagonal of J^T W J: with less damping than the first, float32's rounding would decide what
- * happens at a singularity, and the second is used. */
-#define RELATIVE_DAMPING_MIN 2.5e-7f
-#define RELATIVE_DAMPING_SAFE 2e-6f
+/* Without refinement, the rounding of J^T W J is the error of the law, divided by the damping. Axes are unit vectors, levers are
+ * short: the rotation's weight counts most. What is beyond these bounds, which were found by measurement (tests/
+ * test_velocity_control.py), takes the general law, which refines. */
+#define DAMPING_MIN 1e-5f         /* of the largest weight */
+#define ROTATION_WEIGHT_MAX 1.0f  /* or this part of the translation's: */
+#define ROTATION_TO_TRANSLATION_MAX 0.25f
+#define RELATIVE_DAMPING_MIN 1e-6f /* of the trace of J^T W J, as it is running */
 
-/* L D L^T of a symmetric positive definite matrix. */
-typedef struct {
-    float lower[ARM_MAX_JOINTS][ARM_MAX_JOINTS]; /* below the diagonal: L */
-    float inverse_pivot[ARM_MAX_JOINTS];         /* 1 / D */
-} factors_t;
-
-static void to_vec8(dual_quaternion_t x, float vec8[8]) {
-    memcpy(vec8, &x, sizeof x);
+static bool is_isotropic(const float diagonal[8]) {
+    for (int i = 1; i < 4; i++) {
+        if (diagonal[i] != diagonal[0] || diagonal[4 + i] != diagonal[4]) {
+            return false;
+        }
+    }
+    return true;
 }
 
-static dual_quaternion_t from_vec8(const float vec8[8]) {
-    dual_quaternion_t x;
-    memcpy(&x, vec8, sizeof x);
-    return x;
+static bool needs_no_refinement(float rotation, float translation, float damping) {
+    const float largest = rotation > translation ? rotation : translation;
+    return damping > 0.0f && translation > 0.0f && damping >= DAMPING_MIN * largest &&
+           (rotation <= ROTATION_WEIGHT_MAX || rotation <= ROTATION_TO_TRANSLATION_MAX * translation);
 }
 
-/* Summed in pairs: three roundings deep instead of seven. */
-static float dot8(const float a[8], const float b[8]) {
-    return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
-           ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
-}
-
-/* The transpose of multiplication by x from the left: <multiply(x, a), b> = <a, multiply_transposed(x, b)>. */
-static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternion_t b) {
-    const dual_quaternion_t conjugate = dual_quaternion_conjugate(x);
-    return (dual_quaternion_t){
-        quaternion_add(quaternion_multiply(conjugate.primary, b.primary), quaternion_multiply(conjugate.dual, b.dual)),
-        quaternion_multiply(conjugate.primary, b.dual),
+void velocity_control_prepare(velocity_control_config_t *config) {
+    const float rotation = config->weight[0], translation = config->weight[4];
+    config->isotropic = (velocity_isotropic_t){
+        .applies = is_isotropic(config->gain_per_s) && is_isotropic(config->weight) &&
+                   needs_no_refinement(rotation, translation, config->damping),
     };
-}
-
-/* J^T W e with J's columns hand * half_line. The product with the hand is taken once for all joints: its rounding is then
- * an error of e, which is harmless, where rounded columns would be an error of J, which damping of 1e-4 magnifies. */
-static void project(int joint_count, dual_quaternion_t hand, const dual_quaternion_t half_line[], const float weight[8],
-                    const float e[8], float projection[]) {
-    float weighted[8];
-    for (int k = 0; k < 8; k++) {
-        weighted[k] = weight[k] * e[k];
-    }
-    float seen_from_hand[8];
-    to_vec8(multiply_transposed(hand, from_vec8(weighted)), seen_from_hand);
-    for (int i = 0; i < joint_count; i++) {
-        float line[8];
-        to_vec8(half_line[i], line);
-        projection[i] = dot8(line, seen_from_hand);
+    if (config->isotropic.applies) {
+        const float ratio = rotation / translation;
+        const float damping = 4.0f * config->damping / translation;
+        config->isotropic.weight_rotation = ratio;
+        config->isotropic.pull_rotation = 2.0f * ratio * config->gain_per_s[0];
+        config->isotropic.pull_translation = 2.0f * config->gain_per_s[4];
+        config->isotropic.diagonal = ratio + damping;
+        config->isotropic.trace_max = damping / RELATIVE_DAMPING_MIN - (float)ARM_MAX_JOINTS * ratio;
     }
 }
 
-/* In place: the matrix stands in self->lower, its lower triangle and diagonal. A zero pivot gets the inverse 0. */
-static void factorise(factors_t *self, int n) {
-    for (int i = 0; i < n; i++) {
-        float *row = self->lower[i];
-        for (int j = 0; j < i; j++) { /* first L D ... */
-            for (int k = 0; k < j; k++) {
-                row[j] -= row[k] * self->lower[j][k];
-            }
-        }
-        float pivot = row[i];
-        for (int j = 0; j < i; j++) { /* ... then L */
-            float factor = row[j] * self->inverse_pivot[j];
-            pivot -= row[j] * factor;
-            row[j] = factor;
-        }
-        self->inverse_pivot[i] = pivot > 0.0f ? 1.0f / pivot : 0.0f;
-    }
-}
-
-/* x: the right-hand side, then the solution. */
-static void solve(const factors_t *self, int n, float x[]) {
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < i; j++) {
-            x[i] -= self->lower[i][j] * x[j];
-        }
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        x[i] *= self->inverse_pivot[i];
-        for (int k = i + 1; k < n; k++) {
-            x[i] -= self->lower[k][i] * x[k];
-        }
-    }
-}
-
-void velocity_control(const velocity_control_config_t *config, int joint_count, dual_quaternion_t hand,
-                      const dual_quaternion_t half_line[], dual_quaternion_t target, float velocity_radps[]) {
-    target = dual_quaternion_align(target, hand);
-    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same law with all poses seen from the target */
-        hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), hand);
-        target = dual_quaternion_identity;
-    }
-    float wanted[8]; /* K e */
-    to_vec8(dual_quaternion_add(target, dual_quaternion_negate(hand)), wanted);
-    for (int k = 0; k < 8; k++) {
-        wanted[k] *= config->gain_per_s[k];
-    }
-
-    /* (J^T W J + lambda I) u = J^T W K e; matrices by joint, so transposed */
-    float jacobian[ARM_MAX_JOINTS][8];
-    factors_t normal = {0};
-    float largest = 0.0f;
-    for (int i = 0; i < joint_count; i++) {
-        float weighted[8];
-        to_vec8(dual_quaternion_multiply(hand, half_line[i]), jacobian[i]);
-        for (int k = 0; k < 8; k++) {
-            weighted[k] = jacobian[i][k] * config->weight[k];
-        }
-        for (int j = 0; j <= i; j++) {
-            normal.lower[i][j] = dot8(weighted, jacobian[j]);
-        }
-        largest = normal.lower[i][i] > largest ? normal.lower[i][i] : largest;
-    }
-    bool too_little = config->damping < RELATIVE_DAMPING_MIN * largest;
-    float damping = too_little ? RELATIVE_DAMPING_SAFE * largest : config->damping;
-    for (int i = 0; i < joint_count; i++) {
-        normal.lower[i][i] += damping;
-    }
-    factorise(&normal, joint_count);
-    project(joint_count, hand, half_line, config->weight, wanted, velocity_radps);
-    solve(&normal, joint_count, velocity_radps);
-
-    /* One step of refinement, with the residual K e - J u: J^T W J has lost half of the digits where J is nearly
-     * singular. */
-    float motion[8] = {0.0f}; /* sum of half_line u, so that J u = hand * motion */
-    for (int i = 0; i < joint_count; i++) {
-        float line[8];
-        to_vec8(half_line[i], line);
-        for (int k = 0; k < 8; k++) {
-            motion[k] += line[k] * velocity_radps[i];
-        }
-    }
-    float reached[8];
-    to_vec8(dual_quaternion_multiply(hand, from_vec8(motion)), reached);
-    for (int k = 0; k < 8; k++) {
-        wanted[k] -= reached[k];
-    }
-    float correction[ARM_MAX_JOINTS];
-    project(joint_count, hand, half_line, config->weight, wanted, correction);
-    for (int i = 0; i < joint_count; i++) {
-        correction[i] -= damping * velocity_radps[i];
-    }
-    solve(&normal, joint_count, correction);
-    for (int i = 0; i < joint_count; i++) {
-        velocity_radps[i] += correction[i];
+void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
+                      float velocity_radps[]) {
+    if (config->isotropic.applies) {
+        arm->isotropic(arm, config, request, velocity_radps);
+    } else {
+        velocity_control_general(arm, config, request, velocity_radps);
     }
 }

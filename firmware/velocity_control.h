@@ -1,10 +1,14 @@
-/* Law (4): joint velocities from the error between the target and the measured hand.
+/* Law (4): joint velocities from the error between the target and the hand.
  *
  *     u = (J^T W J + lambda I)^-1 J^T W K e
  *
- * the n x n form of the paper's J^T (J J^T + lambda I)^-1 K e, to which it is equal for W = I. */
+ * the n x n form of the paper's J^T (J J^T + lambda I)^-1 K e, to which it is equal for W = I.
+ *
+ * It is isotropic when K and W have one value for rotation and one for translation: then it need not be taken in vec8. */
 #ifndef COMANIP_VELOCITY_CONTROL_H
 #define COMANIP_VELOCITY_CONTROL_H
+
+#include <stdbool.h>
 
 #include "arm.h"
 
@@ -14,17 +18,35 @@ typedef enum {
                                error, so that W is a true trade-off between position and orientation */
 } error_frame_t;
 
+/* What is constant in the normal equations, times 4, so that they are free of halves, and divided by the translation's weight. */
 typedef struct {
+    bool applies;           /* isotropic, and with so much damping that float32 solves it without refinement */
+    float weight_rotation;
+    float pull_rotation, pull_translation; /* 2 weight gain */
+    float diagonal;         /* of the rotation and the damping: weight_rotation + 4 lambda */
+    float trace_max;        /* of the translation's part: beyond, the damping is too little */
+} velocity_isotropic_t;
+
+typedef struct velocity_control_config {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
     float damping;       /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, which float32 does not carry
-                               through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
+                            through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
     error_frame_t error_frame;
+    velocity_isotropic_t isotropic; /* by velocity_control_prepare() */
 } velocity_control_config_t;
 
-/* hand, half_line: as arm_hand_and_axes() gives them; a half_line of 0 takes its joint out. target: unit, either sign.
- * velocity_radps: joint_count values, without limits. Cost is fixed for a given joint_count. */
-void velocity_control(const velocity_control_config_t *config, int joint_count, dual_quaternion_t hand,
-                      const dual_quaternion_t half_line[], dual_quaternion_t target, float velocity_radps[]);
+typedef struct velocity_request {
+    const float *position_rad; /* joint_count angles */
+    const pose_t *target;      /* in the torso frame; either sign */
+    uint8_t blocked;           /* joints that shall not move, a bit each */
+} velocity_request_t;
+
+/* Once, after the other members of the config are set. */
+void velocity_control_prepare(velocity_control_config_t *config);
+
+/* velocity_radps: joint_count values, without limits. */
+void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
+                      float velocity_radps[]);
 
 #endif

@@ -228,7 +228,8 @@ class Bench:
         trace = self.trace
         if trace is None or not trace.target_valid:
             return None
-        return np.frombuffer(bytes(ffi.buffer(ffi.addressof(trace, "target"))), np.float32)
+        vec8 = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(trace.target))
+        return np.frombuffer(bytes(ffi.buffer(vec8)), np.float32)
 
     @property
     def robot(self) -> np.ndarray:

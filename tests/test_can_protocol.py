@@ -203,7 +203,7 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
             trace.last_counter[kind] = counters[name]
         trace.now_us, trace.hand_age_us, trace.target_valid = int(rng.integers(2**32)), int(rng.integers(2**24)), True
         trace.drives_fresh, trace.rejected_frames = bool(rng.integers(2)), int(rng.integers(256))
-        ffi.memmove(ffi.addressof(trace, "target"), target.tobytes(), 32)
+        trace.target = (target[:4].tolist(), oracle.translation(target).tolist())
         assert lib.tick_trace_pack(trace, frame) == lib.PROTOCOL_OK
         decoded = message.decode(bytes(frame.data)[: frame.length])
         assert {name: decoded[f"{name}_counter"] for name in RECEIVED} == counters
@@ -215,7 +215,7 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         assert np.abs(target[:4] - rotation).max() < 0.5 * 2**-14 + 1e-7
         back = ffi.new("tick_trace_t *")
         lib.tick_trace_unpack(frame, back)
-        unpacked = np.frombuffer(ffi.buffer(ffi.addressof(back, "target")), np.float32)
+        unpacked = np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(back.target))), np.float32)
         assert oracle.pose_distance(unpacked, target) < 2e-4
         assert {name: back.last_counter[kind] for name, kind in RECEIVED.items()} == counters
         assert (back.now_us, back.hand_age_us) == (trace.now_us, trace.hand_age_us)
@@ -225,7 +225,7 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
 def test_tick_trace_limits_the_age_and_marks_a_target_it_cannot_carry(dbc):
     trace, frame = ffi.new("tick_trace_t *"), ffi.new("can_frame_t *")
     trace.hand_age_us, trace.target_valid = 2**32 - 1, True
-    ffi.memmove(ffi.addressof(trace, "target"), oracle.pose([1, 0, 0, 0], [9, 0, 0]).astype(np.float32).tobytes(), 32)
+    trace.target = ([1, 0, 0, 0], [9, 0, 0])
     lib.tick_trace_pack(trace, frame)
     decoded = dbc.get_message_by_name("TickTrace").decode(bytes(frame.data)[: frame.length])
     assert (decoded["hand_age_us"], decoded["target_valid"]) == (2**24 - 1, 0)

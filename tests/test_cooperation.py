@@ -264,11 +264,11 @@ def test_latch_right_at_the_start_keeps_the_start_relation():
 def c_pose(x: np.ndarray):
     pose = ffi.new("dual_quaternion_t *")
     ffi.memmove(pose, np.asarray(x, np.float32).tobytes(), 32)
-    return pose[0]
+    return lib.pose_from_dual_quaternion(pose[0])
 
 
 def from_c(pose) -> np.ndarray:
-    return np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", pose)), np.float32)
+    return np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(pose))), np.float32)
 
 
 class Running:
@@ -282,7 +282,8 @@ class Running:
         lib.cooperation_start(self.state, config, ffi.addressof(lib.task_table, task), c_pose(hand), c_pose(robot))
 
     def target(self, hand: np.ndarray, blend: float = 1.0) -> np.ndarray:
-        return from_c(lib.cooperation_target(self.state, c_pose(hand), blend))
+        lib.cooperation_update(self.state, ffi.new("pose_t *", c_pose(hand)), blend)
+        return from_c(self.state.target)
 
 
 @pytest.mark.parametrize("task", [lib.TASK_POUR, lib.TASK_TELEOP, lib.TASK_MIRROR])

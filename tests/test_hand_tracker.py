@@ -48,7 +48,7 @@ class Tracker:
         return lib.hand_tracker_check_stale(self.state, self.now(t_us), periods)
 
     def pose(self, t_us: int) -> np.ndarray:
-        result = ffi.new("dual_quaternion_t *", lib.hand_tracker_pose(self.state, self.now(t_us)))
+        result = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(lib.hand_tracker_pose(self.state, self.now(t_us))))
         return np.frombuffer(ffi.buffer(result), np.float32).copy()
 
 

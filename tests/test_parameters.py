@@ -115,6 +115,6 @@ def test_view_of_the_marker(parameters):
     rotation_vector, t = [0.3, -1.2, 0.7], [0.25, 0.5, -0.75]
     write(parameters, lib.PARAMETER_MARKER_TO_HAND_ROTATION_RAD, rotation_vector)
     write(parameters, lib.PARAMETER_MARKER_TO_HAND_TRANSLATION_M, t)
-    pose = ffi.new("dual_quaternion_t *", lib.parameters_marker_to_hand(parameters))
+    pose = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(lib.parameters_marker_to_hand(parameters)))
     got = np.frombuffer(ffi.buffer(pose), np.float32)
     assert np.abs(got - oracle.pose(oracle.rotation(rotation_vector, np.linalg.norm(rotation_vector)), t)).max() < 1e-6

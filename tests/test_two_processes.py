@@ -342,7 +342,7 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
         "    for (volatile int forever = 1; forever != 0;) {\n    }\n}\n"
     )
     program = tmp_path / "hanging"
-    names = ("can_classic", "can_protocol", "can_transport", "rotation_code", "e2e", "dual_quaternion", "trigonometry")
+    names = ("can_classic", "can_protocol", "can_transport", "rotation_code", "e2e", "dual_quaternion", "pose", "trigonometry")
     sources = [
         *(REPOSITORY / "hal" / "linux").glob("*.c"),
         *(REPOSITORY / "firmware" / f"{name}.c" for name in names),

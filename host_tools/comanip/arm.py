@@ -13,11 +13,16 @@ _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 def _built_in() -> dict[str, object]:
     """The arm tables linked into the firmware, by name."""
     symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_"))
-    tables = [symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol).cname == "arm_t"]
+    tables = [symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_t")]
     return {ffi.string(table.name).decode(): table for table in tables}
 
 
 _BUILT_IN = _built_in()
+
+
+def _pose(x: np.ndarray):
+    """A pose_t of (8,)."""
+    return lib.pose_from_dual_quaternion(ffi.from_buffer("dual_quaternion_t *", x)[0])
 
 
 def arms() -> list[str]:
@@ -61,7 +66,7 @@ class Arm:
 
         joints = ffi.new("arm_joint_t[]", count)
         for row, joint in enumerate(joints):
-            ffi.memmove(ffi.addressof(joint, "fixed"), fixed[row].tobytes(), 32)
+            joint.fixed = _pose(fixed[row])
             ffi.memmove(ffi.addressof(joint, "axis"), axis[row].tobytes(), 12)
             joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps = (v[row] for v in limits)
         table = ffi.new("arm_t *")
@@ -69,7 +74,8 @@ class Arm:
         table.name = self._keep_alive[1]
         table.joint_count = count
         table.joints = joints
-        ffi.memmove(ffi.addressof(table, "effector"), effector.tobytes(), 32)
+        table.effector = _pose(effector)
+        table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
         defect = lib.arm_check(table)
         if defect != ffi.NULL:
             raise ValueError(ffi.string(defect).decode())

@@ -27,7 +27,7 @@ def _pose(name: str, value: object):
     checked = check.poses(name, value, (8,))
     pose = ffi.new("dual_quaternion_t *")
     ffi.memmove(pose, checked.tobytes(), 32)
-    return pose[0]
+    return lib.pose_from_dual_quaternion(pose[0])
 
 
 class Cooperation:
@@ -73,8 +73,9 @@ class Cooperation:
     def target(self, hand: np.ndarray) -> np.ndarray:
         """The robot's target (8,) for this pose of the human's hand."""
         self._require_start("target")
-        result = lib.cooperation_target(self._state, _pose("hand", hand), 1.0)
-        return np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", result)), np.float32).copy()
+        lib.cooperation_update(self._state, ffi.new("pose_t *", _pose("hand", hand)), 1.0)
+        vec8 = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(self._state.target))
+        return np.frombuffer(ffi.buffer(vec8), np.float32).copy()
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
         """From here on q_task is constant: the one in force at the latest target() (or start()) with latch "commanded",

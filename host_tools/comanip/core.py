@@ -137,6 +137,7 @@ def joint_velocity(
     config.weight = check.diagonal("weight", 1.0 if weight is None else weight)
     config.damping = check.scalar("damping", damping, 0.0)
     config.error_frame = _ERROR_FRAMES[error_frame]
+    lib.velocity_control_prepare(config)
     out = np.empty((len(q), arm.joint_count), np.float32)
     lib.batch_joint_velocity(arm.table, config, len(q), _floats(q), _dual_quaternions(target), _floats(out))
     return out

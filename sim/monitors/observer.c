@@ -41,8 +41,8 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
     /* A target may be compared only with the hand of its own time. */
     self->tick.hand_at_target = self->past_hand[(self->ticks - age_ticks) % OBSERVER_PAST_TICKS];
     self->target_ticks_left = self->target_ticks;
-    const quaternion_t r = trace.target.primary;
-    const vector3_t t = dual_quaternion_translation(trace.target);
+    const quaternion_t r = trace.target.rotation;
+    const vector3_t t = trace.target.translation_m;
     self->tick.target = (rigid_pose_t){{(double)t.x, (double)t.y, (double)t.z},
                                        {(double)r.w, (double)r.x, (double)r.y, (double)r.z}};
 }

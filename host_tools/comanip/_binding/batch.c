@@ -35,7 +35,7 @@ void batch_pose_from_matrix(size_t count, const float matrix[], const vector3_t 
 
 void batch_forward_kinematics(const arm_t *arm, size_t count, const float position_rad[], dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
-        out[row] = arm_forward_kinematics(arm, &position_rad[row * arm->joint_count]);
+        out[row] = pose_to_dual_quaternion(arm_forward_kinematics(arm, &position_rad[row * arm->joint_count]));
     }
 }
 
@@ -43,13 +43,16 @@ void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_ra
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
-        dual_quaternion_t column[ARM_MAX_JOINTS];
+        arm_lines_t lines;
         float *jacobian = &out[row * 8 * n];
 
-        (void)arm_pose_jacobian(arm, &position_rad[row * n], column);
+        arm_lines(arm, &position_rad[row * n], &lines);
+        const dual_quaternion_t hand = pose_to_dual_quaternion(lines.hand);
         for (size_t joint = 0; joint < n; joint++) {
-            const quaternion_t p = column[joint].primary;
-            const quaternion_t d = column[joint].dual;
+            const dual_quaternion_t column =
+                dual_quaternion_multiply(hand, arm_half_line(lines.axis[joint], lines.moment_m[joint]));
+            const quaternion_t p = column.primary;
+            const quaternion_t d = column.dual;
             const float vec8[8] = {p.w, p.x, p.y, p.z, d.w, d.x, d.y, d.z};
 
             for (size_t component = 0; component < 8; component++) {
@@ -64,9 +67,10 @@ void batch_joint_velocity(const arm_t *arm, const velocity_control_config_t *con
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
-        dual_quaternion_t half_line[ARM_MAX_JOINTS];
-        const dual_quaternion_t hand = arm_hand_and_axes(arm, &position_rad[row * n], half_line);
+        const pose_t pose = pose_from_dual_quaternion(target[row]);
 
-        velocity_control(config, arm->joint_count, hand, half_line, target[row], &out[row * n]);
+        const velocity_request_t request = {.position_rad = &position_rad[row * n], .target = &pose};
+
+        velocity_control(arm, config, &request, &out[row * n]);
     }
 }

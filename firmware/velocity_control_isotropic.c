@@ -1,0 +1,97 @@
+#include "velocity_control_isotropic.h"
+
+#include "ldlt.h"
+#include "velocity_control_general.h"
+
+/* Law (4) without vec8, where one gain and one weight stand for rotation, and one for translation.
+ *
+ * Multiplying error and Jacobian by a unit quaternion, from the left or the right, is an orthogonal map of each of vec8's halves.
+ * It commutes with such K and W, so it changes neither J^T W J nor J^T W K e. Let x = r + eps 1/2 t r be the hand, x_d with r_d
+ * and t_d the target, l_i + eps m_i joint i's axis seen from the hand, d = conj(r) r_d, and ' what is turned into the hand's axes
+ * (v' = conj(r) v r).
+ *
+ * Torso frame: e = x_d - x, J_i = x 1/2 (l_i + eps m_i). With conj(r) from the left:
+ *
+ *     e -> d - 1 + eps 1/2 (t_d' d - t'),                  J_i -> 1/2 (l_i + eps (m_i + 1/2 t' l_i))
+ *
+ * Target frame: y = conj(x_d) x = conj(d) (1 + eps h) with h = 1/2 (t' - t_d'), e = 1 - y, J_i = y 1/2 (l_i + eps m_i). With d
+ * from the left:
+ *
+ *     e -> d - 1 - eps h,                                  J_i -> 1/2 (l_i + eps (m_i + h l_i))
+ *
+ * So with g = -1/2 t' or g = 1/2 (t_d' - t'), in both, J_i -> 1/2 (l_i + eps (l_i . g + m_i + l_i x g)): 7 numbers. As l_i is a
+ * vector, only d's vector part counts. */
+/* J_i^T W e then is 1/2 (w_r l_i . turn + w_t (l_i . g s + (m_i + l_i x g) . dual)) with s the dual part's scalar, which is 0 in the
+ * target frame: l_i . (w_r turn + w_t s g) + w_t (m_i + l_i x g) . dual. */
+typedef struct {
+    vector3_t g;       /* [m] */
+    vector3_t turn;    /* with the pulls of rotation and translation, and s g in it */
+    vector3_t dual_m;  /* with the pull of translation */
+} error_t;
+
+static error_t error_of(const pose_t *hand, const pose_t *target, const velocity_control_config_t *config) {
+    const velocity_isotropic_t *law = &config->isotropic;
+    const quaternion_t to_hand = quaternion_conjugate(hand->rotation);
+    const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, target->rotation), quaternion_identity);
+    const vector3_t turn = vector3_scale((vector3_t){d.x, d.y, d.z}, law->pull_rotation);
+    if (config->error_frame == ERROR_FRAME_TARGET) {
+        const vector3_t way = vector3_add(target->translation_m, vector3_scale(hand->translation_m, -1.0f));
+        const vector3_t g = quaternion_rotate(to_hand, vector3_scale(way, 0.5f));
+        return (error_t){g, turn, vector3_scale(g, law->pull_translation)};
+    }
+    const vector3_t half_t = vector3_scale(quaternion_rotate(to_hand, hand->translation_m), 0.5f);
+    const vector3_t half_t_d = vector3_scale(quaternion_rotate(to_hand, target->translation_m), 0.5f);
+    const quaternion_t moved = quaternion_multiply((quaternion_t){0.0f, half_t_d.x, half_t_d.y, half_t_d.z}, d);
+    const vector3_t g = vector3_scale(half_t, -1.0f);
+    return (error_t){
+        g,
+        vector3_add(turn, vector3_scale(g, law->pull_translation * moved.w)),
+        vector3_scale(vector3_add((vector3_t){moved.x, moved.y, moved.z}, g), law->pull_translation),
+    };
+}
+
+static float dot(quaternion_t a, quaternion_t b) {
+    return (a.w * b.w + a.x * b.x) + (a.y * b.y + a.z * b.z);
+}
+
+void velocity_control_isotropic(const arm_t *arm, const velocity_control_config_t *config,
+                                const velocity_request_t *request, float velocity_radps[]) {
+    const velocity_isotropic_t *law = &config->isotropic;
+    const int joint_count = arm->joint_count;
+    arm_lines_t lines;
+    arm_lines(arm, request->position_rad, &lines);
+    const error_t error = error_of(&lines.hand, request->target, config);
+
+    ldlt_t normal;
+    quaternion_t moved[ARM_MAX_JOINTS]; /* dual parts of the columns */
+    float trace = 0.0f;
+    for (int i = 0; i < joint_count; i++) {
+        const vector3_t axis = lines.axis[i];
+        const vector3_t linear = vector3_add(lines.moment_m[i], vector3_cross(axis, error.g));
+        moved[i] = (quaternion_t){vector3_dot(axis, error.g), linear.x, linear.y, linear.z};
+        velocity_radps[i] = vector3_dot(axis, error.turn) + vector3_dot(linear, error.dual_m);
+        for (int j = 0; j < i; j++) {
+            normal.lower[i][j] = law->weight_rotation * vector3_dot(axis, lines.axis[j]) + dot(moved[i], moved[j]);
+        }
+        const float squared = dot(moved[i], moved[i]);
+        normal.lower[i][i] = law->diagonal + squared;
+        trace += squared;
+    }
+    if (!(trace <= law->trace_max)) {
+        velocity_control_general(arm, config, request, velocity_radps);
+        return;
+    }
+    for (int i = 0; i < joint_count; i++) {
+        if ((request->blocked >> i & 1u) == 0u) {
+            continue;
+        }
+        velocity_radps[i] = 0.0f;
+        for (int j = 0; j < joint_count; j++) {
+            if (j != i) {
+                normal.lower[i > j ? i : j][i > j ? j : i] = 0.0f;
+            }
+        }
+    }
+    ldlt_factorise(&normal, joint_count);
+    ldlt_solve(&normal, joint_count, velocity_radps);
+}
