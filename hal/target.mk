@@ -43,7 +43,7 @@ BOARD_CHECK = @if [ -z "$(BOARD_IMAGE.$(BOARD))" ]; then echo "make $@: BOARD='$
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: target targets target-check target-deps pil bitexact size stack
+.PHONY: target targets target-check target-deps pil bitexact size stack cycles
 
 # All images, or the one for BOARD.
 target: $(if $(BOARD),$(BOARD_IMAGE.$(BOARD):%=target-%),targets) ## the firmware as images in build/target/, and their sizes; BOARD=mps2-an386 etc.: one
@@ -120,6 +120,9 @@ stack: deps targets ## the deepest that the stack of each image can get, against
 
 bitexact: build target-check ## one input through every compiler's and processor's controller_step(): the same bytes; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)
+
+cycles: build target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
+	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(UPDATE),--update)
 
 # A compiler that does not find a specs file answers with its bare name.
 target-check:

@@ -1,0 +1,209 @@
+"""``make cycles``: instructions, and modelled cycles, of one tick in each image, over recorded and adversarial states.
+
+``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c; cycles are those of ARM's tables
+(arm_costs.py) for Cortex-M4F and M3, never of silicon. Prints a table, writes BUILD/reports/cycles.json, and compares the maxima with
+BUDGET.toml: exit status 1 beyond it, with the differences. --update writes the budget anew.
+
+``step`` is the whole controller_step(). ``tick`` is Algorithm 1, kinematics and law (4) with the default parameters, ``tick_torso``
+the same in the torso's error frame, ``tick_general`` with a weight that makes the law take the general way.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "tests" / "bitexact"))
+
+import arm_costs  # noqa: E402
+import bitexact  # noqa: E402
+import stimulus  # noqa: E402
+
+STATES = 10_000
+STATE, NOTHING, RECORD_END = 3, 0, 5  # program.c
+TARGET_REACH_M = (1e-6, 0.3, 3.0)
+QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general"}
+MODELLED = ("cortex-m3", "cortex-m4f")
+COSTS = struct.Struct("<II")
+
+
+def recorded(folder: Path) -> bytes:
+    """Ticks of three scenarios, as many of each."""
+    parts = []
+    for scenario in ("pour", "teleop", "mirror"):
+        out = folder / "runs" / scenario
+        command = [str(bitexact.SIMULATOR), "--scenario", scenario, "--quiet", "--out", str(out)]
+        subprocess.run(command, check=False, stderr=subprocess.DEVNULL)
+        parts += islice(stimulus.recorded(out / "bus.log"), 1 + -(-STATES // 3))
+    return b"".join(parts)
+
+
+def adversarial(rng: np.random.Generator) -> bytes:
+    """Frames with contents of every kind; and states at limits, singular, beyond every range, with targets near and far."""
+    parts = list(stimulus.vectors(STATES, 1))
+    parts.append(stimulus.boot(0))
+    low, high = np.radians([-90, -95, -90, -114]), np.radians([150, 0, 90, 0])
+    for number in range(STATES):
+        q = rng.uniform(low, high)
+        if number % 4 == 1:
+            q = np.where(rng.random(4) < 0.5, low, high)
+        elif number % 4 == 2:
+            q = rng.choice([0.0, np.pi / 2, -np.pi / 2, np.pi, 1e-30, -0.0], 4)
+        elif number % 4 == 3:
+            q = rng.uniform(-64, 64, 4)
+        rotation = rng.normal(size=4) if number % 3 else np.array([rng.choice([-1, 1]), 0, 0, 1e-7])
+        position = rng.uniform(-1, 1, 3) * rng.choice(TARGET_REACH_M)
+        values = np.concatenate([q, rotation / np.linalg.norm(rotation), position]).astype("<f4")
+        parts.append(stimulus.HEAD.pack(0, STATE, number % 3) + values.tobytes())
+    return b"".join(parts)
+
+
+def tool(image: str, name: str) -> str:
+    return ("riscv64-unknown-elf-" if image.startswith("rv") else "arm-none-eabi-") + name
+
+
+def output_of(command: list[str]) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def build_image(folder: Path, image: str) -> Path:
+    elf = folder / "target" / image / "comanip.elf"
+    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    command = ["make", "-s", str(elf), "TARGET_MAIN=tests/cycles/program.c", f"TARGET_BUILD={folder / 'target'}"]
+    subprocess.run(command, cwd=REPOSITORY, check=True, env=environment, stdout=subprocess.DEVNULL)
+    return elf
+
+
+def write_costs(image: str, elf: Path) -> Path:
+    path = elf.with_name("costs.bin")
+    costs = []
+    if image in MODELLED:
+        costs = arm_costs.costs(output_of([tool(image, "objdump"), "-d", "--no-show-raw-insn", str(elf)]), image)
+    path.write_bytes(struct.pack("<I", arm_costs.REFILL) + b"".join(COSTS.pack(a | branch, cost) for a, branch, cost in costs))
+    return path
+
+
+def symbol(image: str, elf: Path, name: str) -> int:
+    rows = (line.split() for line in output_of([tool(image, "nm"), str(elf)]).splitlines())
+    return next(int(row[0], 16) for row in rows if row[-1] == name)
+
+
+def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict[str, np.ndarray]]:
+    """Of each quantity: instructions and cycles, one for each time that it was counted."""
+    elf = folder / "target" / image / "comanip.elf"
+    place = folder / f"{image}-{states}"
+    place.mkdir(exist_ok=True)
+    (place / "input.bin").unlink(missing_ok=True)
+    (place / "input.bin").symlink_to(folder / f"{states}.bin")
+    options = {"begin": hex(symbol(image, elf, "count_begin")), "end": hex(symbol(image, elf, "count_end")),
+               "costs": elf.with_name("costs.bin"), "out": place / "counts.bin"}  # fmt: skip
+    argument = ",".join([str(plugin), *(f"{name}={value}" for name, value in options.items())])
+    command = [*bitexact.MACHINES[image], *bitexact.SEMIHOSTING, "-plugin", argument, "-kernel", str(elf)]
+    subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL)
+    told = np.frombuffer((place / "output.bin").read_bytes(), np.uint8)
+    told = told[told != RECORD_END]
+    counts = np.fromfile(place / "counts.bin", "<u4").reshape(-1, 2)
+    if len(counts) != len(told) or told[0] != NOTHING:
+        raise SystemExit(f"make cycles: {image}: {len(counts)} counts for {len(told)} marks")
+    counts = counts.astype(np.int64) - counts[0]  # without the marks themselves
+    return {name: {"instructions": counts[told == mark][:STATES, 0], "cycles": counts[told == mark][:STATES, 1]}
+            for mark, name in QUANTITIES.items()}  # fmt: skip
+
+
+def figures(values: np.ndarray) -> dict[str, int]:
+    return {"n": len(values), "minimum": int(values.min()), "median": int(np.median(values)), "maximum": int(values.max())}
+
+
+def report(results: dict[str, dict]) -> None:
+    table = Table(title="Instructions per tick (QEMU), and cycles by ARM's tables: minimum / median / maximum", title_justify="left")
+    for header in ("image", "states", "of what", "n", "instructions", "cycles (modelled)"):
+        table.add_column(header, justify="left" if header in ("image", "states", "of what") else "right")
+    for image, of_image in results.items():
+        for states, of_states in of_image.items():
+            for name, units in of_states.items():
+                cells = [" / ".join(str(units[unit][key]) for key in ("minimum", "median", "maximum")) if unit in units else "-"
+                         for unit in ("instructions", "cycles")]  # fmt: skip
+                table.add_row(image, states, name, str(units["instructions"]["n"]), *cells)
+    Console(width=130).print(table)
+
+
+def maxima(results: dict[str, dict]) -> dict[str, dict[str, dict[str, int]]]:
+    """image: quantity: unit: the larger maximum of recorded and adversarial states."""
+    return {
+        image: {
+            name: {unit: max(of_image[states][name][unit]["maximum"] for states in of_image) for unit in units}
+            for name, units in of_image["recorded"].items()
+        }
+        for image, of_image in results.items()
+    }
+
+
+def exceeded(found: dict[str, dict], budget: dict[str, dict]) -> list[str]:
+    lines = []
+    for image, quantities in found.items():
+        for name, units in quantities.items():
+            for unit, value in units.items():
+                allowed = budget.get(image, {}).get(name, {}).get(unit)
+                if allowed is None:
+                    lines.append(f"{image}: {name}: {unit} has no budget")
+                elif value > allowed:
+                    lines.append(f"{image}: {name}: {value} {unit}, budget {allowed}: {value - allowed} too many")
+    return lines
+
+
+def main(argv: list[str]) -> int:
+    build, budget = Path(argv[0]).resolve(), Path(argv[1])
+    folder = build / "cycles"
+    folder.mkdir(parents=True, exist_ok=True)
+    plugin = folder / "plugin.so"
+    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", str(Path(__file__).with_name("plugin.c")), "-o", str(plugin)],
+                   check=True)  # fmt: skip
+    (folder / "recorded.bin").write_bytes(recorded(folder))
+    (folder / "adversarial.bin").write_bytes(adversarial(np.random.default_rng(2)))
+    images = list(bitexact.MACHINES)
+    for image in images:
+        write_costs(image, build_image(folder, image))
+    jobs = [(image, states) for image in images for states in ("recorded", "adversarial")]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        counted = dict(zip(jobs, pool.map(lambda job: count(folder, plugin, *job), jobs), strict=True))
+    results = {
+        image: {
+            states: {
+                name: {unit: figures(v) for unit, v in units.items() if unit == "instructions" or image in MODELLED}
+                for name, units in counted[image, states].items()
+            }
+            for states in ("recorded", "adversarial")
+        }
+        for image in images
+    }
+    path = build / "reports" / "cycles.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(results, indent=1) + "\n")
+    report(results)
+    found = maxima(results)
+    if "--update" in argv:
+        lines = ["# What a tick may cost at most, by `make cycles`: written by `make cycles UPDATE=1`.\n"]
+        for image, quantities in found.items():
+            lines.append(f"\n[{image}]\n")
+            lines += [f"{name} = {{ {', '.join(f'{u} = {v}' for u, v in units.items())} }}\n" for name, units in quantities.items()]
+        budget.write_text("".join(lines))
+    over = exceeded(found, tomllib.loads(budget.read_text()) if budget.exists() else {})
+    for line in over:
+        print(f"make cycles: {line}", file=sys.stderr)
+    return bool(over)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
