@@ -60,8 +60,11 @@ static void begin(can_frame_t *frame, frame_kind_t kind) {
 
 /* Rounds to nearest. False if the signal cannot carry the value, NaN included. */
 static bool quantise(float value, float per_unit, int32_t minimum, int32_t maximum, int32_t *raw) {
-    float scaled = value * per_unit;
     *raw = 0;
+    if (value == 0.0f) { /* what a smaller arm's joints leave empty: most of a JointCmd */
+        return true;
+    }
+    float scaled = value * per_unit;
     if (!(scaled >= (float)minimum && scaled <= (float)maximum)) {
         return false;
     }

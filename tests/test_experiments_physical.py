@@ -85,10 +85,12 @@ def test_who_has_too_little_time_is_told_where_he_was(tmp_path):
 # ---- each criterion can fail
 
 
-def test_tilted_too_early_the_water_misses_the_glass(tmp_path):
-    """Without the upright approach the glass tilts while it is still on its way over the person's."""
+@pytest.mark.parametrize("seed", [2, 5])
+def test_tilted_too_early_the_water_misses_the_glass(tmp_path, seed):
+    """Without the upright approach the glass tilts while it is still on its way over the person's. How much misses is chaotic: with
+    a few seeds little enough to pass, with these 6 % and more below the limit, whatever the last bits of a tick."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
-    done = run(tmp_path / "out", "--scenario", path)
+    done = run(tmp_path / "out", "--scenario", path, "--seed", seed)
     assert done.status == EXIT_CHECK_FAILED
     assert "water_caught" in failed(done)
 
