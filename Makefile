@@ -37,7 +37,7 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan bench arms bus-doc bus-report check-c target \
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan test-images bench arms bus-doc bus-report check-c target \
     target-deps clean
 
 help: ## this text
@@ -152,6 +152,10 @@ test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the 
 # Boots the kernel's CAN modules in user-mode Linux, which it installs through apt if it is missing.
 test-socketcan: build $(VENV)/.installed-tests ## prove it on the kernel's SocketCAN, in user-mode Linux (two minutes)
 	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
+
+test-images: build $(VENV)/.installed-tests ## prove every target image, not only the two of `make test` (five minutes)
+	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py tests/test_size_report.py \
+	    tests/test_bitexact.py $(PYTEST_ARGS)
 
 bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
 	@$(PYTHON) tests/bench_simulator.py

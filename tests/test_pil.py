@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from simulation import EXIT_WRONG_USE, REPOSITORY, experiment, run
-from test_target import make
+from test_target import TESTED, make
 
 BOARDS = {
     "mps2-an385": ("cortex-m3-pil", "qemu-system-arm"),
@@ -27,7 +27,7 @@ def pil(*arguments: object) -> subprocess.CompletedProcess:
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S)
 
 
-@pytest.fixture(scope="module", params=BOARDS)
+@pytest.fixture(scope="module", params=[board for board, (image, _) in BOARDS.items() if image.removesuffix("-pil") in TESTED])
 def board(request) -> tuple[str, Path]:
     """Its name, and the image for it."""
     image, emulator = BOARDS[request.param]
