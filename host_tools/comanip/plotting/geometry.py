@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from comanip import core
-from comanip._core import ffi
+from comanip._core import ffi, lib
 from comanip.arm import Arm
 
 ARM = "hoap3_right"
@@ -43,7 +43,8 @@ def _translation(poses: np.ndarray) -> np.ndarray:
 def _first_joints(arm: Arm, count: int) -> Arm:
     """The arm cut off behind its joint `count`, without an effector."""
     rows = [arm.table.joints[i] for i in range(count)]
-    fixed = np.array([np.frombuffer(ffi.buffer(ffi.addressof(row, "fixed")), np.float32) for row in rows])
+    fixed = np.array([np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", pose)), np.float32)
+                      for pose in (lib.pose_to_dual_quaternion(row.fixed) for row in rows)])  # fmt: skip
     axis = np.array([np.frombuffer(ffi.buffer(ffi.addressof(row, "axis")), np.float32) for row in rows])
     limits = (arm.position_min_rad[:count], arm.position_max_rad[:count], arm.velocity_max_radps[:count])
     return Arm(fixed, axis, *(limit.copy() for limit in limits))
