@@ -17,7 +17,7 @@ typedef struct arm arm_t;
 /* One revolute joint: from the previous joint's moving frame (the torso for the first) by `fixed`, then a rotation of
  * the joint's angle about `axis`. */
 typedef struct {
-    pose_t fixed;
+    pose_t fixed;            /* translation within 100 m */
     vector3_t axis;          /* unit, in the frame reached by `fixed` */
     float position_min_rad;  /* usable range, already inside the mechanical stops; within +-8 rad */
     float position_max_rad;

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import ctypes
+import subprocess
+
 import numpy as np
 import oracle
 import pytest
-from comanip import arm_codegen, core
+from comanip import arm_codegen, arm_description, core
 from comanip._core import ffi, lib
+from comanip.arm_description import ArmError
+from simulation import REPOSITORY
 
 HOAP3 = "hoap3_right"
 
@@ -41,7 +46,7 @@ def inputs(rng, arm):
 
 def test_the_committed_files_are_what_the_description_gives():
     for path in sorted(arm_codegen.ARMS.glob("*.toml")):
-        arm = arm_codegen.read(path)
+        arm = arm_description.read(path)
         assert path.with_suffix(".c").read_text() == arm_codegen.source(arm, path.name)
         assert path.with_suffix(".h").read_text() == arm_codegen.header(arm, path.name)
 
@@ -109,31 +114,126 @@ def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
     assert not np.isfinite(solve(lib.velocity_control, arm, config(), q, target)).all()
 
 
+# ---- arms of any kind
+
+FIRMWARE = REPOSITORY / "firmware"
+LAW_SOURCES = ("arm", "dual_quaternion", "ldlt", "pose", "trigonometry", "velocity_control", "velocity_control_general")
+
+
+def write_description(path, rows, effector) -> None:
+    """rows: (alpha_deg, a_m, d_m, theta_deg) of each joint."""
+    frames = [(*row, True) for row in rows] + [(*effector, False)]
+    lines = [f'name = "{path.stem}"', "id = 1", "velocity_max_radps = 3.0"]
+    for alpha, a, d, theta, is_joint in frames:
+        lines += ["[[frame]]", f"alpha_deg = {alpha}", f"a_m = {a}", f"d_m = {d}", f"theta_deg = {theta}"]
+        lines += ["range_deg = [-170.0, 170.0]"] if is_joint else []
+    path.write_text("\n".join(lines))
+
+
+def compiled(folder, name: str):
+    """The arm's table with its law, out of a library of its own."""
+    sources = [str(FIRMWARE / f"{source}.c") for source in LAW_SOURCES]
+    text = (folder / f"{name}.c").read_text().replace('"../', f'"{FIRMWARE}/')
+    (folder / f"{name}.c").write_text(text)
+    header = folder / f"{name}.h"
+    header.write_text(header.read_text().replace('"../', f'"{FIRMWARE}/'))
+    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion",
+             "-Wshadow", "-Werror", "-fPIC", "-shared"]  # fmt: skip
+    library = folder / f"{name}.so"
+    subprocess.run(["gcc", *flags, str(folder / f"{name}.c"), *sources, "-o", str(library)], check=True)
+    loaded = ctypes.CDLL(str(library))
+    return loaded, ffi.cast("arm_t *", ctypes.addressof(ctypes.c_char.in_dll(loaded, f"arm_{name}")))
+
+
+class Loaded:
+    """What solve() needs of an arm."""
+
+    def __init__(self, library, table):
+        self.library, self.table, self.joint_count = library, table, table.joint_count
+
+
+RIGHT_ANGLES = (-90.0, 0.0, 90.0)
+
+
+@pytest.mark.parametrize("angles", ["right", "any"])
+@pytest.mark.parametrize("n", range(1, 9))
+def test_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
+    """Also with the offsets and lengths of 0 that real arms have, where most is folded away."""
+    right = angles == "right"
+    rows = []
+    for _ in range(n + 1):
+        alpha, theta = rng.choice(RIGHT_ANGLES, 2) if right else rng.uniform(-180, 180, 2)
+        a, d = rng.choice([0.0, 0.1, 0.25], 2) if right else rng.uniform(-0.2, 0.2, 2)
+        rows.append((float(alpha), float(a), float(d), float(theta)))
+    name = f"arm_of_{n}"
+    path = tmp_path / f"{name}.toml"
+    write_description(path, rows[:-1], rows[-1])
+    assert arm_codegen.main([str(path)]) == 0
+    arm = Loaded(*compiled(tmp_path, name))
+
+    def row_pose(row):
+        x, z = (oracle.rotation(axis, np.radians(angle)) for axis, angle in (([1, 0, 0], row[0]), ([0, 0, 1], row[3])))
+        return oracle.multiply(oracle.pose(x, [0, 0, 0]), oracle.multiply(oracle.pose([1, 0, 0, 0], [row[1], 0, row[2]]), oracle.pose(z, [0, 0, 0])))
+
+    fixed, effector = np.array([row_pose(row) for row in rows[:-1]]), row_pose(rows[-1])
+    q = rng.uniform(-2.9, 2.9, (200, n)).astype(np.float32)
+    targets = oracle.random_poses(rng, 200, 0.5)
+    hand, jacobian = oracle.chain_kinematics(fixed, np.tile([0.0, 0, 1], (n, 1)), effector, q)
+    for frame, frame_name in ((lib.ERROR_FRAME_TORSO, "torso"), (lib.ERROR_FRAME_TARGET, "target")):
+        for weight in ((1.0, 1.0), (0.01, 100.0)):
+            configuration = config(weight=weight, frame=frame)
+            assert configuration.isotropic.applies
+            expected = oracle.law(jacobian, hand, targets.astype(float), 35.0, np.repeat(weight, 4), np.float32(0.01), frame_name)
+            found = np.array([solve(lib.velocity_control, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
+            scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
+            # the arms reach up to 2 m, HOAP-3 0.3: the rounding of J^T W J grows with the square
+            assert (np.abs(found - expected).max(axis=1) / scale).max() < 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
+
+
 # ---- descriptions
 
 
 def described(tmp_path, text: str):
     path = tmp_path / "arm.toml"
     path.write_text(text)
-    return arm_codegen.read(path)
+    return arm_description.read(path)
 
 
-GOOD = 'name = "a"\nid = 1\nvelocity_max_radps = 2.0\n[[frame]]\nalpha_deg = 90.0\nrange_deg = [-90.0, 90.0]\n'
+GOOD = 'name = "arm"\nid = 1\nvelocity_max_radps = 2.0\n[[frame]]\nalpha_deg = 90.0\nrange_deg = [-90.0, 90.0]\n'
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (GOOD.replace("alpha_deg", "alpha"), "frame: alpha: unknown, expected a_m, alpha_deg"),
+        (GOOD.replace("alpha_deg", "alpha"), "frame 1: alpha: unknown, expected a_m, alpha_deg"),
         (GOOD.replace("id = 1\n", ""), "id is missing"),
+        ("", "frame is missing"),
         (GOOD.replace("range_deg = [-90.0, 90.0]\n", ""), "0 joints"),
-        (GOOD.replace('"a"', "a"), "Invalid"),
+        (GOOD + 8 * "[[frame]]\nrange_deg = [-90, 90]\n", "9 joints .*, expected 1 to 8"),
+        (GOOD.replace('"arm"', "arm"), "Invalid"),
+        (GOOD.replace('"arm"', '"other"'), "name: 'other': expected the file's own"),
+        (GOOD.replace("[-90.0, 90.0]", "5"), "range_deg: 5: expected two numbers"),
+        (GOOD.replace("[-90.0, 90.0]", "[90, -90]"), "expected the lower end first"),
+        (GOOD.replace("[-90.0, 90.0]", "[-1000, 90]"), "range_deg: -1000: expected a number from -458"),
+        (GOOD.replace("alpha_deg = 90.0", "alpha_deg = nan"), "alpha_deg: nan: expected a number"),
+        (GOOD.replace("alpha_deg = 90.0", 'a_m = "long"'), "a_m: 'long': expected a number"),
+        (GOOD.replace("2.0", "33.0"), "velocity_max_radps: 33.0: expected a number from 0.001 to 32"),
+        (GOOD.replace("[[frame]]", "[frame]"), "frame: .*: expected a list of tables"),
     ],
 )
 def test_a_bad_description_is_named(tmp_path, text, message):
-    with pytest.raises(arm_codegen.ArmError, match=message) as raised:
+    with pytest.raises(ArmError, match=message) as raised:
         described(tmp_path, text)
     assert "arm.toml" in str(raised.value)
+
+
+def test_what_is_no_description_writes_nothing(tmp_path, capsys):
+    path = tmp_path / "arm.toml"
+    path.write_bytes(b"\xff\xfe")
+    for argument in (path, tmp_path / "nothing.toml", tmp_path):
+        assert arm_codegen.main([str(argument)]) == 2
+        assert str(argument) in capsys.readouterr().err
+    assert sorted(tmp_path.iterdir()) == [path]
 
 
 def test_a_description_is_modified_dh(tmp_path):

@@ -59,7 +59,7 @@ def test_what_is_beyond_its_budget_is_told_with_the_difference():
     ]
 
 
-@pytest.mark.skipif(not shutil.which("qemu-system-arm"), reason="needs QEMU: make target-deps")
+@pytest.mark.skipif(not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps")
 def test_the_counter_counts_what_is_there(tmp_path):
     """A loop of known length: `n` times a subtraction and a branch that is taken but for the last time."""
     source = tmp_path / "loop.S"

@@ -1,4 +1,4 @@
-/* Made by `make arms` from hoap3_right.toml: edit that. How: host_tools/comanip/arm_codegen.py. */
+/* Made by `make arms` from hoap3_right.toml: edit that. How: host_tools/comanip/arm_law.py. */
 #include "hoap3_right.h"
 
 #include "../trigonometry_inline.h"
@@ -451,37 +451,30 @@ static void isotropic(const arm_t *arm, const velocity_control_config_t *config,
             matrix_30 = matrix_31 = matrix_32 = pull_3 = 0.0f;
         }
     }
-    const float inverse_00 = 1.0f / matrix_00;
-    const float factor_10 = matrix_10 * inverse_00;
-    const float pivot_11 = matrix_11 - matrix_10 * factor_10;
+    const float inverse_0 = 1.0f / matrix_00;
+    const float factor_10 = matrix_10 * inverse_0;
+    const float pivot_1 = matrix_11 - matrix_10 * factor_10;
     const float carried_1 = pull_1 - factor_10 * pull_0;
-    const float inverse_11 = 1.0f / pivot_11;
-    const float factor_20 = matrix_20 * inverse_00;
+    const float inverse_1 = 1.0f / pivot_1;
+    const float factor_20 = matrix_20 * inverse_0;
     const float row_21 = matrix_21 - matrix_20 * factor_10;
-    const float factor_21 = row_21 * inverse_11;
-    const float pivot_22 = matrix_22 - matrix_20 * factor_20 - row_21 * factor_21;
+    const float factor_21 = row_21 * inverse_1;
+    const float pivot_2 = matrix_22 - matrix_20 * factor_20 - row_21 * factor_21;
     const float carried_2 = pull_2 - factor_20 * pull_0 - factor_21 * carried_1;
-    const float factor_30 = matrix_30 * inverse_00;
+    const float factor_30 = matrix_30 * inverse_0;
     const float row_31 = matrix_31 - matrix_30 * factor_10;
-    const float factor_31 = row_31 * inverse_11;
-    const float pivot_32 = matrix_32 - matrix_30 * factor_20 - row_31 * factor_21;
-    const float pivot_33 = matrix_33 - matrix_30 * factor_30 - row_31 * factor_31;
+    const float factor_31 = row_31 * inverse_1;
+    const float row_32 = matrix_32 - matrix_30 * factor_20 - row_31 * factor_21;
+    const float pivot_3 = matrix_33 - matrix_30 * factor_30 - row_31 * factor_31;
     const float carried_3 = pull_3 - factor_30 * pull_0 - factor_31 * carried_1;
-    const float determinant_2 = pivot_22 * pivot_33 - pivot_32 * pivot_32;
-    const float over_2 = 1.0f / (determinant_2);
-    const float inverse_22 = pivot_33 * over_2;
-    const float inverse_32 = pivot_32 * over_2;
-    const float inverse_33 = pivot_22 * over_2;
-    const float free_2_ = carried_2 * inverse_22;
-    const float free_3_ = carried_3 * inverse_33;
-    const float free_2 = free_2_ - carried_3 * inverse_32;
-    const float free_3 = free_3_ - carried_2 * inverse_32;
-    const float speed_2 = free_2;
-    const float speed_3 = free_3;
-    const float free_1 = carried_1 * inverse_11;
-    const float speed_1 = free_1 - factor_21 * speed_2 - factor_31 * speed_3;
-    const float free_0 = pull_0 * inverse_00;
-    const float speed_0 = free_0 - factor_10 * speed_1 - factor_20 * speed_2 - factor_30 * speed_3;
+    const float determinant = pivot_2 * pivot_3 - row_32 * row_32;
+    const float over = 1.0f / (determinant);
+    const float wanted_2 = pivot_3 * carried_2 - row_32 * carried_3;
+    const float speed_2 = (wanted_2) * over;
+    const float wanted_3 = pivot_2 * carried_3 - row_32 * carried_2;
+    const float speed_3 = (wanted_3) * over;
+    const float speed_1 = carried_1 * inverse_1 - factor_21 * speed_2 - factor_31 * speed_3;
+    const float speed_0 = pull_0 * inverse_0 - factor_10 * speed_1 - factor_20 * speed_2 - factor_30 * speed_3;
     velocity_radps[0] = speed_0;
     velocity_radps[1] = speed_1;
     velocity_radps[2] = speed_2;

@@ -1,11 +1,7 @@
 /* Feeds a recorded input into controller_step() and writes a hash of what it sends, tick by tick: the same file on the host and,
  * in the place of firmware/main.c, on a target. Input and output: bitexact.py. */
-#include "../../firmware/arms/hoap3_right.h"
-#include "../../firmware/controller.h"
 #include "../../firmware/main.h"
-#include "platform.h"
-
-typedef enum { RECORD_TICK = 0, RECORD_BOOT_FD = 1, RECORD_BOOT_CLASSIC = 2 } record_kind_t;
+#include "records.h"
 
 /* FNV-1a, 32 bits. */
 static uint32_t add(uint32_t hash, const uint8_t bytes[], size_t count) {
@@ -25,35 +21,19 @@ static uint32_t hash_of(const controller_outbox_t *outbox) {
     return hash;
 }
 
-static uint32_t word(const uint8_t bytes[4]) {
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
-static bool read_frame(can_frame_t *frame) {
-    uint8_t head[8]; /* stamp, id, length, FD */
-    if (!platform_read(head, sizeof head)) {
-        return false;
-    }
-    *frame = (can_frame_t){.timestamp_us = word(head), .id = (uint16_t)(head[4] | head[5] << 8), .length = head[6],
-                           .fd = head[7] != 0};
-    return platform_read(frame->data, frame->length);
-}
-
 void firmware_main(void) {
     static controller_t controller;
     static controller_inbox_t inbox;
     static controller_outbox_t outbox;
-    uint8_t head[6]; /* time of the tick, kind, number of frames */
+    record_t record;
     platform_open();
-    while (platform_read(head, sizeof head)) {
-        if (head[4] != RECORD_TICK) {
-            controller_init(&controller, &arm_hoap3_right,
-                            head[4] == RECORD_BOOT_FD ? CAN_PROFILE_FD : CAN_PROFILE_CLASSIC);
+    while (record_read(&record)) {
+        if (record.kind != RECORD_TICK) {
+            record_boot(&record, &controller);
             continue;
         }
-        for (inbox.count = 0; inbox.count < head[5] && read_frame(&inbox.frame[inbox.count]); inbox.count++) {
-        }
-        controller_step(&controller, word(head), &inbox, &outbox);
+        record_read_inbox(&record, &inbox);
+        controller_step(&controller, record.now_us, &inbox, &outbox);
         const uint32_t hash = hash_of(&outbox);
         const uint8_t bytes[4] = {(uint8_t)hash, (uint8_t)(hash >> 8), (uint8_t)(hash >> 16), (uint8_t)(hash >> 24)};
         platform_write(bytes, sizeof bytes);

@@ -1,13 +1,9 @@
 /* In the place of firmware/main.c: runs what cycles.py has written to input.bin, and marks what is to be counted. After each mark
  * output.bin gets a byte that says what it was. */
-#include "../../firmware/arms/hoap3_right.h"
-#include "../../firmware/controller.h"
 #include "../../firmware/main.h"
-#include "../bitexact/platform.h"
+#include "../bitexact/records.h"
 
-typedef enum { RECORD_TICK = 0, RECORD_BOOT_FD = 1, RECORD_BOOT_CLASSIC = 2, RECORD_STATE = 3 } record_kind_t;
-
-typedef enum { COUNTED_NOTHING = 0, COUNTED_STEP, COUNTED_TICK, COUNTED_TICK_TORSO, COUNTED_TICK_GENERAL, COUNTED_RECORD_END } counted_t;
+typedef enum { COUNTED_NOTHING = 0, COUNTED_STEP, COUNTED_TICK, COUNTED_TICK_TORSO, COUNTED_TICK_GENERAL } counted_t;
 
 /* A way from a call of count_begin() to the next of count_end() is counted: see plugin.c. */
 void count_begin(void);
@@ -24,20 +20,6 @@ __attribute__((noinline)) void count_end(void) {
 static void told(counted_t what) {
     const uint8_t byte = (uint8_t)what;
     platform_write(&byte, 1);
-}
-
-static uint32_t word(const uint8_t bytes[4]) {
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
-static bool read_frame(can_frame_t *frame) {
-    uint8_t head[8]; /* stamp, id, length, FD */
-    if (!platform_read(head, sizeof head)) {
-        return false;
-    }
-    *frame = (can_frame_t){.timestamp_us = word(head), .id = (uint16_t)(head[4] | head[5] << 8), .length = head[6],
-                           .fd = head[7] != 0};
-    return platform_read(frame->data, frame->length);
 }
 
 /* Algorithm 1, kinematics and law (4), as the controller calls them. */
@@ -64,43 +46,44 @@ static void ticks(cooperation_t cooperation, velocity_control_config_t config, c
     tick(&cooperation, &config, position_rad, hand, COUNTED_TICK_GENERAL);
 }
 
+/* A made-up state: the robot's hand at the start is where its joints say. */
+static void run_state(const record_t *record, const controller_t *controller) {
+    struct {
+        float position_rad[4];
+        pose_t hand;
+    } state;
+    (void)platform_read(&state, sizeof state);
+    cooperation_t cooperation = {0};
+    cooperation_start(&cooperation, &controller->cooperation_config, &task_table[record->count], pose_identity,
+                      arm_forward_kinematics(&arm_hoap3_right, state.position_rad));
+    ticks(cooperation, controller->velocity_control_config, state.position_rad, &state.hand);
+}
+
 void firmware_main(void) {
     static controller_t controller;
     static controller_inbox_t inbox;
     static controller_outbox_t outbox;
-    uint8_t head[6]; /* time of the tick, kind, number of frames */
+    record_t record;
     platform_open();
     count_begin();
     count_end();
     told(COUNTED_NOTHING);
-    while (platform_read(head, sizeof head)) {
-        if (head[4] == RECORD_STATE) { /* joints' positions, the hand */
-            struct {
-                float position_rad[4];
-                pose_t hand;
-            } state;
-            (void)platform_read(&state, sizeof state);
-            cooperation_t cooperation = {0};
-            const pose_t start = {quaternion_identity, {0.0f, 0.0f, 0.0f}};
-            cooperation_start(&cooperation, &controller.cooperation_config, &task_table[head[5] % TASK_BUILT_IN_COUNT], start,
-                              arm_forward_kinematics(&arm_hoap3_right, state.position_rad));
-            ticks(cooperation, controller.velocity_control_config, state.position_rad, &state.hand);
-        } else if (head[4] != RECORD_TICK) {
-            controller_init(&controller, &arm_hoap3_right,
-                            head[4] == RECORD_BOOT_FD ? CAN_PROFILE_FD : CAN_PROFILE_CLASSIC);
-        } else {
-            for (inbox.count = 0; inbox.count < head[5] && read_frame(&inbox.frame[inbox.count]); inbox.count++) {
-            }
+    while (record_read(&record)) {
+        if (record.kind == RECORD_STATE) {
+            run_state(&record, &controller);
+        } else if (record.kind == RECORD_TICK) {
+            record_read_inbox(&record, &inbox);
             count_begin();
-            controller_step(&controller, word(head), &inbox, &outbox);
+            controller_step(&controller, record.now_us, &inbox, &outbox);
             count_end();
             told(COUNTED_STEP);
             if (controller.supervisor.mode == MODE_COOPERATING && controller.velocity_control_config.isotropic.applies) {
                 ticks(controller.cooperation, controller.velocity_control_config, controller.joints.position_rad,
                       &controller.hand);
             }
+        } else {
+            record_boot(&record, &controller);
         }
-        told(COUNTED_RECORD_END);
     }
     platform_close();
 }

@@ -1,0 +1,146 @@
+"""An arm as firmware/arms/NAME.toml describes it, in modified DH: frames from the torso to the hand, each
+Rot_x(alpha) Trans_x(a) Trans_z(d) Rot_z(theta); one with a range is a joint, which adds its angle to theta. Lengths in m, angles in
+degrees."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = 8, 8.0, 32.0, 100.0  # arm_check() in firmware/arm.c
+LENGTHS, ANGLES = ("a_m", "d_m"), ("alpha_deg", "theta_deg")
+FRAME_KEYS = {*LENGTHS, *ANGLES, "range_deg"}
+ARM_KEYS = {"name", "id", "velocity_max_radps", "margin_deg", "frame"}
+
+
+class ArmError(ValueError):
+    """A line that names the file, the value and what was expected."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """rotation: (4,) unit, w first; matrix: the same, (3, 3); translation_m: (3,)."""
+
+    rotation: np.ndarray
+    translation_m: np.ndarray
+
+    @property
+    def matrix(self) -> np.ndarray:
+        w, x, y, z = self.rotation
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        matrix = np.eye(3) + 2 * w * cross + 2 * cross @ cross
+        nearest = np.round(matrix)
+        return np.where(np.abs(matrix - nearest) < 1e-12, nearest, matrix)
+
+    def __mul__(self, other: Pose) -> Pose:
+        return Pose(hamilton(self.rotation, other.rotation), self.translation_m + self.matrix @ other.translation_m)
+
+
+def hamilton(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.concatenate([[a[0] * b[0] - a[1:] @ b[1:]], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])])
+
+
+def turn(axis: Sequence[float], angle_deg: float) -> np.ndarray:
+    half = np.radians(angle_deg) / 2
+    return np.concatenate([[np.cos(half)], np.sin(half) * np.array(axis, float)])
+
+
+@dataclass(frozen=True)
+class Arm:
+    """twist: from the previous joint's moving frame (the torso for the first) to the joint, but for the offset of its angle;
+    effector: from the last to the hand."""
+
+    name: str
+    id: int
+    title: str
+    twist: list[Pose]
+    offset_deg: list[float]
+    effector: Pose
+    range_rad: list[tuple[float, float]]
+    velocity_max_radps: float
+
+
+    @property
+    def fixed(self) -> list[Pose]:
+        """With the offset, so that the joint only adds its angle."""
+        return [twist * about_z(offset) for twist, offset in zip(self.twist, self.offset_deg, strict=True)]
+
+
+def about_z(angle_deg: float) -> Pose:
+    return Pose(turn([0, 0, 1], angle_deg), np.zeros(3))
+
+
+def without_theta(alpha_deg: float, a_m: float, d_m: float) -> Pose:
+    about_x = Pose(turn([1, 0, 0], alpha_deg), np.zeros(3))
+    return about_x * Pose(np.array([1.0, 0, 0, 0]), np.array([a_m, 0.0, d_m]))
+
+
+def _number(place: str, value: object, low: float, high: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
+        raise ArmError(f"{place}: {value!r}: expected a number from {low:g} to {high:g}")
+    return float(value)
+
+
+def _range_rad(place: str, value: object, margin_deg: float) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ArmError(f"{place}: {value!r}: expected two numbers, the lowest and the highest angle")
+    most = math.degrees(POSITION_MAX_RAD)
+    low, high = (_number(place, end, -most - margin_deg, most + margin_deg) for end in value)
+    if not low + margin_deg < high - margin_deg:
+        raise ArmError(f"{place}: {value!r}: expected the lower end first, and room for the margin of {margin_deg:g} at both")
+    return math.radians(low + margin_deg), math.radians(high - margin_deg)
+
+
+def _load(path: Path) -> tuple[dict, str]:
+    """The description, and its first line as a title."""
+    try:
+        text = path.read_text()
+        description = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ArmError(f"{path}: {error}") from error
+    return description, text.partition("\n")[0].removeprefix("#").strip()
+
+
+def _check_keys(place: str, found: object, known: set[str]) -> None:
+    if not isinstance(found, dict):
+        raise ArmError(f"{place}: {found!r}: expected a table")
+    if unknown := set(found) - known:
+        raise ArmError(f"{place}: {min(unknown)}: unknown, expected {', '.join(sorted(known))}")
+
+
+def read(path: Path) -> Arm:
+    """The arm that a file describes; ArmError for what is missing, unknown or out of range in it."""
+    description, title = _load(path)
+    _check_keys(str(path), description, ARM_KEYS)
+    if missing := ARM_KEYS - {"margin_deg"} - set(description):
+        raise ArmError(f"{path}: {min(missing)} is missing")
+    if description["name"] != path.stem or not path.stem.isidentifier():
+        raise ArmError(f"{path}: name: {description['name']!r}: expected the file's own, an identifier of C")
+    frames = description["frame"]
+    if not isinstance(frames, list):
+        raise ArmError(f"{path}: frame: {frames!r}: expected a list of tables, [[frame]]")
+    margin = _number(f"{path}: margin_deg", description.get("margin_deg", 0.0), 0.0, 90.0)
+    twists, offsets, ranges, reached = [], [], [], Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
+    for number, frame in enumerate(frames, 1):
+        place = f"{path}: frame {number}"
+        _check_keys(place, frame, FRAME_KEYS)
+        lengths = {key: _number(f"{place}: {key}", frame.get(key, 0.0), -LENGTH_MAX_M, LENGTH_MAX_M) for key in LENGTHS}
+        angles = {key: _number(f"{place}: {key}", frame.get(key, 0.0), -360.0, 360.0) for key in ANGLES}
+        reached = reached * without_theta(angles["alpha_deg"], **lengths)
+        if "range_deg" in frame:
+            twists.append(reached)
+            offsets.append(angles["theta_deg"])
+            ranges.append(_range_rad(f"{place}: range_deg", frame["range_deg"], margin))
+            reached = Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
+        else:
+            reached = reached * about_z(angles["theta_deg"])
+    if not 1 <= len(twists) <= JOINTS_MAX:
+        raise ArmError(f"{path}: {len(twists)} joints (frames with a range_deg), expected 1 to {JOINTS_MAX}")
+    number = _number(f"{path}: id", description["id"], 0, 255)
+    velocity = _number(f"{path}: velocity_max_radps", description["velocity_max_radps"], 1e-3, VELOCITY_MAX_RADPS)
+    return Arm(path.stem, int(number), title, twists, offsets, reached, ranges, velocity)
