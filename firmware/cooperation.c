@@ -124,7 +124,7 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
     }
 }
 
-/* Apart from the loop, which it is none of, so that the loop keeps its registers. */
+/* Not in line, so that the loop keeps its registers. */
 __attribute__((noinline)) static void fold(cooperation_t *self, float blend) {
     self->relation = relation_in_force(self, blend);
     self->settled = self->latched || blend >= 1.0f;

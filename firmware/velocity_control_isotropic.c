@@ -27,9 +27,9 @@ typedef struct {
     vector3_t g;       /* [m] */
     vector3_t turn;    /* with the pulls of rotation and translation, and s g in it */
     vector3_t dual_m;  /* with the pull of translation */
-} error_t;
+} pose_error_t;
 
-static error_t error_of(const pose_t *hand, const pose_t *target, const velocity_control_config_t *config) {
+static pose_error_t error_of(const pose_t *hand, const pose_t *target, const velocity_control_config_t *config) {
     const velocity_isotropic_t *law = &config->isotropic;
     const quaternion_t to_hand = quaternion_conjugate(hand->rotation);
     const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, target->rotation), quaternion_identity);
@@ -37,13 +37,13 @@ static error_t error_of(const pose_t *hand, const pose_t *target, const velocity
     if (config->error_frame == ERROR_FRAME_TARGET) {
         const vector3_t way = vector3_add(target->translation_m, vector3_scale(hand->translation_m, -1.0f));
         const vector3_t g = quaternion_rotate(to_hand, vector3_scale(way, 0.5f));
-        return (error_t){g, turn, vector3_scale(g, law->pull_translation)};
+        return (pose_error_t){g, turn, vector3_scale(g, law->pull_translation)};
     }
     const vector3_t half_t = vector3_scale(quaternion_rotate(to_hand, hand->translation_m), 0.5f);
     const vector3_t half_t_d = vector3_scale(quaternion_rotate(to_hand, target->translation_m), 0.5f);
     const quaternion_t moved = quaternion_multiply((quaternion_t){0.0f, half_t_d.x, half_t_d.y, half_t_d.z}, d);
     const vector3_t g = vector3_scale(half_t, -1.0f);
-    return (error_t){
+    return (pose_error_t){
         g,
         vector3_add(turn, vector3_scale(g, law->pull_translation * moved.w)),
         vector3_scale(vector3_add((vector3_t){moved.x, moved.y, moved.z}, g), law->pull_translation),
@@ -60,7 +60,7 @@ void velocity_control_isotropic(const arm_t *arm, const velocity_control_config_
     const int joint_count = arm->joint_count;
     arm_lines_t lines;
     arm_lines(arm, request->position_rad, &lines);
-    const error_t error = error_of(&lines.hand, request->target, config);
+    const pose_error_t error = error_of(&lines.hand, request->target, config);
 
     ldlt_t normal;
     quaternion_t moved[ARM_MAX_JOINTS]; /* dual parts of the columns */
