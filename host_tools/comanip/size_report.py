@@ -90,10 +90,15 @@ def read_budget(path: Path) -> dict[str, dict]:
     return tomllib.loads(path.read_text()) if path.exists() else {}
 
 
+def budgeted(image: Image) -> dict[str, Size]:
+    """What has a budget: all but the padding, which moves with any module's size and counts in the total."""
+    return {"total": image.total, **{name: size for name, size in image.modules.items() if name != PADDING}}
+
+
 def write_budget(path: Path, images: dict[str, Image]) -> None:
     lines = [HEAD]
     for name, image in images.items():
-        rows = {"total": image.total, **image.modules}
+        rows = budgeted(image)
         lines += [f"[{name}]", *(f'"{module}" = {list(asdict(size).values())}' for module, size in rows.items()), ""]
     path.write_text("\n".join(lines).rstrip("\n") + "\n")
 
@@ -102,7 +107,7 @@ def excesses(images: dict[str, Image], budget: dict[str, dict]) -> list[str]:
     """A line for each figure beyond its budget. A module without one has none to spend."""
     told = []
     for name, image in images.items():
-        for module, size in {"total": image.total, **image.modules}.items():
+        for module, size in budgeted(image).items():
             allowed = budget.get(name, {}).get(module, [0, 0, 0])
             for kind, limit in zip(KINDS, allowed, strict=True):
                 found = getattr(size, kind)
