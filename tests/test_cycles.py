@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from images import IMAGES
 from simulation import REPOSITORY
 
 sys.path.insert(0, str(REPOSITORY / "tests" / "cycles"))
@@ -48,6 +49,18 @@ def test_a_conditional_branch_is_known_as_one(line):
 def test_multiplications_of_cortex_m3_take_longer():
     assert modelled("umull\tr0, r1, r2, r3", image="cortex-m3") == [(False, 5)]
     assert modelled("mla\tr0, r1, r2, r3", image="cortex-m3") == [(False, 2)]
+
+
+@pytest.mark.parametrize(
+    ("line", "cost"),
+    [  # ARM DDI 0484, table 3-1
+        ("adds\tr0, r1, r2", 1), ("muls\tr0, r1", 1), ("ldr\tr0, [r1, #4]", 2), ("str\tr0, [r1, #4]", 2), ("ldr\tr2, [pc, #8]", 2),
+        ("push\t{r4, r5, lr}", 4), ("pop\t{r4, r5}", 3), ("pop\t{r4, pc}", 5), ("b.n\t20 <x>", 2), ("bl\t20 <x>", 3), ("bx\tlr", 2),
+        ("add\tr1, pc, #8", 1), ("mov\tpc, r2", 2), ("mrs\tr0, PRIMASK", 3),
+    ],
+)  # fmt: skip
+def test_the_model_of_cortex_m0plus_is_arms_table(line, cost):
+    assert modelled(line, image="cortex-m0plus") == [(False, cost)]
 
 
 def test_what_is_beyond_its_budget_is_told_with_the_difference():
@@ -94,7 +107,7 @@ def test_the_counter_counts_what_is_there(tmp_path):
     costs = cycles.write_costs("cortex-m4f", elf)
     begin, end = (hex(cycles.symbol("cortex-m4f", elf, name)) for name in ("count_begin", "count_end"))
     argument = f"{plugin},begin={begin},end={end},costs={costs},out={tmp_path / 'counts.bin'}"
-    machine = [*cycles.bitexact.MACHINES["cortex-m4f"], *cycles.bitexact.SEMIHOSTING]
+    machine = [*IMAGES["cortex-m4f"].emulator, *cycles.bitexact.SEMIHOSTING]
     subprocess.run([*machine, "-plugin", argument, "-kernel", str(elf)], check=True, stdin=subprocess.DEVNULL, timeout=60)
     (pair,) = cycles.np.fromfile(tmp_path / "counts.bin", "<u4").reshape(-1, 2)
     # bx lr, movs, 100 x (subs, bne), bl; cycles 4 + 1 + 100 x 2 + 99 x 3 + 4

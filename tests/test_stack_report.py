@@ -11,12 +11,11 @@ from pathlib import Path
 import pytest
 from comanip import stack_report
 from comanip.stack_report import Graph, UnboundedError
+from images import IMAGES, make
 from simulation import REPOSITORY
-from test_target import CORTEX_M, MACHINES, TESTED, make, run
+from test_target import TESTED, run
 
 BUDGET = REPOSITORY / "hal" / "stack_budget.toml"
-STACK_BEGIN = {**dict.fromkeys(CORTEX_M, 0x20000000), "rv32imac": 0x80040000}  # of the linker scripts
-STACK_BYTES = 4096
 
 
 def graph_of(folder: Path, source: str, indirect: dict[str, list[str]] | None = None) -> Graph:
@@ -67,7 +66,7 @@ def folders() -> dict[str, Path]:
         pytest.skip(missing.stderr.strip())
     built = make("-j2", "target")
     assert built.returncode == 0, built.stderr
-    return {image: REPOSITORY / "build" / "target" / image for image in MACHINES}
+    return {image: REPOSITORY / "build" / "target" / image for image in IMAGES}
 
 
 def report(folders, budget: Path, out: Path) -> int:
@@ -76,30 +75,40 @@ def report(folders, budget: Path, out: Path) -> int:
 
 def test_the_committed_budget_holds_and_a_smaller_one_does_not(folders, tmp_path, capsys):
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0, capsys.readouterr().err
-    worst = json.loads((tmp_path / "stack.json").read_text())["cortex-m4f"]["worst_case_bytes"]
+    worst = json.loads((tmp_path / "stack.json").read_text())["cortex-m4f"]["thread"]["worst_case_bytes"]
     smaller = tmp_path / "budget.toml"
-    smaller.write_text(BUDGET.read_text().replace("budget_bytes = 4096", f"budget_bytes = {worst - 8}", 1))
+    smaller.write_text(BUDGET.read_text().replace("budget_bytes = 3328", f"budget_bytes = {worst - 8}", 1))
     assert report(folders, smaller, tmp_path / "stack.json") == 1
-    assert f"cortex-m4f: {worst} bytes, budget {worst - 8}: 8 too many" in capsys.readouterr().err
+    assert f"cortex-m4f: thread: {worst} bytes, budget {worst - 8}: 8 too many" in capsys.readouterr().err
+
+
+def symbol(image: str, folder: Path, name: str) -> int:
+    listing = subprocess.run([IMAGES[image].prefix + "nm", folder / "comanip.elf"], capture_output=True, text=True, check=True).stdout
+    return next(int(line.split()[0], 16) for line in listing.splitlines() if line.endswith(f" {name}"))
 
 
 @pytest.mark.parametrize("image", TESTED)
 def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
     """The RAM begins as zeros: what is not zero was used."""
-    if shutil.which(MACHINES[image][0]) is None:
-        pytest.skip(f"{MACHINES[image][0]} is not installed: make target-deps")
+    if shutil.which(IMAGES[image].emulator[0]) is None:
+        pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0
-    worst = json.loads((tmp_path / "stack.json").read_text())[image]["worst_case_bytes"]
-    begin = STACK_BEGIN[image]
+    bounds = json.loads((tmp_path / "stack.json").read_text())[image]
+    names = ("thread_stack_end", "thread_stack_top", "exception_stack_top" if IMAGES[image].is_arm else "trap_stack_top")
+    bottom, middle, top = (symbol(image, folders[image], f"link_{name}") for name in names)
+    assert (middle - bottom, top - middle) == tuple(bound["budget_bytes"] for bound in bounds.values())
+    seen = bottom & 0x0FFFFFFF | 0x20000000 if image == "cortex-m33" else bottom  # the monitor sees what is not secure
     _, told = run(image, folders[image] / "comanip.elf", tmp_path, lambda text: text.count("\rb050") > 200,
-                  monitor=f"xp /{STACK_BYTES // 4}xw {begin:#x}\n")  # fmt: skip
+                  monitor=f"xp /{(top - bottom) // 4}xw {seen:#x}\n")  # fmt: skip
     words = {}
     for address, values in re.findall(r"^([0-9a-f]+): ((?:0x[0-9a-f]{8} ?)+)", told, re.MULTILINE):
         for i, value in enumerate(values.split()):
-            words[int(address, 16) + 4 * i] = int(value, 16)
-    assert len(words) == STACK_BYTES // 4
-    used = begin + STACK_BYTES - min(address for address, value in words.items() if value)
-    assert worst / 4 < used <= worst
+            words[int(address, 16) + 4 * i - seen + bottom] = int(value, 16)
+    assert len(words) == (top - bottom) // 4
+    for bound, end, begin in zip(bounds.values(), (bottom, middle), (middle, top), strict=True):
+        used = begin - min((a for a in range(end, begin, 4) if words[a]), default=begin)
+        assert 0 < used <= bound["worst_case_bytes"]
+    assert middle - min(a for a in range(bottom, middle, 4) if words[a]) > bounds["thread"]["worst_case_bytes"] / 4
 
 
 def test_wrong_use(capsys):

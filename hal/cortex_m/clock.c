@@ -1,8 +1,8 @@
 /* SysTick: the 1 kHz tick, and between ticks the microseconds. */
 #include <stdbool.h>
+#include <board.h> /* the image's, by its -I */
 
 #include "../slcan/slcan_hal.h"
-#include "board.h"
 #include "drivers.h"
 
 #define TICK_US 1000u

@@ -1,22 +1,26 @@
-/* The port's drivers among themselves. */
+/* What a port to a Cortex-M microcontroller has, among its files. */
 #ifndef COMANIP_CORTEX_M_DRIVERS_H
 #define COMANIP_CORTEX_M_DRIVERS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
-/* clock.c: SysTick as the 1 kHz tick and the microsecond clock. */
+/* clock.c, or the board's own where there is no SysTick: the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
-uint32_t clock_us(void);             /* monotonic modulo 2^32; also in interrupts */
-void systick_handler(void);
+uint32_t clock_us(void); /* monotonic modulo 2^32; also in interrupts */
 
-/* cmsdk_uart.c: 8N1, interrupt-driven, into slcan_hal_link. */
+/* stack_guard.c: from here on the thread's stack faults when it overflows. */
+void stack_guard_start(void);
+bool stack_overflowed(void); /* in a handler: whether the thread left its stack, or as good as that */
+
+/* startup.c: for an exception that the board does not have. */
+void unexpected_handler(void);
+
+/* The board's, 8N1, interrupt-driven, into slcan_hal_link. */
 void uart_start(void);
-void uart_rx_handler(void);
-void uart_tx_handler(void);
 
-/* cmsdk_watchdog.c: NMI when not fed for the time, reset when the NMI does not stop it. */
+/* The board's: panics when not fed for the time; resets if even that does not stop it. */
 void watchdog_start(uint32_t timeout_us);
 void watchdog_feed(void);
-void watchdog_stop(void);
 
 #endif

@@ -1,13 +1,12 @@
-/* Reset: vector table, FPU, memory, then the firmware. Every fault ends in hal_panic(). */
+/* Reset: vector table, memory, FPU, stacks, then the firmware. Every fault ends in hal_panic(). */
+#include <board.h> /* the image's, by its -I */
+
 #include "../../firmware/main.h"
 #include "../hal.h"
-#include "board.h"
 #include "drivers.h"
 
-#define INTERRUPT_COUNT 32
-
 /* From the linker script. */
-extern uint32_t link_stack_top[];
+extern uint32_t link_exception_stack_top[];
 extern const uint32_t link_data_image[];
 extern uint32_t link_data_start[];
 extern uint32_t link_data_end[];
@@ -19,12 +18,24 @@ typedef void handler_t(void);
 typedef struct {
     uint32_t *stack_top;
     handler_t *exception[15];
-    handler_t *interrupt[INTERRUPT_COUNT];
+    handler_t *interrupt[BOARD_INTERRUPT_COUNT];
 } vector_table_t;
 
-_Noreturn void reset_handler(void);
+void reset_handler(void);
+_Noreturn void thread(void);
 
-_Noreturn void reset_handler(void) {
+/* On the thread's stack, which leaves the other to exceptions. Naked: nothing may lie on the stack that is left. */
+__attribute__((naked)) void reset_handler(void) {
+    __asm__ volatile("ldr r0, =link_thread_stack_top\n\t"
+                     "msr psp, r0\n\t"
+                     "movs r0, #2\n\t"
+                     "msr control, r0\n\t"
+                     "isb\n\t"
+                     "bl thread\n\t"
+                     ".ltorg");
+}
+
+_Noreturn void thread(void) {
     const uint32_t *image = link_data_image;
     for (uint32_t *word = link_data_start; word < link_data_end; word++) {
         *word = *image++;
@@ -32,13 +43,21 @@ _Noreturn void reset_handler(void) {
     for (uint32_t *word = link_bss_start; word < link_bss_end; word++) {
         *word = 0;
     }
+#if __ARM_ARCH > 6
     SCB_HANDLER_CONTROL |= SCB_HANDLER_CONTROL_FAULTS;
+#endif
 #ifdef __ARM_FP
     SCB_COPROCESSOR_ACCESS |= SCB_COPROCESSOR_ACCESS_FPU;
 #endif
     __asm__ volatile("dsb\n\tisb" ::: "memory");
+    stack_guard_start();
     firmware_main();
     hal_panic("the firmware's loop ended");
+}
+
+/* Whatever kind of fault it is that the processor sees first. */
+static _Noreturn void fault(const char *kind) {
+    hal_panic(stack_overflowed() ? "stack overflow" : kind);
 }
 
 static void nmi_handler(void) {
@@ -46,44 +65,43 @@ static void nmi_handler(void) {
 }
 
 static void hard_fault_handler(void) {
-    hal_panic("hard fault");
+    fault("hard fault");
 }
 
+#if __ARM_ARCH > 6
 static void memory_fault_handler(void) {
-    hal_panic("memory management fault");
+    fault("memory management fault");
 }
 
 static void bus_fault_handler(void) {
-    hal_panic("bus fault");
+    fault("bus fault");
 }
 
 static void usage_fault_handler(void) {
-    hal_panic("usage fault");
+    fault("usage fault");
 }
+#endif
 
-static void unexpected_handler(void) {
+void unexpected_handler(void) {
     hal_panic("unexpected interrupt");
 }
 
 __attribute__((section(".vectors"), used)) static const vector_table_t vector_table = {
-    .stack_top = link_stack_top,
+    .stack_top = link_exception_stack_top,
     .exception =
         {
             reset_handler,
             nmi_handler,
             hard_fault_handler,
+#if __ARM_ARCH > 6
             memory_fault_handler,
             bus_fault_handler,
             usage_fault_handler,
-            [10] = unexpected_handler, /* SVCall; those left out are reserved */
             [11] = unexpected_handler, /* debug monitor */
+#endif
+            [10] = unexpected_handler, /* SVCall; those left out are reserved */
             [13] = unexpected_handler, /* PendSV */
-            [14] = systick_handler,
+            [14] = BOARD_SYSTICK_HANDLER,
         },
-    /* Only these two are enabled. */
-    .interrupt =
-        {
-            [BOARD_UART_RX_INTERRUPT] = uart_rx_handler,
-            [BOARD_UART_TX_INTERRUPT] = uart_tx_handler,
-        },
+    .interrupt = {BOARD_INTERRUPT_HANDLERS}, /* no others are enabled */
 };

@@ -1,6 +1,7 @@
 """Processor in the loop: the firmware's image in QEMU, in lockstep with the simulator over its serial line.
 
-``python -m comanip.pil BOARD IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). Exit status: the simulator's, 2 for wrong
+``python -m comanip.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``), with the command that emulates the
+board. Exit status: the simulator's, 2 for wrong
 use or if there is no emulator. What QEMU computes is what the processor's instructions say; cycles and times it cannot show.
 """
 
@@ -13,10 +14,6 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-MACHINES = {
-    **{board: ["qemu-system-arm", "-machine", board] for board in ("mps2-an385", "mps2-an386", "mps2-an500")},
-    "virt": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
-}
 # One instruction is 2 ns of the board's time, which stands still while it waits: no watchdog bites on a busy machine.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 START_S = 10
@@ -29,25 +26,25 @@ def complain(text: str) -> int:
 
 
 def main(argv: Sequence[str]) -> int:
-    if len(argv) < 3 or argv[0] not in MACHINES:
-        return complain(f"expected BOARD IMAGE PROGRAM [options], with a board out of {', '.join(MACHINES)}: see `make pil`")
-    board, image, program, *options = argv
+    if len(argv) < 3 or not argv[0].split():
+        return complain("expected EMULATOR IMAGE PROGRAM [options]: see `make pil`")
+    machine, (image, program, *options) = argv[0].split(), argv[1:]
     with tempfile.TemporaryDirectory() as folder:
         serial = Path(folder) / "serial"
-        command = [*MACHINES[board], *VIRTUAL_TIME, "-display", "none", "-monitor", "none", "-kernel", image,
+        command = [*machine, *VIRTUAL_TIME, "-display", "none", "-monitor", "none", "-kernel", image,
                    "-serial", f"unix:{serial},server=on,wait=on"]  # fmt: skip
         try:
             emulator = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
             )
         except FileNotFoundError:
-            return complain(f"{MACHINES[board][0]} is not installed: make target-deps")
+            return complain(f"{machine[0]} is not installed: make target-deps")
         try:
             deadline_s = time.monotonic() + START_S
             while not serial.exists() and emulator.poll() is None and time.monotonic() < deadline_s:
                 time.sleep(0.02)
             if emulator.poll() is not None:
-                return complain(f"{MACHINES[board][0]} ended: {emulator.stderr.read().strip()}")
+                return complain(f"{machine[0]} ended: {emulator.stderr.read().strip()}")
             return subprocess.run([program, "--serial", str(serial), *options], check=False).returncode
         finally:
             emulator.kill()

@@ -19,7 +19,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from images import IMAGES, REPOSITORY, make  # noqa: E402
+
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
 RUNNER = REPOSITORY / "tests" / "bitexact" / "runner.c"
 SCENARIOS = ("pour", "teleop", "mirror", "handover", "crank")
@@ -27,12 +30,6 @@ EVENTS = ["--gap", "4:0.2", "--dropout", "0.02", "--tracker-clock", "4294000000"
 VECTOR_TICKS, SMOKE_VECTOR_TICKS = 20_000, 4_000
 CORE_FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", f"-I{REPOSITORY / 'build' / 'generated'}"]
 HOSTS = [(compiler, level) for compiler in ("gcc", "clang") for level in ("-O0", "-O2", "-O3")]
-MACHINES = {
-    "cortex-m3": ["qemu-system-arm", "-machine", "mps2-an385"],
-    "cortex-m4f": ["qemu-system-arm", "-machine", "mps2-an386"],
-    "cortex-m7": ["qemu-system-arm", "-machine", "mps2-an500"],
-    "rv32imac": ["qemu-system-riscv32", "-machine", "virt", "-bios", "none"],
-}
 SEMIHOSTING = ["-display", "none", "-monitor", "none", "-serial", "null", "-semihosting-config", "enable=on,target=native"]
 HASH_BYTES = 4
 
@@ -89,10 +86,10 @@ def host_output(folder: Path, compiler: str, level: str) -> bytes:
 def image_output(folder: Path, image: str) -> bytes:
     build = folder / "target"
     elf = build / image / "comanip.elf"
-    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    subprocess.run(["make", "-s", str(elf), f"TARGET_MAIN={RUNNER.relative_to(REPOSITORY)}", f"TARGET_BUILD={build}"],
-                   cwd=REPOSITORY, check=True, env=environment)  # fmt: skip
-    return run_in(folder, image, [*MACHINES[image], *SEMIHOSTING, "-kernel", str(elf)])
+    built = make(str(elf), f"TARGET_MAIN={RUNNER.relative_to(REPOSITORY)}", f"TARGET_BUILD={build}")
+    if built.returncode != 0:
+        raise SystemExit(f"make bitexact: {image}: {built.stderr}")
+    return run_in(folder, image, [*IMAGES[image].emulator, *SEMIHOSTING, "-kernel", str(elf)])
 
 
 def compared(build: str, output: bytes, reference: bytes) -> Result:
@@ -114,8 +111,8 @@ def run(folder: Path, smoke: bool) -> list[Result]:
     jobs = []
     for compiler, level in HOSTS:
         jobs.append((f"x86-64 {compiler} {level}", missing("", compiler, f"apt-get install {compiler}"), host_output, (compiler, level)))
-    for image, machine in MACHINES.items():
-        jobs.append((f"{image} gcc -O2, QEMU", missing("", machine[0], "make target-deps"), image_output, (image,)))
+    for image in IMAGES.values():
+        jobs.append((f"{image.name} gcc -O2, QEMU", missing("", image.emulator[0], "make target-deps"), image_output, (image.name,)))
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         outputs = [None if absent else pool.submit(function, folder, *arguments) for _, absent, function, arguments in jobs]
         outputs = [output.result() if output else None for output in outputs]

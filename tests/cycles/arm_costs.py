@@ -1,5 +1,6 @@
-"""Cycles of the instructions of Cortex-M4F and Cortex-M3, from ARM's tables: Cortex-M4 Technical Reference Manual (ARM DDI 0439),
-tables 3-1 and 7-1, and Cortex-M3's (ARM DDI 0337), table 3-1, which differs in multiplications only.
+"""Cycles of the instructions of Cortex-M4F, M3 and M0+, from ARM's tables: Cortex-M4 Technical Reference Manual (ARM DDI 0439), tables
+3-1 and 7-1; Cortex-M3's (ARM DDI 0337), table 3-1, which differs in multiplications only; Cortex-M0+'s (ARM DDI 0484), table 3-1,
+with the multiplier of one cycle.
 
 Where a table gives a range the upper end is taken: a pipeline refill is 3, a division 12. Two neighbouring loads count as if they did
 not overlap. The wait states of a flash are not in it. Never checked on silicon.
@@ -10,6 +11,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+# What a branch that is taken costs more than one that is not.
+TAKEN = {"cortex-m0plus": 1}
 REFILL = 3  # P: "1 to 3, depending on the alignment and width of the target"
 CONDITIONS = "(?:eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)"
 LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
@@ -39,8 +42,28 @@ def registers(operands: str) -> int:
     return count
 
 
+def taken_cycles(image: str) -> int:
+    return TAKEN.get(image, REFILL)
+
+
+def cycles_m0plus(instruction: Instruction) -> int:
+    name = instruction.name.removesuffix(".n").removesuffix(".w")
+    writes_pc = bool(re.search(r"\bpc\b", instruction.operands)) and name in ("pop", "mov", "add")
+    if re.match(r"(push|pop|ldm|stm)", name):
+        return 1 + registers(instruction.operands) + (2 if writes_pc else 0)
+    if re.match(r"(ldr|str)", name):
+        return 2
+    if name == "bl" or re.match(r"(mrs|msr|dsb|dmb|isb)", name):
+        return 3
+    if name in ("b", "bx", "blx") or (writes_pc and name in ("mov", "add") and instruction.operands.startswith("pc")):
+        return 2
+    return 1
+
+
 def own_cycles(instruction: Instruction, image: str) -> int:
     """Without what it costs more when a conditional branch is taken, or when the result is needed at once."""
+    if image == "cortex-m0plus":
+        return cycles_m0plus(instruction)
     name = re.sub(r"\.(n|w)$", "", instruction.name)
     operands = instruction.operands
     writes_pc = bool(re.search(r"\bpc\b", operands.split(";")[0])) and name.startswith(("pop", "ldm", "ldr", "mov", "add"))

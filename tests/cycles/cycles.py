@@ -1,7 +1,7 @@
 """``make cycles``: instructions, and modelled cycles, of one tick in each image, over recorded and adversarial states.
 
 ``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c; cycles are those of ARM's tables
-(arm_costs.py) for Cortex-M4F and M3, never of silicon. Prints a table, writes BUILD/reports/cycles.json, and compares the maxima with
+(arm_costs.py) for Cortex-M4F, M3 and M0+, never of silicon. Prints a table, writes BUILD/reports/cycles.json, and compares the maxima with
 BUDGET.toml: exit status 1 beyond it, with the differences. --update writes the budget anew.
 
 ``step`` is the whole controller_step(). ``tick`` is Algorithm 1, kinematics and law (4) with the default parameters, ``tick_torso``
@@ -26,18 +26,19 @@ from rich.console import Console
 from rich.table import Table
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "tests" / "bitexact"))
+sys.path[:0] = [str(REPOSITORY / "tests"), str(REPOSITORY / "tests" / "bitexact")]
 
 import arm_costs  # noqa: E402
 import bitexact  # noqa: E402
 import stimulus  # noqa: E402
+from images import IMAGES, make  # noqa: E402
 
 STATES = 10_000
 STATE = 3  # records.h
 NOTHING = 0  # program.c, as the next
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general"}
-MODELLED = ("cortex-m3", "cortex-m4f")
+MODELLED = ("cortex-m3", "cortex-m4f", "cortex-m0plus")
 COSTS = struct.Struct("<II")
 
 
@@ -72,19 +73,15 @@ def adversarial(rng: np.random.Generator) -> bytes:
     return b"".join(parts)
 
 
-def tool(image: str, name: str) -> str:
-    return ("riscv64-unknown-elf-" if image.startswith("rv") else "arm-none-eabi-") + name
-
-
 def output_of(command: list[str]) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def build_image(folder: Path, image: str) -> Path:
     elf = folder / "target" / image / "comanip.elf"
-    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    command = ["make", "-s", str(elf), "TARGET_MAIN=tests/cycles/program.c", f"TARGET_BUILD={folder / 'target'}"]
-    subprocess.run(command, cwd=REPOSITORY, check=True, env=environment, stdout=subprocess.DEVNULL)
+    built = make(str(elf), "TARGET_MAIN=tests/cycles/program.c", f"TARGET_BUILD={folder / 'target'}")
+    if built.returncode != 0:
+        raise SystemExit(f"make cycles: {image}: {built.stderr}")
     return elf
 
 
@@ -92,13 +89,13 @@ def write_costs(image: str, elf: Path) -> Path:
     path = elf.with_name("costs.bin")
     costs = []
     if image in MODELLED:
-        costs = arm_costs.costs(output_of([tool(image, "objdump"), "-d", "--no-show-raw-insn", str(elf)]), image)
-    path.write_bytes(struct.pack("<I", arm_costs.REFILL) + b"".join(COSTS.pack(a | branch, cost) for a, branch, cost in costs))
+        costs = arm_costs.costs(output_of([IMAGES[image].prefix + "objdump", "-d", "--no-show-raw-insn", str(elf)]), image)
+    path.write_bytes(struct.pack("<I", arm_costs.taken_cycles(image)) + b"".join(COSTS.pack(a | branch, cost) for a, branch, cost in costs))
     return path
 
 
 def symbol(image: str, elf: Path, name: str) -> int:
-    rows = (line.split() for line in output_of([tool(image, "nm"), str(elf)]).splitlines())
+    rows = (line.split() for line in output_of([IMAGES[image].prefix + "nm", str(elf)]).splitlines())
     return next(int(row[0], 16) for row in rows if row[-1] == name)
 
 
@@ -112,7 +109,7 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
     options = {"begin": hex(symbol(image, elf, "count_begin")), "end": hex(symbol(image, elf, "count_end")),
                "costs": elf.with_name("costs.bin"), "out": place / "counts.bin"}  # fmt: skip
     argument = ",".join([str(plugin), *(f"{name}={value}" for name, value in options.items())])
-    command = [*bitexact.MACHINES[image], *bitexact.SEMIHOSTING, "-plugin", argument, "-kernel", str(elf)]
+    command = [*IMAGES[image].emulator, *bitexact.SEMIHOSTING, "-plugin", argument, "-kernel", str(elf)]
     subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL)
     told = np.frombuffer((place / "output.bin").read_bytes(), np.uint8)
     counts = np.fromfile(place / "counts.bin", "<u4").reshape(-1, 2)
@@ -166,8 +163,8 @@ def exceeded(found: dict[str, dict], budget: dict[str, dict]) -> list[str]:
 
 def main(argv: list[str]) -> int:
     build, budget = Path(argv[0]).resolve(), Path(argv[1])
-    images = list(bitexact.MACHINES)
-    if missing := sorted({program for image in images if not shutil.which(program := bitexact.MACHINES[image][0])}):
+    images = list(IMAGES)
+    if missing := sorted({program for image in images if not shutil.which(program := IMAGES[image].emulator[0])}):
         print(f"make cycles: not found: {', '.join(missing)}. On Debian or Ubuntu: make target-deps", file=sys.stderr)
         return 1
     folder = build / "cycles"

@@ -1,8 +1,9 @@
 /* UART of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.3): one byte of buffer each way. */
+#include <board.h> /* the image's, by its -I */
+
+#include "../cortex_m/drivers.h"
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
-#include "board.h"
-#include "drivers.h"
 
 #define UART_DATA REGISTER(BOARD_UART_BASE + 0x00u)
 #define UART_STATE REGISTER(BOARD_UART_BASE + 0x04u)
@@ -29,7 +30,8 @@ void uart_start(void) {
     UART_DIVIDER = UART_DIVIDER_MIN;
     UART_CONTROL =
         UART_CONTROL_TX_ENABLE | UART_CONTROL_RX_ENABLE | UART_CONTROL_TX_INTERRUPT | UART_CONTROL_RX_INTERRUPT;
-    NVIC_SET_ENABLE = (1u << BOARD_UART_RX_INTERRUPT) | (1u << BOARD_UART_TX_INTERRUPT);
+    NVIC_SET_ENABLE(BOARD_UART_RX_INTERRUPT) = NVIC_BIT(BOARD_UART_RX_INTERRUPT);
+    NVIC_SET_ENABLE(BOARD_UART_TX_INTERRUPT) = NVIC_BIT(BOARD_UART_TX_INTERRUPT);
 }
 
 void uart_rx_handler(void) {
@@ -56,7 +58,7 @@ void uart_tx_handler(void) {
 void serial_start_transmission(void) {
     /* The UART interrupts when a byte has gone out. The first has none before it: raise the interrupt by hand, which
      * also keeps the link's bytes to one consumer. */
-    NVIC_SET_PENDING = 1u << BOARD_UART_TX_INTERRUPT;
+    NVIC_SET_PENDING(BOARD_UART_TX_INTERRUPT) = NVIC_BIT(BOARD_UART_TX_INTERRUPT);
 }
 
 void serial_wait(void) {

@@ -21,7 +21,7 @@ void plic_handler(void);
 /* port.c: panics if the firmware has not fed the watchdog for too long. Called by the tick. */
 void watchdog_check(void);
 
-/* trap.c */
-void trap_handler(void);
+/* trap.c: called by startup.S, on the stack of traps. cause: mcause; thread_stack: where the interrupted thread's stack was. */
+void trap_handler(uint32_t cause, uintptr_t thread_stack);
 
 #endif

@@ -1,8 +1,9 @@
 /* The HAL on an MPS2 board. CAN goes over UART 0 (hal/slcan). */
+#include <board.h> /* the image's, by its -I */
+
+#include "../cortex_m/drivers.h"
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
-#include "board.h"
-#include "drivers.h"
 
 #define WATCHDOG_TIMEOUT_US 10000u
 

@@ -1,7 +1,8 @@
 /* Watchdog of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.5): expires once into the NMI, twice into a reset. */
+#include <board.h> /* the image's, by its -I */
+
+#include "../cortex_m/drivers.h"
 #include "../hal.h"
-#include "board.h"
-#include "drivers.h"
 
 #define WATCHDOG_LOAD REGISTER(BOARD_WATCHDOG_BASE + 0x000u)
 #define WATCHDOG_CONTROL REGISTER(BOARD_WATCHDOG_BASE + 0x008u)

@@ -14,9 +14,16 @@
 #define CAUSE_TIMER (MCAUSE_INTERRUPT | 7u)
 #define CAUSE_EXTERNAL (MCAUSE_INTERRUPT | 11u)
 
-/* Aligned: the low bits of mtvec are its mode. */
-__attribute__((interrupt("machine"), aligned(4))) void trap_handler(void) {
-    switch (trap_cause()) {
+/* From the linker script. */
+extern uint32_t link_thread_stack_end[];
+
+/* Whatever kind of fault it is that the processor sees first. */
+static _Noreturn void fault(const char *kind, uintptr_t thread_stack) {
+    hal_panic(thread_stack < (uintptr_t)link_thread_stack_end ? "stack overflow" : kind);
+}
+
+void trap_handler(uint32_t cause, uintptr_t thread_stack) {
+    switch (cause) {
     case CAUSE_TIMER:
         clock_handler();
         break;
@@ -26,13 +33,13 @@ __attribute__((interrupt("machine"), aligned(4))) void trap_handler(void) {
     case CAUSE_FETCH_ACCESS:
     case CAUSE_LOAD_ACCESS:
     case CAUSE_STORE_ACCESS:
-        hal_panic("access fault");
+        fault("access fault", thread_stack);
     case CAUSE_FETCH_MISALIGNED:
     case CAUSE_LOAD_MISALIGNED:
     case CAUSE_STORE_MISALIGNED:
-        hal_panic("misaligned access");
+        fault("misaligned access", thread_stack);
     case CAUSE_ILLEGAL_INSTRUCTION:
-        hal_panic("illegal instruction");
+        fault("illegal instruction", thread_stack);
     default:
         hal_panic("unexpected trap");
     }

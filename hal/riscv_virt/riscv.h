@@ -27,12 +27,6 @@ static inline void interrupts_enable(uint32_t mie) {
     __asm__ volatile(CSR_ASM("csrs mie, %0") ::"r"(mie) : "memory");
 }
 
-static inline uint32_t trap_cause(void) {
-    uint32_t cause;
-    __asm__ volatile(CSR_ASM("csrr %0, mcause") : "=r"(cause));
-    return cause;
-}
-
 /* Returns when an interrupt is pending, even while they are off. */
 static inline void wait_for_interrupt(void) {
     __asm__ volatile("wfi" ::: "memory");

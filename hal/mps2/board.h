@@ -3,22 +3,20 @@
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 
-#include "cortex_m.h"
+#include "../cortex_m/cortex_m.h"
 
 #define BOARD_CLOCK_HZ 25000000u /* core, SysTick, UART and watchdog alike */
 
 #define BOARD_UART_BASE 0x40004000u /* UART 0 */
-#define BOARD_UART_RX_INTERRUPT 0
-#define BOARD_UART_TX_INTERRUPT 1
+#define BOARD_UART_RX_INTERRUPT 0u
+#define BOARD_UART_TX_INTERRUPT 1u
 
 #define BOARD_WATCHDOG_BASE 0x40008000u /* expires into the NMI */
 
-/* User LED 0 stands for the drives' enable line: the board has no power stage of its own. */
-#define BOARD_LEDS REGISTER(0x40028000u)
-#define BOARD_LED_DRIVE_ENABLE (1u << 0)
+#define BOARD_IO_BASE 0x40028000u /* LEDs and buttons */
 
-/* User button 0, held at reset, chooses classic CAN. */
-#define BOARD_BUTTONS REGISTER(0x40028008u)
-#define BOARD_BUTTON_CLASSIC_CAN (1u << 0)
+#define BOARD_INTERRUPT_COUNT 32
+
+#include "mps2.h"
 
 #endif

@@ -1,0 +1,21 @@
+/* MPS2 board with AN505 (Cortex-M33): what the drivers must know of it (ARM DAI 0505). The image is the secure state's. */
+#ifndef COMANIP_BOARD_H
+#define COMANIP_BOARD_H
+
+#include "../cortex_m/cortex_m.h"
+
+#define BOARD_CLOCK_HZ 20000000u /* core, SysTick, UART and watchdog alike */
+
+#define BOARD_UART_BASE 0x50200000u /* UART 0 */
+#define BOARD_UART_RX_INTERRUPT 32u
+#define BOARD_UART_TX_INTERRUPT 33u
+
+#define BOARD_WATCHDOG_BASE 0x50081000u /* the secure one: expires into the NMI */
+
+#define BOARD_IO_BASE 0x50302000u /* LEDs and buttons */
+
+#define BOARD_INTERRUPT_COUNT 64
+
+#include "../mps2/mps2.h"
+
+#endif

@@ -1,0 +1,37 @@
+/* The HAL on a micro:bit. CAN goes over the UART (hal/slcan). */
+#include "../cortex_m/drivers.h"
+#include "../hal.h"
+#include "../slcan/slcan_hal.h"
+#include "board.h"
+
+#define WATCHDOG_TIMEOUT_US 10000u
+
+void hal_init(void) {
+    BOARD_GPIO_CONFIG(BOARD_PIN_CLASSIC_CAN) = BOARD_GPIO_CONFIG_INPUT_PULL_UP;
+    uart_start(); /* before what may panic: it is reported through it */
+    watchdog_start(WATCHDOG_TIMEOUT_US);
+    clock_start();
+    BOARD_GPIO_OUT_SET = 1u << BOARD_PIN_DRIVE_ENABLE;
+    BOARD_GPIO_OUTPUT = 1u << BOARD_PIN_DRIVE_ENABLE;
+}
+
+can_profile_t hal_can_profile(void) {
+    return (BOARD_GPIO_IN & 1u << BOARD_PIN_CLASSIC_CAN) == 0 ? CAN_PROFILE_CLASSIC : CAN_PROFILE_FD;
+}
+
+void hal_watchdog_feed(void) {
+    watchdog_feed();
+}
+
+_Noreturn void hal_panic(const char *cause) {
+    static volatile bool panicking;
+    BOARD_GPIO_OUT_CLEAR = 1u << BOARD_PIN_DRIVE_ENABLE;
+    interrupts_off();
+    if (!panicking) { /* a fault while reporting: the drives are off, there is no more to be said */
+        panicking = true;
+        slcan_hal_report_panic(cause);
+    }
+    for (;;) {
+        watchdog_feed(); /* no reset: this state is the safe one */
+    }
+}

@@ -1,0 +1,41 @@
+"""The target images that there are, as `make images` tells them out of each port's images.mk."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True)
+class Image:
+    """`prefix`: of the compiler's name; `specs`: its file for the libc; `cpu`: its options for the core."""
+
+    name: str
+    board: str
+    prefix: str
+    specs: str
+    cpu: list[str]
+    emulator: list[str]
+
+    @property
+    def is_arm(self) -> bool:
+        return self.prefix.startswith("arm")
+
+
+def make(*arguments: str) -> subprocess.CompletedProcess:
+    # Not as part of the make that runs the tests: its job server is not open to us, and says so.
+    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    return subprocess.run(["make", "-s", *arguments], cwd=REPOSITORY, capture_output=True, text=True, env=environment)
+
+
+def read() -> dict[str, Image]:
+    rows = (line.split("\t") for line in make("images").stdout.splitlines())
+    return {name: Image(name, board, prefix, specs, cpu.split(), emulator.split())
+            for name, board, prefix, specs, cpu, emulator in rows}  # fmt: skip
+
+
+IMAGES = read()

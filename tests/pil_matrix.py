@@ -1,0 +1,61 @@
+"""``make pil-matrix``: whole scenarios with each image in the loop, in QEMU, against the same scenarios with the host's firmware.
+
+``pil_matrix.py BUILD``. The bus logs, joint commands and all, must be equal byte for byte. Prints a line for each as it comes, writes
+BUILD/reports/pil.json; exit status: 1 if any differs. It takes about an hour of two cores.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from images import IMAGES, REPOSITORY, make
+
+SCENARIOS = ("teleop", "pour", "mirror")
+SIMULATOR, PROGRAM = (REPOSITORY / "build" / "host" / f"comanip-{name}" for name in ("sim", "pil"))
+
+
+def joint_commands(log: bytes) -> int:
+    return log.count(b" 050##")
+
+
+def elf_of(image: str) -> Path:
+    return REPOSITORY / "build" / "target" / f"{image}-pil" / "comanip.elf"
+
+
+def run(folder: Path, scenario: str, image: str | None) -> bytes:
+    """The bus log of a run with the host's firmware, or with the image."""
+    out = folder / scenario / (image or "host")
+    options = ["--scenario", scenario, "--quiet", "--out", str(out)]
+    command = [str(SIMULATOR)] if image is None else [sys.executable, "-m", "comanip.pil", " ".join(IMAGES[image].emulator),
+                                                      str(elf_of(image)), str(PROGRAM)]  # fmt: skip
+    subprocess.run([*command, *options], check=True, cwd=REPOSITORY)
+    return (out / "bus.log").read_bytes()
+
+
+def main(argv: list[str]) -> int:
+    build = Path(argv[0]).resolve()
+    built = make(*(str(elf_of(image).relative_to(REPOSITORY)) for image in IMAGES), str(PROGRAM.relative_to(REPOSITORY)))
+    if built.returncode != 0:
+        raise SystemExit(f"make pil-matrix: {built.stderr}")
+    results = []
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        hosts = dict(zip(SCENARIOS, pool.map(lambda scenario: run(build / "pil-matrix", scenario, None), SCENARIOS), strict=True))
+        jobs = [(scenario, image) for scenario in SCENARIOS for image in IMAGES]
+        logs = pool.map(lambda job: run(build / "pil-matrix", *job), jobs)
+        for (scenario, image), log in zip(jobs, logs, strict=True):
+            commands, equal = joint_commands(log), log == hosts[scenario]
+            results.append({"scenario": scenario, "image": image, "joint_commands": commands, "equal": equal})
+            print(f"{scenario:8} {image:14} {commands:6} joint commands, bus log {'equal' if equal else 'DIFFERS'}", flush=True)
+    report = build / "reports" / "pil.json"
+    report.parent.mkdir(parents=True, exist_ok=True)
+    report.write_text(json.dumps(results, indent=1) + "\n")
+    return not all(result["equal"] and result["joint_commands"] > 0 for result in results)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
