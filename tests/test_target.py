@@ -137,6 +137,14 @@ def test_a_board_is_one_image_and_an_unknown_one_is_refused(target_build):
 # ---- what they do
 
 
+def until_prompt(connection: socket.socket) -> str:
+    """What the monitor says until it waits again: what is under way when it quits may be lost."""
+    said = ""
+    while not said.endswith("(qemu) "):
+        said += connection.recv(1 << 16).decode()
+    return said
+
+
 def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monitor: str = "") -> tuple[str, str]:
     """Boots the image, sends it the commands, and returns what it sent once done(that) holds, and what the monitor said."""
     if shutil.which(IMAGES[image].emulator[0]) is None:
@@ -150,15 +158,20 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
             stdin=stdin, stdout=stdout, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
     try:
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while not done(serial.read_bytes().decode()):
             assert emulator.poll() is None, f"{IMAGES[image].emulator[0]} ended: {emulator.stderr.read()}"
             assert time.monotonic() < deadline, f"not done after 60 s; the last bytes: {serial.read_bytes().decode()[-300:]!r}"
             time.sleep(0.05)
+        answer = ""
         with socket.socket(socket.AF_UNIX) as connection:
+            connection.settimeout(30)
             connection.connect(str(monitor_socket))
-            connection.sendall((monitor + "quit\n").encode())
-            answer = connection.makefile().read()
+            for command in [monitor, "quit\n"] if monitor else ["quit\n"]:
+                answer += until_prompt(connection)
+                connection.sendall(command.encode())
+            while connection.recv(1 << 16):
+                pass  # until it has quit
         emulator.wait(timeout=30)
         return serial.read_bytes().decode(), answer
     finally:
