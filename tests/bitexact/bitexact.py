@@ -32,6 +32,7 @@ CORE_FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", f"-I{REPOSITOR
 HOSTS = [(compiler, level) for compiler in ("gcc", "clang") for level in ("-O0", "-O2", "-O3")]
 SEMIHOSTING = ["-display", "none", "-monitor", "none", "-serial", "null", "-semihosting-config", "enable=on,target=native"]
 HASH_BYTES = 4
+TIMEOUT_S = 1800  # an image that panics stands still
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def run_in(folder: Path, name: str, command: list[str]) -> bytes:
     place.mkdir(parents=True, exist_ok=True)
     (place / "input.bin").unlink(missing_ok=True)
     (place / "input.bin").symlink_to(folder / "input.bin")
-    subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL)
+    subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL, timeout=TIMEOUT_S)
     return (place / "output.bin").read_bytes()
 
 

@@ -34,6 +34,7 @@ import stimulus  # noqa: E402
 from images import IMAGES, make  # noqa: E402
 
 STATES = 10_000
+TIMEOUT_S = 900  # an image that panics stands still
 STATE = 3  # records.h
 NOTHING = 0  # program.c, as the next
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
@@ -110,7 +111,7 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
                "costs": elf.with_name("costs.bin"), "out": place / "counts.bin"}  # fmt: skip
     argument = ",".join([str(plugin), *(f"{name}={value}" for name, value in options.items())])
     command = [*IMAGES[image].emulator, *bitexact.SEMIHOSTING, "-plugin", argument, "-kernel", str(elf)]
-    subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL)
+    subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL, timeout=TIMEOUT_S)
     told = np.frombuffer((place / "output.bin").read_bytes(), np.uint8)
     counts = np.fromfile(place / "counts.bin", "<u4").reshape(-1, 2)
     if len(counts) != len(told) or told[0] != NOTHING:

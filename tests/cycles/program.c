@@ -22,28 +22,30 @@ static void told(counted_t what) {
     platform_write(&byte, 1);
 }
 
+/* Copies, which are not on the stack: it is as large as the product needs it. */
+static cooperation_t cooperation;
+static velocity_control_config_t config;
+
 /* Algorithm 1, kinematics and law (4), as the controller calls them. */
-static void tick(cooperation_t *cooperation, const velocity_control_config_t *config, const float position_rad[],
-                 const pose_t *hand, counted_t what) {
+static void tick(const float position_rad[], const pose_t *hand, counted_t what) {
     float velocity_radps[ARM_MAX_JOINTS];
-    const velocity_request_t request = {.position_rad = position_rad, .target = &cooperation->target};
+    const velocity_request_t request = {.position_rad = position_rad, .target = &cooperation.target};
     count_begin();
-    cooperation_update(cooperation, hand, 1.0f);
-    velocity_control(&arm_hoap3_right, config, &request, velocity_radps);
+    cooperation_update(&cooperation, hand, 1.0f);
+    velocity_control(&arm_hoap3_right, &config, &request, velocity_radps);
     count_end();
     told(what);
 }
 
-static void ticks(cooperation_t cooperation, velocity_control_config_t config, const float position_rad[],
-                  const pose_t *hand) {
+static void ticks(const float position_rad[], const pose_t *hand) {
     cooperation_update(&cooperation, hand, 1.0f); /* what changed the task has been folded in */
-    tick(&cooperation, &config, position_rad, hand, COUNTED_TICK);
+    tick(position_rad, hand, COUNTED_TICK);
     config.error_frame = ERROR_FRAME_TORSO;
-    tick(&cooperation, &config, position_rad, hand, COUNTED_TICK_TORSO);
+    tick(position_rad, hand, COUNTED_TICK_TORSO);
     config.error_frame = ERROR_FRAME_TARGET;
     config.weight[1] *= 2.0f;
     velocity_control_prepare(&config);
-    tick(&cooperation, &config, position_rad, hand, COUNTED_TICK_GENERAL);
+    tick(position_rad, hand, COUNTED_TICK_GENERAL);
 }
 
 /* A made-up state: the robot's hand at the start is where its joints say. */
@@ -53,10 +55,11 @@ static void run_state(const record_t *record, const controller_t *controller) {
         pose_t hand;
     } state;
     (void)platform_read(&state, sizeof state);
-    cooperation_t cooperation = {0};
+    cooperation = (cooperation_t){0};
+    config = controller->velocity_control_config;
     cooperation_start(&cooperation, &controller->cooperation_config, &task_table[record->count], pose_identity,
                       arm_forward_kinematics(&arm_hoap3_right, state.position_rad));
-    ticks(cooperation, controller->velocity_control_config, state.position_rad, &state.hand);
+    ticks(state.position_rad, &state.hand);
 }
 
 void firmware_main(void) {
@@ -78,8 +81,9 @@ void firmware_main(void) {
             count_end();
             told(COUNTED_STEP);
             if (controller.supervisor.mode == MODE_COOPERATING && controller.velocity_control_config.isotropic.applies) {
-                ticks(controller.cooperation, controller.velocity_control_config, controller.joints.position_rad,
-                      &controller.hand);
+                cooperation = controller.cooperation;
+                config = controller.velocity_control_config;
+                ticks(controller.joints.position_rad, &controller.hand);
             }
         } else {
             record_boot(&record, &controller);
