@@ -89,7 +89,8 @@ def test_a_target_out_of_all_reach_is_left_to_the_general_law(arm, inputs):
 
 @pytest.mark.parametrize(
     ("change", "applies"),
-    [({}, True), ({"weight": (1.0, 1.0)}, True), ({"weight": (10.0, 10.0)}, False), ({"damping": 0.0}, False), ({"weight": (0.0, 0.0)}, False),
+    [({}, True), ({"weight": (1.0, 1.0)}, True), ({"weight": (10.0, 10.0)}, False), ({"damping": 0.0}, False),
+     ({"damping": 1.01e-3}, True), ({"damping": 0.99e-3}, False), ({"weight": (0.0, 0.0)}, False),
      ({"weight": (1.0, 0.0)}, False)],
 )  # fmt: skip
 def test_where_the_fast_law_applies(change, applies):

@@ -1,0 +1,60 @@
+"""arm_check(): what is outside the ranges that arm.h states is named, one defect at a time; what is at their ends is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from comanip._core import ffi, lib
+
+UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+
+
+def verdict(joint_count: int = 2, effector: tuple = (UNIT, ZERO), **changes: object) -> str | None:
+    """Of a table of two good joints whose last one is changed."""
+    joints = ffi.new("arm_joint_t[2]")
+    for joint in joints:
+        joint.fixed = (UNIT, ZERO)
+        joint.axis = [0.0, 0.0, 1.0]
+        joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps = -1.0, 1.0, 2.0
+    for name, value in changes.items():
+        setattr(joints[1], name, value)
+    table = ffi.new("arm_t *", {"joint_count": joint_count, "joints": joints, "effector": effector})
+    told = lib.arm_check(table)
+    return None if told == ffi.NULL else ffi.string(told).decode()
+
+
+HALF = np.sqrt(0.5)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"joint_count": 1}, {"fixed": (UNIT, [60.0, 0.0, 79.9])}, {"effector": ([HALF, 0.0, -HALF, 0.0], [0.0, -99.9, 0.0])},
+     {"axis": [0.0, -HALF, HALF]}, {"position_min_rad": -8.0, "position_max_rad": 8.0}, {"velocity_max_radps": 32.0}],
+)  # fmt: skip
+def test_a_table_within_its_ranges_is_accepted(changes):
+    assert verdict(**changes) is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"joint_count": 0}, "joint_count"),
+        ({"joint_count": 9}, "joint_count"),
+        ({"effector": ([0.9, 0.0, 0.0, 0.0], ZERO)}, "effector"),
+        ({"effector": (UNIT, [0.0, 100.1, 0.0])}, "effector"),
+        ({"effector": (UNIT, [0.0, float("nan"), 0.0])}, "effector"),
+        ({"fixed": ([0.0, 0.0, 0.0, 0.0], ZERO)}, "fixed transform"),
+        ({"fixed": (UNIT, [60.0, 0.0, 80.1])}, "fixed transform"),
+        ({"axis": ZERO}, "axis"),
+        ({"axis": [1.0, 1.0, 0.0]}, "axis"),
+        ({"position_min_rad": 1.0}, "position limits"),
+        ({"position_min_rad": -8.1}, "position limits"),
+        ({"position_max_rad": 8.1}, "position limits"),
+        ({"position_max_rad": float("nan")}, "position limits"),
+        ({"velocity_max_radps": 0.0}, "velocity limit"),
+        ({"velocity_max_radps": 32.1}, "velocity limit"),
+        ({"velocity_max_radps": float("nan")}, "velocity limit"),
+    ],
+)
+def test_a_defect_is_named(changes, told):
+    assert f"arm table: {told}" in verdict(**changes) or f"arm table: a joint's {told}" in verdict(**changes)
