@@ -157,8 +157,10 @@ test-images: build $(VENV)/.installed-tests ## prove every target image, not onl
 	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py tests/test_size_report.py \
 	    tests/test_bitexact.py $(PYTEST_ARGS)
 
-bench: build $(VENV)/.installed-tests ## simulated time over wall time, per scenario
-	@$(PYTHON) tests/bench_simulator.py
+include tests/bench/bench.mk
+
+bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## our tick beside Pinocchio's, KDL's, MuJoCo's, dqrobotics'; the simulator's speed; build/reports/bench.json
+	@$(PYTHON) tests/bench/bench.py $(BUILD)
 
 arms: deps ## write firmware/arms/*.c anew from the arms' descriptions, firmware/arms/*.toml
 	@$(PYTHON) -m comanip.arm_codegen

@@ -124,13 +124,4 @@ target-check:
 	fi
 
 target-deps: ## install the cross compilers and QEMU (apt)
-	@if ! command -v apt-get >/dev/null; then \
-	    echo "make target-deps: no apt-get on this machine; install the equivalents of: $(TARGET_PACKAGES)" >&2; exit 1; \
-	fi; \
-	if [ "$$(id -u)" = 0 ]; then sudo=; \
-	elif command -v sudo >/dev/null; then sudo=sudo; \
-	else echo "make target-deps: needs root or sudo. Ask for: apt-get install $(TARGET_PACKAGES)" >&2; exit 1; \
-	fi; \
-	echo "comanip: installing $(TARGET_PACKAGES)"; \
-	export DEBIAN_FRONTEND=noninteractive; \
-	$$sudo apt-get update -qq && $$sudo apt-get install -y -qq --no-install-recommends $(TARGET_PACKAGES) >/dev/null
+	@host_tools/apt-install.sh "make $@" $(TARGET_PACKAGES)

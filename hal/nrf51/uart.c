@@ -74,6 +74,8 @@ void serial_start_transmission(void) {
 
 void serial_wait(void) {
     wait_for_interrupt();
+    /* QEMU asks for no interrupt when a byte has gone out that its reader let wait. */
+    serial_start_transmission();
 }
 
 void serial_write_polled(uint8_t byte) {

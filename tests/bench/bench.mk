@@ -1,0 +1,44 @@
+# `make bench`: the program that runs the ticks. Included by the Makefile, which defines BUILD, GENERATED and CORE_CFLAGS.
+
+BENCH := $(BUILD)/bench
+# For the shell: it is not there before it is installed.
+BENCH_SITE := $(VENV)/lib/python3*/site-packages
+BENCH_ARMS := six seven
+
+# Ours as the product is compiled. EIGEN_MAX_ALIGN_BYTES as in Debian's KDL; BOOST_MPL as in Pinocchio's CMake files.
+BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG -march=x86-64-v3 -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
+    -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS -isystem $(BENCH_SITE)/cmeel.prefix/include \
+    -isystem $(BENCH_SITE)/mujoco/include -isystem /usr/include/eigen3
+BENCH_C := $(addprefix firmware/,arm.c cooperation.c dual_quaternion.c ldlt.c pose.c task.c trigonometry.c velocity_control.c \
+    velocity_control_general.c velocity_control_isotropic.c arms/hoap3_right.c) tests/bench/tick.c
+BENCH_OBJECTS := $(BENCH_C:%.c=$(BUILD)/host/%.o) $(BENCH_ARMS:%=$(BENCH)/%.o) \
+    $(patsubst tests/bench/%.cpp,$(BENCH)/%.cpp.o,$(wildcard tests/bench/*.cpp))
+BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind
+
+$(VENV)/.installed-bench: tests/bench/requirements.txt | deps
+	@host_tools/apt-install.sh "make bench" $(BENCH_PACKAGES)
+	@echo "comanip: installing what the bench compares with into $(VENV)/"
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
+	@touch $@
+
+$(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard host_tools/comanip/arm_*.py) host_tools/comanip/straight_line.py | deps
+	@mkdir -p $(@D)
+	@cp $< $(@D)
+	$(Q)$(PYTHON) -m comanip.arm_codegen $(@:.c=.toml) >/dev/null
+
+$(BENCH)/%.o: $(BENCH)/%.c $(FIRMWARE_FILES)
+	@echo "  CC $<"
+	$(Q)$(CC) $(CORE_CFLAGS) -Ifirmware/arms -c $< -o $@
+
+$(BENCH)/%.cpp.o: tests/bench/%.cpp $(wildcard tests/bench/*.h tests/bench/*.hpp) $(VENV)/.installed-bench
+	@mkdir -p $(@D)
+	@echo "  CXX $<"
+	$(Q)g++ $(BENCH_CXXFLAGS) -c $< -o $@
+
+$(BUILD)/host/tests/bench/tick.o: CORE_CFLAGS += -I$(BENCH) -Ifirmware/arms
+$(BUILD)/host/tests/bench/tick.o: $(BENCH_ARMS:%=$(BENCH)/%.c)
+
+$(BENCH)/ticks: $(BENCH_OBJECTS)
+	@echo "  LINK $@"
+	$(Q)mujoco=$$(realpath $(BENCH_SITE)/mujoco/libmujoco.so*) && \
+	g++ $(BENCH_OBJECTS) "$$mujoco" -Wl,-rpath,"$$(dirname "$$mujoco")" -lorocos-kdl -lm -o $@

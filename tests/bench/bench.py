@@ -1,0 +1,323 @@
+"""``make bench``: our tick beside those of Pinocchio, Orocos KDL, MuJoCo and dqrobotics, and the simulator's speed.
+
+``bench.py BUILD``. One tick: Algorithm 1's loop body, kinematics, Jacobian and law (4); contender.hpp. First the contenders must agree
+with the paper's equations in double (dqrobotics, numpy) on the joints' velocity. Then they run in turn, round after round, each with
+its own angles fed back; medians of the rounds, with the tenth and the ninetieth percentile. Instructions are callgrind's, the
+difference of two runs. Prints a table, draws BUILD/reports/bench.png, writes BUILD/reports/bench.json. Exit status 1 if contenders
+disagree, ours takes from the heap, or a ratio that was asked for is missed. The host's figures say nothing of a microcontroller.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+HERE = Path(__file__).parent
+REPOSITORY = HERE.parents[1]
+sys.path.insert(0, str(HERE.parent))
+
+import simulator_speed  # noqa: E402
+import oracle  # noqa: E402
+from comanip import arm_codegen, arm_description  # noqa: E402
+from dqrobotics import DQ  # noqa: E402
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+ARMS = {4: REPOSITORY / "firmware" / "arms" / "hoap3_right.toml", 6: HERE / "arms" / "six.toml", 7: HERE / "arms" / "seven.toml"}
+START_RAD = {4: [0.3, -0.4, 0.2, -1.2], 6: [0.4, -1.2, 1.5, -0.8, 1.2, 0.3], 7: [0.1, -0.4, 0.2, -1.9, 0.1, 1.6, 0.5]}
+GAIN, WEIGHT, DAMPING = 35.0, (0.01, 100.0), 0.01  # the firmware's defaults
+HANDS, STATES, ROUNDS, TICKS = 1000, 300, 25, 20_000
+CALLGRIND_TICKS = 1000
+DQROBOTICS_TICKS = 200
+OURS = ("comanip, specialised", "comanip, table")
+OWN_LAW = "KDL, wdls"
+ASKED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # times as long as ours, specialised
+WORK = """The same in all: the inputs; Algorithm 1; law (4) as (J^T W J + lambda I)^-1 J^T W K e with the default K, W and lambda.
+Different: comanip is float32 as the product compiles it (-O2, no contraction, no vector flags), the peers double (Pinocchio also float)
+with -O3 -march=x86-64-v3. Pinocchio, KDL and MuJoCo give their 6 x n Jacobian; law (4) on it is Eigen, n at compile time. KDL's wdls
+has its own law on the twist, by SVD. MuJoCo also computes the centres of mass, which its Jacobian needs. dqrobotics is called from
+Python: its table row has the calls' overhead, which is that of as many calls that do nothing, beside it."""
+
+
+@dataclass
+class Case:
+    """An arm, and the inputs for it; `model`: the file for the program."""
+
+    n: int
+    arm: arm_description.Arm
+    hands: np.ndarray  # (HANDS, 8) poses
+    states: np.ndarray  # (STATES, n)
+    algorithm: oracle.Algorithm1
+    model: Path
+
+
+# ---- inputs
+
+
+def kinematics(arm: arm_description.Arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The hand's pose (8,) and its Jacobian (8, n), by the product of the joints' poses in double."""
+    left = [oracle.pose([1.0, 0, 0, 0], np.zeros(3))]
+    for fixed, angle in zip(arm.fixed, q, strict=True):
+        joint = oracle.multiply(left[-1], oracle.pose(fixed.rotation, fixed.translation_m))
+        left.append(oracle.multiply(joint, oracle.pose(oracle.rotation([0, 0, 1], angle), np.zeros(3))))
+    hand = oracle.multiply(left[-1], oracle.pose(arm.effector.rotation, arm.effector.translation_m))
+    axis = np.array([0, 0, 0, 0.5, 0, 0, 0, 0])
+    columns = [oracle.multiply(oracle.multiply(oracle.multiply(x, axis), oracle.conjugate(x)), hand) for x in left[1:]]
+    return hand, np.stack(columns, axis=1)
+
+
+def single(values: np.ndarray) -> np.ndarray:
+    """Rounded to float32, so that all get the same. (A rotation is unit in double: in float32 the peers would disagree about it.)"""
+    return np.asarray(values, np.float32).astype(float)
+
+
+def row(rotation: np.ndarray, translation: np.ndarray) -> str:
+    return " ".join(f"{value:.17g}" for value in [*rotation, *translation])
+
+
+def make_case(n: int, folder: Path, rng: np.random.Generator) -> Case:
+    arm = arm_description.read(ARMS[n])
+    turn = 2 * np.pi * np.arange(HANDS) / HANDS  # a second of one closed movement of the hand
+    rotations = oracle.rotation(np.stack([np.sin(turn), np.cos(turn), 0 * turn + 0.5], axis=1), 0.4 * np.sin(2 * turn))
+    places = single(np.stack([0.06 * np.sin(turn), 0.05 * np.sin(2 * turn), 0.04 - 0.04 * np.cos(turn)], axis=1) + [0.4, -0.2, 0.9])
+    start = single(np.array(START_RAD[n]))
+    robot, _ = kinematics(arm, start)
+    hands = oracle.pose(rotations, places)
+    algorithm = oracle.Algorithm1("pour", oracle.unit(hands[0]), oracle.unit(robot), np.array([1.0, 0, 0, 0]))
+    t_task, q_task, q_inv = oracle.TABLE_I["pour"]
+    right = oracle.quaternion_multiply(
+        oracle.quaternion_multiply(oracle.quaternion_conjugate(rotations[0]), oracle.quaternion_multiply(robot[:4], q_inv)),
+        oracle.quaternion_conjugate(q_task),
+    )
+    states = single(start + rng.uniform(-0.3, 0.3, (STATES, n)))
+    lines = [f"{arm.name} {n} {HANDS} {STATES}"]
+    lines += [row(fixed.rotation, fixed.translation_m) for fixed in [*arm.fixed, arm.effector]]
+    lines += [row([1, 0, 0, 0], places[0]), row(right, oracle.translation(robot)), row(t_task, [])]
+    lines += [row([*WEIGHT, GAIN, GAIN, DAMPING], []), row(start, [])]
+    lines += [row(r, t) for r, t in zip(rotations, places, strict=True)] + [row(q, []) for q in states]
+    model = folder / f"{arm.name}.txt"
+    model.write_text("\n".join(lines) + "\n")
+    return Case(n, arm, hands, states, algorithm, model)
+
+
+def law_in_double(case: Case) -> np.ndarray:
+    """(STATES, n): the joints' velocity by the paper's equations."""
+    targets = np.array([case.algorithm.target(oracle.unit(hand)) for hand in case.hands[:STATES]])
+    poses, jacobians = zip(*(kinematics(case.arm, q) for q in case.states), strict=True)
+    weight = np.repeat(WEIGHT, 4)
+    return oracle.law(np.array(jacobians), np.array(poses), targets, GAIN, weight, DAMPING, "target")
+
+
+# ---- the program
+
+
+def run(command: list[object]) -> str:
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit(f"make bench: {' '.join(map(str, command[:3]))} ...: exit status {done.returncode}\n{done.stderr[-3000:]}")
+    return done.stdout
+
+
+def rows(output: str) -> dict[str, list[list[float]]]:
+    """Of the program's lines, those of each contender."""
+    found: dict[str, list[list[float]]] = {}
+    for line in output.splitlines():
+        name, *values = line.split("\t")
+        found.setdefault(name, []).append([float(value) for value in values])
+    return found
+
+
+def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str]]:
+    """Of each contender the largest difference from double, relative to max(1, |u|, K / 10); and what is beyond its bound."""
+    expected = law_in_double(case)
+    scale = np.maximum(np.maximum(1.0, GAIN / 10), np.linalg.norm(expected, axis=1, keepdims=True))
+    found, told = {}, []
+    peer = Dqrobotics(case)
+    answers = rows(run([program, case.model, "check"]))
+    answers[peer.name] = [list(peer.velocity(q, hand)) for q, hand in zip(case.states, peer.hands)]
+    for name, values in answers.items():
+        found[name] = float((np.abs(np.array(values) - expected) / scale).max())
+        single_precision = name in OURS or name.endswith("float")
+        bound = max(5e-5, 5e-8 * max(4, *WEIGHT) / DAMPING) if single_precision else 1e-9
+        if name != OWN_LAW and not found[name] <= bound:
+            told.append(f"n = {case.n}: {name} is {found[name]:.2g} from the equations in double, bound {bound:.2g}")
+    return found, told
+
+
+def instructions(case: Case, program: Path, name: str) -> float:
+    """Per tick, by callgrind: what so many ticks more cost."""
+    counts = []
+    for ticks in (CALLGRIND_TICKS, 2 * CALLGRIND_TICKS):
+        out = case.model.with_suffix(f".{name.replace(' ', '').replace(',', '-')}.{ticks}")
+        run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, case.model, "run", ticks, name])
+        counts.append(int(next(line for line in out.read_text().splitlines() if line.startswith("summary:")).split()[1]))
+    return (counts[1] - counts[0]) / CALLGRIND_TICKS
+
+
+# ---- dqrobotics, from Python
+
+
+class Dqrobotics:
+    """The same tick in DQ and numpy, n x n."""
+
+    name = "dqrobotics, from Python"
+
+    def __init__(self, case: Case):
+        self.algorithm, self.n = case.algorithm, case.n
+        t_task, q_task, _ = oracle.TABLE_I["pour"]
+        self.relation = DQ(oracle.pose(q_task, t_task))
+        self.fixed = [DQ(oracle.pose(fixed.rotation, fixed.translation_m)) for fixed in case.arm.fixed]
+        self.effector = DQ(oracle.pose(case.arm.effector.rotation, case.arm.effector.translation_m))
+        self.axis = DQ([0, 0, 0, 0.5, 0, 0, 0, 0])
+        self.hands = [DQ(oracle.unit(hand)) for hand in case.hands]
+        self.weight = np.repeat(WEIGHT, 4)
+        self.calls = 11 + 9 * case.n  # of the library, per tick
+
+    def velocity(self, q: np.ndarray, hand: DQ) -> np.ndarray:
+        motion = self.algorithm.hand_start.conj() * hand
+        virtual = self.algorithm.hand_start_torso * oracle.dqrobotics.dec_mult(self.algorithm.virtual_start, motion)
+        target = virtual * self.relation.conj()
+        pose, moving = DQ([1]), []
+        for fixed, angle in zip(self.fixed, q, strict=True):
+            pose = pose * fixed * DQ([np.cos(angle / 2), 0, 0, np.sin(angle / 2)])
+            moving.append(pose)
+        pose = pose * self.effector
+        back = target.conj()
+        relative = (back * pose).vec8()
+        sign = -1.0 if relative[0] < 0 else 1.0
+        jacobian = np.stack([sign * (back * (x * self.axis * x.conj()) * pose).vec8() for x in moving], axis=1)
+        error = -sign * relative
+        error[0] += 1
+        weighted = jacobian.T * self.weight
+        return np.linalg.solve(weighted @ jacobian + DAMPING * np.eye(self.n), weighted @ (GAIN * error))
+
+    def time_ns(self, start: np.ndarray, ticks: int) -> float:
+        q = start.copy()
+        begin_ns = time.perf_counter_ns()
+        for k in range(ticks):
+            q += 1e-3 * self.velocity(q, self.hands[k % HANDS])
+        return (time.perf_counter_ns() - begin_ns) / ticks
+
+    def call_ns(self, calls: int = 20_000) -> float:
+        """A call of the library that computes next to nothing: what Python and the binding take for each."""
+        begin_ns = time.perf_counter_ns()
+        for _ in range(calls):
+            self.axis.conj()
+        return (time.perf_counter_ns() - begin_ns) / calls
+
+
+# ---- the run
+
+
+def summary(values: list[float]) -> dict[str, float]:
+    low, median, high = np.percentile(values, [10, 50, 90])
+    return {"median": float(median), "percentile_10": float(low), "percentile_90": float(high)}
+
+
+def measure(case: Case, program: Path) -> dict[str, dict]:
+    """Of each contender: ns and heap allocations per tick, instructions per tick."""
+    peer = Dqrobotics(case)
+    times: dict[str, list[float]] = {}
+    heap: dict[str, float] = {}
+    for _ in range(ROUNDS):
+        for name, ((ns, allocations),) in rows(run([program, case.model, "time", TICKS])).items():
+            times.setdefault(name, []).append(ns)
+            heap[name] = max(heap.get(name, 0.0), allocations)
+        times.setdefault(peer.name, []).append(peer.time_ns(np.array(START_RAD[case.n]), DQROBOTICS_TICKS))
+    found = {name: {"ns": summary(values), "heap_allocations": heap.get(name)} for name, values in times.items()}
+    for name, figures in found.items():
+        figures["instructions"] = None if name == peer.name else instructions(case, program, name)
+    found[peer.name]["calls_overhead_ns"] = peer.calls * peer.call_ns()
+    return found
+
+
+def missed(n: int, found: dict[str, dict]) -> list[str]:
+    """A line for each ratio that is less than was asked for, and for what takes from the heap."""
+    told = []
+    own = found[OURS[0]]["ns"]["median"]
+    for name, asked in ASKED.items():
+        ratio = found[name]["ns"]["median"] / own
+        if ratio < asked:
+            told.append(f"n = {n}: {name} takes {ratio:.1f} times as long as ours, asked {asked:g}")
+    told += [f"n = {n}: {name} takes {found[name]['heap_allocations']:g} times a tick from the heap" for name in OURS if found[name]["heap_allocations"]]
+    return told
+
+
+# ---- what is printed and drawn
+
+
+def show(results: dict[int, dict[str, dict]], console: Console) -> None:
+    for n, found in results.items():
+        table = Table(title=f"One tick, n = {n}", title_justify="left")
+        for header in ("contender", "ns (10 % .. 90 %)", "times ours", "instructions", "heap", "from double"):
+            table.add_column(header, justify="left" if header == "contender" else "right")
+        own = found[OURS[0]]["ns"]["median"]
+        for name, figures in sorted(found.items(), key=lambda item: item[1]["ns"]["median"]):
+            ns = figures["ns"]
+            cell = f"{ns['median']:.0f} ({ns['percentile_10']:.0f} .. {ns['percentile_90']:.0f})"
+            instructions_cell = "-" if figures["instructions"] is None else f"{figures['instructions']:.0f}"
+            heap_cell = "-" if figures["heap_allocations"] is None else f"{figures['heap_allocations']:g}"
+            table.add_row(name, cell, f"{ns['median'] / own:.1f}", instructions_cell, heap_cell, f"{figures['from_double']:.1g}")
+        console.print(table)
+        overhead = found[Dqrobotics.name]["calls_overhead_ns"]
+        console.print(f"Of dqrobotics' time, about {overhead:.0f} ns are the overhead of its calls from Python; numpy's comes to it.")
+    console.print(WORK)
+
+
+def draw(results: dict[int, dict[str, dict]], path: Path) -> None:
+    figure, axes = plt.subplots(figsize=(9, 4.5), layout="constrained")
+    names = [name for name in sorted(results[4], key=lambda name: results[4][name]["ns"]["median"])]
+    for place, (n, found) in enumerate(results.items()):
+        medians = [found[name]["ns"]["median"] for name in names]
+        spread = [[m - found[name]["ns"]["percentile_10"] for m, name in zip(medians, names)],
+                  [found[name]["ns"]["percentile_90"] - m for m, name in zip(medians, names)]]  # fmt: skip
+        axes.barh(np.arange(len(names)) + 0.27 * (place - 1), medians, 0.25, xerr=np.maximum(spread, 0), label=f"n = {n}")
+    axes.set_xscale("log")
+    axes.set_yticks(range(len(names)), names)
+    axes.invert_yaxis()
+    axes.set_xlabel("one tick on this machine [ns], median, 10 % to 90 % of the rounds")
+    axes.legend()
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def main(argv: list[str]) -> int:
+    build = Path(argv[0]).resolve()
+    folder, reports = build / "bench", build / "reports"
+    reports.mkdir(parents=True, exist_ok=True)
+    program = folder / "ticks"
+    cases = [make_case(n, folder, np.random.default_rng(n)) for n in ARMS]
+    differences, told = {}, []
+    for case in cases:
+        differences[case.n], beyond = disagreements(case, program)
+        told += beyond
+    if told:  # figures of something else than was meant
+        print("\n".join(f"make bench: {line}" for line in told), file=sys.stderr)
+        return 1
+    results = {case.n: measure(case, program) for case in cases}
+    for case in cases:
+        for name, figures in results[case.n].items():
+            figures["from_double"] = differences[case.n][name]
+        told += missed(case.n, results[case.n])
+    show(results, Console(width=120))
+    draw(results, reports / "bench.png")
+    speeds, slow = simulator_speed.measure()
+    report = {"ticks": {f"n_{n}": found for n, found in results.items()}, "simulated_over_wall_time": speeds}
+    (reports / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
+    for line in told:
+        print(f"make bench: {line}", file=sys.stderr)
+    return bool(told) or slow
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

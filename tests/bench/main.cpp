@@ -1,0 +1,146 @@
+// ticks MODEL check            velocities of each contender in each of the model's states, a line each
+// ticks MODEL time TICKS       ns and heap allocations per tick of each contender, one after the other
+// ticks MODEL run TICKS NAME   only that: for callgrind
+#include <time.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+
+#include "contender.hpp"
+
+// Every way to the heap in this process passes here.
+static long allocations;
+
+extern "C" {
+void *__libc_malloc(size_t);
+void *__libc_calloc(size_t, size_t);
+void *__libc_realloc(void *, size_t);
+void *__libc_memalign(size_t, size_t);
+
+void *malloc(size_t size) {
+    allocations++;
+    return __libc_malloc(size);
+}
+void *calloc(size_t count, size_t size) {
+    allocations++;
+    return __libc_calloc(count, size);
+}
+void *realloc(void *block, size_t size) {
+    allocations++;
+    return __libc_realloc(block, size);
+}
+void *aligned_alloc(size_t alignment, size_t size) {
+    allocations++;
+    return __libc_memalign(alignment, size);
+}
+int posix_memalign(void **block, size_t alignment, size_t size) {
+    allocations++;
+    *block = __libc_memalign(alignment, size);
+    return 0;
+}
+}
+
+namespace {
+
+Pose read_pose(std::istream &in) {
+    double w, x, y, z, a, b, c;
+    in >> w >> x >> y >> z >> a >> b >> c;
+    return {Eigen::Quaterniond(w, x, y, z), Eigen::Vector3d(a, b, c)};
+}
+
+std::vector<double> read_numbers(std::istream &in, int count) {
+    std::vector<double> result(count);
+    for (double &value : result) {
+        in >> value;
+    }
+    return result;
+}
+
+Model read_model(const char *path) {
+    std::ifstream in(path);
+    Model model;
+    int hands, states;
+    in >> model.arm >> model.n >> hands >> states;
+    for (int i = 0; i < model.n; i++) {
+        model.fixed.push_back(read_pose(in));
+    }
+    model.effector = read_pose(in);
+    const Pose left = read_pose(in), right = read_pose(in); // hand_start_m and virtual_start_m are their translations
+    model.left = left.rotation, model.hand_start_m = left.translation_m;
+    model.right = right.rotation, model.virtual_start_m = right.translation_m;
+    in >> model.relation_m.x() >> model.relation_m.y() >> model.relation_m.z();
+    in >> model.weight[0] >> model.weight[1] >> model.gain_per_s[0] >> model.gain_per_s[1] >> model.damping;
+    model.start_rad = read_numbers(in, model.n);
+    for (int i = 0; i < hands; i++) {
+        model.hand.push_back(read_pose(in));
+    }
+    for (int i = 0; i < states; i++) {
+        model.states.push_back(read_numbers(in, model.n));
+    }
+    if (!in) {
+        std::fprintf(stderr, "%s: not a model as bench.py writes it\n", path);
+        std::exit(EXIT_FAILURE);
+    }
+    return model;
+}
+
+void check(Contender &contender, const Model &model) {
+    std::vector<double> velocity(model.n);
+    for (size_t i = 0; i < model.states.size(); i++) {
+        contender.set(model.states[i].data());
+        contender.velocity(int(i), velocity.data());
+        std::printf("%s", contender.name().c_str());
+        for (double value : velocity) {
+            std::printf("\t%.17g", value);
+        }
+        std::printf("\n");
+    }
+}
+
+double now_ns() {
+    timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return double(t.tv_sec) * 1e9 + double(t.tv_nsec);
+}
+
+void time(Contender &contender, const Model &model, int count) {
+    contender.set(model.start_rad.data());
+    contender.ticks(count / 10); // caches
+    const long before = allocations;
+    const double start_ns = now_ns();
+    contender.ticks(count);
+    const double ns = now_ns() - start_ns;
+    const long heap = allocations - before;
+    std::printf("%s\t%.17g\t%.17g\n", contender.name().c_str(), ns / count, double(heap) / count);
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    if (argc < 3) {
+        std::fprintf(stderr, "usage: ticks MODEL check|time|run [TICKS] [NAME]\n");
+        return 2;
+    }
+    const Model model = read_model(argv[1]);
+    const std::string mode = argv[2];
+    const int count = argc > 3 ? std::atoi(argv[3]) : 0;
+    std::vector<std::unique_ptr<Contender>> all;
+    for (auto make : {ours, pinocchio_contenders, kdl_contenders, mujoco_contenders}) {
+        for (auto &contender : make(model)) {
+            all.push_back(std::move(contender));
+        }
+    }
+    for (auto &contender : all) {
+        if (mode == "check") {
+            check(*contender, model);
+        } else if (mode == "time") {
+            time(*contender, model, count);
+        } else if (contender->name() == argv[4]) {
+            contender->set(model.start_rad.data());
+            contender->ticks(count);
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,91 @@
+#include "tick.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../firmware/arms/hoap3_right.h"
+#include "../../firmware/cooperation.h"
+#include "../../firmware/velocity_control.h"
+#include "../../firmware/velocity_control_isotropic.h"
+#include "six.h"
+#include "seven.h"
+
+#define TICK_S 1e-3f
+
+struct tick {
+    arm_t arm;
+    arm_joint_t joints[ARM_MAX_JOINTS];
+    cooperation_t cooperation;
+    velocity_control_config_t config;
+    float position_rad[ARM_MAX_JOINTS], velocity_radps[ARM_MAX_JOINTS];
+    int hand_count;
+    pose_t hand[];
+};
+
+static pose_t pose(const double *p) {
+    return (pose_t){{(float)p[0], (float)p[1], (float)p[2], (float)p[3]}, {(float)p[4], (float)p[5], (float)p[6]}};
+}
+
+static void choose_arm(tick_t *self, const tick_model_t *model) {
+    const arm_t *specialised[] = {&arm_hoap3_right, &arm_six, &arm_seven};
+    for (int i = 0; model->name != NULL && i < 3; i++) {
+        if (strcmp(specialised[i]->name, model->name) == 0) {
+            self->arm = *specialised[i];
+            return;
+        }
+    }
+    for (int i = 0; i < model->joint_count; i++) {
+        self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};
+    }
+    self->arm = (arm_t){.joint_count = (uint8_t)model->joint_count, .joints = self->joints,
+                        .effector = pose(&model->fixed[7 * model->joint_count]), .isotropic = velocity_control_isotropic};
+}
+
+tick_t *tick_create(const tick_model_t *model) {
+    tick_t *self = calloc(1, sizeof *self + (size_t)model->hand_count * sizeof self->hand[0]);
+    choose_arm(self, model);
+    for (int i = 0; i < 8; i++) {
+        self->config.weight[i] = (float)model->weight[i / 4];
+        self->config.gain_per_s[i] = (float)model->gain_per_s[i / 4];
+    }
+    self->config.damping = (float)model->damping;
+    self->config.error_frame = ERROR_FRAME_TARGET;
+    velocity_control_prepare(&self->config);
+    self->hand_count = model->hand_count;
+    for (int i = 0; i < model->hand_count; i++) {
+        self->hand[i] = pose(&model->hands[7 * i]);
+    }
+    tick_set(self, model->start_rad);
+    const cooperation_config_t config = {.tracker_rotation = quaternion_identity, .motion_scale = 1.0f};
+    cooperation_start(&self->cooperation, &config, &task_table[TASK_POUR], self->hand[0],
+                      arm_forward_kinematics(&self->arm, self->position_rad));
+    return self;
+}
+
+void tick_set(tick_t *self, const double position_rad[]) {
+    for (int i = 0; i < self->arm.joint_count; i++) {
+        self->position_rad[i] = (float)position_rad[i];
+    }
+}
+
+static void tick(tick_t *self, int hand) {
+    cooperation_update(&self->cooperation, &self->hand[hand], 1.0f);
+    const velocity_request_t request = {.position_rad = self->position_rad, .target = &self->cooperation.target};
+    velocity_control(&self->arm, &self->config, &request, self->velocity_radps);
+}
+
+void tick_run(tick_t *self, int count) {
+    for (int k = 0, hand = 0; k < count; k++, hand = hand + 1 == self->hand_count ? 0 : hand + 1) {
+        tick(self, hand);
+        for (int i = 0; i < self->arm.joint_count; i++) {
+            self->position_rad[i] += TICK_S * self->velocity_radps[i];
+        }
+    }
+}
+
+void tick_once(tick_t *self, int hand, double velocity_radps[]) {
+    tick(self, hand);
+    for (int i = 0; i < self->arm.joint_count; i++) {
+        velocity_radps[i] = (double)self->velocity_radps[i];
+    }
+}
