@@ -11,8 +11,14 @@ typedef struct {
     uint32_t timestamp_us; /* end of frame on the bus by the receiver's clock; not used when sending */
     uint16_t id;           /* 11 bits */
     uint8_t length;        /* bytes: 0..8, 12, 16, 20, 24, 32, 48, 64 */
-    uint8_t data[CAN_FRAME_MAX_BYTES];
     bool fd;               /* CAN FD with bit-rate switch; else classic, and length is 0..8 */
+    uint8_t data[CAN_FRAME_MAX_BYTES];
 } can_frame_t;
+
+/* Where frames go, in the order of the calls. The frame is the caller's. */
+typedef struct {
+    void (*send)(void *context, const can_frame_t *frame);
+    void *context;
+} can_sink_t;
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "comanip_dbc.h"
 #include "comanip_schema.h"
+#include "float_bits.h"
 
 #define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                      \
     [FRAME_##name] = {id, bytes, data_id, period_ms, timeout_ms, to_firmware},
@@ -22,69 +23,65 @@ static bool is_authentic(protocol_receiver_t *self, const can_frame_t *frame, fr
     return status >= 0 || (status == E2E_WRONG_SEQUENCE && description->period_ms == 0u);
 }
 
-static bool find_kind(uint16_t id, frame_kind_t *kind) {
-    for (int i = 0; i < FRAME_KIND_COUNT; i++) {
-        if (frame_table[i].id == id) {
-            *kind = (frame_kind_t)i;
-            return true;
-        }
+bool protocol_find(uint16_t id, frame_kind_t *kind) {
+    /* Most are the joints', one id after the other. */
+    const int joint = id - frame_table[FRAME_JOINT_STATE0].id;
+    int i = joint >= 0 && joint < ARM_MAX_JOINTS ? (int)FRAME_JOINT_STATE0 + joint : 0;
+    while (i < FRAME_KIND_COUNT && frame_table[i].id != id) {
+        i++;
     }
-    return false;
+    *kind = (frame_kind_t)i;
+    return i < FRAME_KIND_COUNT;
 }
 
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame) {
     frame_kind_t kind;
-    if (find_kind(frame->id, &kind) && frame_table[kind].data_id != 0u) {
+    if (protocol_find(frame->id, &kind) && frame_table[kind].data_id != 0u) {
         e2e_protect(frame->data, frame->length, frame_table[kind].data_id, self->counter[kind]++);
     }
 }
 
-protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind) {
+protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind) {
     protocol_status_t status = PROTOCOL_OK;
-    if (!find_kind(frame->id, kind)) {
-        return PROTOCOL_UNKNOWN_ID; /* another system's frame on the same bus: none of our business */
-    }
-    if (frame->length != frame_table[*kind].length) {
+    if (frame->length != frame_table[kind].length) {
         status = PROTOCOL_WRONG_LENGTH;
-    } else if (!is_authentic(self, frame, *kind)) {
+    } else if (!is_authentic(self, frame, kind)) {
         status = PROTOCOL_NOT_AUTHENTIC;
     }
     self->rejected += status != PROTOCOL_OK;
     return status;
 }
 
-/* An empty frame of this kind. */
+/* A frame of this kind: the generated packing writes all of its data. */
 static void begin(can_frame_t *frame, frame_kind_t kind) {
-    *frame = (can_frame_t){.id = frame_table[kind].id, .length = frame_table[kind].length, .fd = true};
+    frame->timestamp_us = 0;
+    frame->id = frame_table[kind].id;
+    frame->length = frame_table[kind].length;
+    frame->fd = true;
 }
 
-/* Rounds to nearest. False if the signal cannot carry the value, NaN included. */
-static bool quantise(float value, float per_unit, int32_t minimum, int32_t maximum, int32_t *raw) {
-    *raw = 0;
-    if (value == 0.0f) { /* what a smaller arm's joints leave empty: most of a JointCmd */
-        return true;
+/* Rounds to nearest. If the signal cannot carry the value, NaN included: 0, and *fits becomes false. */
+static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t maximum, bool *fits) {
+    if (float_magnitude_bits(value) == 0u) { /* what a smaller arm's joints leave empty: most of a JointCmd */
+        return 0;
     }
-    float scaled = value * per_unit;
-    if (!(scaled >= (float)minimum && scaled <= (float)maximum)) {
-        return false;
+    const float scaled = value * per_unit;
+    const float limit = float_is_negative(scaled) ? -(float)minimum : (float)maximum;
+    if (float_magnitude_bits(scaled) <= float_magnitude_bits(limit)) {
+        const int32_t raw = (int32_t)(scaled + __builtin_copysignf(0.5f, scaled));
+        if (raw >= minimum && raw <= maximum) { /* not rounded out of the range */
+            return raw;
+        }
     }
-    *raw = (int32_t)(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
-    if (*raw > maximum || *raw < minimum) { /* rounded out of the range */
-        *raw = 0;
-        return false;
-    }
-    return true;
+    *fits = false;
+    return 0;
 }
 
-/* `fits` = fits and the value of this signal fits; the raw value goes into `raw_member`, of the C type `raw_type`. */
-#define PACK(fits, value, SIGNAL, raw_type, raw_member)                                                              \
-    do {                                                                                                             \
-        int32_t raw_;                                                                                                \
-        (fits) = quantise((value), COMANIP_##SIGNAL##_PER_UNIT, COMANIP_##SIGNAL##_RAW_MIN,                          \
-                          COMANIP_##SIGNAL##_RAW_MAX, &raw_) &&                                                      \
-                 (fits);                                                                                             \
-        (raw_member) = (raw_type)raw_;                                                                               \
-    } while (0)
+#define QUANTISE(fits, value, SIGNAL)                                                                                \
+    quantise((value), COMANIP_##SIGNAL##_PER_UNIT, COMANIP_##SIGNAL##_RAW_MIN, COMANIP_##SIGNAL##_RAW_MAX, &(fits))
+
+/* The raw value goes into `raw_member`, of the C type `raw_type`. */
+#define PACK(fits, value, SIGNAL, raw_type, raw_member) ((raw_member) = (raw_type)QUANTISE(fits, value, SIGNAL))
 
 #define UNPACK(SIGNAL, raw) ((float)(raw)*COMANIP_##SIGNAL##_RESOLUTION)
 
@@ -154,14 +151,22 @@ void tracker_status_unpack(const can_frame_t *frame, tracker_status_t *message) 
 #define FOR_EACH_JOINT(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
 
 protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t *frame) {
-    struct comanip_joint_cmd_t raw = {0};
+    struct comanip_joint_cmd_t raw;
+    int32_t position[ARM_MAX_JOINTS], velocity[ARM_MAX_JOINTS], torque[ARM_MAX_JOINTS];
     bool fits = true;
+    for (int i = 0; i < ARM_MAX_JOINTS; i++) { /* all joints are scaled as joint 0: the code generator checks it */
+        position[i] = QUANTISE(fits, message->position_rad[i], JOINT_CMD_POSITION_0_RAD);
+        velocity[i] = QUANTISE(fits, message->velocity_radps[i], JOINT_CMD_VELOCITY_0_RADPS);
+        torque[i] = QUANTISE(fits, message->torque_Nm[i], JOINT_CMD_TORQUE_0_NM);
+    }
 #define PACK_JOINT(i)                                                                                                \
     raw.mode_##i = (uint8_t)message->mode[i];                                                                        \
-    PACK(fits, message->position_rad[i], JOINT_CMD_POSITION_##i##_RAD, int32_t, raw.position_##i##_rad);             \
-    PACK(fits, message->velocity_radps[i], JOINT_CMD_VELOCITY_##i##_RADPS, int16_t, raw.velocity_##i##_radps);       \
-    PACK(fits, message->torque_Nm[i], JOINT_CMD_TORQUE_##i##_NM, int16_t, raw.torque_##i##_nm);
+    raw.position_##i##_rad = position[i];                                                                            \
+    raw.velocity_##i##_radps = (int16_t)velocity[i];                                                                 \
+    raw.torque_##i##_nm = (int16_t)torque[i];
     FOR_EACH_JOINT(PACK_JOINT)
+    raw.e2e_crc = 0; /* e2e_protect()'s, as the counter */
+    raw.e2e_counter = 0;
     begin(frame, FRAME_JOINT_CMD);
     (void)comanip_joint_cmd_pack(frame->data, &raw, frame->length);
     return status_of(fits);
@@ -389,8 +394,8 @@ protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *fram
     raw.hand_age_us = message->hand_age_us < HAND_AGE_MAX_US ? message->hand_age_us : HAND_AGE_MAX_US;
     uint16_t bit = 1;
 #define PACK_COUNTER(kind, signal)                                                                                   \
-    raw.signal##_counter = message->last_counter[kind];                                                              \
-    raw.received = (uint16_t)(raw.received | (message->received[kind] ? bit : 0u));                                  \
+    raw.signal##_counter = message->last[kind].counter;                                                              \
+    raw.received = (uint16_t)(raw.received | (message->last[kind].started ? bit : 0u));                                  \
     bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(PACK_COUNTER)
     bool fits = true;
@@ -428,8 +433,8 @@ void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message) {
     };
     uint16_t bit = 1;
 #define UNPACK_COUNTER(kind, signal)                                                                                 \
-    message->last_counter[kind] = raw.signal##_counter;                                                              \
-    message->received[kind] = (raw.received & bit) != 0u;                                                            \
+    message->last[kind].counter = raw.signal##_counter;                                                              \
+    message->last[kind].started = (raw.received & bit) != 0u;                                                        \
     bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(UNPACK_COUNTER)
 }

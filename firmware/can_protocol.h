@@ -80,11 +80,15 @@ typedef struct {
     uint32_t rejected; /* frames refused so far */
 } protocol_receiver_t;
 
+/* False: another system's frame on the same bus, none of our business; *kind then means nothing. */
+bool protocol_find(uint16_t id, frame_kind_t *kind);
+
+/* Frames of other systems stay as they are. */
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
-/* Sets *kind unless the id is unknown. Frames sent on events are accepted whatever number of them was lost, for a sender
- * that was restarted must be heard; only a repetition is refused. Every refusal but that of an unknown id is counted. */
-protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t *kind);
+/* Frames sent on events are accepted whatever number of them was lost, for a sender that was restarted must be heard; only a
+ * repetition is refused. Every refusal is counted. */
+protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
 /* ---- tracker -> firmware */
 
@@ -270,9 +274,7 @@ typedef struct {
 
 typedef struct {
     uint32_t now_us;
-    /* For received kinds: the E2E counter of the last frame whose CRC was right, and whether there has been one. */
-    uint8_t last_counter[FRAME_KIND_COUNT];
-    bool received[FRAME_KIND_COUNT];
+    e2e_receiver_t last[FRAME_KIND_COUNT]; /* of received kinds: the last frame whose CRC was right, if there has been one */
     bool target_valid;
     pose_t target;            /* robot hand in the torso frame */
     uint32_t hand_age_us;     /* limited to 24 bits */

@@ -8,10 +8,18 @@
 
 /* ---- what is on the bus */
 
-/* The message's first frame. FirmwareHeartbeat is the same in both profiles. */
+static bool is_classic(can_profile_t profile) {
+    return can_profile_in_force(profile) == CAN_PROFILE_CLASSIC;
+}
+
+/* FirmwareHeartbeat is the same in both profiles. */
+static bool is_translated(can_profile_t profile, frame_kind_t kind) {
+    return is_classic(profile) && kind != FRAME_FIRMWARE_HEARTBEAT;
+}
+
+/* The message's first frame. */
 static const frame_description_t *description_of(can_profile_t profile, frame_kind_t kind) {
-    bool is_classic = profile == CAN_PROFILE_CLASSIC && kind != FRAME_FIRMWARE_HEARTBEAT;
-    return is_classic ? &classic_table[classic_first(kind)] : &frame_table[kind];
+    return is_translated(profile, kind) ? &classic_table[classic_first(kind)] : &frame_table[kind];
 }
 
 uint16_t transport_first_id(can_profile_t profile, frame_kind_t kind) {
@@ -27,15 +35,14 @@ uint16_t transport_timeout_ms(can_profile_t profile, frame_kind_t kind) {
 }
 
 float transport_hand_range_m(can_profile_t profile) {
-    return profile == CAN_PROFILE_CLASSIC
+    return is_classic(profile)
                ? (float)COMANIP_CLASSIC_HAND_POSITION_X_M_RAW_MAX * COMANIP_CLASSIC_HAND_POSITION_X_M_RESOLUTION
                : (float)COMANIP_HAND_POSE_X_M_RAW_MAX * COMANIP_HAND_POSE_X_M_RESOLUTION;
 }
 
 uint8_t transport_ids_to_firmware(can_profile_t profile, uint16_t ids[TRANSPORT_MAX_IDS]) {
-    const bool is_classic = profile == CAN_PROFILE_CLASSIC;
-    const frame_description_t *table = is_classic ? classic_table : frame_table;
-    const int size = is_classic ? CLASSIC_FRAME_COUNT : FRAME_KIND_COUNT;
+    const frame_description_t *table = is_classic(profile) ? classic_table : frame_table;
+    const int size = is_classic(profile) ? (int)CLASSIC_FRAME_COUNT : (int)FRAME_KIND_COUNT;
     uint8_t count = 0;
     for (int i = 0; i < size; i++) {
         if (table[i].to_firmware) {
@@ -51,39 +58,32 @@ void transport_sender_init(transport_sender_t *self, can_profile_t profile, uint
     *self = (transport_sender_t){.profile = profile, .joint_count = joint_count};
 }
 
-static frame_kind_t kind_of(uint16_t id) {
-    int kind = 0;
-    while (kind < FRAME_KIND_COUNT - 1 && frame_table[kind].id != id) {
-        kind++;
-    }
-    return (frame_kind_t)kind;
-}
-
-static uint8_t send_parts(transport_sender_t *self, frame_kind_t kind, const can_frame_t *message, can_frame_t frame[]) {
+static bool send_parts(transport_sender_t *self, frame_kind_t kind, can_frame_t *message, const can_sink_t *sink) {
     uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES];
     if (!classic_split(kind, message->data, part)) {
-        return 0;
+        return false;
     }
     const uint8_t parts = classic_parts(kind, self->joint_count);
     const uint8_t counter = self->counters.counter[kind]++;
     for (uint8_t i = 0; i < parts; i++) {
         const frame_description_t *description = &classic_table[classic_first(kind) + i];
-        frame[i] = (can_frame_t){.id = description->id, .length = description->length};
-        memcpy(frame[i].data, part[i], description->length);
-        e2e_profile2_protect(frame[i].data, frame[i].length, description->data_id, counter);
+        can_frame_t frame = {.id = description->id, .length = description->length};
+        memcpy(frame.data, part[i], description->length);
+        e2e_profile2_protect(frame.data, frame.length, description->data_id, counter);
+        sink->send(sink->context, &frame);
     }
-    return parts;
+    return true;
 }
 
-uint8_t transport_send(transport_sender_t *self, const can_frame_t *message, can_frame_t frame[]) {
-    frame_kind_t kind = kind_of(message->id);
-    if (self->profile == CAN_PROFILE_CLASSIC && kind != FRAME_FIRMWARE_HEARTBEAT) {
-        return send_parts(self, kind, message, frame);
+bool transport_send(transport_sender_t *self, can_frame_t *message, const can_sink_t *sink) {
+    frame_kind_t kind;
+    if (is_classic(self->profile) && protocol_find(message->id, &kind) && is_translated(self->profile, kind)) {
+        return send_parts(self, kind, message, sink);
     }
-    frame[0] = *message;
-    frame[0].fd = self->profile == CAN_PROFILE_FD;
-    protocol_protect(&self->counters, &frame[0]);
-    return 1;
+    message->fd = !is_classic(self->profile);
+    protocol_protect(&self->counters, message);
+    sink->send(sink->context, message);
+    return true;
 }
 
 /* ---- receiving */
@@ -184,17 +184,16 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
 
 protocol_status_t transport_receive(transport_receiver_t *self, can_frame_t *frame, frame_kind_t *kind) {
     classic_frame_t number = CLASSIC_FRAME_COUNT;
-    *kind = kind_of(frame->id);
-    bool is_known = frame_table[*kind].id == frame->id;
-    bool is_classic = self->profile == CAN_PROFILE_CLASSIC && !(is_known && *kind == FRAME_FIRMWARE_HEARTBEAT);
-    if (is_classic) {
+    bool is_known = protocol_find(frame->id, kind);
+    const bool is_part = is_translated(self->profile, *kind);
+    if (is_part) {
         is_known = classic_find(frame->id, &number, kind);
     }
     if (!is_known || (self->kinds & (UINT32_C(1) << *kind)) == 0u) {
         return PROTOCOL_UNKNOWN_ID;
     }
-    if (!is_classic) {
-        return protocol_check(&self->protocol, frame, kind);
+    if (!is_part) {
+        return protocol_check(&self->protocol, frame, *kind);
     }
     protocol_status_t status = receive_classic(self, number, *kind, frame);
     self->protocol.rejected += status < 0 && status != PROTOCOL_UNKNOWN_ID;

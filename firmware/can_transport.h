@@ -19,9 +19,9 @@ typedef struct {
 
 void transport_sender_init(transport_sender_t *self, can_profile_t profile, uint8_t joint_count);
 
-/* Protects the message and gives its frames, in the order of sending; returns their number. 0: classic CAN cannot carry a value
- * of it. frame: room for TRANSPORT_MAX_FRAMES. */
-uint8_t transport_send(transport_sender_t *self, const can_frame_t *message, can_frame_t frame[]);
+/* Protects the message, in place, and sends its frames, at most TRANSPORT_MAX_FRAMES. False: nothing was sent, classic CAN cannot
+ * carry a value of it. */
+bool transport_send(transport_sender_t *self, can_frame_t *message, const can_sink_t *sink);
 
 typedef struct {
     uint8_t counter;
@@ -30,7 +30,11 @@ typedef struct {
     uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES];
 } transport_pending_t;
 
+#ifdef CAN_FD_ONLY
+#define TRANSPORT_LONG_KINDS 1 /* none, but C has no empty arrays */
+#else
 #define TRANSPORT_LONG_KINDS 6 /* that have parts on classic CAN */
+#endif
 
 typedef struct {
     can_profile_t profile;

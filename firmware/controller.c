@@ -197,8 +197,7 @@ static result_t access_result(controller_t *self, const parameter_access_t *acce
 }
 
 static void send(controller_t *self, controller_outbox_t *outbox, can_frame_t *frame) {
-    uint8_t frames = transport_send(&self->sender, frame, &outbox->frame[outbox->count]);
-    outbox->count = (uint8_t)(outbox->count + frames);
+    (void)transport_send(&self->sender, frame, &outbox->sink); /* values that classic CAN cannot carry stay unsent */
 }
 
 static void send_ack(controller_t *self, controller_outbox_t *outbox, uint8_t command, uint8_t sequence,
@@ -282,8 +281,8 @@ static void obey(controller_t *self, const controller_inbox_t *inbox, controller
 
 /* What the joints shall do: nothing, unless in cooperation. */
 static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
-    memset(wanted_radps, 0, sizeof(float) * ARM_MAX_JOINTS);
     if (self->supervisor.mode != MODE_COOPERATING) {
+        memset(wanted_radps, 0, sizeof(float) * ARM_MAX_JOINTS);
         return;
     }
     cooperation_update(&self->cooperation, &self->hand, blend(self));
@@ -326,10 +325,7 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
         .drives_fresh = self->supervisor_inputs.drives_fresh,
         .rejected_frames = (uint8_t)self->receiver.protocol.rejected,
     };
-    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
-        trace.last_counter[kind] = self->receiver.protocol.e2e[kind].counter;
-        trace.received[kind] = self->receiver.protocol.e2e[kind].started;
-    }
+    memcpy(trace.last, self->receiver.protocol.e2e, sizeof trace.last);
     can_frame_t frame;
     (void)tick_trace_pack(&trace, &frame);
     send(self, outbox, &frame);
@@ -426,7 +422,6 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox) {
     float wanted_radps[ARM_MAX_JOINTS];
 
-    outbox->count = 0;
     outbox->save = false;
     decode(self, now_us, inbox);
     sense(self, now_us);

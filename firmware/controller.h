@@ -31,8 +31,7 @@ typedef struct {
 } controller_inbox_t;
 
 typedef struct {
-    can_frame_t frame[CONTROLLER_OUTBOX_FRAMES];
-    uint8_t count;
+    can_sink_t sink; /* gets the tick's frames as they are made, at most CONTROLLER_OUTBOX_FRAMES */
     bool save; /* the parameters shall be saved; until an inbox says that it is over, this is not asked again */
 } controller_outbox_t;
 

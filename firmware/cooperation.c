@@ -1,5 +1,49 @@
 #include "cooperation.h"
 
+/* ---- the loop's constants
+ *
+ * With q_H^E = (r, t), its start (r_0, t_0), the tracker's rotation c = conj(q_Tv^E), the scale s, and q_Hv0^H0 = (r_v, t_v), the
+ * lines up to (7) give the virtual hand
+ *
+ *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0),      p_0 that of the start,
+ *
+ * and q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) turns r by c from the left and r_v conj(r_k) from the right, and takes t_k, turned
+ * by the result, from the translation. */
+
+/* The matrix of r -> left r right on w x y z. Its columns are left 1, left i, left j, left k, times right. */
+static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4]) {
+    const quaternion_t times_unit[4] = {
+        left,
+        {-left.x, left.w, left.z, -left.y},
+        {-left.y, -left.z, left.w, left.x},
+        {-left.z, left.y, -left.x, left.w},
+    };
+    for (int column = 0; column < 4; column++) {
+        const quaternion_t turned = quaternion_multiply(times_unit[column], right);
+        turn[0][column] = turned.w;
+        turn[1][column] = turned.x;
+        turn[2][column] = turned.y;
+        turn[3][column] = turned.z;
+    }
+}
+
+static void fold_displacement(quaternion_t rotation, float scale, float carry[3][3]) {
+    for (int column = 0; column < 3; column++) {
+        const vector3_t unit = {column == 0 ? scale : 0.0f, column == 1 ? scale : 0.0f, column == 2 ? scale : 0.0f};
+        const vector3_t carried = quaternion_rotate(rotation, unit);
+        carry[0][column] = carried.x;
+        carry[1][column] = carried.y;
+        carry[2][column] = carried.z;
+    }
+}
+
+/* What changes only with the poses at the start. */
+static void fold_start(cooperation_t *self) {
+    fold_displacement(quaternion_conjugate(self->config.tracker_rotation), self->config.motion_scale, self->loop.carry);
+    self->loop.virtual_hand_start_m =
+        dual_quaternion_translation(dual_quaternion_multiply(self->hand_start_in_torso, self->virtual_hand_start));
+}
+
 /* ---- start, and changes, as the paper writes them */
 
 /* q_R0^T moved by the person's start offset, seen by a person who stands as q_inv says: q_Rv0^Tv q_inv. */
@@ -16,11 +60,16 @@ static void set_hand_start(cooperation_t *self, pose_t hand) {
     self->forward_displacement_m = 0.0f;
 }
 
+static void set_virtual_hand_start(cooperation_t *self, dual_quaternion_t virtual_hand_start) {
+    self->virtual_hand_start = virtual_hand_start;
+    self->settled = false;
+    fold_start(self);
+}
+
 /* q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, the last line of Algorithm 1's initialisation. */
 static void place_virtual_hand(cooperation_t *self, dual_quaternion_t virtual_hand) {
-    self->virtual_hand_start =
-        dual_quaternion_multiply(dual_quaternion_conjugate(self->hand_start_in_torso), virtual_hand);
-    self->settled = false;
+    set_virtual_hand_start(self,
+                           dual_quaternion_multiply(dual_quaternion_conjugate(self->hand_start_in_torso), virtual_hand));
 }
 
 /* q_Hv^Tv of the latest hand: q_R^Tv q_task. */
@@ -62,10 +111,9 @@ void cooperation_select(cooperation_t *self, const task_t *task) {
     dual_quaternion_t turn = {quaternion_multiply(quaternion_conjugate(self->task.q_inv), task->q_inv),
                               {0.0f, 0.0f, 0.0f, 0.0f}};
     dual_quaternion_t turned_hand = dual_quaternion_multiply(virtual_hand(self), turn);
-    self->virtual_hand_start = dual_quaternion_multiply(self->virtual_hand_start, turn);
+    set_virtual_hand_start(self, dual_quaternion_multiply(self->virtual_hand_start, turn));
     self->task = *task;
     self->latched = false;
-    self->settled = false;
     self->blend_from = performed_relation(pose_to_dual_quaternion(self->target), turned_hand);
     self->relation = self->blend_from;
 }
@@ -91,55 +139,20 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
     latch(self, performed_relation(pose_to_dual_quaternion(robot), virtual_hand(self)).pose);
 }
 
-/* ---- the loop
- *
- * With q_H^E = (r, t), its start (r_0, t_0), the tracker's rotation c = conj(q_Tv^E), the scale s, and q_Hv0^H0 = (r_v, t_v), the
- * lines up to (7) give the virtual hand
- *
- *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0),      p_0 that of the start,
- *
- * and q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) turns r by c from the left and r_v conj(r_k) from the right, and takes t_k, turned
- * by the result, from the translation. */
+/* ---- the loop */
 
-/* The matrix of r -> left r right on w x y z. */
-static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4]) {
-    for (int column = 0; column < 4; column++) {
-        const quaternion_t unit = {column == 0 ? 1.0f : 0.0f, column == 1 ? 1.0f : 0.0f, column == 2 ? 1.0f : 0.0f,
-                                   column == 3 ? 1.0f : 0.0f};
-        const quaternion_t turned = quaternion_multiply(quaternion_multiply(left, unit), right);
-        turn[0][column] = turned.w;
-        turn[1][column] = turned.x;
-        turn[2][column] = turned.y;
-        turn[3][column] = turned.z;
-    }
-}
-
-static void fold_displacement(quaternion_t rotation, float scale, float carry[3][3]) {
-    for (int column = 0; column < 3; column++) {
-        const vector3_t unit = {column == 0 ? scale : 0.0f, column == 1 ? scale : 0.0f, column == 2 ? scale : 0.0f};
-        const vector3_t carried = quaternion_rotate(rotation, unit);
-        carry[0][column] = carried.x;
-        carry[1][column] = carried.y;
-        carry[2][column] = carried.z;
-    }
-}
-
-/* Not in line, so that the loop keeps its registers. */
-__attribute__((noinline)) static void fold(cooperation_t *self, float blend) {
+/* What changes as long as a task comes into force. Not in line, so that the loop keeps its registers. */
+__attribute__((noinline)) static void fold_relation(cooperation_t *self, float blend) {
     self->relation = relation_in_force(self, blend);
     self->settled = self->latched || blend >= 1.0f;
-    const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
     const quaternion_t right =
         quaternion_multiply(self->virtual_hand_start.primary, quaternion_conjugate(self->relation.pose.rotation));
-    fold_rotation(from_tracker, right, self->loop.turn);
-    fold_displacement(from_tracker, self->config.motion_scale, self->loop.carry);
-    self->loop.virtual_hand_start_m =
-        dual_quaternion_translation(dual_quaternion_multiply(self->hand_start_in_torso, self->virtual_hand_start));
+    fold_rotation(quaternion_conjugate(self->config.tracker_rotation), right, self->loop.turn);
 }
 
 void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
     if (!self->settled) {
-        fold(self, blend);
+        fold_relation(self, blend);
     }
     const cooperation_loop_t *loop = &self->loop;
     const float(*turn)[4] = loop->turn;

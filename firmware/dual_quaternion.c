@@ -15,30 +15,6 @@ static quaternion_t half_translation(vector3_t t_m) {
     return (quaternion_t){0.0f, 0.5f * t_m.x, 0.5f * t_m.y, 0.5f * t_m.z};
 }
 
-vector3_t vector3_add(vector3_t a, vector3_t b) {
-    return (vector3_t){a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-vector3_t vector3_scale(vector3_t a, float factor) {
-    return (vector3_t){a.x * factor, a.y * factor, a.z * factor};
-}
-
-vector3_t vector3_cross(vector3_t a, vector3_t b) {
-    return (vector3_t){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-float vector3_dot(vector3_t a, vector3_t b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-quaternion_t quaternion_add(quaternion_t a, quaternion_t b) {
-    return (quaternion_t){a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-quaternion_t quaternion_scale(quaternion_t a, float factor) {
-    return (quaternion_t){a.w * factor, a.x * factor, a.y * factor, a.z * factor};
-}
-
 quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b) {
     return (quaternion_t){
         a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
@@ -46,14 +22,6 @@ quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b) {
         a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
         a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
     };
-}
-
-quaternion_t quaternion_conjugate(quaternion_t a) {
-    return (quaternion_t){a.w, -a.x, -a.y, -a.z};
-}
-
-float quaternion_dot(quaternion_t a, quaternion_t b) {
-    return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 bool quaternion_is_unit(quaternion_t a, float tolerance) {
@@ -69,11 +37,14 @@ quaternion_t quaternion_normalise(quaternion_t a) {
     return quaternion_scale(a, 1.0f / square_root(norm_squared));
 }
 
-/* By two products: a rotation that is unit but for rounding gives a vector whose length is off, never its direction. */
+/* (w^2 - r . r) v + 2 (r . v) r + 2 w r x v with r the vector part: of a rotation that is unit but for rounding, the vector's length
+ * is off, never its direction. */
 vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
-    quaternion_t rotated = quaternion_multiply(
-        quaternion_multiply(rotation, (quaternion_t){0.0f, v.x, v.y, v.z}), quaternion_conjugate(rotation));
-    return (vector3_t){rotated.x, rotated.y, rotated.z};
+    const vector3_t r = {rotation.x, rotation.y, rotation.z};
+    const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));
+    const vector3_t along = vector3_scale(r, 2.0f * vector3_dot(r, v));
+    const vector3_t across = vector3_scale(vector3_cross(r, v), 2.0f * rotation.w);
+    return vector3_add(vector3_add(straight, along), across);
 }
 
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference) {

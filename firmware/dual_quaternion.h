@@ -27,16 +27,32 @@ typedef struct {
 extern const quaternion_t quaternion_identity;
 extern const dual_quaternion_t dual_quaternion_identity;
 
-vector3_t vector3_add(vector3_t a, vector3_t b);
-vector3_t vector3_scale(vector3_t a, float factor);
-vector3_t vector3_cross(vector3_t a, vector3_t b);
-float vector3_dot(vector3_t a, vector3_t b);
+static inline vector3_t vector3_add(vector3_t a, vector3_t b) {
+    return (vector3_t){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline vector3_t vector3_scale(vector3_t a, float factor) {
+    return (vector3_t){a.x * factor, a.y * factor, a.z * factor};
+}
+static inline vector3_t vector3_cross(vector3_t a, vector3_t b) {
+    return (vector3_t){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+static inline float vector3_dot(vector3_t a, vector3_t b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
-quaternion_t quaternion_add(quaternion_t a, quaternion_t b);
-quaternion_t quaternion_scale(quaternion_t a, float factor);
+static inline quaternion_t quaternion_add(quaternion_t a, quaternion_t b) {
+    return (quaternion_t){a.w + b.w, a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline quaternion_t quaternion_scale(quaternion_t a, float factor) {
+    return (quaternion_t){a.w * factor, a.x * factor, a.y * factor, a.z * factor};
+}
 quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b);
-quaternion_t quaternion_conjugate(quaternion_t a);
-float quaternion_dot(quaternion_t a, quaternion_t b);
+static inline quaternion_t quaternion_conjugate(quaternion_t a) {
+    return (quaternion_t){a.w, -a.x, -a.y, -a.z};
+}
+static inline float quaternion_dot(quaternion_t a, quaternion_t b) {
+    return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 /* | |a| - 1 | is below the tolerance, to first order. False for NaN. */
 bool quaternion_is_unit(quaternion_t a, float tolerance);

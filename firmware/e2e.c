@@ -19,20 +19,31 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
 
 /* ---- Profile 5 */
 
-static uint16_t crc16(uint16_t crc, uint8_t byte) {
-    /* CRC-16/CCITT (0x1021) of one byte without a table: the polynomial's taps folded by hand */
-    uint8_t x = (uint8_t)((crc >> 8) ^ byte);
-    x ^= (uint8_t)(x >> 4);
-    return (uint16_t)((crc << 8) ^ (uint16_t)(x << 12) ^ (uint16_t)(x << 5) ^ x);
+/* CRC-16/CCITT of up to four more bytes, in the lower ones of `bytes`, without a table. With y(x) the remainder so far and the bytes,
+ * y x^16 = q P + remainder, where the polynomial P = x^16 + x^12 + x^5 + 1. q is y + D y + D^2 y + ... with D y the part of
+ * y (x^12 + x^5 + 1) that overflows 16 bits. That is (1 + D) (1 + D^2) (1 + D^4) y, and squares have no mixed terms modulo 2. */
+static uint32_t crc16(uint32_t y) {
+    uint32_t q = y ^ y >> 4 ^ y >> 11 ^ y >> 16;
+    q ^= q >> 8 ^ q >> 22;
+    q ^= q >> 16;
+    return (q ^ q << 5 ^ q << 12) & 0xFFFFu;
 }
 
 static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
-    uint16_t crc = 0xFFFFu;
-    for (uint8_t i = 2; i < length; i++) {
-        crc = crc16(crc, data[i]);
+    const uint32_t id = (data_id & 0xFFu) << 8 | data_id >> 8;
+    uint32_t crc = 0xFFFFu;
+    int i = 2;
+    for (; i + 4 <= length; i += 4) {
+        const uint8_t *byte = &data[i];
+        crc = crc16(crc << 16 ^ ((uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3]));
     }
-    crc = crc16(crc, (uint8_t)(data_id & 0xFFu));
-    return crc16(crc, (uint8_t)(data_id >> 8));
+    if (i + 2 == length) { /* as a rule: lengths are multiples of 4 */
+        return (uint16_t)crc16(crc << 16 ^ (uint32_t)data[i] << 24 ^ (uint32_t)data[i + 1] << 16 ^ id);
+    }
+    for (; i < length; i++) {
+        crc = (crc << 8 & 0xFFFFu) ^ crc16(crc >> 8 ^ data[i]);
+    }
+    return (uint16_t)crc16(crc ^ id);
 }
 
 void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter) {

@@ -1,9 +1,13 @@
 #include "joint_limits.h"
 
+#include <float.h>
+
 #include "can_protocol.h"
 #include "comanip_schema.h"
+#include "float_bits.h"
 
 #define VELOCITY_RESOLUTION_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_RESOLUTION
+#define VELOCITY_STEPS_PER_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_PER_UNIT
 #define POSITION_RESOLUTION_RAD COMANIP_JOINT_CMD_POSITION_0_RAD_RESOLUTION
 
 /* A quotient that is a whole number but for float32's rounding counts as that number. */
@@ -17,14 +21,6 @@ static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-static float magnitude(float x) {
-    return x < 0.0f ? -x : x;
-}
-
-static bool is_finite(float x) {
-    return x - x == 0.0f;
-}
-
 /* Largest speed from which a joint still stops within the distance. Until a command acts, the joint travels on with the
  * commands under way, which while it brakes are the faster the older they are: (v + a delay)^2 / (2 a) = distance. */
 static float stopping_speed(float distance_rad, float acceleration_radps2, float delay_s) {
@@ -36,10 +32,10 @@ static float stopping_speed(float distance_rad, float acceleration_radps2, float
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
- * when the speed is above a / K. Above it the speed is held to the one that stops on the way to go; below, the law's own. */
-static float approach_speed(float wanted_speed_radps, float gain_per_s, float acceleration_radps2) {
-    float linear_speed = acceleration_radps2 / gain_per_s;
-    if (!(gain_per_s > 0.0f) || wanted_speed_radps <= linear_speed) {
+ * when the speed is above a / K, the linear speed. Above it the speed is held to the one that stops on the way to go; below, the
+ * law's own. */
+static float approach_speed(float wanted_speed_radps, float linear_speed) {
+    if (wanted_speed_radps <= linear_speed) {
         return wanted_speed_radps;
     }
     /* tangent to the line u = K x at u = a / K, then v^2 = 2 a (x - a / (2 K^2)) */
@@ -48,13 +44,13 @@ static float approach_speed(float wanted_speed_radps, float gain_per_s, float ac
 
 /* In steps of the bus's resolution, which every command is a whole number of. */
 static int32_t nearest_step(float velocity_radps) {
-    float steps = velocity_radps / VELOCITY_RESOLUTION_RADPS;
-    return (int32_t)(steps + (steps < 0.0f ? -0.5f : 0.5f));
+    float steps = velocity_radps * VELOCITY_STEPS_PER_RADPS;
+    return (int32_t)(steps + __builtin_copysignf(0.5f, steps));
 }
 
 /* The speed that is not above this one. */
 static int32_t steps_below(float speed_radps) {
-    return (int32_t)(speed_radps / VELOCITY_RESOLUTION_RADPS + ROUNDING_STEPS);
+    return (int32_t)(speed_radps * VELOCITY_STEPS_PER_RADPS + ROUNDING_STEPS);
 }
 
 static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
@@ -79,14 +75,15 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
                         const float measured_rad[], const float wanted_radps[]) {
     const int32_t change_max = change_max_steps(config, tick_s);
     const float braking_radps2 = braking(config, tick_s);
+    const float linear_speed = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX;
     const float delay_s = config->command_delay_s + tick_s; /* a command stays for a tick */
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
-        finite = finite && is_finite(measured_rad[i]) && is_finite(wanted_radps[i]);
-        float speed = magnitude(wanted_radps[i]);
+        finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
+        float speed = __builtin_fabsf(wanted_radps[i]);
         float allowed = smaller(config->speed_fraction * arm->joints[i].velocity_max_radps,
-                                approach_speed(speed, config->approach_gain_per_s, braking_radps2));
+                                approach_speed(speed, linear_speed));
         if (speed > allowed) {
             scale = smaller(scale, allowed / speed);
         }
@@ -96,11 +93,13 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         int32_t last = nearest_step(self->velocity_radps[i]);
         int32_t velocity = 0;
         if (finite) {
-            float speed_max = config->speed_fraction * joint->velocity_max_radps;
-            float up = stopping_speed(joint->position_max_rad - measured_rad[i], braking_radps2, delay_s);
-            float down = stopping_speed(measured_rad[i] - joint->position_min_rad, braking_radps2, delay_s);
-            velocity = clamp_steps(nearest_step(scale * wanted_radps[i]), -steps_below(smaller(down, speed_max)),
-                                   steps_below(smaller(up, speed_max)));
+            velocity = nearest_step(scale * wanted_radps[i]);
+            const bool upwards = velocity > 0;
+            const float way_rad =
+                upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
+            const float speed_max = config->speed_fraction * joint->velocity_max_radps;
+            const int32_t allowed = steps_below(smaller(stopping_speed(way_rad, braking_radps2, delay_s), speed_max));
+            velocity = clamp_steps(velocity, upwards ? 0 : -allowed, upwards ? allowed : 0);
         }
         velocity = clamp_steps(velocity, last - change_max, last + change_max);
         self->velocity_radps[i] = (float)velocity * VELOCITY_RESOLUTION_RADPS;

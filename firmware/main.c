@@ -36,10 +36,16 @@ static void note_save(controller_inbox_t *inbox) {
     inbox->save_result = inbox->save_over ? result[status] : RESULT_ACCEPTED;
 }
 
+/* A full queue is the port's to count: the drives' own timeout acts. */
+static void send_frame(void *context, const can_frame_t *frame) {
+    (void)context;
+    (void)hal_can_send(frame);
+}
+
 void firmware_main(void) {
     static controller_t controller;
     static controller_inbox_t inbox;
-    static controller_outbox_t outbox;
+    controller_outbox_t outbox = {.sink = {.send = send_frame}};
 
     hal_init();
     const char *defect = arm_check(&arm_hoap3_right);
@@ -61,9 +67,6 @@ void firmware_main(void) {
         }
         note_save(&inbox);
         controller_step(&controller, now_us, &inbox, &outbox);
-        for (uint8_t i = 0; i < outbox.count; i++) {
-            (void)hal_can_send(&outbox.frame[i]); /* a full queue is the port's to count: the drives' own timeout acts */
-        }
         if (outbox.save) {
             begin_save(&controller);
         }

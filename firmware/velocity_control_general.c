@@ -51,17 +51,22 @@ static void project(int joint_count, dual_quaternion_t hand, const dual_quaterni
     }
 }
 
-void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
-                              const velocity_request_t *request, float velocity_radps[]) {
-    const int joint_count = arm->joint_count;
+/* The hand, and half the joints' axes seen from it; zero for joints that are blocked. */
+static dual_quaternion_t half_lines(const arm_t *arm, const velocity_request_t *request, dual_quaternion_t half_line[]) {
     arm_lines_t lines;
     arm_lines(arm, request->position_rad, &lines);
-    dual_quaternion_t half_line[ARM_MAX_JOINTS];
-    for (int i = 0; i < joint_count; i++) {
+    for (int i = 0; i < arm->joint_count; i++) {
         const bool is_blocked = (request->blocked >> i & 1u) != 0u;
         half_line[i] = is_blocked ? (dual_quaternion_t){0} : arm_half_line(lines.axis[i], lines.moment_m[i]);
     }
-    dual_quaternion_t hand = pose_to_dual_quaternion(lines.hand);
+    return pose_to_dual_quaternion(lines.hand);
+}
+
+void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
+                              const velocity_request_t *request, float velocity_radps[]) {
+    const int joint_count = arm->joint_count;
+    dual_quaternion_t half_line[ARM_MAX_JOINTS];
+    dual_quaternion_t hand = half_lines(arm, request, half_line);
     dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*request->target), hand);
     if (config->error_frame == ERROR_FRAME_TARGET) { /* the same law with all poses seen from the target */
         hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), hand);

@@ -4,10 +4,14 @@
 # An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's images.mk: see
 # docs/porting.md.
 
-TARGET_BUILD ?= $(BUILD)/target
+# PROFILE=: what CAN the images speak: fd, classic, or both, the board then chooses at reset. Without classic CAN they are a third smaller.
+TARGET_PROFILES := fd classic both
+TARGET_PROFILE := $(or $(PROFILE),fd)
+PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY)$(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
+TARGET_BUILD ?= $(BUILD)/target$(addprefix -,$(filter-out fd,$(TARGET_PROFILE)))
 TARGET_MAIN ?= firmware/main.c
 
-TARGET_CFLAGS := $(CORE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgraph-info=su
+TARGET_CFLAGS := $(CORE_CFLAGS) $(PROFILE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgraph-info=su
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
 
 # What a port with a UART for CAN, and without a store, adds to its own sources.
@@ -27,7 +31,7 @@ TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown
 .PHONY: images target targets target-check target-deps pil pil-matrix bitexact size stack cycles
 
 # All images, or the one for BOARD.
-target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets) ## the firmware as images in build/target/, and their sizes; BOARD=mps2-an386 etc.: one
+target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets) ## the firmware as images in build/target/, and their sizes; BOARD=mps2-an386 etc.: one; PROFILE=fd|classic|both
 	$(if $(BOARD),$(BOARD_CHECK))
 
 # $(1): image
@@ -112,6 +116,8 @@ images: ## the images that there are, for scripts: a line each, with tabs
 
 # A compiler that does not find a specs file answers with its bare name.
 target-check:
+	@case '$(TARGET_PROFILE)' in fd|classic|both) ;; *) \
+	    echo "make: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac
 	@missing=; \
 	$(foreach image,$(IMAGES), \
 	    command -v $($(image).prefix)gcc >/dev/null && \

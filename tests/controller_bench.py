@@ -36,7 +36,7 @@ class Bench:
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")
-        self.outbox = ffi.new("controller_outbox_t *")
+        self.outbox = ffi.new("outbox_t *")
         self.store_result, self.store_ticks = lib.RESULT_NOT_SUPPORTED, 1
         self.stored: list[list[float]] = []
         self.store_until = 0  # tick
@@ -157,7 +157,7 @@ class Bench:
                 self.inbox.count += 1
             self.raw.clear()
             self.inbox.save_over, self.inbox.save_result = self.ticks >= self.store_until, self.store_result
-            lib.controller_step(self.controller, self.now_us % 2**32, self.inbox, self.outbox)
+            lib.outbox_step(self.outbox, self.controller, self.now_us % 2**32, self.inbox)
             if self.outbox.save:
                 self.stored.append(list(self.controller.parameters.value))
                 self.store_until = self.ticks + self.store_ticks

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 import cffi
+from c_declarations import declarations
 from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
 
 PARTS = (
@@ -36,15 +37,6 @@ void dSetMessageHandler(dMessageFunction *);
 """
 
 
-def _declarations(folder: Path) -> str:
-    for name in ("stdint.h", "stdbool.h", "stddef.h"):
-        (folder / name).write_text("")
-    umbrella = folder / "umbrella.h"
-    umbrella.write_text("".join(f'#include "{REPOSITORY / "sim" / part}.h"\n' for part in PARTS))
-    command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
     """Compiled anew in each test run: a few seconds, and never stale."""
@@ -54,7 +46,7 @@ def load() -> tuple[cffi.FFI, object]:
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as name:
         folder = Path(name)
-        ffi.cdef(_declarations(folder) + ODE)
+        ffi.cdef(declarations((REPOSITORY / "sim" / f"{part}.h" for part in PARTS)) + ODE)
         library = folder / "plant.so"
         command = [*COMPILE, "-shared", *sources, "-lode", "-lm", "-o", str(library)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 import cffi
+from c_declarations import declarations
 from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
 
 PARTS = (
@@ -20,16 +21,6 @@ PROTOCOL = ("can_classic", "can_protocol", "can_transport", "comanip_dbc", "dual
 FAKE_SCENE = REPOSITORY / "tests" / "fake_scene.h"
 
 
-def _declarations(folder: Path) -> str:
-    for name in ("stdint.h", "stdbool.h", "stddef.h"):
-        (folder / name).write_text("")
-    umbrella = folder / "umbrella.h"
-    headers = [FAKE_SCENE, *(REPOSITORY / "sim" / f"{part}.h" for part in PARTS)]
-    umbrella.write_text("".join(f'#include "{header}"\n' for header in headers))
-    command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
     """Compiled anew in each test run: a few seconds, and never stale. Optimised: the tests search many distances."""
@@ -39,7 +30,7 @@ def load() -> tuple[cffi.FFI, object]:
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as name:
         folder = Path(name)
-        ffi.cdef(_declarations(folder))
+        ffi.cdef(declarations((FAKE_SCENE, *(REPOSITORY / "sim" / f"{part}.h" for part in PARTS))))
         library = folder / "proximity.so"
         sources.append(str(FAKE_SCENE.with_suffix(".c")))
         command = [*COMPILE, "-O2", "-ffp-contract=off", "-shared", *sources, "-lccd", "-lm", "-o", str(library)]

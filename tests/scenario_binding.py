@@ -10,21 +10,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import cffi
+from c_declarations import declarations
 from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
 
 SIM = REPOSITORY / "sim"
 HEADERS = [SIM / "scenario" / f"{name}.h" for name in ("scenario", "scenario_file", "scenario_geometry")]
 FOLDERS = ("common", "robot", "scenario", "scene", "proximity")
 NOT_NEEDED = ("person_program.c", "proximity.c")  # they pull in the people's hands and the bus
-
-
-def _declarations(folder: Path) -> str:
-    for name in ("stdint.h", "stdbool.h", "stddef.h"):
-        (folder / name).write_text("")
-    umbrella = folder / "umbrella.h"
-    umbrella.write_text("".join(f'#include "{header}"\n' for header in HEADERS))
-    command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 def _compile(folder: Path) -> Path:
@@ -53,7 +45,7 @@ def load() -> tuple[cffi.FFI, object]:
     BUILD.mkdir(parents=True, exist_ok=True)
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as name:
-        ffi.cdef(_declarations(Path(name)))
+        ffi.cdef(declarations(HEADERS))
         return ffi, ffi.dlopen(str(_compile(Path(name))))
 
 

@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import cffi
+from c_declarations import declarations
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 GENERATED = REPOSITORY / "build" / "generated"
@@ -57,15 +58,6 @@ def _fingerprint() -> str:
     return digest.hexdigest()[:16]
 
 
-def _declarations(folder: Path) -> str:
-    """The headers as the compiler sees them; cffi knows the standard types by itself."""
-    for name in ("stdint.h", "stdbool.h", "stddef.h"):
-        (folder / name).write_text("")
-    umbrella = folder / "umbrella.h"
-    umbrella.write_text("".join(f'#include "{header}"\n' for header in HEADERS))
-    return _run([COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)])
-
-
 def _compile(library: Path, folder: Path) -> None:
     def compile_one(source: Path) -> str:
         target = folder / f"{source.stem}.o"
@@ -85,7 +77,7 @@ def load() -> tuple[cffi.FFI, object]:
     library = BUILD / f"sim-{_fingerprint()}.so"
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as folder:
-        ffi.cdef(_declarations(Path(folder)))
+        ffi.cdef(declarations(HEADERS))
         if not library.exists():
             _compile(library, Path(folder))
     return ffi, ffi.dlopen(str(library))

@@ -253,7 +253,7 @@ def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[Lo
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
     """What the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
-    controller, inbox, outbox = (ffi.new(f"controller{part}_t *") for part in ("", "_inbox", "_outbox"))
+    controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
     queue = deque(frame for frame in frames if frame.frame_id in addressed)
@@ -272,7 +272,7 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
             slot = inbox.frame[i]
             slot.timestamp_us, slot.id, slot.length = frame.t_us, frame.frame_id, len(frame.data)
             ffi.memmove(slot.data, frame.data, len(frame.data))
-        lib.controller_step(controller, now_us, inbox, outbox)
+        lib.outbox_step(outbox, controller, now_us, inbox)
         for i in range(outbox.count):
             frame = outbox.frame[i]
             sent.setdefault(frame.id, []).append(bytes(frame.data[0 : frame.length]))

@@ -200,7 +200,7 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         trace, frame = ffi.new("tick_trace_t *"), ffi.new("can_frame_t *")
         counters = {name: int(rng.integers(256)) for name in RECEIVED}
         for name, kind in RECEIVED.items():
-            trace.last_counter[kind] = counters[name]
+            trace.last[kind].counter = counters[name]
         trace.now_us, trace.hand_age_us, trace.target_valid = int(rng.integers(2**32)), int(rng.integers(2**24)), True
         trace.drives_fresh, trace.rejected_frames = bool(rng.integers(2)), int(rng.integers(256))
         trace.target = (target[:4].tolist(), oracle.translation(target).tolist())
@@ -217,7 +217,7 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         lib.tick_trace_unpack(frame, back)
         unpacked = np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(back.target))), np.float32)
         assert oracle.pose_distance(unpacked, target) < 2e-4
-        assert {name: back.last_counter[kind] for name, kind in RECEIVED.items()} == counters
+        assert {name: back.last[kind].counter for name, kind in RECEIVED.items()} == counters
         assert (back.now_us, back.hand_age_us) == (trace.now_us, trace.hand_age_us)
         assert (back.drives_fresh, back.rejected_frames) == (trace.drives_fresh, trace.rejected_frames)
 
@@ -325,7 +325,8 @@ def frame_of(message, data: bytes | None = None):
 
 
 def checked(receiver, frame) -> int:
-    return lib.protocol_check(receiver, frame, ffi.new("frame_kind_t *"))
+    kind = ffi.new("frame_kind_t *")
+    return lib.protocol_check(receiver, frame, kind[0]) if lib.protocol_find(frame.id, kind) else lib.PROTOCOL_UNKNOWN_ID
 
 
 def test_every_protected_frame_verifies_with_autosar_e2e(rng):
@@ -350,8 +351,9 @@ def test_check_takes_a_senders_frames_and_names_their_kind():
         for message in FD_MESSAGES:
             frame = frame_of(message)
             lib.protocol_protect(sender, frame)
-            assert lib.protocol_check(receiver, frame, kind) == lib.PROTOCOL_OK
+            assert lib.protocol_find(frame.id, kind)
             assert kind[0] == kind_of(message)
+            assert lib.protocol_check(receiver, frame, kind[0]) == lib.PROTOCOL_OK
     assert receiver.rejected == 0
 
 

@@ -34,7 +34,7 @@ class Sender:
 
     def send(self, message, at_us: int = 0) -> list:
         frames = ffi.new("can_frame_t[]", lib.TRANSPORT_MAX_FRAMES)
-        count = lib.transport_send(self.state, message, frames)
+        count = lib.outbox_frames(self.state, message, frames)
         sent = [ffi.new("can_frame_t *", frames[i]) for i in range(count)]
         for frame in sent:
             frame.timestamp_us = at_us % 2**32

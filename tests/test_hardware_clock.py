@@ -7,6 +7,7 @@ import subprocess
 import cffi
 import numpy as np
 import pytest
+from c_declarations import declarations
 from simulation import REPOSITORY
 
 PERIOD_NS = 250_000  # 4,000 frames a second
@@ -17,13 +18,10 @@ HEADER = REPOSITORY / "hal" / "linux" / "hardware_clock.h"
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     folder = tmp_path_factory.mktemp("hardware_clock")
-    for name in ("stdint.h", "stdbool.h"):
-        (folder / name).touch()
-    text = subprocess.run(["gcc", "-E", "-P", "-nostdinc", f"-I{folder}", HEADER], check=True, capture_output=True, text=True).stdout
     flags = ["-std=c11", "-O1", "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
     subprocess.run(["gcc", *flags, HEADER.with_suffix(".c"), "-o", folder / "clock.so"], check=True)
     ffi = cffi.FFI()
-    ffi.cdef(text)
+    ffi.cdef(declarations([HEADER]))
     return ffi, ffi.dlopen(str(folder / "clock.so"))
 
 

@@ -51,6 +51,17 @@ def test_the_run_is_the_hosts_byte_for_byte(image, elf, tmp_path):
     assert {mode["mode"] for mode in host.summary["modes"]} >= {"ready", "cooperating"}
 
 
+def test_so_is_the_run_on_classic_can(image, tmp_path):
+    target = REPOSITORY / "build" / "target-classic" / f"{image.name}-pil" / "comanip.elf"
+    built = make(str(target.relative_to(REPOSITORY)), "PROFILE=classic")
+    assert built.returncode == 0, built.stderr
+    options = ["--scenario", experiment("teleop"), "--duration", 2, "--profile", "classic", "--quiet"]
+    done = pil(" ".join(image.emulator), target, PROGRAM, "--out", tmp_path / "pil", *options)
+    host = run(tmp_path / "host", *options[:-1])
+    assert (done.returncode, done.stderr) == (host.status, host.stderr), done.stdout
+    assert (tmp_path / "pil" / "bus.log").read_bytes() == host.log.read_bytes()
+
+
 def test_an_image_that_panics_ends_the_run_with_its_words(image, elf, tmp_path):
     source = tmp_path / "panics.c"
     source.write_text(

@@ -446,5 +446,5 @@ def test_logs_that_cannot_be_replayed(tmp_path, short):
 
 
 def test_layout_that_python_packs_is_the_compilers():
-    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "data", "fd")]
-    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7, 71], 72)
+    offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "fd", "data")]
+    assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7, 8], 72)

@@ -13,6 +13,7 @@ from pathlib import Path
 import cffi
 import numpy as np
 import pytest
+from c_declarations import declarations
 from scipy.spatial.transform import Rotation
 from sim_binding import COMPILE, FIRMWARE, GENERATED, REPOSITORY
 
@@ -60,12 +61,7 @@ def load() -> tuple[cffi.FFI, object]:
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for header in ("stdint.h", "stdbool.h", "stddef.h", "stdio.h"):
-            (folder / header).write_text("")
-        umbrella = folder / "umbrella.h"
-        umbrella.write_text("".join(f'#include "{REPOSITORY / "sim" / part}.h"\n' for part in PARTS))
-        command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", f"-I{GENERATED}", str(umbrella)]
-        ffi.cdef(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        ffi.cdef(declarations((REPOSITORY / "sim" / f"{part}.h" for part in PARTS), f"-I{GENERATED}"))
         (folder / "scene.c").write_text(SCENE)
         sources = [str(REPOSITORY / "sim" / f"{part}.c") for part in PARTS] + [str(folder / "scene.c")]
         sources += sorted(str(file) for file in FIRMWARE if file.name != "main.c")

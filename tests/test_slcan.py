@@ -9,6 +9,7 @@ from pathlib import Path
 import can
 import cffi
 import pytest
+from c_declarations import declarations
 from can.util import CAN_FD_DLC
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -21,13 +22,11 @@ RX_FRAMES = 15  # what the ring holds, one place being free
 TX_BYTES = 1023
 
 
-def declarations(folder: Path) -> str:
-    """What cffi needs of the real headers: system headers left out, atomics as what they are made of."""
-    for name in ("stddef.h", "stdint.h", "stdbool.h", "stdatomic.h"):
-        (folder / name).touch()
-    command = ["gcc", "-E", "-P", "-nostdinc", "-I", str(folder), "-D_Atomic=", str(REPOSITORY / "hal/slcan/slcan_link.h")]
-    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    return re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)  # cffi computes no array sizes
+def link_declarations() -> str:
+    """Atomics as what they are made of."""
+    text = declarations([REPOSITORY / "hal/slcan/slcan_link.h"], "-D_Atomic=")
+    text = re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)  # cffi computes no array sizes
+    return re.sub(r"\b(\d+)u\b", r"\1", text)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +36,7 @@ def slcan(tmp_path_factory):
     flags = ["-std=c11", "-O1", "-g", "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error"]
     subprocess.run(["gcc", *flags, *SOURCES, "-o", str(library)], check=True, cwd=REPOSITORY)
     ffi = cffi.FFI()
-    ffi.cdef(re.sub(r"\b(\d+)u\b", r"\1", declarations(folder)))
+    ffi.cdef(link_declarations())
     return ffi, ffi.dlopen(str(library))
 
 

@@ -77,7 +77,7 @@ def test_the_committed_budget_holds_and_a_smaller_one_does_not(folders, tmp_path
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0, capsys.readouterr().err
     worst = json.loads((tmp_path / "stack.json").read_text())["cortex-m4f"]["thread"]["worst_case_bytes"]
     smaller = tmp_path / "budget.toml"
-    smaller.write_text(BUDGET.read_text().replace("budget_bytes = 3328", f"budget_bytes = {worst - 8}", 1))
+    smaller.write_text(BUDGET.read_text().replace("budget_bytes = 3072", f"budget_bytes = {worst - 8}", 1))
     assert report(folders, smaller, tmp_path / "stack.json") == 1
     assert f"cortex-m4f: thread: {worst} bytes, budget {worst - 8}: 8 too many" in capsys.readouterr().err
 

@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 import cffi
+from c_declarations import declarations
 from sim_binding import BUILD, COMPILE, REPOSITORY
 
 PARTS = ("common/rigid_pose", "scene/cup", "scene/particle_contacts", "scene/water")
@@ -17,15 +18,6 @@ HEADERS = [source.with_suffix(".h") for source in SOURCES if source.stem != "par
 ODE_RANDOM = "unsigned long dRandGetSeed(void); void dRandSetSeed(unsigned long);"
 
 
-def _declarations(folder: Path) -> str:
-    for name in ("stdint.h", "stdbool.h", "stddef.h"):
-        (folder / name).write_text("")
-    umbrella = folder / "umbrella.h"
-    umbrella.write_text("".join(f'#include "{header}"\n' for header in HEADERS))
-    command = [COMPILE[0], "-E", "-P", "-nostdinc", f"-I{folder}", str(umbrella)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
     """Compiled anew in each test run: a few seconds, and never stale. Optimised: the tests pour for many seconds."""
@@ -33,7 +25,7 @@ def load() -> tuple[cffi.FFI, object]:
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as name:
         folder = Path(name)
-        ffi.cdef(_declarations(folder) + ODE_RANDOM)
+        ffi.cdef(declarations(HEADERS) + ODE_RANDOM)
         library = folder / "water.so"
         command = [*COMPILE, "-O2", "-ffp-contract=off", "-shared", *map(str, SOURCES)]
         command += ["-lode", "-lm", "-o", str(library)]

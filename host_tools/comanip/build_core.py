@@ -48,6 +48,11 @@ def umbrella(sources: list[Path]) -> str:
     return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in sources)
 
 
+def prototypes(text: str) -> str:
+    """Preprocessed headers with inline functions declared as others are: cffi knows no bodies."""
+    return re.sub(r"^static inline ([^{;]*?) \{.*?^\}", r"\1;", text, flags=re.MULTILINE | re.DOTALL)
+
+
 def declarations(includes: str, generated: Path, build_dir: Path) -> str:
     """What cffi shall know: the headers as the compiler sees them, and their numeric constants."""
     source = build_dir / "umbrella.c"
@@ -58,7 +63,7 @@ def declarations(includes: str, generated: Path, build_dir: Path) -> str:
     for name in ("stdint.h", "stdbool.h", "stddef.h"):
         (no_headers / name).write_text("")
     preprocess = [*compiler(), "-E", "-nostdinc", f"-I{no_headers}", f"-I{generated}", str(source)]
-    text = run([*preprocess, "-P"])
+    text = prototypes(run([*preprocess, "-P"]))
     macros = run([*preprocess, "-dM", "-undef"])
     integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
     floats = re.findall(r"^#define ([A-Z]\w+) -?\d+\.\d*f$", macros, re.MULTILINE)

@@ -69,6 +69,15 @@ def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
             raise SystemExit(f"codegen: {name} has another layout than {prefix}0: one codec serves all eight")
 
 
+def check_joints_are_scaled_alike(message: Message) -> None:
+    """One loop serves the joints' signals NAME_0_UNIT..NAME_7_UNIT of JointCmd."""
+    scaling: dict[str, tuple] = {}
+    for signal in message.signals:
+        own = (signal.length, signal.is_signed, signal.scale)
+        if scaling.setdefault(re.sub(r"_\d(?=_|$)", "", signal.name), own) != own:
+            raise SystemExit(f"codegen: {message.name}: {signal.name} is scaled otherwise than joint 0's: one loop serves all eight")
+
+
 def frame_rows(messages: list[Message]) -> list[str]:
     return [
         f"    FRAME({camel_to_snake_case(m.name).upper()}, 0x{m.frame_id:03X}u, {m.length}u, "
@@ -132,6 +141,7 @@ def main(out_dir: Path) -> None:
     database = cantools.database.load_file(DBC_PATH)
     for prefix in ("JointState", CLASSIC + "JointState", CLASSIC + "JointCmd"):
         check_joints_are_alike(database.messages, prefix)
+    check_joints_are_scaled_alike(database.get_message_by_name("JointCmd"))
     header, source, _, _ = generate(
         database, "comanip", "comanip_dbc.h", "comanip_dbc.c", "unused.c", floating_point_numbers=False
     )

@@ -15,7 +15,7 @@ from comanip.errors import ToolError
 from comanip.frame import Frame, data_id, database, decode, has_right_crc, is_classic, messages
 from comanip.transport import Profile, Receiver
 
-_CAN_FRAME = struct.Struct("<IHB64s?")  # can_frame_t
+_CAN_FRAME = struct.Struct("<IHB?64s")  # can_frame_t
 _FOREIGN_ID = 0xFFFF  # no standard data frame
 FIRMWARE = "Firmware"
 
@@ -41,11 +41,12 @@ class Report:
 
 def _native_log(ffi, frames: Sequence[Frame]):
     """can_frame_t of each, and the object that owns the memory. What is no standard data frame gets a foreign id."""
-    if ffi.sizeof("can_frame_t") != _CAN_FRAME.size:
+    offsets = [ffi.offsetof("can_frame_t", name) for name in ("timestamp_us", "id", "length", "fd", "data")]
+    if offsets != [0, 4, 6, 7, 8] or ffi.sizeof("can_frame_t") != _CAN_FRAME.size:
         raise AssertionError("can_frame_t has another layout than replay.py thinks")
     pack = _CAN_FRAME.pack
     packed = b"".join(
-        pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.data, f.fd) for f in frames
+        pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.fd, f.data) for f in frames
     )
     return ffi.from_buffer("can_frame_t[]", packed)
 

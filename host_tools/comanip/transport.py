@@ -54,7 +54,7 @@ class Sender:
             return [(frame_id, data)]
         message = self._ffi.new("can_frame_t *", {"id": frame_id, "length": len(data), "data": data.ljust(64, b"\0")})
         parts = self._ffi.new("can_frame_t[]", self._lib.TRANSPORT_MAX_FRAMES)
-        count = self._lib.transport_send(self._state, message, parts)
+        count = self._lib.outbox_frames(self._state, message, parts)
         if count == 0:
             raise ValueError(f"{name}: a value that classic CAN cannot carry")
         return [(parts[i].id, bytes(self._ffi.buffer(parts[i].data, parts[i].length))) for i in range(count)]

@@ -23,12 +23,15 @@ void endpoint_attach(endpoint_t *self, bus_t *bus, uint32_t kinds, endpoint_hand
     self->node = bus_attach(bus, handler != NULL ? on_frame : NULL, self);
 }
 
+static void on_bus(void *context, const can_frame_t *frame) {
+    const endpoint_t *self = context;
+    (void)bus_send(self->bus, self->node, frame, self->ready_ns);
+}
+
 void endpoint_send(endpoint_t *self, const can_frame_t *message, int64_t ready_ns) {
-    can_frame_t frame[TRANSPORT_MAX_FRAMES];
-    const uint8_t frames = transport_send(&self->sender, message, frame);
-    for (uint8_t i = 0; i < frames; i++) {
-        (void)bus_send(self->bus, self->node, &frame[i], ready_ns);
-    }
+    can_frame_t frame = *message;
+    self->ready_ns = ready_ns;
+    (void)transport_send(&self->sender, &frame, &(can_sink_t){on_bus, self});
 }
 
 uint32_t endpoint_rejected(const endpoint_t *self) {

@@ -17,6 +17,7 @@ typedef struct {
     void *context;
     transport_sender_t sender;
     transport_receiver_t receiver;
+    int64_t ready_ns; /* of the message that is being sent */
 } endpoint_t;
 
 /* Attaches a node that gets messages of these kinds (one bit each) from others; handler may be NULL. Must not move. */

@@ -87,7 +87,7 @@ def host_output(folder: Path, compiler: str, level: str) -> bytes:
 def image_output(folder: Path, image: str) -> bytes:
     build = folder / "target"
     elf = build / image / "comanip.elf"
-    built = make(str(elf), f"TARGET_MAIN={RUNNER.relative_to(REPOSITORY)}", f"TARGET_BUILD={build}")
+    built = make(str(elf), f"TARGET_MAIN={RUNNER.relative_to(REPOSITORY)}", f"TARGET_BUILD={build}", "PROFILE=both")
     if built.returncode != 0:
         raise SystemExit(f"make bitexact: {image}: {built.stderr}")
     return run_in(folder, image, [*IMAGES[image].emulator, *SEMIHOSTING, "-kernel", str(elf)])

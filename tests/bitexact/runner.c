@@ -11,20 +11,17 @@ static uint32_t add(uint32_t hash, const uint8_t bytes[], size_t count) {
     return hash;
 }
 
-static uint32_t hash_of(const controller_outbox_t *outbox) {
-    uint32_t hash = 2166136261u;
-    for (uint8_t i = 0; i < outbox->count; i++) {
-        const can_frame_t *frame = &outbox->frame[i];
-        const uint8_t head[3] = {(uint8_t)frame->id, (uint8_t)(frame->id >> 8), frame->length};
-        hash = add(add(hash, head, sizeof head), frame->data, frame->length);
-    }
-    return hash;
+static void add_frame(void *context, const can_frame_t *frame) {
+    uint32_t *hash = context;
+    const uint8_t head[3] = {(uint8_t)frame->id, (uint8_t)(frame->id >> 8), frame->length};
+    *hash = add(add(*hash, head, sizeof head), frame->data, frame->length);
 }
 
 void firmware_main(void) {
     static controller_t controller;
     static controller_inbox_t inbox;
-    static controller_outbox_t outbox;
+    uint32_t hash;
+    controller_outbox_t outbox = {.sink = {add_frame, &hash}};
     record_t record;
     platform_open();
     while (record_read(&record)) {
@@ -33,8 +30,8 @@ void firmware_main(void) {
             continue;
         }
         record_read_inbox(&record, &inbox);
+        hash = 2166136261u;
         controller_step(&controller, record.now_us, &inbox, &outbox);
-        const uint32_t hash = hash_of(&outbox);
         const uint8_t bytes[4] = {(uint8_t)hash, (uint8_t)(hash >> 8), (uint8_t)(hash >> 16), (uint8_t)(hash >> 24)};
         platform_write(bytes, sizeof bytes);
     }

@@ -64,7 +64,7 @@ class Vectors:
 
     def _sent(self, message, now: int) -> list:
         frames = ffi.new("can_frame_t[]", lib.TRANSPORT_MAX_FRAMES)
-        count = lib.transport_send(self._sender, message, frames)
+        count = lib.outbox_frames(self._sender, message, frames)
         result = [ffi.new("can_frame_t *", frames[i]) for i in range(count)]
         for frame in result:
             frame.timestamp_us = (now - int(self._rng.integers(3000))) % 2**32

@@ -62,10 +62,15 @@ static void run_state(const record_t *record, const controller_t *controller) {
     ticks(state.position_rad, &state.hand);
 }
 
+static void drop(void *context, const can_frame_t *frame) {
+    (void)context;
+    (void)frame;
+}
+
 void firmware_main(void) {
     static controller_t controller;
     static controller_inbox_t inbox;
-    static controller_outbox_t outbox;
+    controller_outbox_t outbox = {.sink = {.send = drop}};
     record_t record;
     platform_open();
     count_begin();

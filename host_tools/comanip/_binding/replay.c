@@ -90,11 +90,11 @@ static void step(replay_t *self, const tick_trace_t *trace) {
     replay_stamp_inbox(self, trace);
     self->inbox.save_over = false;
     self->received = self->inbox; /* the step makes messages of it */
-    controller_step(&self->controller, trace->now_us, &self->received, &self->outbox);
+    outbox_step(&self->outbox, &self->controller, trace->now_us, &self->received);
     if (replay_ends_save(self)) {
         self->controller = self->before;
         self->received = self->inbox;
-        controller_step(&self->controller, trace->now_us, &self->received, &self->outbox);
+        outbox_step(&self->outbox, &self->controller, trace->now_us, &self->received);
     }
 }
 
@@ -170,7 +170,7 @@ static void replay_tick(replay_t *self) {
     if (!redo_tick(self, part_place, &trace)) {
         if (self->result == REPLAY_EQUAL) {
             replay_note_lost(self, replay_stream_of_kind(self, FRAME_OPERATOR_COMMAND),
-                             trace.last_counter[FRAME_OPERATOR_COMMAND]);
+                             trace.last[FRAME_OPERATOR_COMMAND].counter);
         }
         return;
     }

@@ -13,7 +13,7 @@
 #ifndef COMANIP_REPLAY_H
 #define COMANIP_REPLAY_H
 
-#include "../../../firmware/controller.h"
+#include "outbox.h"
 
 #define REPLAY_NO_FRAME 0xFFFFFFFFu
 
@@ -53,7 +53,7 @@ typedef struct {
     controller_t controller;
     controller_t before; /* this tick, to do it again */
     controller_inbox_t inbox, received;
-    controller_outbox_t outbox;
+    outbox_t outbox;
     uint32_t place_of[CONTROLLER_INBOX_FRAMES]; /* in the log, of the frames in the inbox */
     replay_stream_t stream_before[REPLAY_MAX_STREAMS];
 

@@ -51,9 +51,9 @@ static bool is_read(const replay_t *self, replay_plan_t plan, const replay_strea
 /* Takes the frames of one id up to the one with the traced counter. False: there is none, or more than a tick reads. */
 static bool read_stream(replay_t *self, replay_stream_t *stream, const tick_trace_t *trace, replay_plan_t plan) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
-    const uint8_t wanted = trace->last_counter[stream->kind];
+    const uint8_t wanted = trace->last[stream->kind].counter;
     uint32_t damaged = REPLAY_NO_FRAME;
-    if (!trace->received[stream->kind] || (receiver.started && receiver.counter == wanted)) {
+    if (!trace->last[stream->kind].started || (receiver.started && receiver.counter == wanted)) {
         return true;
     }
     if (!receiver.started) {
@@ -127,7 +127,7 @@ bool replay_read_refused(replay_t *self) {
 static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const tick_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);
     uint32_t stamp_us = trace->now_us - timeout_us - 1u;
-    uint8_t counter = trace->last_counter[kind];
+    uint8_t counter = trace->last[kind].counter;
     uint32_t place = self->tick_place;
     for (int i = 0; i < LOOK_AHEAD_TICKS && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
         tick_trace_t ahead;
@@ -135,11 +135,11 @@ static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const tick_tra
         if (!replay_read_trace(self, place, &ahead, part_place)) {
             break;
         }
-        const uint8_t delta = (uint8_t)(ahead.last_counter[kind] - counter) & replay_counter_mask(self);
+        const uint8_t delta = (uint8_t)(ahead.last[kind].counter - counter) & replay_counter_mask(self);
         if (delta >= 1u && delta <= max_delta(self)) {
             break;
         }
-        counter = ahead.last_counter[kind];
+        counter = ahead.last[kind].counter;
         if (ahead.drives_fresh) {
             stamp_us = ahead.now_us - timeout_us;
         }
