@@ -15,15 +15,6 @@ static quaternion_t half_translation(vector3_t t_m) {
     return (quaternion_t){0.0f, 0.5f * t_m.x, 0.5f * t_m.y, 0.5f * t_m.z};
 }
 
-quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b) {
-    return (quaternion_t){
-        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-    };
-}
-
 bool quaternion_is_unit(quaternion_t a, float tolerance) {
     float excess = quaternion_dot(a, a) - 1.0f; /* |a|^2 - 1 = 2 (|a| - 1) + ... */
     return excess > -2.0f * tolerance && excess < 2.0f * tolerance;
@@ -39,14 +30,6 @@ quaternion_t quaternion_normalise(quaternion_t a) {
 
 /* (w^2 - r . r) v + 2 (r . v) r + 2 w r x v with r the vector part: of a rotation that is unit but for rounding, the vector's length
  * is off, never its direction. */
-vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
-    const vector3_t r = {rotation.x, rotation.y, rotation.z};
-    const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));
-    const vector3_t along = vector3_scale(r, 2.0f * vector3_dot(r, v));
-    const vector3_t across = vector3_scale(vector3_cross(r, v), 2.0f * rotation.w);
-    return vector3_add(vector3_add(straight, along), across);
-}
-
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference) {
     return quaternion_dot(a, reference) < 0.0f ? quaternion_scale(a, -1.0f) : a;
 }

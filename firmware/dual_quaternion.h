@@ -46,7 +46,14 @@ static inline quaternion_t quaternion_add(quaternion_t a, quaternion_t b) {
 static inline quaternion_t quaternion_scale(quaternion_t a, float factor) {
     return (quaternion_t){a.w * factor, a.x * factor, a.y * factor, a.z * factor};
 }
-quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b);
+static inline quaternion_t quaternion_multiply(quaternion_t a, quaternion_t b) {
+    return (quaternion_t){
+        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+    };
+}
 static inline quaternion_t quaternion_conjugate(quaternion_t a) {
     return (quaternion_t){a.w, -a.x, -a.y, -a.z};
 }
@@ -64,7 +71,13 @@ quaternion_t quaternion_normalise(quaternion_t a);
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
 /* The vector rotated by the unit quaternion: r v conj(r). */
-vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v);
+static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
+    const vector3_t r = {rotation.x, rotation.y, rotation.z};
+    const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));
+    const vector3_t along = vector3_scale(r, 2.0f * vector3_dot(r, v));
+    const vector3_t across = vector3_scale(vector3_cross(r, v), 2.0f * rotation.w);
+    return vector3_add(vector3_add(straight, along), across);
+}
 
 /* Rotation of `angle` = |v| [rad] about v / |v|; |v| within TRIGONOMETRY_MAX_RAD. Zero gives the identity. */
 quaternion_t quaternion_from_rotation_vector(vector3_t v_rad);

@@ -5,13 +5,14 @@ BENCH := $(BUILD)/bench
 BENCH_SITE := $(VENV)/lib/python3*/site-packages
 BENCH_ARMS := six seven
 
-# Ours as the product is compiled. EIGEN_MAX_ALIGN_BYTES as in Debian's KDL; BOOST_MPL as in Pinocchio's CMake files.
-BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG -march=x86-64-v3 -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
+# For the same processor in all; ours else as the product is compiled. EIGEN_MAX_ALIGN_BYTES as in Debian's KDL; BOOST_MPL as in Pinocchio's CMake files.
+BENCH_PROCESSOR := -march=x86-64-v3
+BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG $(BENCH_PROCESSOR) -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
     -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS -isystem $(BENCH_SITE)/cmeel.prefix/include \
     -isystem $(BENCH_SITE)/mujoco/include -isystem /usr/include/eigen3
 BENCH_C := $(addprefix firmware/,arm.c cooperation.c dual_quaternion.c ldlt.c pose.c task.c trigonometry.c velocity_control.c \
     velocity_control_general.c velocity_control_isotropic.c arms/hoap3_right.c) tests/bench/tick.c
-BENCH_OBJECTS := $(BENCH_C:%.c=$(BUILD)/host/%.o) $(BENCH_ARMS:%=$(BENCH)/%.o) \
+BENCH_OBJECTS := $(BENCH_C:%.c=$(BENCH)/%.o) $(BENCH_ARMS:%=$(BENCH)/%.o) \
     $(patsubst tests/bench/%.cpp,$(BENCH)/%.cpp.o,$(wildcard tests/bench/*.cpp))
 BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind
 
@@ -26,17 +27,20 @@ $(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard host_tools/comanip/arm_*.py) ho
 	@cp $< $(@D)
 	$(Q)$(PYTHON) -m comanip.arm_codegen $(@:.c=.toml) >/dev/null
 
+BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH) -Ifirmware/arms
 $(BENCH)/%.o: $(BENCH)/%.c $(FIRMWARE_FILES)
 	@echo "  CC $<"
-	$(Q)$(CC) $(CORE_CFLAGS) -Ifirmware/arms -c $< -o $@
+	$(Q)$(BENCH_CC) -c $< -o $@
+
+$(BENCH)/%.o: %.c $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_ARMS:%=$(BENCH)/%.c) tests/bench/tick.h
+	@mkdir -p $(@D)
+	@echo "  CC $<"
+	$(Q)$(BENCH_CC) -c $< -o $@
 
 $(BENCH)/%.cpp.o: tests/bench/%.cpp $(wildcard tests/bench/*.h tests/bench/*.hpp) $(VENV)/.installed-bench
 	@mkdir -p $(@D)
 	@echo "  CXX $<"
 	$(Q)g++ $(BENCH_CXXFLAGS) -c $< -o $@
-
-$(BUILD)/host/tests/bench/tick.o: CORE_CFLAGS += -I$(BENCH) -Ifirmware/arms
-$(BUILD)/host/tests/bench/tick.o: $(BENCH_ARMS:%=$(BENCH)/%.c)
 
 $(BENCH)/ticks: $(BENCH_OBJECTS)
 	@echo "  LINK $@"

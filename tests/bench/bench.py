@@ -42,11 +42,15 @@ DQROBOTICS_TICKS = 200
 OURS = ("comanip, specialised", "comanip, table")
 OWN_LAW = "KDL, wdls"
 ASKED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # times as long as ours, specialised
-WORK = """The same in all: the inputs; Algorithm 1; law (4) as (J^T W J + lambda I)^-1 J^T W K e with the default K, W and lambda.
-Different: comanip is float32 as the product compiles it (-O2, no contraction, no vector flags), the peers double (Pinocchio also float)
-with -O3 -march=x86-64-v3. Pinocchio, KDL and MuJoCo give their 6 x n Jacobian; law (4) on it is Eigen, n at compile time. KDL's wdls
-has its own law on the twist, by SVD. MuJoCo also computes the centres of mass, which its Jacobian needs. dqrobotics is called from
-Python: its table row has the calls' overhead, which is that of as many calls that do nothing, beside it."""
+WORK = """The same in all: the inputs; Algorithm 1; law (4) as (J^T W J + lambda I)^-1 J^T W K e with the default K, W and lambda;
+-march=x86-64-v3. Different:
+- comanip is float32 and compiled as the product is (-O2, no contraction), the peers double (Pinocchio float, too) with -O3. Its table
+  is read at run time, as the peers' models; specialised is the C that `make arms` writes for one arm.
+- Pinocchio, KDL and MuJoCo give their 6 x n Jacobian; law (4) on it is written in Eigen, with n known at compile time.
+- KDL's wdls has a law of its own on the twist, by SVD. It aborts below 6 joints: n = 4 has two locked joints more.
+- MuJoCo also computes the bodies' centres of mass, which its Jacobian wants.
+- dqrobotics is called from Python, with numpy for the solution; what its calls cost by themselves is told below each table.
+- KDL and MuJoCo are libraries as Debian and PyPI ship them; Pinocchio's templates are compiled here."""
 
 
 @dataclass
@@ -219,6 +223,11 @@ class Dqrobotics:
 # ---- the run
 
 
+def times_ours(times: dict[str, list[float]], name: str) -> float:
+    """The median of the rounds' ratios: what disturbs a round disturbs both."""
+    return float(np.median(np.array(times[name]) / np.array(times[OURS[0]])))
+
+
 def summary(values: list[float]) -> dict[str, float]:
     low, median, high = np.percentile(values, [10, 50, 90])
     return {"median": float(median), "percentile_10": float(low), "percentile_90": float(high)}
@@ -234,7 +243,8 @@ def measure(case: Case, program: Path) -> dict[str, dict]:
             times.setdefault(name, []).append(ns)
             heap[name] = max(heap.get(name, 0.0), allocations)
         times.setdefault(peer.name, []).append(peer.time_ns(np.array(START_RAD[case.n]), DQROBOTICS_TICKS))
-    found = {name: {"ns": summary(values), "heap_allocations": heap.get(name)} for name, values in times.items()}
+    found = {name: {"ns": summary(values), "times_ours": times_ours(times, name), "heap_allocations": heap.get(name)}
+             for name, values in times.items()}  # fmt: skip
     for name, figures in found.items():
         figures["instructions"] = None if name == peer.name else instructions(case, program, name)
     found[peer.name]["calls_overhead_ns"] = peer.calls * peer.call_ns()
@@ -244,9 +254,8 @@ def measure(case: Case, program: Path) -> dict[str, dict]:
 def missed(n: int, found: dict[str, dict]) -> list[str]:
     """A line for each ratio that is less than was asked for, and for what takes from the heap."""
     told = []
-    own = found[OURS[0]]["ns"]["median"]
     for name, asked in ASKED.items():
-        ratio = found[name]["ns"]["median"] / own
+        ratio = found[name]["times_ours"]
         if ratio < asked:
             told.append(f"n = {n}: {name} takes {ratio:.1f} times as long as ours, asked {asked:g}")
     told += [f"n = {n}: {name} takes {found[name]['heap_allocations']:g} times a tick from the heap" for name in OURS if found[name]["heap_allocations"]]
@@ -261,17 +270,16 @@ def show(results: dict[int, dict[str, dict]], console: Console) -> None:
         table = Table(title=f"One tick, n = {n}", title_justify="left")
         for header in ("contender", "ns (10 % .. 90 %)", "times ours", "instructions", "heap", "from double"):
             table.add_column(header, justify="left" if header == "contender" else "right")
-        own = found[OURS[0]]["ns"]["median"]
         for name, figures in sorted(found.items(), key=lambda item: item[1]["ns"]["median"]):
             ns = figures["ns"]
             cell = f"{ns['median']:.0f} ({ns['percentile_10']:.0f} .. {ns['percentile_90']:.0f})"
             instructions_cell = "-" if figures["instructions"] is None else f"{figures['instructions']:.0f}"
             heap_cell = "-" if figures["heap_allocations"] is None else f"{figures['heap_allocations']:g}"
-            table.add_row(name, cell, f"{ns['median'] / own:.1f}", instructions_cell, heap_cell, f"{figures['from_double']:.1g}")
+            table.add_row(name, cell, f"{figures['times_ours']:.1f}", instructions_cell, heap_cell, f"{figures['from_double']:.1g}")
         console.print(table)
         overhead = found[Dqrobotics.name]["calls_overhead_ns"]
-        console.print(f"Of dqrobotics' time, about {overhead:.0f} ns are the overhead of its calls from Python; numpy's comes to it.")
-    console.print(WORK)
+        print(f"Of dqrobotics' time, about {overhead:.0f} ns are what as many calls from Python take that do nothing.\n")
+    print(WORK)
 
 
 def draw(results: dict[int, dict[str, dict]], path: Path) -> None:
@@ -284,6 +292,9 @@ def draw(results: dict[int, dict[str, dict]], path: Path) -> None:
         axes.barh(np.arange(len(names)) + 0.27 * (place - 1), medians, 0.25, xerr=np.maximum(spread, 0), label=f"n = {n}")
     axes.set_xscale("log")
     axes.set_yticks(range(len(names)), names)
+    axes.grid(axis="x", alpha=0.3)
+    axes.set_axisbelow(True)
+    axes.set_title("Algorithm 1, kinematics and law (4): our tick and its peers'")
     axes.invert_yaxis()
     axes.set_xlabel("one tick on this machine [ns], median, 10 % to 90 % of the rounds")
     axes.legend()
