@@ -302,11 +302,13 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
 static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
     /* A stop is driven to its end before the brakes close. */
     bool moving = is_engaged(self) || !joint_limits_at_rest(&self->limits, self->arm);
-    joint_command_t command = {0};
-    for (int i = 0; i < self->arm->joint_count; i++) {
-        command.mode[i] = moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;
-        command.position_rad[i] = self->limits.position_rad[i];
-        command.velocity_radps[i] = self->limits.velocity_radps[i];
+    joint_command_t command;
+    for (int i = 0; i < ARM_MAX_JOINTS; i++) {
+        const bool is_there = i < self->arm->joint_count;
+        command.mode[i] = is_there && moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;
+        command.position_rad[i] = is_there ? self->limits.position_rad[i] : 0.0f;
+        command.velocity_radps[i] = is_there ? self->limits.velocity_radps[i] : 0.0f;
+        command.torque_Nm[i] = 0.0f;
     }
     can_frame_t frame;
     if (joint_command_pack(&command, &frame) == PROTOCOL_OK) {
@@ -317,14 +319,13 @@ static void send_joint_command(controller_t *self, controller_outbox_t *outbox) 
 }
 
 static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
-    tick_trace_t trace = {
-        .now_us = now_us,
-        .target_valid = self->supervisor.mode == MODE_COOPERATING,
-        .target = self->cooperation.target,
-        .hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us),
-        .drives_fresh = self->supervisor_inputs.drives_fresh,
-        .rejected_frames = (uint8_t)self->receiver.protocol.rejected,
-    };
+    tick_trace_t trace; /* all of it is set here: an initialiser would first write zeros */
+    trace.now_us = now_us;
+    trace.target_valid = self->supervisor.mode == MODE_COOPERATING;
+    trace.target = self->cooperation.target;
+    trace.hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us);
+    trace.drives_fresh = self->supervisor_inputs.drives_fresh;
+    trace.rejected_frames = (uint8_t)self->receiver.protocol.rejected;
     memcpy(trace.last, self->receiver.protocol.e2e, sizeof trace.last);
     can_frame_t frame;
     (void)tick_trace_pack(&trace, &frame);

@@ -19,14 +19,14 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
 
 /* ---- Profile 5 */
 
-/* CRC-16/CCITT of up to four more bytes, in the lower ones of `bytes`, without a table. With y(x) the remainder so far and the bytes,
+/* CRC-16/CCITT of up to four more bytes, in the lower half of the result, without a table. With y(x) the remainder so far and the bytes,
  * y x^16 = q P + remainder, where the polynomial P = x^16 + x^12 + x^5 + 1. q is y + D y + D^2 y + ... with D y the part of
  * y (x^12 + x^5 + 1) that overflows 16 bits. That is (1 + D) (1 + D^2) (1 + D^4) y, and squares have no mixed terms modulo 2. */
 static uint32_t crc16(uint32_t y) {
     uint32_t q = y ^ y >> 4 ^ y >> 11 ^ y >> 16;
     q ^= q >> 8 ^ q >> 22;
     q ^= q >> 16;
-    return (q ^ q << 5 ^ q << 12) & 0xFFFFu;
+    return q ^ q << 5 ^ q << 12;
 }
 
 static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
@@ -41,9 +41,9 @@ static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id
         return (uint16_t)crc16(crc << 16 ^ (uint32_t)data[i] << 24 ^ (uint32_t)data[i + 1] << 16 ^ id);
     }
     for (; i < length; i++) {
-        crc = (crc << 8 & 0xFFFFu) ^ crc16(crc >> 8 ^ data[i]);
+        crc = crc << 8 ^ crc16((crc >> 8 & 0xFFu) ^ data[i]);
     }
-    return (uint16_t)crc16(crc ^ id);
+    return (uint16_t)crc16((crc & 0xFFFFu) ^ id);
 }
 
 void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter) {
