@@ -173,7 +173,8 @@ bus-report: deps ## load and worst-case response time of every frame; also build
 
 check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings as errors
 	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
-	@for source in $(CORE_SOURCES) firmware/main.c; do clang $(CORE_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(CORE_SOURCES) firmware/main.c; do for profile in BOTH FD_ONLY CLASSIC_ONLY; do \
+	    clang $(CORE_CFLAGS) -DCAN_$$profile -fsyntax-only $$source || exit 1; done; done
 	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@for source in $(wildcard hal/host/*.c) hal/no_store.c $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"

@@ -95,16 +95,11 @@ void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, 
     self->kinds = kinds;
 }
 
-static transport_pending_t *pending_of(transport_receiver_t *self, frame_kind_t kind) {
-    switch (kind) {
-    case FRAME_FIRMWARE_IDENTITY: return &self->pending[0];
-    case FRAME_JOINT_CMD: return &self->pending[1];
-    case FRAME_TICK_TRACE: return &self->pending[2];
-    case FRAME_HAND_POSE: return &self->pending[3];
-    case FRAME_TASK_DEFINE: return &self->pending[4];
-    default: return &self->pending[5]; /* FRAME_TRACKER_STATUS */
-    }
-}
+/* Places in `pending` of the kinds that have parts. */
+static const uint8_t pending_place[FRAME_KIND_COUNT] = {
+    [FRAME_FIRMWARE_IDENTITY] = 0, [FRAME_JOINT_CMD] = 1, [FRAME_TICK_TRACE] = 2,
+    [FRAME_HAND_POSE] = 3,         [FRAME_TASK_DEFINE] = 4, [FRAME_TRACKER_STATUS] = 5,
+};
 
 /* Sixteen messages later a counter comes again: a part that has waited for so long belongs to another message. */
 static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, uint32_t now_us) {
@@ -138,7 +133,7 @@ static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t coun
 
 static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind, uint8_t parts, uint8_t place,
                                    uint8_t counter, can_frame_t *frame) {
-    transport_pending_t *pending = pending_of(self, kind);
+    transport_pending_t *pending = &self->pending[pending_place[kind]];
     if (pending->received == 0u || pending->counter != counter || is_too_old(pending, kind, frame->timestamp_us)) {
         pending->received = 0;
         pending->counter = counter;
