@@ -68,8 +68,8 @@ def test_the_committed_budget_holds(maps, tmp_path, capsys):
 def test_what_is_beyond_its_budget_is_told_with_the_difference(maps, tmp_path, capsys):
     lower = tmp_path / "budget.toml"
     found = size_report.read_map(maps["cortex-m4f"]).modules["firmware/e2e"].text
-    text = re.sub(rf'"firmware/e2e" = \[{found}, 0, 0\]', f'"firmware/e2e" = [{found - 7}, 0, 0]', BUDGET.read_text(), count=1)
-    before, image, after = text.partition("[cortex-m4f]")
+    before, image, after = BUDGET.read_text().partition("[cortex-m4f]")
+    after = after.replace(f'"firmware/e2e" = [{found}, ', f'"firmware/e2e" = [{found - 7}, ', 1)
     lower.write_text(before + image + after.replace('"firmware/task" = ', '"firmware/another" = ', 1))
     assert report(maps, lower, tmp_path / "size.json") == 1
     told = capsys.readouterr().err
