@@ -90,7 +90,7 @@ $(PLANT_PROCESS): $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 
 $(BUILD)/host/sim/%.o $(BUILD)/host/hal/%.o $(BUILD)/host/host_tools/%.o: CORE_CFLAGS := $(SIM_CFLAGS)
 $(BUILD)/host/hal/linux/%.o: CORE_CFLAGS := $(LINUX_CFLAGS)
-$(BUILD)/host/%.o: %.c $(GENERATED)/.generated
+$(BUILD)/host/%.o: %.c Makefile $(GENERATED)/.generated
 	@mkdir -p $(@D)
 	@echo "  CC $<"
 	$(Q)$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@

@@ -68,10 +68,8 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
     const float scaled = value * per_unit;
     const float limit = float_is_negative(scaled) ? -(float)minimum : (float)maximum;
     if (float_magnitude_bits(scaled) <= float_magnitude_bits(limit)) {
-        const int32_t raw = (int32_t)(scaled + __builtin_copysignf(0.5f, scaled));
-        if (raw >= minimum && raw <= maximum) { /* not rounded out of the range */
-            return raw;
-        }
+        /* Half more is cut off again, and not rounded up, as raw values have 24 bits at most: the code generator checks it. */
+        return (int32_t)(scaled + __builtin_copysignf(0.5f, scaled));
     }
     *fits = false;
     return 0;
@@ -151,7 +149,7 @@ void tracker_status_unpack(const can_frame_t *frame, tracker_status_t *message) 
 #define FOR_EACH_JOINT(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
 
 protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t *frame) {
-    struct comanip_joint_cmd_t raw;
+    struct comanip_joint_cmd_t raw; /* all of it is set below: an initialiser would first write zeros */
     int32_t position[ARM_MAX_JOINTS], velocity[ARM_MAX_JOINTS], torque[ARM_MAX_JOINTS];
     bool fits = true;
     for (int i = 0; i < ARM_MAX_JOINTS; i++) { /* all joints are scaled as joint 0: the code generator checks it */
@@ -173,7 +171,7 @@ protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t
 }
 
 void joint_command_unpack(const can_frame_t *frame, joint_command_t *message) {
-    struct comanip_joint_cmd_t raw;
+    struct comanip_joint_cmd_t raw; /* all of it is set below: an initialiser would first write zeros */
     (void)comanip_joint_cmd_unpack(&raw, frame->data, frame->length);
 #define UNPACK_JOINT(i)                                                                                              \
     message->mode[i] = (drive_mode_t)raw.mode_##i;                                                                   \

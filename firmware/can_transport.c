@@ -4,6 +4,9 @@
 
 #include "comanip_schema.h"
 
+_Static_assert(FRAME_KIND_COUNT < 32, "a set of kinds is a word");
+_Static_assert(TRANSPORT_MAX_FRAMES == CLASSIC_MAX_PARTS, "parts are frames");
+
 #define EVENT_PARTS_WITHIN_MS 50u /* parts of a message that is sent on events */
 
 /* ---- what is on the bus */
@@ -155,13 +158,13 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
     if (frame->length != description->length) {
         return PROTOCOL_WRONG_LENGTH;
     }
-    e2e_status_t status =
-        e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
-    const uint8_t counter = self->classic[number].counter;
     const uint8_t parts = classic_parts(kind, self->joint_count), place = (uint8_t)(number - classic_first(kind));
     if (place >= parts) {
         return PROTOCOL_UNKNOWN_ID; /* a joint that the arm does not have */
     }
+    e2e_status_t status =
+        e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
+    const uint8_t counter = self->classic[number].counter;
     if (parts == 1u && status != E2E_WRONG_CRC) {
         self->protocol.e2e[kind] = self->classic[number];
     }
@@ -179,11 +182,8 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
 
 protocol_status_t transport_receive(transport_receiver_t *self, can_frame_t *frame, frame_kind_t *kind) {
     classic_frame_t number = CLASSIC_FRAME_COUNT;
-    bool is_known = protocol_find(frame->id, kind);
-    const bool is_part = is_translated(self->profile, *kind);
-    if (is_part) {
-        is_known = classic_find(frame->id, &number, kind);
-    }
+    const bool is_part = is_classic(self->profile) && classic_find(frame->id, &number, kind);
+    const bool is_known = is_part || (protocol_find(frame->id, kind) && !is_translated(self->profile, *kind));
     if (!is_known || (self->kinds & (UINT32_C(1) << *kind)) == 0u) {
         return PROTOCOL_UNKNOWN_ID;
     }

@@ -192,7 +192,9 @@ static result_t access_result(controller_t *self, const parameter_access_t *acce
         return RESULT_WRONG_MODE;
     }
     result_t result = parameters_set(&self->parameters, access->parameter, access->value);
-    apply_parameters(self);
+    if (result == RESULT_ACCEPTED) {
+        apply_parameters(self);
+    }
     return result;
 }
 
@@ -289,7 +291,7 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
     velocity_request_t request = {.position_rad = self->joints.position_rad, .target = &self->cooperation.target};
     uint8_t more;
-    do { /* once, and once more whenever joints turn out to be blocked */
+    do { /* once, and once more whenever joints turn out to be blocked: 1 + joint_count times at most */
         velocity_control(self->arm, &self->velocity_control_config, &request, wanted_radps);
         more = (uint8_t)(~request.blocked & joint_limits_blocked(self->arm, &self->joint_limits_config, tick_s(self),
                                                          self->joints.position_rad, wanted_radps));
@@ -348,7 +350,7 @@ static void send_status(controller_t *self, controller_outbox_t *outbox) {
 }
 
 static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
-    heartbeat_state_t state = self->tick == 0u                        ? HEARTBEAT_BOOT_UP
+    heartbeat_state_t state = self->announced == 0u                   ? HEARTBEAT_BOOT_UP
                               : self->supervisor.mode == MODE_FAULT   ? HEARTBEAT_STOPPED
                               : self->supervisor.mode == MODE_IDLE    ? HEARTBEAT_PRE_OPERATIONAL
                                                                       : HEARTBEAT_OPERATIONAL;

@@ -18,7 +18,7 @@
 #include "supervisor.h"
 #include "velocity_control.h"
 
-#define CONTROLLER_INBOX_FRAMES 16 /* all drives, tracker and operator in one tick; more wait for the next */
+#define CONTROLLER_INBOX_FRAMES 16 /* CAN FD: eight drives, tracker and operator send 13 a tick; more wait for the next */
 #define CONTROLLER_CYCLIC_FRAMES 17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, identity */
 /* An answer to each frame, with the announcement of a parameter before it; and that a saving is over. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)

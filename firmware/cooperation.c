@@ -37,7 +37,7 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
     }
 }
 
-/* What changes only with the poses at the start. */
+/* What changes with the poses at the start, and with how the person stands. */
 static void fold_start(cooperation_t *self) {
     fold_displacement(quaternion_conjugate(self->config.tracker_rotation), self->config.motion_scale, self->loop.carry);
     self->loop.virtual_hand_start_m =

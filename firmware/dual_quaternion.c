@@ -28,8 +28,6 @@ quaternion_t quaternion_normalise(quaternion_t a) {
     return quaternion_scale(a, 1.0f / square_root(norm_squared));
 }
 
-/* (w^2 - r . r) v + 2 (r . v) r + 2 w r x v with r the vector part: of a rotation that is unit but for rounding, the vector's length
- * is off, never its direction. */
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference) {
     return quaternion_dot(a, reference) < 0.0f ? quaternion_scale(a, -1.0f) : a;
 }
@@ -107,10 +105,6 @@ dual_quaternion_t dual_quaternion_from_pose(quaternion_t rotation, vector3_t tra
 vector3_t dual_quaternion_translation(dual_quaternion_t pose) {
     quaternion_t half = quaternion_multiply(pose.dual, quaternion_conjugate(pose.primary));
     return (vector3_t){2.0f * half.x, 2.0f * half.y, 2.0f * half.z};
-}
-
-dual_quaternion_t dual_quaternion_translation_part(dual_quaternion_t pose) {
-    return (dual_quaternion_t){quaternion_identity, half_translation(dual_quaternion_translation(pose))};
 }
 
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b) {

@@ -70,7 +70,8 @@ quaternion_t quaternion_normalise(quaternion_t a);
 /* Whichever of a and -a, the same rotation, lies on the reference's side. */
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
-/* The vector rotated by the unit quaternion: r v conj(r). */
+/* The vector rotated by the unit quaternion, r v conj(r), as (w^2 - u . u) v + 2 (u . v) u + 2 w u x v with u the vector part: where the
+ * rotation is unit but for rounding, the result's length is off, never its direction. */
 static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
     const vector3_t r = {rotation.x, rotation.y, rotation.z};
     const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));
@@ -104,9 +105,6 @@ dual_quaternion_t dual_quaternion_from_pose(quaternion_t rotation, vector3_t tra
 
 /* The translation t [m] of a pose: 2 D conj(P). */
 vector3_t dual_quaternion_translation(dual_quaternion_t pose);
-
-/* Definition 1, T{x} = x conj(P(x)) = 1 + eps t/2. */
-dual_quaternion_t dual_quaternion_translation_part(dual_quaternion_t pose);
 
 /* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a): translations add, rotations compose as P(b) P(a). */
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);

@@ -34,12 +34,12 @@ static float stopping_speed(float distance_rad, float acceleration_radps2, float
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
  * when the speed is above a / K, the linear speed. Above it the speed is held to the one that stops on the way to go; below, the
  * law's own. */
-static float approach_speed(float wanted_speed_radps, float linear_speed) {
-    if (wanted_speed_radps <= linear_speed) {
+static float approach_speed(float wanted_speed_radps, float linear_radps) {
+    if (wanted_speed_radps <= linear_radps) {
         return wanted_speed_radps;
     }
     /* tangent to the line u = K x at u = a / K, then v^2 = 2 a (x - a / (2 K^2)) */
-    return __builtin_sqrtf(linear_speed * (2.0f * wanted_speed_radps - linear_speed));
+    return __builtin_sqrtf(linear_radps * (2.0f * wanted_speed_radps - linear_radps));
 }
 
 /* In steps of the bus's resolution, which every command is a whole number of. */
@@ -73,37 +73,37 @@ void joint_limits_init(joint_limits_t *self) {
 
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
                         const float measured_rad[], const float wanted_radps[]) {
-    const int32_t change_max = change_max_steps(config, tick_s);
+    const int32_t change_steps = change_max_steps(config, tick_s);
     const float braking_radps2 = braking(config, tick_s);
-    const float linear_speed = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX;
+    const float linear_radps = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX;
     const float delay_s = config->command_delay_s + tick_s; /* a command stays for a tick */
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
         float speed = __builtin_fabsf(wanted_radps[i]);
-        float allowed = smaller(config->speed_fraction * arm->joints[i].velocity_max_radps,
-                                approach_speed(speed, linear_speed));
-        if (speed > allowed) {
-            scale = smaller(scale, allowed / speed);
+        float allowed_radps = smaller(config->speed_fraction * arm->joints[i].velocity_max_radps,
+                                      approach_speed(speed, linear_radps));
+        if (speed > allowed_radps) {
+            scale = smaller(scale, allowed_radps / speed);
         }
     }
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        int32_t last = nearest_step(self->velocity_radps[i]);
-        int32_t velocity = 0;
+        int32_t last_steps = nearest_step(self->velocity_radps[i]);
+        int32_t velocity_steps = 0;
         if (finite) {
-            velocity = nearest_step(scale * wanted_radps[i]);
-            const bool upwards = velocity > 0;
+            velocity_steps = nearest_step(scale * wanted_radps[i]);
+            const bool upwards = velocity_steps > 0;
             const float way_rad =
                 upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
-            const float speed_max = config->speed_fraction * joint->velocity_max_radps;
-            const int32_t allowed = steps_below(smaller(stopping_speed(way_rad, braking_radps2, delay_s), speed_max));
-            velocity = clamp_steps(velocity, upwards ? 0 : -allowed, upwards ? allowed : 0);
+            const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
+            const int32_t allowed_steps = steps_below(smaller(stopping_speed(way_rad, braking_radps2, delay_s), speed_max_radps));
+            velocity_steps = clamp_steps(velocity_steps, upwards ? 0 : -allowed_steps, upwards ? allowed_steps : 0);
         }
-        velocity = clamp_steps(velocity, last - change_max, last + change_max);
-        self->velocity_radps[i] = (float)velocity * VELOCITY_RESOLUTION_RADPS;
-        if (finite) {
+        velocity_steps = clamp_steps(velocity_steps, last_steps - change_steps, last_steps + change_steps);
+        self->velocity_radps[i] = (float)velocity_steps * VELOCITY_RESOLUTION_RADPS;
+        if (finite) { /* not quite to the ends, so that the rounded reference on the bus is within them */
             self->position_rad[i] = clamp(measured_rad[i] + self->velocity_radps[i] * tick_s,
                                           joint->position_min_rad + POSITION_RESOLUTION_RAD,
                                           joint->position_max_rad - POSITION_RESOLUTION_RAD);

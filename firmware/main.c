@@ -58,15 +58,15 @@ void firmware_main(void) {
     uint32_t now_us = 0;
     for (uint32_t tick_ms = 0; hal_wait_tick(&now_us); tick_ms++) {
         hal_watchdog_feed();
-        if (tick_ms % controller.tick_ms != 0u) {
-            continue; /* classic CAN carries a command each 4 ms */
-        }
-        inbox.count = 0;
         while (inbox.count < CONTROLLER_INBOX_FRAMES && hal_can_receive(&inbox.frame[inbox.count])) {
             inbox.count++;
         }
+        if (tick_ms % controller.tick_ms != 0u) {
+            continue; /* classic CAN carries a command each 4 ms */
+        }
         note_save(&inbox);
         controller_step(&controller, now_us, &inbox, &outbox);
+        inbox.count = 0;
         if (outbox.save) {
             begin_save(&controller);
         }

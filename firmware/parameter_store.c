@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "float_bits.h"
+
 #define MAGIC 0x504E4D43u /* "CMNP" */
 #define LAYOUT_AT 4
 #define VALUES_AT 8
@@ -46,9 +48,7 @@ void parameter_store_encode(const parameters_t *parameters, uint8_t record[PARAM
     put(record, MAGIC);
     put(&record[LAYOUT_AT], layout());
     for (int i = 0; i < PARAMETER_COUNT; i++) {
-        uint32_t bits;
-        memcpy(&bits, &parameters->value[i], sizeof bits);
-        put(&record[VALUES_AT + 4 * i], bits);
+        put(&record[VALUES_AT + 4 * i], float_bits(parameters->value[i]));
     }
     put(&record[CRC_AT], crc32(0, record, CRC_AT));
 }

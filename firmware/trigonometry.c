@@ -4,17 +4,6 @@
 
 #include "trigonometry_inline.h"
 
-/* Minimax polynomials of degree 7 and 8 on [-pi/4, pi/4] (Cephes' coefficients for single precision). */
-static float sine_polynomial(float x) {
-    float z = x * x;
-    return ((-1.9515295891e-4f * z + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * x + x;
-}
-
-static float cosine_polynomial(float x) {
-    float z = x * x;
-    return ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z - 0.5f * z + 1.0f;
-}
-
 /* Cody-Waite reduction to [-pi/4, pi/4]. */
 sine_cosine_t sine_cosine_reduced(float angle_rad) {
     if (!(angle_rad >= -TRIGONOMETRY_MAX_RAD && angle_rad <= TRIGONOMETRY_MAX_RAD)) {
@@ -25,8 +14,8 @@ sine_cosine_t sine_cosine_reduced(float angle_rad) {
     float k = (float)quadrant;
     /* pi/2 in three parts; k times the first two is exact for |k| <= 41, the range above */
     float x = ((angle_rad - k * 1.5703125f) - k * 4.8375129699707031e-4f) - k * 7.5497899548918861e-8f;
-    float s = sine_polynomial(x);
-    float c = cosine_polynomial(x);
+    const sine_cosine_t near = sine_cosine_small(x);
+    const float s = near.sine, c = near.cosine;
     switch ((uint32_t)quadrant & 3u) {
     case 0u: return (sine_cosine_t){s, c};
     case 1u: return (sine_cosine_t){c, -s};

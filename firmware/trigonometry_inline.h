@@ -20,17 +20,18 @@ static inline bool sine_cosine_is_small(float angle_rad) {
     return __builtin_fabsf(angle_rad) <= 1.57079637f;
 }
 
-/* For the other angles. */
-sine_cosine_t sine_cosine_reduced(float angle_rad);
-
-static inline sine_cosine_t sine_cosine_inline(float angle_rad) {
-    if (!sine_cosine_is_small(angle_rad)) {
-        return sine_cosine_reduced(angle_rad);
-    }
+static inline sine_cosine_t sine_cosine_small(float angle_rad) {
     const float z = angle_rad * angle_rad;
     const float sine = ((SINE_9 * z + SINE_7) * z + SINE_5) * z + SINE_3;
     const float cosine = ((COSINE_10 * z + COSINE_8) * z + COSINE_6) * z + COSINE_4;
     return (sine_cosine_t){sine * (z * angle_rad) + angle_rad, cosine * (z * z) + (1.0f - 0.5f * z)};
+}
+
+/* For the other angles. */
+sine_cosine_t sine_cosine_reduced(float angle_rad);
+
+static inline sine_cosine_t sine_cosine_inline(float angle_rad) {
+    return sine_cosine_is_small(angle_rad) ? sine_cosine_small(angle_rad) : sine_cosine_reduced(angle_rad);
 }
 
 #endif

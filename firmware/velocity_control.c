@@ -8,7 +8,7 @@
 #define DAMPING_MIN 1e-5f         /* of the largest weight */
 #define ROTATION_WEIGHT_MAX 1.0f  /* or this part of the translation's: */
 #define ROTATION_TO_TRANSLATION_MAX 0.25f
-#define RELATIVE_DAMPING_MIN 1e-6f /* of the trace of J^T W J, as it is running */
+#define TRACE_DAMPING_MIN 1e-6f /* of the trace of J^T W J, as it is running */
 
 static bool is_isotropic(const float diagonal[8]) {
     for (int i = 1; i < 4; i++) {
@@ -38,7 +38,7 @@ void velocity_control_prepare(velocity_control_config_t *config) {
         config->isotropic.pull_rotation = 2.0f * ratio * config->gain_per_s[0];
         config->isotropic.pull_translation = 2.0f * config->gain_per_s[4];
         config->isotropic.diagonal = ratio + damping;
-        config->isotropic.trace_max = damping / RELATIVE_DAMPING_MIN - (float)ARM_MAX_JOINTS * ratio;
+        config->isotropic.trace_max = damping / TRACE_DAMPING_MIN - (float)ARM_MAX_JOINTS * ratio;
     }
 }
 

@@ -80,7 +80,7 @@ void velocity_control_general(const arm_t *arm, const velocity_control_config_t 
 
     /* (J^T W J + lambda I) u = J^T W K e; matrices by joint, so transposed */
     float jacobian[ARM_MAX_JOINTS][8];
-    ldlt_t normal = {0};
+    ldlt_t normal;
     float largest = 0.0f;
     for (int i = 0; i < joint_count; i++) {
         float weighted[8];

@@ -19,8 +19,9 @@ SLCAN_SOURCES := $(filter-out hal/slcan/lockstep.c,$(wildcard hal/slcan/*.c)) ha
 
 IMAGES :=
 include $(sort $(wildcard hal/*/images.mk))
+MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they hold the compilers' options
 
-# BOARD=: as QEMU calls its machines.
+# BOARD=: as QEMU calls its machines, or what the port's images.mk says.
 BOARDS := $(foreach image,$(IMAGES),$($(image).board))
 BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $($(image).board),$(BOARD)),$(image))))
 BOARD_CHECK = @if [ -z "$(BOARD_IMAGE)" ]; then echo "make $@: BOARD='$(BOARD)': expected one of $(BOARDS)" >&2; exit 2; fi
@@ -40,17 +41,17 @@ $(1).compile := $$($(1).prefix)gcc --specs=$$($(1).specs) $$($(1).cpu) -I$$($(1)
 $(1).objects := $$(addprefix $$(TARGET_BUILD)/$(1)/, \
     $$(addsuffix .o,$$(basename $$(CORE_SOURCES) $$($(1).sources) $$(TARGET_MAIN))))
 
-$$(TARGET_BUILD)/$(1)/%.o: %.c hal/target.mk $$(GENERATED)/.generated | target-check
+$$(TARGET_BUILD)/$(1)/%.o: %.c $$(MAKEFILES_READ) $$(GENERATED)/.generated | target-check
 	@mkdir -p $$(@D)
 	@echo "  CC [$(1)] $$<"
 	$$(Q)$$($(1).compile) $$(TARGET_CFLAGS) -MMD -MP -c $$< -o $$@
 
-$$(TARGET_BUILD)/$(1)/%.o: %.S hal/target.mk | target-check
+$$(TARGET_BUILD)/$(1)/%.o: %.S $$(MAKEFILES_READ) | target-check
 	@mkdir -p $$(@D)
 	@echo "  AS [$(1)] $$<"
 	$$(Q)$$($(1).compile) -g -MMD -MP -c $$< -o $$@
 
-$$(TARGET_BUILD)/$(1)/comanip.elf: $$($(1).objects) $$($(1).script)
+$$(TARGET_BUILD)/$(1)/comanip.elf: $$($(1).objects) $$(wildcard hal/*/*.ld)
 	@echo "  LINK $$@"
 	$$(Q)$$($(1).compile) $$(TARGET_CFLAGS) $$(TARGET_LDFLAGS) -T $$($(1).script) -Wl,-Map=$$(@:.elf=.map) \
 	    $$($(1).objects) -lm -o $$@
@@ -116,7 +117,7 @@ images: ## the images that there are, for scripts: a line each, with tabs
 
 # A compiler that does not find a specs file answers with its bare name.
 target-check:
-	@case '$(TARGET_PROFILE)' in fd|classic|both) ;; *) \
+	@case ' $(TARGET_PROFILES) ' in *' $(TARGET_PROFILE) '*) ;; *) \
 	    echo "make: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac
 	@missing=; \
 	$(foreach image,$(IMAGES), \

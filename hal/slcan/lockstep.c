@@ -25,6 +25,7 @@ static void say_done(void) {
     const can_frame_t done = lockstep_frame(LOCKSTEP_DONE_ID, 0);
     while (!hal_can_send(&done)) {
         serial_wait(); /* until the line has taken the tick's frames */
+        hal_watchdog_feed();
     }
 }
 

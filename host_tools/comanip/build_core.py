@@ -48,23 +48,23 @@ def umbrella(sources: list[Path]) -> str:
     return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in sources)
 
 
-def prototypes(text: str) -> str:
-    """Preprocessed headers with inline functions declared as others are: cffi knows no bodies."""
+def preprocessed(includes: str, folder: Path, *options: str) -> str:
+    """The headers as the compiler sees them, for cffi: without the standard ones, whose types it knows by itself, and with inline
+    functions declared as others are, for it knows no bodies."""
+    source = folder / "umbrella.c"
+    source.write_text(includes)
+    no_headers = folder / "no_headers"
+    no_headers.mkdir(exist_ok=True)
+    for name in ("stdint.h", "stdbool.h", "stddef.h", "stdio.h", "string.h", "stdatomic.h"):
+        (no_headers / name).touch()
+    text = run([*compiler(), "-E", "-nostdinc", f"-I{no_headers}", *options, str(source)])
     return re.sub(r"^static inline ([^{;]*?) \{.*?^\}", r"\1;", text, flags=re.MULTILINE | re.DOTALL)
 
 
 def declarations(includes: str, generated: Path, build_dir: Path) -> str:
-    """What cffi shall know: the headers as the compiler sees them, and their numeric constants."""
-    source = build_dir / "umbrella.c"
-    source.write_text(includes)
-    # cffi knows the types of these headers by itself.
-    no_headers = build_dir / "no_headers"
-    no_headers.mkdir(exist_ok=True)
-    for name in ("stdint.h", "stdbool.h", "stddef.h"):
-        (no_headers / name).write_text("")
-    preprocess = [*compiler(), "-E", "-nostdinc", f"-I{no_headers}", f"-I{generated}", str(source)]
-    text = prototypes(run([*preprocess, "-P"]))
-    macros = run([*preprocess, "-dM", "-undef"])
+    """What cffi shall know: the headers, and their numeric constants."""
+    text = preprocessed(includes, build_dir, f"-I{generated}", "-P")
+    macros = preprocessed(includes, build_dir, f"-I{generated}", "-dM", "-undef")
     integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
     floats = re.findall(r"^#define ([A-Z]\w+) -?\d+\.\d*f$", macros, re.MULTILINE)
     return "\n".join(

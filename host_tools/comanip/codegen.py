@@ -46,6 +46,9 @@ def raw_limits(signal) -> tuple[int, int]:
     return 0, 2**signal.length - 1
 
 
+RAW_MAX = 2**23  # quantise() in firmware/can_protocol.c: adds half in float32
+
+
 def names_by_value(signal) -> str:
     """Designated initialisers of an array of strings: the value table of an enumerated signal."""
     return ", ".join(f'[{value}] = "{name}"' for value, name in sorted(signal.choices.items()))
@@ -67,6 +70,9 @@ def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
     for name, layout in layouts.items():
         if layout != reference:
             raise SystemExit(f"codegen: {name} has another layout than {prefix}0: one codec serves all eight")
+    ids = [message.frame_id for message in messages if message.name in layouts]
+    if ids != list(range(ids[0], ids[0] + len(ids))):
+        raise SystemExit(f"codegen: {prefix}0..: ids {[hex(i) for i in ids]}: expected to follow each other")
 
 
 def check_joints_are_scaled_alike(message: Message) -> None:
@@ -110,6 +116,8 @@ def schema_header(database) -> str:
                 continue
             prefix = f"COMANIP_{camel_to_snake_case(message.name).upper()}_{signal.name.upper()}"
             low, high = raw_limits(signal)
+            if float(signal.scale) != 1.0 and max(abs(low), abs(high)) > RAW_MAX:
+                raise SystemExit(f"codegen: {message.name}.{signal.name}: raw values to {max(abs(low), abs(high))}, expected at most {RAW_MAX}")
             if signal.choices:
                 lines.append(f"#define {prefix}_NAMES {names_by_value(signal)}")
             if float(signal.scale) == 1.0:

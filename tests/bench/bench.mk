@@ -28,16 +28,16 @@ $(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard host_tools/comanip/arm_*.py) ho
 	$(Q)$(PYTHON) -m comanip.arm_codegen $(@:.c=.toml) >/dev/null
 
 BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH) -Ifirmware/arms
-$(BENCH)/%.o: $(BENCH)/%.c $(FIRMWARE_FILES)
+$(BENCH)/%.o: $(BENCH)/%.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES)
 	@echo "  CC $<"
 	$(Q)$(BENCH_CC) -c $< -o $@
 
-$(BENCH)/%.o: %.c $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_ARMS:%=$(BENCH)/%.c) tests/bench/tick.h
+$(BENCH)/%.o: %.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_ARMS:%=$(BENCH)/%.c) tests/bench/tick.h
 	@mkdir -p $(@D)
 	@echo "  CC $<"
 	$(Q)$(BENCH_CC) -c $< -o $@
 
-$(BENCH)/%.cpp.o: tests/bench/%.cpp $(wildcard tests/bench/*.h tests/bench/*.hpp) $(VENV)/.installed-bench
+$(BENCH)/%.cpp.o: tests/bench/%.cpp tests/bench/bench.mk $(wildcard tests/bench/*.h tests/bench/*.hpp) $(VENV)/.installed-bench
 	@mkdir -p $(@D)
 	@echo "  CXX $<"
 	$(Q)g++ $(BENCH_CXXFLAGS) -c $< -o $@

@@ -119,13 +119,13 @@ void time(Contender &contender, const Model &model, int count) {
 } // namespace
 
 int main(int argc, char **argv) {
-    if (argc < 3) {
-        std::fprintf(stderr, "usage: ticks MODEL check|time|run [TICKS] [NAME]\n");
+    const std::string mode = argc > 2 ? argv[2] : "";
+    const int count = argc > 3 ? std::atoi(argv[3]) : 0;
+    if (!((mode == "check" && argc == 3) || (mode == "time" && argc == 4 && count > 0) || (mode == "run" && argc == 5 && count > 0))) {
+        std::fprintf(stderr, "usage: ticks MODEL check | ticks MODEL time TICKS | ticks MODEL run TICKS NAME\n");
         return 2;
     }
     const Model model = read_model(argv[1]);
-    const std::string mode = argv[2];
-    const int count = argc > 3 ? std::atoi(argv[3]) : 0;
     std::vector<std::unique_ptr<Contender>> all;
     for (auto make : {ours, pinocchio_contenders, kdl_contenders, mujoco_contenders}) {
         for (auto &contender : make(model)) {

@@ -34,6 +34,9 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
             return;
         }
     }
+    if (model->name != NULL) {
+        abort(); /* its figures would be the table's */
+    }
     for (int i = 0; i < model->joint_count; i++) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};
     }

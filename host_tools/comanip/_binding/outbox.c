@@ -1,20 +1,16 @@
 #include "outbox.h"
 
-static void keep(void *context, const can_frame_t *frame) {
-    outbox_t *self = context;
-    self->frame[self->count++] = *frame;
-}
-
-void outbox_step(outbox_t *self, controller_t *controller, uint32_t now_us, controller_inbox_t *inbox) {
-    controller_outbox_t outbox = {.sink = {keep, self}};
-    self->count = 0;
-    controller_step(controller, now_us, inbox, &outbox);
-    self->save = outbox.save;
-}
-
 static void append(void *context, const can_frame_t *frame) {
     can_frame_t **next = context;
     *(*next)++ = *frame;
+}
+
+void outbox_step(outbox_t *self, controller_t *controller, uint32_t now_us, controller_inbox_t *inbox) {
+    can_frame_t *next = self->frame;
+    controller_outbox_t outbox = {.sink = {append, &next}};
+    controller_step(controller, now_us, inbox, &outbox);
+    self->count = (uint8_t)(next - self->frame);
+    self->save = outbox.save;
 }
 
 uint8_t outbox_frames(transport_sender_t *sender, const can_frame_t *message, can_frame_t frame[]) {
