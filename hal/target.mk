@@ -23,13 +23,19 @@ MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they hold
 
 # BOARD=: as QEMU calls its machines, or what the port's images.mk says.
 BOARDS := $(foreach image,$(IMAGES),$($(image).board))
-BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $($(image).board),$(BOARD)),$(image))))
-BOARD_CHECK = @if [ -z "$(BOARD_IMAGE)" ]; then echo "make $@: BOARD='$(BOARD)': expected one of $(BOARDS)" >&2; exit 2; fi
+BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $(image) $($(image).board),$(BOARD)),$(image))))
+BOARD_CHECK = @if [ -z "$(BOARD_IMAGE)" ]; then \
+    echo "make $(@:-check=): BOARD='$(BOARD)': expected one of $(BOARDS), or an image: $(IMAGES)" >&2; exit 2; fi
+# What is of all images does not take BOARD=; $(1): the profiles of its figures.
+ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then echo "make $(@:-check=): BOARD='$(BOARD)': it is of all images, and takes no BOARD" >&2; exit 2; fi; \
+    case ' $(1) ' in *' $(TARGET_PROFILE) '*) ;; *) \
+    echo "make $(@:-check=): PROFILE='$(PROFILE)': expected $(1), for which its figures are" >&2; exit 2;; esac
 
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: images target targets target-check target-deps pil pil-matrix bitexact size stack cycles
+.PHONY: images target targets target-check target-deps pil pil-check pil-matrix pil-matrix-check bitexact bitexact-check size \
+    size-check stack stack-check cycles cycles-check
 
 # All images, or the one for BOARD.
 target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets) ## the firmware as images in build/target/, and their sizes; BOARD=mps2-an386 etc.: one; PROFILE=fd|classic|both
@@ -86,28 +92,37 @@ $(PIL_PROCESS): $(PIL_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 	@echo "  LINK $@"
 	$(Q)$(CC) $^ -lode -lccd -lyaml -lm -o $@
 
-pil: BOARD := $(or $(BOARD),mps2-an386)
-pil: build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes
+pil pil-check: BOARD := $(or $(BOARD),mps2-an386)
+pil-check:
 	$(BOARD_CHECK)
+	@case '$(TARGET_PROFILE)' in fd|classic) ;; *) echo "make pil: PROFILE='$(PROFILE)': expected fd or classic" >&2; exit 2;; esac
+
+pil: pil-check build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 (the default) etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
 	$(PYTHON) -m comanip.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS)
 
-pil-matrix: build target-check ## teleop, pour and mirror with every image in the loop, against the host's runs; build/reports/pil.json (an hour)
+pil-matrix-check size-check cycles-check:
+	$(call ALL_IMAGES_CHECK,fd)
+
+stack-check bitexact-check:
+	$(call ALL_IMAGES_CHECK,$(TARGET_PROFILES))
+
+pil-matrix: pil-matrix-check build target-check ## teleop, pour and mirror with every image in the loop, against the host's runs; build/reports/pil.json (an hour)
 	@$(PYTHON) tests/pil_matrix.py $(BUILD)
 
-size: deps targets ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
+size: size-check deps targets ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
 	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(UPDATE),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
-stack: deps targets ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
+stack: stack-check deps targets ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
 	@$(PYTHON) -m comanip.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
-bitexact: build target-check ## one input through every compiler's and processor's controller_step(): the same bytes; build/reports/bitexact.json
+bitexact: bitexact-check build target-check ## one input through every compiler's and processor's controller_step(): the same bytes; SMOKE=1: a short one; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)
 
-cycles: build target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
+cycles: cycles-check build target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(UPDATE),--update)
 
 # NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, with tabs between.

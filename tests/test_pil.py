@@ -84,4 +84,4 @@ def test_wrong_use(tmp_path):
     alone = subprocess.run([PROGRAM, "--serial", tmp_path / "nothing"], capture_output=True, text=True, check=False)
     assert alone.returncode == EXIT_WRONG_USE and "no serial line there" in alone.stderr
     no_board = make("pil", "BOARD=arduino")
-    assert no_board.returncode != 0 and "BOARD='arduino': expected one of mps2-an385 mps2-an386" in no_board.stderr
+    assert no_board.returncode != 0 and "BOARD='arduino': expected one of" in no_board.stderr

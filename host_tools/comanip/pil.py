@@ -1,8 +1,7 @@
 """Processor in the loop: the firmware's image in QEMU, in lockstep with the simulator over its serial line.
 
 ``python -m comanip.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``), with the command that emulates the
-board. Exit status: the simulator's, 2 for wrong
-use or if there is no emulator. What QEMU computes is what the processor's instructions say; cycles and times it cannot show.
+board. Exit status: the simulator's, 2 for wrong use or if there is no emulator. What QEMU computes is what the processor's instructions say; cycles and times it cannot show.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from pathlib import Path
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 START_S = 10
 EXIT_WRONG_USE = 2
+EXIT_INTERRUPTED = 130  # 128 + SIGINT
 
 
 def complain(text: str) -> int:
@@ -45,7 +45,11 @@ def main(argv: Sequence[str]) -> int:
                 time.sleep(0.02)
             if emulator.poll() is not None:
                 return complain(f"{machine[0]} ended: {emulator.stderr.read().strip()}")
+            if "--quiet" not in options:
+                print(f"{image} in {' '.join(machine)}", flush=True)
             return subprocess.run([program, "--serial", str(serial), *options], check=False).returncode
+        except KeyboardInterrupt:
+            return EXIT_INTERRUPTED
         finally:
             emulator.kill()
             emulator.wait()

@@ -151,6 +151,7 @@ def main(argv: Sequence[str]) -> int:
     told = excesses(images, read_budget(budget_path))
     for line in told:
         print(f"make size: {line}", file=sys.stderr)
+    print(f"make size: beyond {budget_path}; UPDATE=1 writes it anew" if told else f"make size: within {budget_path}")
     return 1 if told else 0
 
 

@@ -135,7 +135,10 @@ def worst_case(graph: Graph, rules: dict) -> dict:
 
 
 def rules_of(image: str, budget: dict) -> dict:
-    return next(family for family in budget.values() if image in family.get("images", ()))
+    found = [family for family in budget.values() if image in family.get("images", ())]
+    if not found:
+        raise UnboundedError("the budget has no section with it among its images: add it to one of the same core, or a section of its own")
+    return found[0]
 
 
 def main(argv: Sequence[str]) -> int:
@@ -147,8 +150,8 @@ def main(argv: Sequence[str]) -> int:
     content, told = {}, []
     table = Table("image", "stack", "worst case", "budget", "deepest", title="Stacks in bytes", title_justify="left")
     for image, folder in folders.items():
-        rules = rules_of(image, budget)
         try:
+            rules = rules_of(image, budget)
             graph = image_graph(Path(folder), rules["objdump"], budget["indirect"])
             content[image] = {stack: worst_case(graph, rules[stack]) for stack in ("thread", "exceptions")}
         except UnboundedError as error:
@@ -166,6 +169,7 @@ def main(argv: Sequence[str]) -> int:
     report.write_text(json.dumps(content, indent=1) + "\n")
     for line in told:
         print(f"make stack: {line}", file=sys.stderr)
+    print(f"make stack: {'beyond' if told else 'within'} {argv[0]}")
     return 1 if told else 0
 
 

@@ -131,13 +131,17 @@ static bool await_done(void) {
     char bytes[READ_BYTES];
     struct pollfd line = {.fd = remote.fd, .events = POLLIN};
     for (;;) {
-        if (poll(&line, 1, PATIENCE_MS) <= 0) {
+        const int ready = poll(&line, 1, PATIENCE_MS);
+        if (ready < 0 && errno == EINTR) {
+            return false; /* the run is interrupted */
+        }
+        if (ready <= 0) {
             world_fail(remote.world, "the image did not answer for a minute");
             return false;
         }
         const ssize_t count = read(remote.fd, bytes, sizeof bytes);
         if (count <= 0) {
-            world_fail(remote.world, "the serial line to the image was closed");
+            world_fail(remote.world, "the serial line to the image was closed: has the emulator ended?");
             return false;
         }
         if (take_bytes(bytes, count)) {

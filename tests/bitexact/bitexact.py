@@ -142,7 +142,9 @@ def main(argv: list[str]) -> int:
     report.parent.mkdir(parents=True, exist_ok=True)
     report.write_text(json.dumps({"smoke": smoke, "builds": [asdict(result) for result in results]}, indent=1) + "\n")
     show(results)
-    return any(result.differs_at_tick is not None for result in results)
+    differs = any(result.differs_at_tick is not None for result in results)
+    print("make bitexact: not all are equal" if differs else "make bitexact: all that ran are equal")
+    return differs
 
 
 if __name__ == "__main__":
