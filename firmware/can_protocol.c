@@ -24,14 +24,14 @@ static bool is_authentic(protocol_receiver_t *self, const can_frame_t *frame, fr
 }
 
 bool protocol_find(uint16_t id, frame_kind_t *kind) {
-    /* Most are the joints', one id after the other. */
-    const int joint = id - frame_table[FRAME_JOINT_STATE0].id;
-    int i = joint >= 0 && joint < ARM_MAX_JOINTS ? (int)FRAME_JOINT_STATE0 + joint : 0;
-    while (i < FRAME_KIND_COUNT && frame_table[i].id != id) {
-        i++;
+#define ID_CASE(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                        \
+    case id:                                                                                                         \
+        *kind = FRAME_##name;                                                                                        \
+        return true;
+    switch (id) { /* the compiler searches faster than a loop over the table */
+        COMANIP_FRAMES(ID_CASE)
+    default: return false;
     }
-    *kind = (frame_kind_t)i;
-    return i < FRAME_KIND_COUNT;
 }
 
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame) {
