@@ -83,6 +83,8 @@ def test_wrong_use(tmp_path):
     assert pil().returncode == EXIT_WRONG_USE
     refused = pil("no-such-emulator -machine x", "x.elf", PROGRAM)
     assert refused.returncode == EXIT_WRONG_USE and "no-such-emulator is not installed" in refused.stderr
+    built = make(str(PROGRAM.relative_to(REPOSITORY)))  # no compiler for a target is needed
+    assert built.returncode == 0, built.stderr
     alone = subprocess.run([PROGRAM, "--serial", tmp_path / "nothing"], capture_output=True, text=True, check=False)
     assert alone.returncode == EXIT_WRONG_USE and "no serial line there" in alone.stderr
     no_board = make("pil", "BOARD=arduino")
