@@ -135,10 +135,10 @@ target-check:
 	@case ' $(TARGET_PROFILES) ' in *' $(TARGET_PROFILE) '*) ;; *) \
 	    echo "make: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac
 	@missing=; \
-	$(foreach image,$(IMAGES), \
-	    command -v $($(image).prefix)gcc >/dev/null && \
-	    test "$$($($(image).prefix)gcc -print-file-name=$($(image).specs))" != "$($(image).specs)" || \
-	    missing="$$missing $($(image).prefix)gcc with $($(image).specs),";) \
+	$(foreach compiler,$(sort $(foreach image,$(IMAGES),$($(image).prefix)gcc:$($(image).specs))), \
+	    compiler=$(word 1,$(subst :, ,$(compiler))); specs=$(word 2,$(subst :, ,$(compiler))); \
+	    command -v $$compiler >/dev/null && test "$$($$compiler -print-file-name=$$specs)" != $$specs || \
+	    missing="$$missing $$compiler with $$specs,";) \
 	if [ -n "$$missing" ]; then \
 	    echo "make target: not found:$${missing%,}. On Debian or Ubuntu: make target-deps, which installs" >&2; \
 	    echo "  $(TARGET_PACKAGES)" >&2; \
