@@ -27,6 +27,7 @@ $(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard host_tools/comanip/arm_*.py) ho
 	@cp $< $(@D)
 	$(Q)$(PYTHON) -m comanip.arm_codegen $(@:.c=.toml) >/dev/null
 
+.SECONDARY: $(BENCH_ARMS:%=$(BENCH)/%.c) # not to be removed when they have been compiled
 BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH) -Ifirmware/arms
 $(BENCH)/%.o: $(BENCH)/%.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES)
 	@echo "  CC $<"
