@@ -171,7 +171,7 @@ protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t
 }
 
 void joint_command_unpack(const can_frame_t *frame, joint_command_t *message) {
-    struct comanip_joint_cmd_t raw; /* all of it is set below: an initialiser would first write zeros */
+    struct comanip_joint_cmd_t raw;
     (void)comanip_joint_cmd_unpack(&raw, frame->data, frame->length);
 #define UNPACK_JOINT(i)                                                                                              \
     message->mode[i] = (drive_mode_t)raw.mode_##i;                                                                   \
@@ -393,7 +393,7 @@ protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *fram
     uint16_t bit = 1;
 #define PACK_COUNTER(kind, signal)                                                                                   \
     raw.signal##_counter = message->last[kind].counter;                                                              \
-    raw.received = (uint16_t)(raw.received | (message->last[kind].started ? bit : 0u));                                  \
+    raw.received = (uint16_t)(raw.received | (message->last[kind].started ? bit : 0u));                              \
     bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(PACK_COUNTER)
     bool fits = true;

@@ -83,7 +83,7 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
 
 /* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first, and
  * afterwards the messages that they were. A frame stamped after now_us, as one that came while the inbox was filled, counts
- * as received at now_us. outbox: filled with the frames to send, in that order. */
+ * as received at now_us. outbox: its sink gets the frames to send, in that order; `save` is set. */
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox);
 
 #endif

@@ -57,6 +57,17 @@ def test_frames_keep_their_periods():
     assert count["FIRMWARE_HEARTBEAT"] == 10
 
 
+def test_a_tick_count_that_wraps_is_no_boot():
+    """After 2^32 ticks, 50 days, it is 0 again; the heartbeat is then due (CANopen: 0 is boot-up, 5 operational)."""
+    bench = Bench()
+    bench.tick()
+    assert dict(bench.sent)[FRAME_ID["FIRMWARE_HEARTBEAT"]] == bytes([0])
+    bench.until_ready()
+    bench.controller.tick = 0
+    bench.tick()
+    assert dict(bench.sent)[FRAME_ID["FIRMWARE_HEARTBEAT"]] == bytes([5])
+
+
 def test_trace_can_be_switched_off():
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_TRACE, 0) == ACCEPTED

@@ -70,9 +70,6 @@ def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
     for name, layout in layouts.items():
         if layout != reference:
             raise SystemExit(f"codegen: {name} has another layout than {prefix}0: one codec serves all eight")
-    ids = [message.frame_id for message in messages if message.name in layouts]
-    if ids != list(range(ids[0], ids[0] + len(ids))):
-        raise SystemExit(f"codegen: {prefix}0..: ids {[hex(i) for i in ids]}: expected to follow each other")
 
 
 def check_joints_are_scaled_alike(message: Message) -> None:
