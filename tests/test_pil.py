@@ -85,6 +85,9 @@ def test_wrong_use(tmp_path):
     assert refused.returncode == EXIT_WRONG_USE and "no-such-emulator is not installed" in refused.stderr
     built = make(str(PROGRAM.relative_to(REPOSITORY)))  # no compiler for a target is needed
     assert built.returncode == 0, built.stderr
+    if shutil.which("qemu-system-arm"):
+        missing = pil("qemu-system-arm -machine mps2-an386", tmp_path / "none.elf", PROGRAM, "--out", tmp_path / "out", "--quiet")
+        assert missing.returncode != 0 and "none.elf" in missing.stderr
     alone = subprocess.run([PROGRAM, "--serial", tmp_path / "nothing"], capture_output=True, text=True, check=False)
     assert alone.returncode == EXIT_WRONG_USE and "no serial line there" in alone.stderr
     no_board = make("pil", "BOARD=arduino")

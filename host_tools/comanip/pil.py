@@ -47,7 +47,10 @@ def main(argv: Sequence[str]) -> int:
                 return complain(f"{machine[0]} ended: {emulator.stderr.read().strip()}")
             if "--quiet" not in options:
                 print(f"{image} in {' '.join(machine)}", flush=True)
-            return subprocess.run([program, "--serial", str(serial), *options], check=False).returncode
+            status = subprocess.run([program, "--serial", str(serial), *options], check=False).returncode
+            if emulator.poll() is not None:
+                print(f"comanip.pil: {machine[0]} ended: {emulator.stderr.read().strip()}", file=sys.stderr)
+            return status
         except KeyboardInterrupt:
             return EXIT_INTERRUPTED
         finally:
