@@ -27,61 +27,60 @@ static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4
     }
 }
 
+/* The matrix of v -> scale rotation v conj(rotation). */
 static void fold_displacement(quaternion_t rotation, float scale, float carry[3][3]) {
-    for (int column = 0; column < 3; column++) {
-        const vector3_t unit = {column == 0 ? scale : 0.0f, column == 1 ? scale : 0.0f, column == 2 ? scale : 0.0f};
-        const vector3_t carried = quaternion_rotate(rotation, unit);
-        carry[0][column] = carried.x;
-        carry[1][column] = carried.y;
-        carry[2][column] = carried.z;
-    }
+    const float w = rotation.w, x = rotation.x, y = rotation.y, z = rotation.z;
+    const float twice = scale + scale;
+    const float ww = w * w - 0.5f, xx = x * x, yy = y * y, zz = z * z;
+    const float wx = w * x, wy = w * y, wz = w * z, xy = x * y, xz = x * z, yz = y * z;
+    carry[0][0] = twice * (ww + xx);
+    carry[0][1] = twice * (xy - wz);
+    carry[0][2] = twice * (xz + wy);
+    carry[1][0] = twice * (xy + wz);
+    carry[1][1] = twice * (ww + yy);
+    carry[1][2] = twice * (yz - wx);
+    carry[2][0] = twice * (xz - wy);
+    carry[2][1] = twice * (yz + wx);
+    carry[2][2] = twice * (ww + zz);
 }
 
-/* What changes with the poses at the start, and with how the person stands. */
-static void fold_start(cooperation_t *self) {
-    fold_displacement(quaternion_conjugate(self->config.tracker_rotation), self->config.motion_scale, self->loop.carry);
-    self->loop.virtual_hand_start_m =
-        dual_quaternion_translation(dual_quaternion_multiply(self->hand_start_in_torso, self->virtual_hand_start));
-}
+/* ---- start, and changes */
 
-/* ---- start, and changes, as the paper writes them */
+/* conj(a) b: where b is, seen from a. */
+static pose_t seen_from(pose_t a, pose_t b) {
+    const quaternion_t back = quaternion_conjugate(a.rotation);
+    const vector3_t way = vector3_add(b.translation_m, vector3_scale(a.translation_m, -1.0f));
+    return (pose_t){quaternion_multiply(back, b.rotation), quaternion_rotate(back, way)};
+}
 
 /* q_R0^T moved by the person's start offset, seen by a person who stands as q_inv says: q_Rv0^Tv q_inv. */
-static dual_quaternion_t virtual_hand_at_start(const cooperation_t *self, dual_quaternion_t robot) {
-    dual_quaternion_t offset = dual_quaternion_from_pose(quaternion_identity, self->config.start_offset_m);
-    dual_quaternion_t q_inv = {self->task.q_inv, {0.0f, 0.0f, 0.0f, 0.0f}};
-    return dual_quaternion_multiply(dual_quaternion_multiply(offset, robot), q_inv);
+static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
+    return (pose_t){
+        quaternion_multiply(robot.rotation, self->task.q_inv),
+        vector3_add(robot.translation_m, self->config.start_offset_m),
+    };
 }
 
-static void set_hand_start(cooperation_t *self, pose_t hand) {
-    dual_quaternion_t from_tracker = {quaternion_conjugate(self->config.tracker_rotation), {0.0f, 0.0f, 0.0f, 0.0f}};
-    self->hand_start_in_torso = dual_quaternion_multiply(from_tracker, pose_to_dual_quaternion(hand)); /* equation (8) */
+/* From here on the hand's displacement counts from `hand`, and the virtual hand's from `virtual_hand`. Of q_Hv0^H0 =
+ * conj(q_H0^Tv) q_Hv0^Tv, the last line of Algorithm 1's initialisation, the loop needs the rotation only. */
+static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
+    const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
+    const quaternion_t hand_in_torso = quaternion_multiply(from_tracker, hand.rotation); /* equation (8) */
+    self->virtual_hand_start = quaternion_multiply(quaternion_conjugate(hand_in_torso), virtual_hand.rotation);
+    self->settled = false;
     self->loop.hand_start_m = hand.translation_m;
+    self->loop.virtual_hand_start_m = virtual_hand.translation_m;
     self->forward_displacement_m = 0.0f;
 }
 
-static void set_virtual_hand_start(cooperation_t *self, dual_quaternion_t virtual_hand_start) {
-    self->virtual_hand_start = virtual_hand_start;
-    self->settled = false;
-    fold_start(self);
-}
-
-/* q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, the last line of Algorithm 1's initialisation. */
-static void place_virtual_hand(cooperation_t *self, dual_quaternion_t virtual_hand) {
-    set_virtual_hand_start(self,
-                           dual_quaternion_multiply(dual_quaternion_conjugate(self->hand_start_in_torso), virtual_hand));
-}
-
 /* q_Hv^Tv of the latest hand: q_R^Tv q_task. */
-static dual_quaternion_t virtual_hand(const cooperation_t *self) {
-    const pose_t relation = task_relation_at(&self->relation, self->forward_displacement_m);
-    return pose_to_dual_quaternion(pose_multiply(self->target, relation));
+static pose_t virtual_hand(const cooperation_t *self) {
+    return pose_multiply(self->target, task_relation_at(&self->relation, self->forward_displacement_m));
 }
 
 /* Equation (1): q_task of a robot that stands so while the virtual hand is there. */
-static task_relation_t performed_relation(dual_quaternion_t robot, dual_quaternion_t hand) {
-    dual_quaternion_t relation = dual_quaternion_multiply(dual_quaternion_conjugate(robot), hand);
-    return (task_relation_t){pose_from_dual_quaternion(relation), 0.0f};
+static task_relation_t performed_relation(pose_t robot, pose_t hand) {
+    return (task_relation_t){seen_from(robot, hand), 0.0f};
 }
 
 static task_relation_t relation_in_force(const cooperation_t *self, float blend) {
@@ -96,11 +95,10 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
     self->config = *config;
     self->task = *task;
     self->latched = false;
-    set_hand_start(self, hand);
-    dual_quaternion_t robot_start = pose_to_dual_quaternion(robot);
-    dual_quaternion_t virtual_hand_start = virtual_hand_at_start(self, robot_start);
-    place_virtual_hand(self, virtual_hand_start);
-    self->blend_from = performed_relation(robot_start, virtual_hand_start);
+    fold_displacement(quaternion_conjugate(config->tracker_rotation), config->motion_scale, self->loop.carry);
+    const pose_t virtual_hand = virtual_hand_at_start(self, robot);
+    take_reference(self, hand, virtual_hand);
+    self->blend_from = performed_relation(robot, virtual_hand);
     self->relation = self->blend_from;
     self->target = robot;
 }
@@ -108,21 +106,21 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
 void cooperation_select(cooperation_t *self, const task_t *task) {
     /* How the person stands may change with the task: the virtual hand turns by conj(old q_inv) new q_inv, and what was
      * the relation until now is expressed by the turned hand, so that the target does not move. */
-    dual_quaternion_t turn = {quaternion_multiply(quaternion_conjugate(self->task.q_inv), task->q_inv),
-                              {0.0f, 0.0f, 0.0f, 0.0f}};
-    dual_quaternion_t turned_hand = dual_quaternion_multiply(virtual_hand(self), turn);
-    set_virtual_hand_start(self, dual_quaternion_multiply(self->virtual_hand_start, turn));
+    const quaternion_t turn = quaternion_multiply(quaternion_conjugate(self->task.q_inv), task->q_inv);
+    pose_t turned_hand = virtual_hand(self);
+    turned_hand.rotation = quaternion_multiply(turned_hand.rotation, turn);
+    self->virtual_hand_start = quaternion_multiply(self->virtual_hand_start, turn);
+    self->settled = false;
     self->task = *task;
     self->latched = false;
-    self->blend_from = performed_relation(pose_to_dual_quaternion(self->target), turned_hand);
+    self->blend_from = performed_relation(self->target, turned_hand);
     self->relation = self->blend_from;
 }
 
 void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float blend) {
-    set_hand_start(self, hand);
     self->relation = relation_in_force(self, blend);
     self->target = robot;
-    place_virtual_hand(self, virtual_hand(self));
+    take_reference(self, hand, pose_multiply(robot, self->relation.pose));
 }
 
 static void latch(cooperation_t *self, pose_t relation) {
@@ -136,33 +134,37 @@ void cooperation_latch(cooperation_t *self) {
 }
 
 void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
-    latch(self, performed_relation(pose_to_dual_quaternion(robot), virtual_hand(self)).pose);
+    latch(self, performed_relation(robot, virtual_hand(self)).pose);
 }
 
 /* ---- the loop */
 
-/* What changes as long as a task comes into force. Not in line, so that the loop keeps its registers. */
-__attribute__((noinline)) static void fold_relation(cooperation_t *self, float blend) {
+/* The target's rotation as long as a task comes into force. Not in line, so that the loop keeps its registers. */
+__attribute__((noinline)) static quaternion_t turn_and_settle(cooperation_t *self, const quaternion_t *hand, float blend) {
     self->relation = relation_in_force(self, blend);
-    self->settled = self->latched || blend >= 1.0f;
+    const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
     const quaternion_t right =
-        quaternion_multiply(self->virtual_hand_start.primary, quaternion_conjugate(self->relation.pose.rotation));
-    fold_rotation(quaternion_conjugate(self->config.tracker_rotation), right, self->loop.turn);
+        quaternion_multiply(self->virtual_hand_start, quaternion_conjugate(self->relation.pose.rotation));
+    if (self->latched || blend >= 1.0f) {
+        self->settled = true;
+        fold_rotation(left, right, self->loop.turn);
+    }
+    return quaternion_multiply(quaternion_multiply(left, *hand), right);
 }
 
-void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
-    if (!self->settled) {
-        fold_relation(self, blend);
-    }
-    const cooperation_loop_t *loop = &self->loop;
-    const float(*turn)[4] = loop->turn;
-    const float w = hand->rotation.w, x = hand->rotation.x, y = hand->rotation.y, z = hand->rotation.z;
-    const quaternion_t r = {
+static inline quaternion_t turn_settled(const float turn[4][4], const quaternion_t *hand) {
+    const float w = hand->w, x = hand->x, y = hand->y, z = hand->z;
+    return (quaternion_t){
         (turn[0][0] * w + turn[0][1] * x) + (turn[0][2] * y + turn[0][3] * z),
         (turn[1][0] * w + turn[1][1] * x) + (turn[1][2] * y + turn[1][3] * z),
         (turn[2][0] * w + turn[2][1] * x) + (turn[2][2] * y + turn[2][3] * z),
         (turn[3][0] * w + turn[3][1] * x) + (turn[3][2] * y + turn[3][3] * z),
     };
+}
+
+void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
+    const cooperation_loop_t *loop = &self->loop;
+    const quaternion_t r = self->settled ? turn_settled(loop->turn, &hand->rotation) : turn_and_settle(self, &hand->rotation, blend);
     const float(*carry)[3] = loop->carry;
     const float t_x = hand->translation_m.x - loop->hand_start_m.x;
     const float t_y = hand->translation_m.y - loop->hand_start_m.y;

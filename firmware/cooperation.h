@@ -3,8 +3,8 @@
  * Names follow the paper: E is the tracker, T the robot's torso, Tv the virtual torso (tracker's origin, torso's axes),
  * H0 the human's hand at the start, Hv the virtual hand.
  *
- * What starts or changes a cooperation is the paper's dual quaternions, line by line. The loop is the same in closed form: its
- * constant factors are folded into one 4 x 4 matrix for the hand's rotation and one 3 x 3 for its displacement. */
+ * The paper's products of dual quaternions, written as rotation and translation, without what cancels. In the loop the constant
+ * factors are folded into one 4 x 4 matrix for the hand's rotation and one 3 x 3 for its displacement. */
 #ifndef COMANIP_COOPERATION_H
 #define COMANIP_COOPERATION_H
 
@@ -30,10 +30,9 @@ typedef struct {
 typedef struct {
     cooperation_config_t config;
     task_t task;
-    dual_quaternion_t hand_start_in_torso; /* q_H0^Tv, equation (8) */
-    dual_quaternion_t virtual_hand_start;  /* q_Hv0^H0 */
-    task_relation_t relation;              /* the q_task in force */
-    task_relation_t blend_from;            /* the q_task that the present one is blended from */
+    quaternion_t virtual_hand_start; /* rotation of q_Hv0^H0 */
+    task_relation_t relation;        /* the q_task in force */
+    task_relation_t blend_from;      /* the q_task that the present one is blended from */
     bool latched;
     bool settled; /* the loop's constants are those of the relation in force, which does not change any more */
     cooperation_loop_t loop;
