@@ -24,6 +24,9 @@ typedef struct {
     float velocity_max_radps; /* > 0, at most 32 */
 } arm_joint_t;
 
+/* The hand's pose, as arm_forward_kinematics(). */
+typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
+
 /* Law (4) where it is isotropic; as velocity_control(), which calls it. */
 typedef void arm_isotropic_law_t(const arm_t *arm, const struct velocity_control_config *config,
                                  const struct velocity_request *request, float velocity_radps[]);
@@ -34,7 +37,8 @@ struct arm {
     uint8_t joint_count; /* 1..ARM_MAX_JOINTS */
     const arm_joint_t *joints;
     pose_t effector; /* from the last joint's moving frame to the hand */
-    arm_isotropic_law_t *isotropic; /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
+    arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or what `make arms` wrote for just this arm */
+    arm_isotropic_law_t *isotropic;       /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
 };
 
 /* The hand seen from the torso, and each joint's axis seen from the hand, a line: its direction, and its moment about the hand's
@@ -48,7 +52,8 @@ typedef struct {
 /* NULL if the table is within the ranges above, else a line that names the defect. */
 const char *arm_check(const arm_t *arm);
 
-/* Hand pose seen from the torso (equation (3)). position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
+/* Hand pose seen from the torso (equation (3)), of any arm; arm->forward_kinematics() is faster where it can be. position_rad:
+ * joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
 /* Of the arm's joints. */

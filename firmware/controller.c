@@ -61,7 +61,7 @@ static void sense(controller_t *self, uint32_t now_us) {
 
 /* The robot's measured hand in the torso frame, this tick: asked for only where a reference is taken. */
 static pose_t robot_pose(const controller_t *self) {
-    return arm_forward_kinematics(self->arm, self->joints.position_rad);
+    return self->arm->forward_kinematics(self->arm, self->joints.position_rad);
 }
 
 static void supervise(controller_t *self, uint32_t now_us) {

@@ -1,5 +1,10 @@
 #include "cooperation.h"
 
+/* Not in line: a start is rare, and its code shall be small. */
+__attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion_t b) {
+    return quaternion_multiply(a, b);
+}
+
 /* ---- the loop's constants
  *
  * With q_H^E = (r, t), its start (r_0, t_0), the tracker's rotation c = conj(q_Tv^E), the scale s, and q_Hv0^H0 = (r_v, t_v), the
@@ -19,7 +24,7 @@ static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4
         {-left.z, left.y, -left.x, left.w},
     };
     for (int column = 0; column < 4; column++) {
-        const quaternion_t turned = quaternion_multiply(times_unit[column], right);
+        const quaternion_t turned = product(times_unit[column], right);
         turn[0][column] = turned.w;
         turn[1][column] = turned.x;
         turn[2][column] = turned.y;
@@ -50,13 +55,13 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
 static pose_t seen_from(pose_t a, pose_t b) {
     const quaternion_t back = quaternion_conjugate(a.rotation);
     const vector3_t way = vector3_add(b.translation_m, vector3_scale(a.translation_m, -1.0f));
-    return (pose_t){quaternion_multiply(back, b.rotation), quaternion_rotate(back, way)};
+    return (pose_t){product(back, b.rotation), quaternion_rotate(back, way)};
 }
 
 /* q_R0^T moved by the person's start offset, seen by a person who stands as q_inv says: q_Rv0^Tv q_inv. */
 static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     return (pose_t){
-        quaternion_multiply(robot.rotation, self->task.q_inv),
+        product(robot.rotation, self->task.q_inv),
         vector3_add(robot.translation_m, self->config.start_offset_m),
     };
 }
@@ -65,8 +70,8 @@ static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
  * conj(q_H0^Tv) q_Hv0^Tv, the last line of Algorithm 1's initialisation, the loop needs the rotation only. */
 static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
     const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
-    const quaternion_t hand_in_torso = quaternion_multiply(from_tracker, hand.rotation); /* equation (8) */
-    self->virtual_hand_start = quaternion_multiply(quaternion_conjugate(hand_in_torso), virtual_hand.rotation);
+    const quaternion_t hand_in_torso = product(from_tracker, hand.rotation); /* equation (8) */
+    self->virtual_hand_start = product(quaternion_conjugate(hand_in_torso), virtual_hand.rotation);
     self->settled = false;
     self->loop.hand_start_m = hand.translation_m;
     self->loop.virtual_hand_start_m = virtual_hand.translation_m;
@@ -106,10 +111,10 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
 void cooperation_select(cooperation_t *self, const task_t *task) {
     /* How the person stands may change with the task: the virtual hand turns by conj(old q_inv) new q_inv, and what was
      * the relation until now is expressed by the turned hand, so that the target does not move. */
-    const quaternion_t turn = quaternion_multiply(quaternion_conjugate(self->task.q_inv), task->q_inv);
+    const quaternion_t turn = product(quaternion_conjugate(self->task.q_inv), task->q_inv);
     pose_t turned_hand = virtual_hand(self);
-    turned_hand.rotation = quaternion_multiply(turned_hand.rotation, turn);
-    self->virtual_hand_start = quaternion_multiply(self->virtual_hand_start, turn);
+    turned_hand.rotation = product(turned_hand.rotation, turn);
+    self->virtual_hand_start = product(self->virtual_hand_start, turn);
     self->settled = false;
     self->task = *task;
     self->latched = false;
@@ -144,12 +149,12 @@ __attribute__((noinline)) static quaternion_t turn_and_settle(cooperation_t *sel
     self->relation = relation_in_force(self, blend);
     const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
     const quaternion_t right =
-        quaternion_multiply(self->virtual_hand_start, quaternion_conjugate(self->relation.pose.rotation));
+        product(self->virtual_hand_start, quaternion_conjugate(self->relation.pose.rotation));
     if (self->latched || blend >= 1.0f) {
         self->settled = true;
         fold_rotation(left, right, self->loop.turn);
     }
-    return quaternion_multiply(quaternion_multiply(left, *hand), right);
+    return product(product(left, *hand), right);
 }
 
 static inline quaternion_t turn_settled(const float turn[4][4], const quaternion_t *hand) {

@@ -19,31 +19,43 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
 
 /* ---- Profile 5 */
 
-/* CRC-16/CCITT of up to four more bytes, in the lower half of the result, without a table. With y(x) the remainder so far and the bytes,
- * y x^16 = q P + remainder, where the polynomial P = x^16 + x^12 + x^5 + 1. q is y + D y + D^2 y + ... with D y the part of
- * y (x^12 + x^5 + 1) that overflows 16 bits. That is (1 + D) (1 + D^2) (1 + D^4) y, and squares have no mixed terms modulo 2. */
-static uint32_t crc16(uint32_t y) {
+/* CRC-16/CCITT by words, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1, and modulo 2 squares have no mixed terms: P^2 =
+ * x^32 + x^24 + x^10 + 1. The remainder by it is a word, of which the remainder by P is taken in the end.
+ *
+ * With y the part that moves out at the top, its quotient is y + D y + D^2 y + ... with D y what overflows again, here of y (x^24 + x^10 +
+ * 1). That is (1 + D) (1 + D^2) (1 + D^4) ... y. */
+static uint32_t crc_word(uint32_t crc, uint32_t word) {
+    uint32_t q = crc ^ crc >> 8 ^ crc >> 22;
+    q ^= q >> 16;
+    return word ^ q ^ q << 10 ^ q << 24;
+}
+
+/* y x^16 modulo P. */
+static uint32_t crc_end(uint32_t y) {
     uint32_t q = y ^ y >> 4 ^ y >> 11 ^ y >> 16;
     q ^= q >> 8 ^ q >> 22;
     q ^= q >> 16;
-    return q ^ q << 5 ^ q << 12;
+    return (q ^ q << 5 ^ q << 12) & 0xFFFFu;
 }
+
+#define CRC_START 0x84CFu /* x^-16 0xFFFF modulo P: what is before the first word, so that the CRC starts from 0xFFFF */
 
 static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
     const uint32_t id = (data_id & 0xFFu) << 8 | data_id >> 8;
-    uint32_t crc = 0xFFFFu;
+    uint32_t words = CRC_START;
     int i = 2;
     for (; i + 4 <= length; i += 4) {
         const uint8_t *byte = &data[i];
-        crc = crc16(crc << 16 ^ ((uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3]));
+        words = crc_word(words, (uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3]);
     }
     if (i + 2 == length) { /* as a rule: lengths are multiples of 4 */
-        return (uint16_t)crc16(crc << 16 ^ (uint32_t)data[i] << 24 ^ (uint32_t)data[i + 1] << 16 ^ id);
+        return (uint16_t)crc_end(crc_word(words, (uint32_t)data[i] << 24 | (uint32_t)data[i + 1] << 16 | id));
     }
+    uint32_t crc = crc_end(words);
     for (; i < length; i++) {
-        crc = crc << 8 ^ crc16((crc >> 8 & 0xFFu) ^ data[i]);
+        crc = (crc << 8 & 0xFFFFu) ^ crc_end(crc >> 8 ^ data[i]);
     }
-    return (uint16_t)crc16((crc & 0xFFFFu) ^ id);
+    return (uint16_t)crc_end(crc ^ id);
 }
 
 void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter) {

@@ -1,4 +1,4 @@
-"""What `make arms` writes: law (4) for one arm alone, against numpy in double precision and against the law for any arm."""
+"""What `make arms` writes: kinematics and law (4) for one arm alone, against numpy in double precision and against the law for any arm."""
 
 from __future__ import annotations
 
@@ -31,6 +31,12 @@ def solve(law, arm, configuration, q, target, blocked=0) -> np.ndarray:
     request = ffi.new("velocity_request_t *", {"position_rad": position, "target": pose, "blocked": blocked})
     law(arm.table, configuration, request, velocity)
     return np.array(list(velocity)[: arm.joint_count])
+
+
+def hand_pose(arm, q) -> tuple[np.ndarray, np.ndarray]:
+    pose = arm.table.forward_kinematics(arm.table, ffi.new("float[8]", q.tolist()))
+    rotation, translation = pose.rotation, pose.translation_m
+    return np.array([rotation.w, rotation.x, rotation.y, rotation.z]), np.array([translation.x, translation.y, translation.z])
 
 
 @pytest.fixture
@@ -158,7 +164,7 @@ RIGHT_ANGLES = (-90.0, 0.0, 90.0)
 
 @pytest.mark.parametrize("angles", ["right", "any"])
 @pytest.mark.parametrize("n", range(1, 9))
-def test_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
+def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
     """Also with the offsets and lengths of 0 that real arms have, where most is folded away."""
     right = angles == "right"
     rows = []
@@ -180,6 +186,10 @@ def test_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
     q = rng.uniform(-2.9, 2.9, (200, n)).astype(np.float32)
     targets = oracle.random_poses(rng, 200, 0.5)
     hand, jacobian = oracle.chain_kinematics(fixed, np.tile([0.0, 0, 1], (n, 1)), effector, q)
+    for row, expected in zip(q, hand, strict=True):
+        found = hand_pose(arm, row)
+        assert np.abs(found[0] - expected[:4] * np.sign(found[0] @ expected[:4])).max() < 2e-6
+        assert np.abs(found[1] - oracle.translation(expected)).max() < 2e-6
     for frame, frame_name in ((lib.ERROR_FRAME_TORSO, "torso"), (lib.ERROR_FRAME_TARGET, "target")):
         for weight in ((1.0, 1.0), (0.01, 100.0)):
             configuration = config(weight=weight, frame=frame)

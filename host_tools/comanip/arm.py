@@ -75,6 +75,7 @@ class Arm:
         table.joint_count = count
         table.joints = joints
         table.effector = _pose(effector)
+        table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics")
         table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
         defect = lib.arm_check(table)
         if defect != ffi.NULL:

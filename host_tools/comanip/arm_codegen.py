@@ -1,4 +1,4 @@
-"""``make arms``: from each firmware/arms/NAME.toml its table in C, and law (4) written out for just this arm (arm_law.py).
+"""``make arms``: from each firmware/arms/NAME.toml its table in C, with kinematics and law (4) written out for just this arm (arm_law.py).
 
 Run as ``python -m comanip.arm_codegen [FILE...]``; NAME.c and NAME.h are written beside each file, and are committed.
 """
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from comanip.arm_description import Arm, ArmError, Pose, read
-from comanip.arm_law import fewest_operations
+from comanip.arm_law import fewest_operations, forward_kinematics
 from comanip.straight_line import literal
 
 ARMS = Path(__file__).parents[2] / "firmware" / "arms"
@@ -34,13 +34,16 @@ def source(arm: Arm, origin: str) -> str:
         f'#include "{arm.name}.h"', "", '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"',
         '#include "../velocity_control_general.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
+        "/* arm_forward_kinematics() for this arm. */",
+        "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {", *forward_kinematics(arm), "}", "",
         "/* velocity_control_isotropic() for this arm. */",
         "static void isotropic(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,",
         "                      float velocity_radps[]) {",
         *fewest_operations(arm), "}", "",
         f"const arm_t arm_{arm.name} = {{",
         f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},", "    .joints = joints,",
-        f"    .effector = {pose(arm.effector)},", "    .isotropic = isotropic,", "};", "",
+        f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,",
+        "    .isotropic = isotropic,", "};", "",
     ])  # fmt: skip
 
 

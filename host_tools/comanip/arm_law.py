@@ -1,6 +1,6 @@
-"""Law (4) written out for one arm, as the lines of a C function.
+"""Law (4), and the hand's pose, written out for one arm, as the lines of C functions.
 
-It is the law of firmware/velocity_control_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
+The law is that of firmware/velocity_control_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
 neither J^T W J nor J^T W K e. Here it is seen from the frame of one of the arm's joints in the middle, where the axes are constant or
 depend on few joints; that joint is chosen for which the fewest operations remain. Joints turn about z.
 """
@@ -70,6 +70,16 @@ class Joint:
     @property
     def quaternion(self) -> Quaternion:
         return [self.half_cosine, ZERO, ZERO, self.half_sine]
+
+
+def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> list[Joint]:
+    """From the variables of the C code that are sine and cosine of half the angle, as measured: without the joint's offset."""
+    joints = []
+    for offset_deg, sine, cosine in zip(arm.offset_deg, (Term(1.0, s) for s in sines), (Term(1.0, c) for c in cosines), strict=True):
+        twice = block.whole(block.add(sine, sine))
+        full = (block.add(ONE, -block.multiply(twice, sine)), block.multiply(twice, cosine))
+        joints.append(Joint(*ahead(block, *full, offset_deg), *ahead(block, cosine, sine, offset_deg / 2)))
+    return joints
 
 
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
@@ -300,12 +310,7 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
              "    const pose_t *const target = request->target;"]  # fmt: skip
     lines += sines_and_cosines(n)
     block = Block("m")
-    joints = []
-    for i in range(n):
-        sine, cosine = Term(1.0, f"sine_{i}"), Term(1.0, f"cosine_{i}")
-        twice = block.whole(block.add(sine, sine))
-        full = (block.add(ONE, -block.multiply(twice, sine)), block.multiply(twice, cosine))
-        joints.append(Joint(*ahead(block, *full, arm.offset_deg[i]), *ahead(block, cosine, sine, arm.offset_deg[i] / 2)))
+    joints = joints_of(block, arm, *([f"{part}_{i}" for i in range(n)] for part in ("sine", "cosine")))
     target = [Term(1.0, f"target->translation_m.{axis}") for axis in "xyz"]
     rotation = [Term(1.0, f"target->rotation.{axis}") for axis in "wxyz"]
     seen = see(block, arm, joints, target, rotation, middle, right_first)
@@ -323,3 +328,22 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
 def fewest_operations(arm: Arm) -> list[str]:
     ways = [law(arm, middle, right_first) for middle in range(len(arm.twist)) for right_first in (False, True)]
     return min(ways, key=lambda lines: sum(line.count(sign) for line in lines for sign in (" + ", " - ", " * ", " / ")))
+
+
+# ---- the hand
+
+
+def forward_kinematics(arm: Arm) -> list[str]:
+    """Equation (3), from the hand towards the torso."""
+    n = len(arm.twist)
+    lines = ["    (void)arm;"]
+    lines += [f"    const sine_cosine_t half_{i} = sine_cosine(0.5f * position_rad[{i}]);" for i in range(n)]
+    block = Block("m")
+    joints = joints_of(block, arm, *([f"half_{i}.{part}" for i in range(n)] for part in ("sine", "cosine")))
+    rotation, translation = constants(arm.effector.rotation), constants(arm.effector.translation_m)
+    for joint, twist in zip(reversed(joints), reversed(arm.twist), strict=True):
+        rotation = quaternion_product(block, constants(twist.rotation), quaternion_product(block, joint.quaternion, rotation))
+        translation = add(block, rotated(block, twist.matrix, joint.turned(block, translation)), constants(twist.translation_m))
+    lines += block.text([*rotation, *translation])
+    members = [", ".join(value(x) for x in part) for part in (rotation, translation)]
+    return [*lines, f"    return (pose_t){{{{{members[0]}}}, {{{members[1]}}}}};"]

@@ -54,7 +54,8 @@ class Block:
             return b if a.is_zero else a
         if a.variable == b.variable:
             total = a.factor + b.factor
-            return Term(total, a.variable if total else None)
+            cancels = abs(total) < 1e-12 * abs(a.factor)
+            return ZERO if cancels else Term(total, a.variable)
         if a.variable is None:
             a, b = b, a
         if b.variable is None:

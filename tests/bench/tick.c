@@ -41,7 +41,8 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};
     }
     self->arm = (arm_t){.joint_count = (uint8_t)model->joint_count, .joints = self->joints,
-                        .effector = pose(&model->fixed[7 * model->joint_count]), .isotropic = velocity_control_isotropic};
+                        .effector = pose(&model->fixed[7 * model->joint_count]), .forward_kinematics = arm_forward_kinematics,
+                        .isotropic = velocity_control_isotropic};
 }
 
 tick_t *tick_create(const tick_model_t *model) {
@@ -61,7 +62,7 @@ tick_t *tick_create(const tick_model_t *model) {
     tick_set(self, model->start_rad);
     const cooperation_config_t config = {.tracker_rotation = quaternion_identity, .motion_scale = 1.0f};
     cooperation_start(&self->cooperation, &config, &task_table[TASK_POUR], self->hand[0],
-                      arm_forward_kinematics(&self->arm, self->position_rad));
+                      self->arm.forward_kinematics(&self->arm, self->position_rad));
     return self;
 }
 

@@ -58,7 +58,7 @@ static void run_state(const record_t *record, const controller_t *controller) {
     cooperation = (cooperation_t){0};
     config = controller->velocity_control_config;
     cooperation_start(&cooperation, &controller->cooperation_config, &task_table[record->count], pose_identity,
-                      arm_forward_kinematics(&arm_hoap3_right, state.position_rad));
+                      arm_hoap3_right.forward_kinematics(&arm_hoap3_right, state.position_rad));
     ticks(state.position_rad, &state.hand);
 }
 

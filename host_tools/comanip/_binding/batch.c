@@ -35,7 +35,7 @@ void batch_pose_from_matrix(size_t count, const float matrix[], const vector3_t 
 
 void batch_forward_kinematics(const arm_t *arm, size_t count, const float position_rad[], dual_quaternion_t out[]) {
     for (size_t row = 0; row < count; row++) {
-        out[row] = pose_to_dual_quaternion(arm_forward_kinematics(arm, &position_rad[row * arm->joint_count]));
+        out[row] = pose_to_dual_quaternion(arm->forward_kinematics(arm, &position_rad[row * arm->joint_count]));
     }
 }
 
