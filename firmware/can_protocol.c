@@ -68,8 +68,7 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
     const float scaled = value * per_unit;
     const float limit = float_is_negative(scaled) ? -(float)minimum : (float)maximum;
     if (float_magnitude_bits(scaled) <= float_magnitude_bits(limit)) {
-        /* Half more is cut off again, and not rounded up, as raw values have 24 bits at most: the code generator checks it. */
-        return (int32_t)(scaled + __builtin_copysignf(0.5f, scaled));
+        return float_nearest(scaled); /* raw values have 24 bits at most: the code generator checks it */
     }
     *fits = false;
     return 0;

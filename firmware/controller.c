@@ -17,7 +17,7 @@ static float tick_s(const controller_t *self) {
 
 static void apply_parameters(controller_t *self) {
     parameters_velocity_control(&self->parameters, &self->velocity_control_config);
-    parameters_joint_limits(&self->parameters, &self->joint_limits_config);
+    parameters_joint_limits(&self->parameters, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
 }
@@ -293,7 +293,7 @@ static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
     uint8_t more;
     do { /* once, and once more whenever joints turn out to be blocked: 1 + joint_count times at most */
         velocity_control(self->arm, &self->velocity_control_config, &request, wanted_radps);
-        more = (uint8_t)(~request.blocked & joint_limits_blocked(self->arm, &self->joint_limits_config, tick_s(self),
+        more = (uint8_t)(~request.blocked & joint_limits_blocked(self->arm, &self->joint_limits_config,
                                                          self->joints.position_rad, wanted_radps));
         request.blocked = (uint8_t)(request.blocked | more);
     } while (more != 0u);
@@ -432,8 +432,8 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     end_save(self, inbox, outbox);
     obey(self, inbox, outbox);
     aim(self, wanted_radps);
-    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, tick_s(self),
-                                      self->joints.position_rad, wanted_radps);
+    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
+                                      wanted_radps);
     encode(self, now_us, outbox);
     self->tick++;
 }

@@ -25,4 +25,12 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
+/* The nearest whole number, away from 0 where two are; of up to 2^23. */
+static inline int32_t float_nearest(float x) {
+    const uint32_t half_bits = (float_bits(x) & 0x80000000u) | 0x3F000000u;
+    float half;
+    memcpy(&half, &half_bits, sizeof half);
+    return (int32_t)(x + half);
+}
+
 #endif

@@ -21,14 +21,19 @@ static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* Largest speed from which a joint still stops within the distance. Until a command acts, the joint travels on with the
- * commands under way, which while it brakes are the faster the older they are: (v + a delay)^2 / (2 a) = distance. */
-static float stopping_speed(float distance_rad, float acceleration_radps2, float delay_s) {
+/* The largest speed, up to speed_max_radps, from which a joint still stops within the distance. Until a command acts, the joint travels on
+ * with the commands under way, which while it brakes are the faster the older they are: (v + a delay)^2 / (2 a) = distance. */
+static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad, float speed_max_radps) {
     if (distance_rad <= 0.0f) {
         return 0.0f;
     }
-    float speed = __builtin_sqrtf(2.0f * acceleration_radps2 * distance_rad) - acceleration_radps2 * delay_s;
-    return speed > 0.0f ? speed : 0.0f;
+    const float squared = 2.0f * plan->braking_radps2 * distance_rad;
+    const float fastest_radps = speed_max_radps + plan->coasting_radps;
+    if (fastest_radps * fastest_radps <= squared) { /* as a rule: without a square root */
+        return speed_max_radps;
+    }
+    const float speed = __builtin_sqrtf(squared) - plan->coasting_radps;
+    return speed > 0.0f ? smaller(speed, speed_max_radps) : 0.0f;
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
@@ -42,13 +47,7 @@ static float approach_speed(float wanted_speed_radps, float linear_radps) {
     return __builtin_sqrtf(linear_radps * (2.0f * wanted_speed_radps - linear_radps));
 }
 
-/* In steps of the bus's resolution, which every command is a whole number of. */
-static int32_t nearest_step(float velocity_radps) {
-    float steps = velocity_radps * VELOCITY_STEPS_PER_RADPS;
-    return (int32_t)(steps + __builtin_copysignf(0.5f, steps));
-}
-
-/* The speed that is not above this one. */
+/* The speed that is not above this one, in steps of the bus's resolution, which every command is a whole number of. */
 static int32_t steps_below(float speed_radps) {
     return (int32_t)(speed_radps * VELOCITY_STEPS_PER_RADPS + ROUNDING_STEPS);
 }
@@ -57,54 +56,56 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* What a tick can change. */
-static int32_t change_max_steps(const joint_limits_config_t *config, float tick_s) {
-    return steps_below(config->acceleration_max_radps2 * tick_s);
-}
-
-/* The deceleration to plan with. */
-static float braking(const joint_limits_config_t *config, float tick_s) {
-    return JOINT_LIMITS_BRAKING_RESERVE * (float)change_max_steps(config, tick_s) * VELOCITY_RESOLUTION_RADPS / tick_s;
+void joint_limits_prepare(joint_limits_config_t *config) {
+    const int32_t change_max_steps = steps_below(config->acceleration_max_radps2 * config->tick_s);
+    const float change_max_radps = (float)change_max_steps * VELOCITY_RESOLUTION_RADPS;
+    const float braking_radps2 = JOINT_LIMITS_BRAKING_RESERVE * change_max_radps / config->tick_s;
+    const float delay_s = config->command_delay_s + config->tick_s; /* a command stays for a tick */
+    config->plan = (joint_limits_plan_t){
+        .change_max_steps = change_max_steps,
+        .braking_radps2 = braking_radps2,
+        .linear_radps = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX,
+        .coasting_radps = braking_radps2 * delay_s,
+        .near_end_rad = JOINT_LIMITS_AT_LIMIT_RAD + 0.5f * braking_radps2 * delay_s * delay_s,
+    };
 }
 
 void joint_limits_init(joint_limits_t *self) {
     *self = (joint_limits_t){0};
 }
 
-bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                        const float measured_rad[], const float wanted_radps[]) {
-    const int32_t change_steps = change_max_steps(config, tick_s);
-    const float braking_radps2 = braking(config, tick_s);
-    const float linear_radps = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX;
-    const float delay_s = config->command_delay_s + tick_s; /* a command stays for a tick */
+bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
+                        const float wanted_radps[]) {
+    const joint_limits_plan_t *plan = &config->plan;
+    float speed_max_radps[ARM_MAX_JOINTS];
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
+        speed_max_radps[i] = config->speed_fraction * arm->joints[i].velocity_max_radps;
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
-        float speed = __builtin_fabsf(wanted_radps[i]);
-        float allowed_radps = smaller(config->speed_fraction * arm->joints[i].velocity_max_radps,
-                                      approach_speed(speed, linear_radps));
+        const float speed = __builtin_fabsf(wanted_radps[i]);
+        const float allowed_radps = smaller(speed_max_radps[i], approach_speed(speed, plan->linear_radps));
         if (speed > allowed_radps) {
             scale = smaller(scale, allowed_radps / speed);
         }
     }
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        int32_t last_steps = nearest_step(self->velocity_radps[i]);
+        const int32_t last_steps = self->velocity_steps[i];
         int32_t velocity_steps = 0;
         if (finite) {
-            velocity_steps = nearest_step(scale * wanted_radps[i]);
+            velocity_steps = float_nearest(scale * wanted_radps[i] * VELOCITY_STEPS_PER_RADPS);
             const bool upwards = velocity_steps > 0;
             const float way_rad =
                 upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
-            const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
-            const int32_t allowed_steps = steps_below(smaller(stopping_speed(way_rad, braking_radps2, delay_s), speed_max_radps));
+            const int32_t allowed_steps = steps_below(stopping_speed(plan, way_rad, speed_max_radps[i]));
             velocity_steps = clamp_steps(velocity_steps, upwards ? 0 : -allowed_steps, upwards ? allowed_steps : 0);
         }
-        velocity_steps = clamp_steps(velocity_steps, last_steps - change_steps, last_steps + change_steps);
+        velocity_steps = clamp_steps(velocity_steps, last_steps - plan->change_max_steps, last_steps + plan->change_max_steps);
+        self->velocity_steps[i] = velocity_steps;
         self->velocity_radps[i] = (float)velocity_steps * VELOCITY_RESOLUTION_RADPS;
         if (finite) { /* not quite to the ends, so that the rounded reference on the bus is within them */
-            self->position_rad[i] = clamp(measured_rad[i] + self->velocity_radps[i] * tick_s,
+            self->position_rad[i] = clamp(measured_rad[i] + self->velocity_radps[i] * config->tick_s,
                                           joint->position_min_rad + POSITION_RESOLUTION_RAD,
                                           joint->position_max_rad - POSITION_RESOLUTION_RAD);
         }
@@ -112,15 +113,14 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
     return finite;
 }
 
-uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                             const float measured_rad[], const float wanted_radps[]) {
-    const float delay_s = config->command_delay_s + tick_s;
-    const float near_rad = JOINT_LIMITS_AT_LIMIT_RAD + 0.5f * braking(config, tick_s) * delay_s * delay_s;
+uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
+                             const float wanted_radps[]) {
+    const float near_end_rad = config->plan.near_end_rad;
     uint8_t blocked = 0;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        bool above = wanted_radps[i] > 0.0f && joint->position_max_rad - measured_rad[i] < near_rad;
-        bool below = wanted_radps[i] < 0.0f && measured_rad[i] - joint->position_min_rad < near_rad;
+        bool above = wanted_radps[i] > 0.0f && joint->position_max_rad - measured_rad[i] < near_end_rad;
+        bool below = wanted_radps[i] < 0.0f && measured_rad[i] - joint->position_min_rad < near_end_rad;
         if (above || below) {
             blocked = (uint8_t)(blocked | 1u << i);
         }
@@ -130,7 +130,7 @@ uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *conf
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm) {
     for (int i = 0; i < arm->joint_count; i++) {
-        if (self->velocity_radps[i] != 0.0f) {
+        if (self->velocity_steps[i] != 0) {
             return false;
         }
     }

@@ -18,18 +18,33 @@
 /* A joint counts as standing at the end of its range so near to where its stopping speed becomes 0: there it crawls. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
+/* What follows from the config. */
 typedef struct {
+    int32_t change_max_steps;  /* of the velocity, in a tick */
+    float braking_radps2;      /* the deceleration to plan with, a */
+    float linear_radps;        /* a / K: below it the law's own speed is kept */
+    float coasting_radps;      /* a (command_delay_s + tick_s): what is lost of the stopping speed to commands under way */
+    float near_end_rad;        /* nearer to an end, a joint counts as standing there */
+} joint_limits_plan_t;
+
+typedef struct {
+    float tick_s;
     float speed_fraction;           /* 0..1 of each joint's velocity_max_radps */
     float acceleration_max_radps2;  /* > 0 */
     float command_delay_s;          /* from this tick to the drive's motion: joints travel on for so long */
     float approach_gain_per_s;      /* the law's largest gain K: what it asks is K times the way to go, so the speed from
                                        which a joint can still stop on that way is known */
+    joint_limits_plan_t plan;       /* by joint_limits_prepare() */
 } joint_limits_config_t;
+
+/* Once, after the other members of the config are set. */
+void joint_limits_prepare(joint_limits_config_t *config);
 
 /* The last command. */
 typedef struct {
     float position_rad[ARM_MAX_JOINTS]; /* where the joint is to be at the next tick, within the arm's range */
     float velocity_radps[ARM_MAX_JOINTS];
+    int32_t velocity_steps[ARM_MAX_JOINTS]; /* the same velocities, in steps of the bus's resolution */
 } joint_limits_t;
 
 void joint_limits_init(joint_limits_t *self);
@@ -37,13 +52,13 @@ void joint_limits_init(joint_limits_t *self);
 /* measured_rad, wanted_radps: joint_count values. The command is left in self; its velocities are whole multiples of the
  * bus's resolution (1 mrad/s), so that what is limited is what is sent. Returns false, and brakes, if a value is not
  * finite. */
-bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                        const float measured_rad[], const float wanted_radps[]);
+bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
+                        const float wanted_radps[]);
 
 /* The joints, a bit each, that stand at an end of their range and are asked to go beyond it. Solved again without them, the law
  * lets the other joints do what they can instead of counting on these. */
-uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, float tick_s,
-                             const float measured_rad[], const float wanted_radps[]);
+uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
+                             const float wanted_radps[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

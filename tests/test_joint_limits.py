@@ -34,15 +34,16 @@ class PerfectDrives:
         lib.joint_limits_init(self.state)
         self.config = ffi.new(
             "joint_limits_config_t *",
-            {"speed_fraction": 1.0, "acceleration_max_radps2": acceleration, "command_delay_s": 0.005}
+            {"tick_s": TICK_S, "speed_fraction": 1.0, "acceleration_max_radps2": acceleration, "command_delay_s": 0.005}
             | {"approach_gain_per_s": 100.0}
             | config,
         )
+        lib.joint_limits_prepare(self.config)
 
     def tick(self, wanted, measured=None) -> tuple[bool, np.ndarray]:
         measured = self.position_rad if measured is None else measured
         finite = lib.joint_limits_apply(
-            self.state, ARM.table, self.config, TICK_S, ffi.new("float[8]", list(measured)), ffi.new("float[8]", list(wanted))
+            self.state, ARM.table, self.config, ffi.new("float[8]", list(measured)), ffi.new("float[8]", list(wanted))
         )
         velocity = np.array(list(self.state.velocity_radps)[:N])
         self.pipe.append(velocity)
@@ -163,7 +164,6 @@ def test_a_joint_at_the_end_of_its_range_is_blocked_if_it_is_asked_to_go_on(end,
             blocked = lib.joint_limits_blocked(
                 ARM.table,
                 config,
-                1e-3,
                 ffi.new("float[8]", list(measured)),
                 ffi.new("float[8]", list(velocity)),
             )

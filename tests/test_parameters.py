@@ -90,9 +90,10 @@ def test_view_of_the_joint_limits(parameters):
     write(parameters, lib.PARAMETER_ACCELERATION_LIMIT_RADPS2, [12])
     write(parameters, lib.PARAMETER_COMMAND_DELAY_S, [0.03125])
     config = ffi.new("joint_limits_config_t *")
-    lib.parameters_joint_limits(parameters, config)
+    lib.parameters_joint_limits(parameters, 0.001, config)
     assert (config.speed_fraction, config.acceleration_max_radps2, config.command_delay_s) == (0.5, 12, 0.03125)
-    assert config.approach_gain_per_s == 77
+    assert (config.tick_s, config.approach_gain_per_s) == (np.float32(0.001), 77)
+    assert config.plan.change_max_steps == 12  # 12 rad/s2 for 1 ms, of 1 mrad/s: it is prepared
 
 
 def test_view_of_the_cooperation(parameters):
