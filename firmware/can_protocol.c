@@ -383,31 +383,31 @@ void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *mes
 #define HAND_AGE_MAX_US 0xFFFFFFu
 
 protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *frame) {
-    struct comanip_tick_trace_t raw = {
-        .now_us = message->now_us,
-        .drives_fresh = message->drives_fresh,
-        .rejected_frames = message->rejected_frames,
-    };
+    struct comanip_tick_trace_t raw; /* all of it is set below, as in joint_command_pack() */
+    raw.e2e_crc = 0;
+    raw.e2e_counter = 0;
+    raw.now_us = message->now_us;
+    raw.drives_fresh = message->drives_fresh;
+    raw.rejected_frames = message->rejected_frames;
     raw.hand_age_us = message->hand_age_us < HAND_AGE_MAX_US ? message->hand_age_us : HAND_AGE_MAX_US;
+    raw.received = 0;
     uint16_t bit = 1;
 #define PACK_COUNTER(kind, signal)                                                                                   \
     raw.signal##_counter = message->last[kind].counter;                                                              \
     raw.received = (uint16_t)(raw.received | (message->last[kind].started ? bit : 0u));                              \
     bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(PACK_COUNTER)
-    bool fits = true;
-    if (message->target_valid) {
-        vector3_t t = message->target.translation_m;
-        quaternion_t r = message->target.rotation;
-        PACK(fits, t.x, TICK_TRACE_TARGET_X_M, int32_t, raw.target_x_m);
-        PACK(fits, t.y, TICK_TRACE_TARGET_Y_M, int32_t, raw.target_y_m);
-        PACK(fits, t.z, TICK_TRACE_TARGET_Z_M, int32_t, raw.target_z_m);
-        PACK(fits, r.w, TICK_TRACE_TARGET_QW, int16_t, raw.target_qw);
-        PACK(fits, r.x, TICK_TRACE_TARGET_QX, int16_t, raw.target_qx);
-        PACK(fits, r.y, TICK_TRACE_TARGET_QY, int16_t, raw.target_qy);
-        PACK(fits, r.z, TICK_TRACE_TARGET_QZ, int16_t, raw.target_qz);
-        raw.target_valid = fits; /* a target beyond what the frame carries is said to be none; the trace goes out */
-    }
+    /* A target beyond what the frame carries is said to be none; the trace goes out. */
+    bool fits = message->target_valid;
+    const pose_t none = {{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, *target = fits ? &message->target : &none;
+    PACK(fits, target->translation_m.x, TICK_TRACE_TARGET_X_M, int32_t, raw.target_x_m);
+    PACK(fits, target->translation_m.y, TICK_TRACE_TARGET_Y_M, int32_t, raw.target_y_m);
+    PACK(fits, target->translation_m.z, TICK_TRACE_TARGET_Z_M, int32_t, raw.target_z_m);
+    PACK(fits, target->rotation.w, TICK_TRACE_TARGET_QW, int16_t, raw.target_qw);
+    PACK(fits, target->rotation.x, TICK_TRACE_TARGET_QX, int16_t, raw.target_qx);
+    PACK(fits, target->rotation.y, TICK_TRACE_TARGET_QY, int16_t, raw.target_qy);
+    PACK(fits, target->rotation.z, TICK_TRACE_TARGET_QZ, int16_t, raw.target_qz);
+    raw.target_valid = fits;
     begin(frame, FRAME_TICK_TRACE);
     (void)comanip_tick_trace_pack(frame->data, &raw, frame->length);
     return PROTOCOL_OK;
