@@ -281,9 +281,10 @@ static void obey(controller_t *self, const controller_inbox_t *inbox, controller
 
 /* ---- Algorithm 1 and law (4) */
 
-/* What the joints shall do: nothing, unless in cooperation. */
-static void aim(controller_t *self, float wanted_radps[ARM_MAX_JOINTS]) {
-    if (self->supervisor.mode != MODE_COOPERATING) {
+/* What the joints shall do: nothing, unless in cooperation; from the tick after its start on, as taking the references is work enough for
+ * one tick. */
+static void aim(controller_t *self, bool has_cooperated, float wanted_radps[ARM_MAX_JOINTS]) {
+    if (!has_cooperated || self->supervisor.mode != MODE_COOPERATING) {
         memset(wanted_radps, 0, sizeof(float) * ARM_MAX_JOINTS);
         return;
     }
@@ -429,9 +430,10 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     decode(self, now_us, inbox);
     sense(self, now_us);
     supervise(self, now_us);
+    const bool has_cooperated = self->supervisor.mode == MODE_COOPERATING;
     end_save(self, inbox, outbox);
     obey(self, inbox, outbox);
-    aim(self, wanted_radps);
+    aim(self, has_cooperated, wanted_radps);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
                                       wanted_radps);
     encode(self, now_us, outbox);
