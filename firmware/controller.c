@@ -291,13 +291,9 @@ static void aim(controller_t *self, bool has_cooperated, float wanted_radps[ARM_
     cooperation_update(&self->cooperation, &self->hand, blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
     velocity_request_t request = {.position_rad = self->joints.position_rad, .target = &self->cooperation.target};
-    uint8_t more;
-    do { /* once, and once more whenever joints turn out to be blocked: 1 + joint_count times at most */
-        velocity_control(self->arm, &self->velocity_control_config, &request, wanted_radps);
-        more = (uint8_t)(~request.blocked & joint_limits_blocked(self->arm, &self->joint_limits_config,
-                                                         self->joints.position_rad, wanted_radps));
-        request.blocked = (uint8_t)(request.blocked | more);
-    } while (more != 0u);
+    request.at_end =
+        joint_limits_at_end(self->arm, &self->joint_limits_config, self->joints.position_rad, &request.at_upper_end);
+    velocity_control(self->arm, &self->velocity_control_config, &request, wanted_radps);
 }
 
 /* ---- encode */

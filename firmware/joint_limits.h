@@ -55,10 +55,8 @@ void joint_limits_init(joint_limits_t *self);
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
                         const float wanted_radps[]);
 
-/* The joints, a bit each, that stand at an end of their range and are asked to go beyond it. Solved again without them, the law
- * lets the other joints do what they can instead of counting on these. */
-uint8_t joint_limits_blocked(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
-                             const float wanted_radps[]);
+/* The joints, a bit each, that stand at an end of their range; at_upper_end: those of them of which it is the upper one. */
+uint8_t joint_limits_at_end(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[], uint8_t *at_upper_end);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

@@ -2,15 +2,18 @@
 
 void ldlt_factorise(ldlt_t *self, int n) {
     for (int i = 0; i < n; i++) {
-        float *row = self->lower[i];
+        float *row = self->matrix[i];
         for (int j = 0; j < i; j++) { /* first L D ... */
+            const float *factor = self->matrix[j];
+            float rest = factor[i];
             for (int k = 0; k < j; k++) {
-                row[j] -= row[k] * self->lower[j][k];
+                rest -= row[k] * factor[k];
             }
+            row[j] = rest;
         }
         float pivot = row[i];
         for (int j = 0; j < i; j++) { /* ... then L */
-            float factor = row[j] * self->inverse_pivot[j];
+            const float factor = row[j] * self->inverse_pivot[j];
             pivot -= row[j] * factor;
             row[j] = factor;
         }
@@ -18,16 +21,30 @@ void ldlt_factorise(ldlt_t *self, int n) {
     }
 }
 
-void ldlt_solve(const ldlt_t *self, int n, float x[]) {
+void ldlt_leave_out(ldlt_t *self, int n, uint8_t rows) {
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < i; j++) {
-            x[i] -= self->lower[i][j] * x[j];
+            if (((rows >> i | rows >> j) & 1) != 0) {
+                self->matrix[j][i] = 0.0f;
+            }
         }
     }
-    for (int i = n - 1; i >= 0; i--) {
-        x[i] *= self->inverse_pivot[i];
-        for (int k = i + 1; k < n; k++) {
-            x[i] -= self->lower[k][i] * x[k];
+}
+
+void ldlt_solve(const ldlt_t *self, int n, float x[]) {
+    for (int i = 0; i < n; i++) {
+        const float *factor = self->matrix[i];
+        float rest = x[i];
+        for (int j = 0; j < i; j++) {
+            rest -= factor[j] * x[j];
         }
+        x[i] = rest;
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        float rest = x[i] * self->inverse_pivot[i];
+        for (int k = i + 1; k < n; k++) {
+            rest -= self->matrix[k][i] * x[k];
+        }
+        x[i] = rest;
     }
 }

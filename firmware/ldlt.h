@@ -5,12 +5,15 @@
 #include "arm.h"
 
 typedef struct {
-    float lower[ARM_MAX_JOINTS][ARM_MAX_JOINTS]; /* the matrix's lower triangle with its diagonal; factorised: L, below the diagonal */
-    float inverse_pivot[ARM_MAX_JOINTS];         /* 1 / D */
+    float matrix[ARM_MAX_JOINTS][ARM_MAX_JOINTS]; /* upper triangle with the diagonal; when factorised also L, below the diagonal */
+    float inverse_pivot[ARM_MAX_JOINTS];          /* 1 / D */
 } ldlt_t;
 
-/* In place. A pivot that is not above 0 gets the inverse 0. */
+/* Of the upper triangle, which stays. A pivot that is not above 0 gets the inverse 0. */
 void ldlt_factorise(ldlt_t *self, int n);
+
+/* Rows, a bit each, that shall count with their columns as 0 but for the diagonal, from the next ldlt_factorise() on. */
+void ldlt_leave_out(ldlt_t *self, int n, uint8_t rows);
 
 /* x: the right-hand side, then the solution. */
 void ldlt_solve(const ldlt_t *self, int n, float x[]);

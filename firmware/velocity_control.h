@@ -39,13 +39,15 @@ typedef struct velocity_control_config {
 typedef struct velocity_request {
     const float *position_rad; /* joint_count angles */
     const pose_t *target;      /* in the torso frame; either sign */
-    uint8_t blocked;           /* joints that shall not move, a bit each */
+    uint8_t at_end;            /* joints, a bit each, that stand at an end of their range ... */
+    uint8_t at_upper_end;      /* ... and those of them of which it is the upper one */
 } velocity_request_t;
 
 /* Once, after the other members of the config are set. */
 void velocity_control_prepare(velocity_control_config_t *config);
 
-/* velocity_radps: joint_count values, without limits. */
+/* velocity_radps: joint_count values, without limits. But no joint at an end goes beyond it: solved again without those that would, the
+ * law lets the other joints do what they can instead of counting on them. */
 void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
                       float velocity_radps[]);
 

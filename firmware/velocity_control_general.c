@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "ldlt.h"
+#include "joint_ends.h"
 
 /* As parts of the largest diagonal of J^T W J: with less damping than the first, float32's rounding would decide what
  * happens at a singularity, and the second is used. */
@@ -34,96 +34,134 @@ static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternio
     };
 }
 
-/* J^T W e with J's columns hand * half_line. The product with the hand is taken once for all joints: its rounding is then
- * an error of e, which is harmless, where rounded columns would be an error of J, which damping of 1e-4 magnifies. */
-static void project(int joint_count, dual_quaternion_t hand, const dual_quaternion_t half_line[], const float weight[8],
-                    const float e[8], float projection[]) {
+/* (J^T W J + damping I) u = J^T W wanted */
+typedef struct {
+    int joint_count;
+    dual_quaternion_t hand;
+    dual_quaternion_t half_line[ARM_MAX_JOINTS]; /* the joints' axes seen from the hand, halved: J's columns are hand * half_line */
+    const float *weight;
+    float wanted[8]; /* K e */
+    float damping;
+    ldlt_t normal;
+} equations_t;
+
+/* J^T W e. The product with the hand is taken once for all joints: its rounding is then an error of e, which is harmless, where rounded
+ * columns would be an error of J, which damping of 1e-4 magnifies. */
+static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {
-        weighted[k] = weight[k] * e[k];
+        weighted[k] = self->weight[k] * e[k];
     }
     float seen_from_hand[8];
-    to_vec8(multiply_transposed(hand, from_vec8(weighted)), seen_from_hand);
-    for (int i = 0; i < joint_count; i++) {
+    to_vec8(multiply_transposed(self->hand, from_vec8(weighted)), seen_from_hand);
+    for (int i = 0; i < self->joint_count; i++) {
         float line[8];
-        to_vec8(half_line[i], line);
+        to_vec8(self->half_line[i], line);
         projection[i] = dot8(line, seen_from_hand);
     }
 }
 
-/* The hand, and half the joints' axes seen from it; zero for joints that are blocked. */
-static dual_quaternion_t half_lines(const arm_t *arm, const velocity_request_t *request, dual_quaternion_t half_line[]) {
-    arm_lines_t lines;
-    arm_lines(arm, request->position_rad, &lines);
-    for (int i = 0; i < arm->joint_count; i++) {
-        const bool is_blocked = (request->blocked >> i & 1u) != 0u;
-        half_line[i] = is_blocked ? (dual_quaternion_t){0} : arm_half_line(lines.axis[i], lines.moment_m[i]);
+/* wanted - J u */
+static void residual(const equations_t *self, const float u[], float rest[8]) {
+    float motion[8] = {0.0f}; /* sum of half_line u, so that J u = hand * motion */
+    for (int i = 0; i < self->joint_count; i++) {
+        float line[8];
+        to_vec8(self->half_line[i], line);
+        for (int k = 0; k < 8; k++) {
+            motion[k] += line[k] * u[i];
+        }
     }
-    return pose_to_dual_quaternion(lines.hand);
+    float reached[8];
+    to_vec8(dual_quaternion_multiply(self->hand, from_vec8(motion)), reached);
+    for (int k = 0; k < 8; k++) {
+        rest[k] = self->wanted[k] - reached[k];
+    }
 }
 
-void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
-                              const velocity_request_t *request, float velocity_radps[]) {
-    const int joint_count = arm->joint_count;
-    dual_quaternion_t half_line[ARM_MAX_JOINTS];
-    dual_quaternion_t hand = half_lines(arm, request, half_line);
-    dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*request->target), hand);
+static void solve(equations_t *self, float u[]) {
+    ldlt_factorise(&self->normal, self->joint_count);
+    project(self, self->wanted, u);
+    ldlt_solve(&self->normal, self->joint_count, u);
+
+    /* One step of refinement: J^T W J has lost half of the digits where J is nearly singular. */
+    float rest[8], correction[ARM_MAX_JOINTS];
+    residual(self, u, rest);
+    project(self, rest, correction);
+    for (int i = 0; i < self->joint_count; i++) {
+        correction[i] -= self->damping * u[i];
+    }
+    ldlt_solve(&self->normal, self->joint_count, correction);
+    for (int i = 0; i < self->joint_count; i++) {
+        u[i] += correction[i];
+    }
+}
+
+/* joints, a bit each: they stand. */
+static void leave_out(equations_t *self, uint8_t joints) {
+    ldlt_leave_out(&self->normal, self->joint_count, joints);
+    for (int i = 0; i < self->joint_count; i++) {
+        if ((joints >> i & 1u) != 0u) {
+            self->half_line[i] = (dual_quaternion_t){0};
+        }
+    }
+}
+
+static void set_hand(equations_t *self, const arm_t *arm, const float position_rad[]) {
+    arm_lines_t lines;
+    arm_lines(arm, position_rad, &lines);
+    for (int i = 0; i < arm->joint_count; i++) {
+        self->half_line[i] = arm_half_line(lines.axis[i], lines.moment_m[i]);
+    }
+    self->hand = pose_to_dual_quaternion(lines.hand);
+}
+
+static void set_wanted(equations_t *self, const velocity_control_config_t *config, const pose_t *target_pose) {
+    dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*target_pose), self->hand);
     if (config->error_frame == ERROR_FRAME_TARGET) { /* the same law with all poses seen from the target */
-        hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), hand);
+        self->hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), self->hand);
         target = dual_quaternion_identity;
     }
-    float wanted[8]; /* K e */
-    to_vec8(dual_quaternion_add(target, dual_quaternion_negate(hand)), wanted);
+    to_vec8(dual_quaternion_add(target, dual_quaternion_negate(self->hand)), self->wanted);
     for (int k = 0; k < 8; k++) {
-        wanted[k] *= config->gain_per_s[k];
+        self->wanted[k] *= config->gain_per_s[k];
     }
+}
 
-    /* (J^T W J + lambda I) u = J^T W K e; matrices by joint, so transposed */
-    float jacobian[ARM_MAX_JOINTS][8];
-    ldlt_t normal;
+static void set_normal(equations_t *self, const velocity_control_config_t *config) {
+    float jacobian[ARM_MAX_JOINTS][8]; /* by joint, so transposed */
     float largest = 0.0f;
-    for (int i = 0; i < joint_count; i++) {
+    for (int i = 0; i < self->joint_count; i++) {
         float weighted[8];
-        to_vec8(dual_quaternion_multiply(hand, half_line[i]), jacobian[i]);
+        to_vec8(dual_quaternion_multiply(self->hand, self->half_line[i]), jacobian[i]);
         for (int k = 0; k < 8; k++) {
             weighted[k] = jacobian[i][k] * config->weight[k];
         }
         for (int j = 0; j <= i; j++) {
-            normal.lower[i][j] = dot8(weighted, jacobian[j]);
+            self->normal.matrix[j][i] = dot8(weighted, jacobian[j]);
         }
-        largest = normal.lower[i][i] > largest ? normal.lower[i][i] : largest;
+        largest = self->normal.matrix[i][i] > largest ? self->normal.matrix[i][i] : largest;
     }
-    bool too_little = config->damping < RELATIVE_DAMPING_MIN * largest;
-    float damping = too_little ? RELATIVE_DAMPING_SAFE * largest : config->damping;
-    for (int i = 0; i < joint_count; i++) {
-        normal.lower[i][i] += damping;
+    const bool too_little = config->damping < RELATIVE_DAMPING_MIN * largest;
+    self->damping = too_little ? RELATIVE_DAMPING_SAFE * largest : config->damping;
+    for (int i = 0; i < self->joint_count; i++) {
+        self->normal.matrix[i][i] += self->damping;
     }
-    ldlt_factorise(&normal, joint_count);
-    project(joint_count, hand, half_line, config->weight, wanted, velocity_radps);
-    ldlt_solve(&normal, joint_count, velocity_radps);
+}
 
-    /* One step of refinement, with the residual K e - J u: J^T W J has lost half of the digits where J is nearly
-     * singular. */
-    float motion[8] = {0.0f}; /* sum of half_line u, so that J u = hand * motion */
-    for (int i = 0; i < joint_count; i++) {
-        float line[8];
-        to_vec8(half_line[i], line);
-        for (int k = 0; k < 8; k++) {
-            motion[k] += line[k] * velocity_radps[i];
+void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
+                              const velocity_request_t *request, float velocity_radps[]) {
+    equations_t equations;
+    equations.joint_count = arm->joint_count;
+    equations.weight = config->weight;
+    set_hand(&equations, arm, request->position_rad);
+    set_wanted(&equations, config, request->target);
+    set_normal(&equations, config);
+    for (;;) { /* as joint_ends_solve() */
+        solve(&equations, velocity_radps);
+        const uint8_t beyond = joint_ends_beyond(request, arm->joint_count, velocity_radps);
+        if (beyond == 0u) {
+            return;
         }
-    }
-    float reached[8];
-    to_vec8(dual_quaternion_multiply(hand, from_vec8(motion)), reached);
-    for (int k = 0; k < 8; k++) {
-        wanted[k] -= reached[k];
-    }
-    float correction[ARM_MAX_JOINTS];
-    project(joint_count, hand, half_line, config->weight, wanted, correction);
-    for (int i = 0; i < joint_count; i++) {
-        correction[i] -= damping * velocity_radps[i];
-    }
-    ldlt_solve(&normal, joint_count, correction);
-    for (int i = 0; i < joint_count; i++) {
-        velocity_radps[i] += correction[i];
+        leave_out(&equations, beyond);
     }
 }

@@ -5,7 +5,7 @@
 
 #include "velocity_control.h"
 
-/* As velocity_control(). Cost is fixed for a given joint_count. */
+/* As velocity_control(). */
 void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
                               const velocity_request_t *request, float velocity_radps[]);
 

@@ -1,6 +1,6 @@
 #include "velocity_control_isotropic.h"
 
-#include "ldlt.h"
+#include "joint_ends.h"
 #include "velocity_control_general.h"
 
 /* Law (4) without vec8, where one gain and one weight stand for rotation, and one for translation.
@@ -71,27 +71,15 @@ void velocity_control_isotropic(const arm_t *arm, const velocity_control_config_
         moved[i] = (quaternion_t){vector3_dot(axis, error.g), linear.x, linear.y, linear.z};
         velocity_radps[i] = vector3_dot(axis, error.turn) + vector3_dot(linear, error.dual_m);
         for (int j = 0; j < i; j++) {
-            normal.lower[i][j] = law->weight_rotation * vector3_dot(axis, lines.axis[j]) + dot(moved[i], moved[j]);
+            normal.matrix[j][i] = law->weight_rotation * vector3_dot(axis, lines.axis[j]) + dot(moved[i], moved[j]);
         }
         const float squared = dot(moved[i], moved[i]);
-        normal.lower[i][i] = law->diagonal + squared;
+        normal.matrix[i][i] = law->diagonal + squared;
         trace += squared;
     }
     if (!(trace <= law->trace_max)) {
         velocity_control_general(arm, config, request, velocity_radps);
         return;
     }
-    for (int i = 0; i < joint_count; i++) {
-        if ((request->blocked >> i & 1u) == 0u) {
-            continue;
-        }
-        velocity_radps[i] = 0.0f;
-        for (int j = 0; j < joint_count; j++) {
-            if (j != i) {
-                normal.lower[i > j ? i : j][i > j ? j : i] = 0.0f;
-            }
-        }
-    }
-    ldlt_factorise(&normal, joint_count);
-    ldlt_solve(&normal, joint_count, velocity_radps);
+    joint_ends_solve(request, joint_count, &normal, velocity_radps);
 }

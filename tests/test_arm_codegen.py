@@ -25,10 +25,10 @@ def config(gain=35.0, weight=(0.01, 100.0), damping=0.01, frame=lib.ERROR_FRAME_
     return result
 
 
-def solve(law, arm, configuration, q, target, blocked=0) -> np.ndarray:
+def solve(law, arm, configuration, q, target, at_end=0, at_upper_end=0) -> np.ndarray:
     position, velocity = ffi.new("float[8]", q.tolist()), ffi.new("float[8]")
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
-    request = ffi.new("velocity_request_t *", {"position_rad": position, "target": pose, "blocked": blocked})
+    request = ffi.new("velocity_request_t *", {"position_rad": position, "target": pose, "at_end": at_end, "at_upper_end": at_upper_end})
     law(arm.table, configuration, request, velocity)
     return np.array(list(velocity)[: arm.joint_count])
 
@@ -59,27 +59,42 @@ def test_the_committed_files_are_what_the_description_gives():
 
 @pytest.mark.parametrize("frame", [lib.ERROR_FRAME_TORSO, lib.ERROR_FRAME_TARGET])
 @pytest.mark.parametrize("weight", [(1.0, 1.0), (0.01, 100.0)])
-def test_one_joint_or_more_blocked_is_the_arm_without_them(arm, inputs, frame, weight):
-    """In double precision: the Jacobian without the columns. The fast law, the one for any arm and the general one alike."""
+def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(arm, inputs, frame, weight):
+    """In double precision: the Jacobian without the columns of those that would, until none would. The fast law, the one for any arm
+    and the general one alike."""
     configuration = config(weight=weight, frame=frame)
     laws = (lib.velocity_control, lib.velocity_control_isotropic, lib.velocity_control_general)
     w = np.repeat(weight, 4)
+    blocked_counts = np.zeros(5, int)
     for number, (q, target) in enumerate(inputs):
-        blocked = number % 15
+        at_end, at_upper_end = number % 16, number // 16 % 16 & number % 16
+        beyond = np.array([(at_end >> i & 1) * (1 if at_upper_end >> i & 1 else -1) for i in range(4)])
         hand, jacobian = (x[0] for x in oracle.evaluate(oracle.hoap3(), q[None]))
         goal = target.astype(float) * (1 if hand[:4] @ target[:4] >= 0 else -1)
         error = goal - hand
         if frame == lib.ERROR_FRAME_TARGET:
             jacobian = np.stack([oracle.multiply(oracle.conjugate(goal), column) for column in jacobian.T], axis=1)
             error = oracle.multiply(oracle.conjugate(goal), error)
-        jacobian = jacobian * [0 if blocked >> i & 1 else 1 for i in range(4)]
-        normal = jacobian.T @ (w[:, None] * jacobian) + 0.01 * np.eye(4)
-        expected = np.linalg.solve(normal, jacobian.T @ (w * 35 * error))
+        free, clear = np.ones(4, bool), np.inf
+        while True:
+            free_jacobian = jacobian * free
+            normal = free_jacobian.T @ (w[:, None] * free_jacobian) + 0.01 * np.eye(4)
+            expected = np.linalg.solve(normal, free_jacobian.T @ (w * 35 * error))
+            judged = (beyond != 0) & free
+            clear = min(clear, *np.abs(expected[judged]), np.inf)
+            if not (judged & (expected * beyond > 0)).any():
+                break
+            free &= expected * beyond <= 0
+        if clear < 1e-2:
+            continue  # so near to standing that rounding decides
+        blocked_counts[4 - free.sum()] += 1
         for law in laws:
-            found = solve(law, arm, configuration, q, target, blocked)
+            found = solve(law, arm, configuration, q, target, at_end, at_upper_end)
             scale = max(3.5, np.linalg.norm(expected))
             assert np.abs(found - expected).max() / scale < max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
-            assert all(found[i] == 0 for i in range(4) if blocked >> i & 1)
+            assert (found[~free] == 0).all()
+            assert (found * beyond <= 0).all()
+    assert (blocked_counts > 0).all()  # none, one, ... all of them
 
 
 def test_a_target_out_of_all_reach_is_left_to_the_general_law(arm, inputs):
@@ -124,7 +139,7 @@ def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
 # ---- arms of any kind
 
 FIRMWARE = REPOSITORY / "firmware"
-LAW_SOURCES = ("arm", "dual_quaternion", "ldlt", "pose", "trigonometry", "velocity_control", "velocity_control_general")
+LAW_SOURCES = ("arm", "dual_quaternion", "joint_ends", "ldlt", "pose", "trigonometry", "velocity_control", "velocity_control_general")
 
 
 def write_description(path, rows, effector) -> None:

@@ -151,20 +151,13 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
 
 
 @pytest.mark.parametrize("end", ["low", "high"])
-@pytest.mark.parametrize("beyond_rad", [0.0, 0.01])
-def test_a_joint_at_the_end_of_its_range_is_blocked_if_it_is_asked_to_go_on(end, beyond_rad):
-    outwards = 1.0 if end == "high" else -1.0
+@pytest.mark.parametrize("beyond_rad", [0.0, 0.01, -0.1])
+def test_which_joints_stand_at_an_end_of_their_range(end, beyond_rad):
     config = PerfectDrives(position_at([0.5] * N), 0).config
+    at_upper_end = ffi.new("uint8_t *")
     for joint in range(N):
         measured = position_at([0.5] * N)
-        measured[joint] = position_at([float(end == "high")] * N)[joint] + outwards * beyond_rad
-        for wanted, is_blocked in ((outwards, True), (-outwards, False), (0.0, False)):
-            velocity = np.full(N, outwards)
-            velocity[joint] = wanted
-            blocked = lib.joint_limits_blocked(
-                ARM.table,
-                config,
-                ffi.new("float[8]", list(measured)),
-                ffi.new("float[8]", list(velocity)),
-            )
-            assert blocked == (1 << joint if is_blocked else 0)
+        measured[joint] = position_at([float(end == "high")] * N)[joint] + (beyond_rad if end == "high" else -beyond_rad)
+        at_end = lib.joint_limits_at_end(ARM.table, config, ffi.new("float[8]", list(measured)), at_upper_end)
+        assert at_end == (1 << joint if beyond_rad >= 0 else 0)
+        assert at_upper_end[0] == (at_end if end == "high" else 0)

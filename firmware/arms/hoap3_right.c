@@ -1,6 +1,7 @@
 /* Made by `make arms` from hoap3_right.toml: edit that. How: host_tools/comanip/arm_law.py. */
 #include "hoap3_right.h"
 
+#include "../joint_ends.h"
 #include "../trigonometry_inline.h"
 #include "../velocity_control.h"
 #include "../velocity_control_general.h"
@@ -103,6 +104,59 @@ static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {
     const float m81 = m55 + 0.111f;
     const float m82 = m79 - 0.125f;
     return (pose_t){{0.176776695f * m68, 0.176776695f * m69, -0.176776695f * m70, 0.176776695f * m71}, {-m80, -m81, -m82}};
+}
+
+/* joint_ends_solve() for this arm. */
+__attribute__((noinline)) static void solve_at_ends(const velocity_request_t *request, float velocity_radps[],
+                                                          float matrix_00, float matrix_10, float matrix_11, float matrix_20, float matrix_21, float matrix_22,
+                                                          float matrix_30, float matrix_31, float matrix_32, float matrix_33, float pull_0, float pull_1,
+                                                          float pull_2, float pull_3) {
+    for (;;) {
+        const float inverse_0 = 1.0f / matrix_00;
+        const float factor_10 = matrix_10 * inverse_0;
+        const float pivot_1 = matrix_11 - matrix_10 * factor_10;
+        const float carried_1 = pull_1 - factor_10 * pull_0;
+        const float inverse_1 = 1.0f / pivot_1;
+        const float factor_20 = matrix_20 * inverse_0;
+        const float row_21 = matrix_21 - matrix_20 * factor_10;
+        const float factor_21 = row_21 * inverse_1;
+        const float pivot_2 = matrix_22 - matrix_20 * factor_20 - row_21 * factor_21;
+        const float carried_2 = pull_2 - factor_20 * pull_0 - factor_21 * carried_1;
+        const float factor_30 = matrix_30 * inverse_0;
+        const float row_31 = matrix_31 - matrix_30 * factor_10;
+        const float factor_31 = row_31 * inverse_1;
+        const float row_32 = matrix_32 - matrix_30 * factor_20 - row_31 * factor_21;
+        const float pivot_3 = matrix_33 - matrix_30 * factor_30 - row_31 * factor_31;
+        const float carried_3 = pull_3 - factor_30 * pull_0 - factor_31 * carried_1;
+        const float determinant = pivot_2 * pivot_3 - row_32 * row_32;
+        const float over = 1.0f / (determinant);
+        const float wanted_2 = pivot_3 * carried_2 - row_32 * carried_3;
+        const float speed_2 = (wanted_2) * over;
+        const float wanted_3 = pivot_2 * carried_3 - row_32 * carried_2;
+        const float speed_3 = (wanted_3) * over;
+        const float speed_1 = carried_1 * inverse_1 - factor_21 * speed_2 - factor_31 * speed_3;
+        const float speed_0 = pull_0 * inverse_0 - factor_10 * speed_1 - factor_20 * speed_2 - factor_30 * speed_3;
+        velocity_radps[0] = speed_0;
+        velocity_radps[1] = speed_1;
+        velocity_radps[2] = speed_2;
+        velocity_radps[3] = speed_3;
+        const uint8_t beyond = joint_ends_beyond(request, 4, velocity_radps);
+        if (beyond == 0u) {
+            return;
+        }
+        if ((beyond & 1u) != 0u) {
+            matrix_10 = matrix_20 = matrix_30 = pull_0 = 0.0f;
+        }
+        if ((beyond & 2u) != 0u) {
+            matrix_10 = matrix_21 = matrix_31 = pull_1 = 0.0f;
+        }
+        if ((beyond & 4u) != 0u) {
+            matrix_20 = matrix_21 = matrix_32 = pull_2 = 0.0f;
+        }
+        if ((beyond & 8u) != 0u) {
+            matrix_30 = matrix_31 = matrix_32 = pull_3 = 0.0f;
+        }
+    }
 }
 
 /* velocity_control_isotropic() for this arm. */
@@ -516,33 +570,26 @@ static void isotropic(const arm_t *arm, const velocity_control_config_t *config,
         velocity_control_general(arm, config, request, velocity_radps);
         return;
     }
-    float matrix_00 = n29;
-    float matrix_10 = -n38;
-    float matrix_11 = n44;
-    float matrix_20 = n57;
-    float matrix_21 = n60;
-    float matrix_22 = n65;
-    float matrix_30 = n92;
-    float matrix_31 = n99;
-    float matrix_32 = -n104;
-    float matrix_33 = n112;
-    float pull_0 = -n21;
-    float pull_1 = n33;
-    float pull_2 = n50;
-    float pull_3 = -n82;
-    if (request->blocked != 0u) {
-        if (request->blocked & 1u) {
-            matrix_10 = matrix_20 = matrix_30 = pull_0 = 0.0f;
-        }
-        if (request->blocked & 2u) {
-            matrix_10 = matrix_21 = matrix_31 = pull_1 = 0.0f;
-        }
-        if (request->blocked & 4u) {
-            matrix_20 = matrix_21 = matrix_32 = pull_2 = 0.0f;
-        }
-        if (request->blocked & 8u) {
-            matrix_30 = matrix_31 = matrix_32 = pull_3 = 0.0f;
-        }
+    const float matrix_00 = n29;
+    const float matrix_10 = -n38;
+    const float matrix_11 = n44;
+    const float matrix_20 = n57;
+    const float matrix_21 = n60;
+    const float matrix_22 = n65;
+    const float matrix_30 = n92;
+    const float matrix_31 = n99;
+    const float matrix_32 = -n104;
+    const float matrix_33 = n112;
+    const float pull_0 = -n21;
+    const float pull_1 = n33;
+    const float pull_2 = n50;
+    const float pull_3 = -n82;
+    if (request->at_end != 0u) {
+        solve_at_ends(request, velocity_radps,
+                      matrix_00, matrix_10, matrix_11, matrix_20, matrix_21, matrix_22,
+                      matrix_30, matrix_31, matrix_32, matrix_33, pull_0, pull_1,
+                      pull_2, pull_3);
+        return;
     }
     const float inverse_0 = 1.0f / matrix_00;
     const float factor_10 = matrix_10 * inverse_0;

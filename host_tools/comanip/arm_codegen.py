@@ -25,21 +25,23 @@ def pose(p: Pose) -> str:
 
 
 def source(arm: Arm, origin: str) -> str:
+    law = fewest_operations(arm)
     rows = [
         f"    {{{pose(fixed)}, {{0.0f, 0.0f, 1.0f}}, {numbers([*limits, arm.velocity_max_radps])}}},"
         for fixed, limits in zip(arm.fixed, arm.range_rad, strict=True)
     ]
     return "\n".join([
         f"/* Made by `make arms` from {origin}: edit that. How: host_tools/comanip/arm_law.py. */",
-        f'#include "{arm.name}.h"', "", '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"',
+        f'#include "{arm.name}.h"', "", '#include "../joint_ends.h"', '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"',
         '#include "../velocity_control_general.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
         "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {", *forward_kinematics(arm), "}", "",
+        "/* joint_ends_solve() for this arm. */", *law.at_ends, "",
         "/* velocity_control_isotropic() for this arm. */",
         "static void isotropic(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,",
         "                      float velocity_radps[]) {",
-        *fewest_operations(arm), "}", "",
+        *law.body, "}", "",
         f"const arm_t arm_{arm.name} = {{",
         f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},", "    .joints = joints,",
         f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,",

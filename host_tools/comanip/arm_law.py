@@ -222,12 +222,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
     lines += [f"    if (!({value(trace)} <= law->trace_max)) {{",
               "        velocity_control_general(arm, config, request, velocity_radps);",
               "        return;", "    }"]  # fmt: skip
-    lines += [f"    float {name} = {value(term)};" for name, term in {**named, **pulls}.items()]
-    lines.append("    if (request->blocked != 0u) {")
-    for joint in range(n):
-        zeros = [f"matrix_{i}{j}" for (i, j), term in entries.items() if i != j and joint in (i, j) and not term.is_zero]
-        lines += [f"        if (request->blocked & {1 << joint}u) {{", f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;", "        }"]
-    lines.append("    }")
+    lines += [f"    const float {name} = {value(term)};" for name, term in {**named, **pulls}.items()]
     return lines, {place: ZERO if term.is_zero else Term(1.0, f"matrix_{place[0]}{place[1]}") for place, term in entries.items()}
 
 
@@ -281,6 +276,31 @@ def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
     return lines + [f"    velocity_radps[{i}] = speed_{i};" for i in range(n)]
 
 
+def wrapped(items: list[str], indent: str, end: str) -> list[str]:
+    """Six items a line."""
+    rows = [", ".join(items[i : i + 6]) for i in range(0, len(items), 6)]
+    return [f"{indent}{row}," for row in rows[:-1]] + [f"{indent}{rows[-1]}{end}"]
+
+
+def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
+    """The variables of the normal equations: the matrix's entries that are not 0 by construction, and the right-hand side."""
+    return [*(term.variable for term in matrix.values() if term.variable), *(f"pull_{i}" for i in range(n))]
+
+
+def solve_at_ends(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
+    """A function that does what joint_ends_solve() does. Apart from the law, so that this one need not keep the equations."""
+    parameters = [f"float {name}" for name in unknown(n, matrix)]
+    lines = ["__attribute__((noinline)) static void solve_at_ends(const velocity_request_t *request, float velocity_radps[],",
+             *wrapped(parameters, " " * 58, ") {"), "    for (;;) {"]  # fmt: skip
+    lines += [f"    {line}" for line in solve(n, matrix)]
+    lines += [f"        const uint8_t beyond = joint_ends_beyond(request, {n}, velocity_radps);",
+              "        if (beyond == 0u) {", "            return;", "        }"]  # fmt: skip
+    for joint in range(n):
+        zeros = [term.variable for (i, j), term in matrix.items() if i != j and joint in (i, j) and term.variable]
+        lines += [f"        if ((beyond & {1 << joint}u) != 0u) {{", f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;", "        }"]
+    return [*lines, "    }", "}"]
+
+
 def sines_and_cosines(n: int) -> list[str]:
     """sine_cosine_inline() of the half angles, all joints at each step, so that each coefficient is loaded once: the same bits."""
     joints = range(n)
@@ -304,7 +324,19 @@ def sines_and_cosines(n: int) -> list[str]:
     return [*lines, "    }"]
 
 
-def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
+@dataclass
+class Law:
+    """body: of velocity_control_isotropic() for the arm; at_ends: the function that it calls where joints stand at an end."""
+
+    body: list[str]
+    at_ends: list[str]
+
+    @property
+    def operations(self) -> int:
+        return sum(line.count(sign) for line in self.body for sign in (" + ", " - ", " * ", " / "))
+
+
+def law(arm: Arm, middle: int, right_first: bool) -> Law:
     n = len(arm.twist)
     lines = ["    const velocity_isotropic_t *const law = &config->isotropic;", "    const float *const position_rad = request->position_rad;",
              "    const pose_t *const target = request->target;"]  # fmt: skip
@@ -322,12 +354,16 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     lines.append(f"    const float side = turn_w < 0.0f ? -{literal(scale)} : {literal(scale)};")
     lines.append("    const float pull_rotation = side * law->pull_rotation;")
     equations, matrix = normal_equations(seen)
-    return [*lines, *errors(arm, joints, middle, seen, equations), *equations, *solve(n, matrix)]
+    at_ends = ["    if (request->at_end != 0u) {", "        solve_at_ends(request, velocity_radps,", *wrapped(unknown(n, matrix), " " * 22, ");"),
+               "        return;", "    }"]  # fmt: skip
+    body = [*lines, *errors(arm, joints, middle, seen, equations), *equations, *at_ends, *solve(n, matrix)]
+    return Law(body, solve_at_ends(n, matrix))
 
 
-def fewest_operations(arm: Arm) -> list[str]:
-    ways = [law(arm, middle, right_first) for middle in range(len(arm.twist)) for right_first in (False, True)]
-    return min(ways, key=lambda lines: sum(line.count(sign) for line in lines for sign in (" + ", " - ", " * ", " / ")))
+def fewest_operations(arm: Arm) -> Law:
+    laws = [law(arm, middle, right_first) for middle in range(len(arm.twist)) for right_first in (False, True)]
+    return min(laws, key=lambda law: law.operations)
+
 
 
 # ---- the hand
