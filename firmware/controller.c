@@ -97,6 +97,7 @@ static void select_task(controller_t *self, task_id_t id, const task_t *task, fl
     self->blend_elapsed_s = 0.0f;
     if (is_engaged(self)) {
         cooperation_select(&self->cooperation, task);
+        self->changed = true;
     }
 }
 
@@ -105,6 +106,7 @@ static result_t start(controller_t *self) {
     if (result == RESULT_ACCEPTED) {
         self->blend_elapsed_s = 0.0f;
         cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, robot_pose(self));
+        self->changed = true;
     }
     return result;
 }
@@ -127,6 +129,7 @@ static result_t latch(controller_t *self) {
         } else {
             cooperation_latch(&self->cooperation);
         }
+        self->changed = true;
     }
     return result;
 }
@@ -135,6 +138,7 @@ static result_t clutch(controller_t *self) {
     result_t result = cooperation_required(self);
     if (result == RESULT_ACCEPTED) {
         cooperation_clutch(&self->cooperation, self->hand, robot_pose(self), blend(self));
+        self->changed = true;
     }
     return result;
 }
@@ -281,11 +285,16 @@ static void obey(controller_t *self, const controller_inbox_t *inbox, controller
 
 /* ---- Algorithm 1 and law (4) */
 
-/* What the joints shall do: nothing, unless in cooperation; from the tick after its start on, as taking the references is work enough for
- * one tick. */
-static void aim(controller_t *self, bool has_cooperated, float wanted_radps[ARM_MAX_JOINTS]) {
-    if (!has_cooperated || self->supervisor.mode != MODE_COOPERATING) {
-        memset(wanted_radps, 0, sizeof(float) * ARM_MAX_JOINTS);
+/* What the joints shall do: nothing, unless in cooperation. A change by the operator takes the law's time: the last velocities stay, once,
+ * so that whoever goes on changing does not stop the law. At the start they are 0. */
+static void aim(controller_t *self) {
+    if (self->supervisor.mode != MODE_COOPERATING) {
+        memset(self->wanted_radps, 0, sizeof self->wanted_radps);
+        self->law_kept = false;
+        return;
+    }
+    self->law_kept = self->changed && !self->law_kept;
+    if (self->law_kept) {
         return;
     }
     cooperation_update(&self->cooperation, &self->hand, blend(self));
@@ -293,7 +302,7 @@ static void aim(controller_t *self, bool has_cooperated, float wanted_radps[ARM_
     velocity_request_t request = {.position_rad = self->joints.position_rad, .target = &self->cooperation.target};
     request.at_end =
         joint_limits_at_end(self->arm, &self->joint_limits_config, self->joints.position_rad, &request.at_upper_end);
-    velocity_control(self->arm, &self->velocity_control_config, &request, wanted_radps);
+    velocity_control(self->arm, &self->velocity_control_config, &request, self->wanted_radps);
 }
 
 /* ---- encode */
@@ -420,18 +429,16 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
 }
 
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox) {
-    float wanted_radps[ARM_MAX_JOINTS];
-
     outbox->save = false;
+    self->changed = false;
     decode(self, now_us, inbox);
     sense(self, now_us);
     supervise(self, now_us);
-    const bool has_cooperated = self->supervisor.mode == MODE_COOPERATING;
     end_save(self, inbox, outbox);
     obey(self, inbox, outbox);
-    aim(self, has_cooperated, wanted_radps);
+    aim(self);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
-                                      wanted_radps);
+                                      self->wanted_radps);
     encode(self, now_us, outbox);
     self->tick++;
 }

@@ -64,6 +64,9 @@ typedef struct {
     float blend_s;         /* how long the selected task takes to come into force */
     float blend_elapsed_s; /* of it, in cooperation */
     cooperation_t cooperation;
+    bool changed;  /* by the operator, in this tick */
+    bool law_kept; /* in this tick the law's velocities are those of the last one */
+    float wanted_radps[ARM_MAX_JOINTS]; /* the law's */
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */
 

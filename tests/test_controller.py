@@ -412,11 +412,37 @@ def test_latch_turns_the_mirror_into_a_carry(measured):
     bench.tick(500)
     before, robot = bench.target, bench.robot
     assert bench.command(lib.COMMAND_LATCH) == ACCEPTED
+    bench.tick()
     assert oracle.pose_distance(bench.target, robot if measured else before) < 1e-4
     before = bench.target
     bench.move_hand([0.02, 0, 0])
     settle(bench)
     assert moved_mm(bench, before) == pytest.approx([20, 0, 0], abs=0.03)
+
+
+@pytest.mark.parametrize("change", [("SELECT", lib.TASK_TELEOP), ("LATCH", 0), ("CLUTCH", 0)])
+def test_a_change_takes_the_laws_time_for_one_tick(change):
+    bench = Bench().until_ready().start(lib.TASK_TELEOP)
+    bench.tick(20)
+    bench.move_hand([0, 0.05, 0])
+    bench.tick(30)  # in motion
+    wanted = list(bench.controller.wanted_radps)
+    assert bench.command(getattr(lib, f"COMMAND_{change[0]}"), change[1]) == ACCEPTED
+    assert list(bench.controller.wanted_radps) == wanted
+    bench.tick()
+    assert list(bench.controller.wanted_radps) != wanted
+
+
+def test_who_goes_on_changing_does_not_stop_the_law():
+    """A task that is selected in every tick: the hand is followed nevertheless."""
+    bench = Bench().until_ready().start(lib.TASK_TELEOP)
+    bench.tick(20)
+    before = bench.robot
+    bench.move_hand([0, 0.01, 0])
+    for _ in range(600):
+        assert bench.command(lib.COMMAND_SELECT, lib.TASK_TELEOP) == ACCEPTED
+    moved = oracle.translation(bench.robot) - oracle.translation(before)
+    assert 1e3 * moved == pytest.approx([0, 10, 0], abs=0.5)
 
 
 def test_motion_scale_acts_on_the_mirror_alike():
