@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -119,9 +120,13 @@ def excesses(images: dict[str, Image], budget: dict[str, dict]) -> list[str]:
 # ---- what is printed
 
 
+WIDTH = 180  # so that no name is cut
+
+
 def show(images: dict[str, Image], console: Console) -> None:
-    table = Table(title="Bytes in the images: code and constants / variables with a value / others", title_justify="left")
-    table.add_column("module")
+    table = Table(title="Bytes in the images: code and constants / variables with a value / others", title_justify="left", box=box.SIMPLE_HEAD,
+                  padding=(0, 1, 0, 0))  # fmt: skip
+    table.add_column("module", no_wrap=True)
     for name in images:
         table.add_column(name, justify="right")
     modules = sorted({module for image in images.values() for module in image.modules})
@@ -138,7 +143,7 @@ def main(argv: Sequence[str]) -> int:
         return 2
     budget_path, report = Path(argv[0]), Path(argv[1])
     images = {name: read_map(Path(path)) for name, path in maps.items()}
-    show(images, Console(width=160))
+    show(images, Console(width=WIDTH))
     report.parent.mkdir(parents=True, exist_ok=True)
     content = {
         name: {"total_bytes": asdict(image.total), "modules_bytes": {m: asdict(size) for m, size in image.modules.items()}}
