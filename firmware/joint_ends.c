@@ -3,7 +3,7 @@
 uint8_t joint_ends_beyond(const velocity_request_t *request, int joint_count, const float velocity_radps[]) {
     unsigned beyond = 0;
     for (int i = 0; i < joint_count; i++) {
-        const bool is_upper = (request->at_upper_end >> i & 1u) != 0u;
+        const bool is_upper = (request->at_upper_end >> i & 1) != 0;
         if (is_upper ? velocity_radps[i] > 0.0f : velocity_radps[i] < 0.0f) {
             beyond |= 1u << i;
         }
@@ -25,7 +25,7 @@ void joint_ends_solve(const velocity_request_t *request, int joint_count, ldlt_t
         }
         ldlt_leave_out(normal, joint_count, beyond);
         for (int i = 0; i < joint_count; i++) {
-            pull[i] = (beyond >> i & 1u) != 0u ? 0.0f : pull[i];
+            pull[i] = (beyond >> i & 1) != 0 ? 0.0f : pull[i];
             velocity_radps[i] = pull[i];
         }
     }

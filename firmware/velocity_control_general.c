@@ -100,7 +100,7 @@ static void solve(equations_t *self, float u[]) {
 static void leave_out(equations_t *self, uint8_t joints) {
     ldlt_leave_out(&self->normal, self->joint_count, joints);
     for (int i = 0; i < self->joint_count; i++) {
-        if ((joints >> i & 1u) != 0u) {
+        if ((joints >> i & 1) != 0) {
             self->half_line[i] = (dual_quaternion_t){0};
         }
     }
