@@ -24,6 +24,11 @@ typedef struct {
     float velocity_max_radps; /* > 0, at most 32 */
 } arm_joint_t;
 
+/* Joints, a bit each, that stand at an end of their range. */
+typedef struct {
+    uint8_t lower, upper;
+} joint_ends_t;
+
 /* The hand's pose, as arm_forward_kinematics(). */
 typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
 
@@ -49,7 +54,7 @@ typedef struct {
     vector3_t moment_m[ARM_MAX_JOINTS];
 } arm_lines_t;
 
-/* NULL if the table is within the ranges above, else a line that names the defect. */
+/* NULL if the table is complete and within the ranges above, else a line that names the defect. */
 const char *arm_check(const arm_t *arm);
 
 /* Hand pose seen from the torso (equation (3)), of any arm; arm->forward_kinematics() is faster where it can be. position_rad:

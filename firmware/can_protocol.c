@@ -66,8 +66,10 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
         return 0;
     }
     const float scaled = value * per_unit;
-    const float limit = float_is_negative(scaled) ? -(float)minimum : (float)maximum;
-    if (float_magnitude_bits(scaled) <= float_magnitude_bits(limit)) {
+    const uint32_t magnitude = float_magnitude_bits(scaled);
+    const bool is_negative = float_is_negative(scaled);
+    const bool fits_either_way = magnitude <= float_magnitude_bits((float)maximum) && (minimum != 0 || !is_negative);
+    if (fits_either_way || (is_negative && magnitude <= float_magnitude_bits((float)minimum))) {
         return float_nearest(scaled); /* raw values have 24 bits at most: the code generator checks it */
     }
     *fits = false;

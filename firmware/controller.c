@@ -90,6 +90,11 @@ static float blend(const controller_t *self) {
     return s * s * s * (10.0f + s * (6.0f * s - 15.0f));
 }
 
+/* What the law would say of a target that is the robot's own pose. */
+static void stand(controller_t *self) {
+    memset(self->wanted_radps, 0, sizeof self->wanted_radps);
+}
+
 static void select_task(controller_t *self, task_id_t id, const task_t *task, float blend_s) {
     self->task_id = id;
     self->task = *task;
@@ -97,7 +102,7 @@ static void select_task(controller_t *self, task_id_t id, const task_t *task, fl
     self->blend_elapsed_s = 0.0f;
     if (is_engaged(self)) {
         cooperation_select(&self->cooperation, task);
-        self->changed = true;
+        self->cooperation_changed = true;
     }
 }
 
@@ -106,7 +111,8 @@ static result_t start(controller_t *self) {
     if (result == RESULT_ACCEPTED) {
         self->blend_elapsed_s = 0.0f;
         cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, robot_pose(self));
-        self->changed = true;
+        self->cooperation_changed = true;
+        stand(self);
     }
     return result;
 }
@@ -126,10 +132,11 @@ static result_t latch(controller_t *self) {
         if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
             cooperation_update(&self->cooperation, &self->hand, blend(self)); /* the virtual hand of this tick */
             cooperation_latch_measured(&self->cooperation, robot_pose(self));
+            stand(self);
         } else {
             cooperation_latch(&self->cooperation);
         }
-        self->changed = true;
+        self->cooperation_changed = true;
     }
     return result;
 }
@@ -138,7 +145,8 @@ static result_t clutch(controller_t *self) {
     result_t result = cooperation_required(self);
     if (result == RESULT_ACCEPTED) {
         cooperation_clutch(&self->cooperation, self->hand, robot_pose(self), blend(self));
-        self->changed = true;
+        self->cooperation_changed = true;
+        stand(self);
     }
     return result;
 }
@@ -285,23 +293,26 @@ static void obey(controller_t *self, const controller_inbox_t *inbox, controller
 
 /* ---- Algorithm 1 and law (4) */
 
-/* What the joints shall do: nothing, unless in cooperation. A change by the operator takes the law's time: the last velocities stay, once,
- * so that whoever goes on changing does not stop the law. At the start they are 0. */
+/* What the joints shall do: nothing, unless in cooperation. The law waits in a tick in which the cooperation changes, as both would make it
+ * too long; never twice running, so that whoever goes on changing does not stop the law. */
 static void aim(controller_t *self) {
+    const bool has_waited = self->law_waited;
+    self->law_waited = false;
     if (self->supervisor.mode != MODE_COOPERATING) {
-        memset(self->wanted_radps, 0, sizeof self->wanted_radps);
-        self->law_kept = false;
+        stand(self);
         return;
     }
-    self->law_kept = self->changed && !self->law_kept;
-    if (self->law_kept) {
+    if (self->cooperation_changed && !has_waited) {
+        self->law_waited = true;
         return;
     }
     cooperation_update(&self->cooperation, &self->hand, blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
-    velocity_request_t request = {.position_rad = self->joints.position_rad, .target = &self->cooperation.target};
-    request.at_end =
-        joint_limits_at_end(self->arm, &self->joint_limits_config, self->joints.position_rad, &request.at_upper_end);
+    const velocity_request_t request = {
+        .position_rad = self->joints.position_rad,
+        .target = &self->cooperation.target,
+        .ends = joint_limits_ends(self->arm, &self->joint_limits_config, self->joints.position_rad),
+    };
     velocity_control(self->arm, &self->velocity_control_config, &request, self->wanted_radps);
 }
 
@@ -430,7 +441,7 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
 
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox) {
     outbox->save = false;
-    self->changed = false;
+    self->cooperation_changed = false;
     decode(self, now_us, inbox);
     sense(self, now_us);
     supervise(self, now_us);

@@ -62,10 +62,10 @@ typedef struct {
     task_id_t task_id; /* selected */
     task_t task;
     float blend_s;         /* how long the selected task takes to come into force */
-    float blend_elapsed_s; /* of it, in cooperation */
+    float blend_elapsed_s; /* of it, in the law's ticks */
     cooperation_t cooperation;
-    bool changed;  /* by the operator, in this tick */
-    bool law_kept; /* in this tick the law's velocities are those of the last one */
+    bool cooperation_changed; /* by the operator, in this tick: started, its task or relation, its reference */
+    bool law_waited;          /* in this tick, for that */
     float wanted_radps[ARM_MAX_JOINTS]; /* the law's */
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */

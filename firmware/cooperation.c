@@ -1,6 +1,6 @@
 #include "cooperation.h"
 
-/* Not in line: a start is rare, and its code shall be small. */
+/* Not in line: one copy of its code for all that is done until a task is in force. */
 __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion_t b) {
     return quaternion_multiply(a, b);
 }
@@ -51,11 +51,11 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
 
 /* ---- start, and changes */
 
-/* conj(a) b: where b is, seen from a. */
+/* conj(a) b: where b is, seen from a. Unit again, so that no error grows from one change to the next. */
 static pose_t seen_from(pose_t a, pose_t b) {
     const quaternion_t back = quaternion_conjugate(a.rotation);
     const vector3_t way = vector3_add(b.translation_m, vector3_scale(a.translation_m, -1.0f));
-    return (pose_t){product(back, b.rotation), quaternion_rotate(back, way)};
+    return (pose_t){quaternion_normalise(product(back, b.rotation)), quaternion_rotate(back, way)};
 }
 
 /* q_R0^T moved by the person's start offset, seen by a person who stands as q_inv says: q_Rv0^Tv q_inv. */
@@ -101,9 +101,9 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
     self->task = *task;
     self->latched = false;
     fold_displacement(quaternion_conjugate(config->tracker_rotation), config->motion_scale, self->loop.carry);
-    const pose_t virtual_hand = virtual_hand_at_start(self, robot);
-    take_reference(self, hand, virtual_hand);
-    self->blend_from = performed_relation(robot, virtual_hand);
+    const pose_t reference = virtual_hand_at_start(self, robot);
+    take_reference(self, hand, reference);
+    self->blend_from = performed_relation(robot, reference);
     self->relation = self->blend_from;
     self->target = robot;
 }
@@ -114,7 +114,7 @@ void cooperation_select(cooperation_t *self, const task_t *task) {
     const quaternion_t turn = product(quaternion_conjugate(self->task.q_inv), task->q_inv);
     pose_t turned_hand = virtual_hand(self);
     turned_hand.rotation = product(turned_hand.rotation, turn);
-    self->virtual_hand_start = product(self->virtual_hand_start, turn);
+    self->virtual_hand_start = quaternion_normalise(product(self->virtual_hand_start, turn));
     self->settled = false;
     self->task = *task;
     self->latched = false;
@@ -140,40 +140,18 @@ void cooperation_latch(cooperation_t *self) {
 
 void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
     latch(self, performed_relation(robot, virtual_hand(self)).pose);
+    self->target = robot;
 }
 
 /* ---- the loop */
 
-/* The target's rotation as long as a task comes into force. Not in line, so that the loop keeps its registers. */
-__attribute__((noinline)) static quaternion_t turn_and_settle(cooperation_t *self, const quaternion_t *hand, float blend) {
-    self->relation = relation_in_force(self, blend);
-    const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
-    const quaternion_t right =
-        product(self->virtual_hand_start, quaternion_conjugate(self->relation.pose.rotation));
-    if (self->latched || blend >= 1.0f) {
-        self->settled = true;
-        fold_rotation(left, right, self->loop.turn);
-    }
-    return product(product(left, *hand), right);
-}
-
-static inline quaternion_t turn_settled(const float turn[4][4], const quaternion_t *hand) {
-    const float w = hand->w, x = hand->x, y = hand->y, z = hand->z;
-    return (quaternion_t){
-        (turn[0][0] * w + turn[0][1] * x) + (turn[0][2] * y + turn[0][3] * z),
-        (turn[1][0] * w + turn[1][1] * x) + (turn[1][2] * y + turn[1][3] * z),
-        (turn[2][0] * w + turn[2][1] * x) + (turn[2][2] * y + turn[2][3] * z),
-        (turn[3][0] * w + turn[3][1] * x) + (turn[3][2] * y + turn[3][3] * z),
-    };
-}
-
-void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
+/* The target of rotation r. */
+static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_t r) {
     const cooperation_loop_t *loop = &self->loop;
-    const quaternion_t r = self->settled ? turn_settled(loop->turn, &hand->rotation) : turn_and_settle(self, &hand->rotation, blend);
     const float(*carry)[3] = loop->carry;
-    const float t_x = hand->translation_m.x - loop->hand_start_m.x;
-    const float t_y = hand->translation_m.y - loop->hand_start_m.y;
-    const float t_z = hand->translation_m.z - loop->hand_start_m.z;
+    const float t_x = hand_m.x - loop->hand_start_m.x;
+    const float t_y = hand_m.y - loop->hand_start_m.y;
+    const float t_z = hand_m.z - loop->hand_start_m.z;
     const float forward = carry[0][0] * t_x + carry[0][1] * t_y + carry[0][2] * t_z;
     const float left = carry[1][0] * t_x + carry[1][1] * t_y + carry[1][2] * t_z;
     const float up = carry[2][0] * t_x + carry[2][1] * t_y + carry[2][2] * t_z;
@@ -191,4 +169,32 @@ void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
         loop->virtual_hand_start_m.y + left - (k_y + r.w * twice_y + (r.z * twice_x - r.x * twice_z));
     self->target.translation_m.z =
         loop->virtual_hand_start_m.z + up - (k_z + r.w * twice_z + (r.x * twice_y - r.y * twice_x));
+}
+
+/* As long as a task comes into force. Not in line, so that the loop need not save registers. */
+__attribute__((noinline)) static void update_and_settle(cooperation_t *self, const pose_t *hand, float blend) {
+    self->relation = relation_in_force(self, blend);
+    const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
+    const quaternion_t right = product(self->virtual_hand_start, quaternion_conjugate(self->relation.pose.rotation));
+    if (self->latched || blend >= 1.0f) {
+        self->settled = true;
+        fold_rotation(left, right, self->loop.turn);
+    }
+    set_target(self, hand->translation_m, product(product(left, hand->rotation), right));
+}
+
+void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
+    if (!self->settled) {
+        update_and_settle(self, hand, blend);
+        return;
+    }
+    const float(*turn)[4] = (const float(*)[4])self->loop.turn;
+    const float w = hand->rotation.w, x = hand->rotation.x, y = hand->rotation.y, z = hand->rotation.z;
+    const quaternion_t r = {
+        (turn[0][0] * w + turn[0][1] * x) + (turn[0][2] * y + turn[0][3] * z),
+        (turn[1][0] * w + turn[1][1] * x) + (turn[1][2] * y + turn[1][3] * z),
+        (turn[2][0] * w + turn[2][1] * x) + (turn[2][2] * y + turn[2][3] * z),
+        (turn[3][0] * w + turn[3][1] * x) + (turn[3][2] * y + turn[3][3] * z),
+    };
+    set_target(self, hand->translation_m, r);
 }

@@ -54,7 +54,7 @@ void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float bl
 /* Section V-B.3, at grasp: the q_task in force is stored and stays constant (the commanded relation). */
 void cooperation_latch(cooperation_t *self);
 
-/* The same with the relation that is being performed: conj(q_Rm) q_Hm, robot = q_Rm. */
+/* The same with the relation that is being performed: conj(q_Rm) q_Hm, robot = q_Rm, which is the target then. */
 void cooperation_latch_measured(cooperation_t *self, pose_t robot);
 
 /* One pass of Algorithm 1's loop up to q_R^Tv = q_Hv^Tv conj(q_task): self->target, in the torso frame. blend within 0..1: how

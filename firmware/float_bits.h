@@ -1,4 +1,4 @@
-/* Questions about a float32 that its bits answer: without a floating-point unit, a comparison is a call. */
+/* What the bits of a float32 answer, and serve for: without a floating-point unit, a comparison is a call. */
 #ifndef COMANIP_FLOAT_BITS_H
 #define COMANIP_FLOAT_BITS_H
 
@@ -25,7 +25,8 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
-/* The nearest whole number, away from 0 where two are; of up to 2^23. */
+/* The whole number that is left of x and half more, away from 0: the nearest one, but for x itself being rounded up when half is added.
+ * |x| below 2^31; NaN is not one. */
 static inline int32_t float_nearest(float x) {
     const uint32_t half_bits = (float_bits(x) & 0x80000000u) | 0x3F000000u;
     float half;

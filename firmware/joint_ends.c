@@ -1,31 +1,34 @@
 #include "joint_ends.h"
 
-uint8_t joint_ends_beyond(const velocity_request_t *request, int joint_count, const float velocity_radps[]) {
+uint8_t joint_ends_leave_out(joint_ends_t ends, int joint_count, const float velocity_radps[], uint8_t *out) {
     unsigned beyond = 0;
     for (int i = 0; i < joint_count; i++) {
-        const bool is_upper = (request->at_upper_end >> i & 1) != 0;
-        if (is_upper ? velocity_radps[i] > 0.0f : velocity_radps[i] < 0.0f) {
-            beyond |= 1u << i;
+        const unsigned bit = 1u << i;
+        if (((ends.lower & bit) != 0u && velocity_radps[i] < 0.0f) || ((ends.upper & bit) != 0u && velocity_radps[i] > 0.0f)) {
+            beyond |= bit;
         }
     }
-    return (uint8_t)(beyond & request->at_end);
+    const uint8_t more = (uint8_t)(beyond & ~(unsigned)*out);
+    *out = (uint8_t)(*out | more);
+    return more;
 }
 
-void joint_ends_solve(const velocity_request_t *request, int joint_count, ldlt_t *normal, float velocity_radps[]) {
+void joint_ends_solve(joint_ends_t ends, int joint_count, ldlt_t *normal, float velocity_radps[]) {
     float pull[ARM_MAX_JOINTS];
     for (int i = 0; i < joint_count; i++) {
         pull[i] = velocity_radps[i];
     }
-    for (;;) { /* 1 + joint_count times at most: who is out stands, and is not beyond again */
+    uint8_t out = 0;
+    for (;;) {
         ldlt_factorise(normal, joint_count);
         ldlt_solve(normal, joint_count, velocity_radps);
-        const uint8_t beyond = joint_ends_beyond(request, joint_count, velocity_radps);
-        if (beyond == 0u) {
+        const uint8_t more = joint_ends_leave_out(ends, joint_count, velocity_radps, &out);
+        if (more == 0u) {
             return;
         }
-        ldlt_leave_out(normal, joint_count, beyond);
+        ldlt_leave_out(normal, joint_count, more);
         for (int i = 0; i < joint_count; i++) {
-            pull[i] = (beyond >> i & 1) != 0 ? 0.0f : pull[i];
+            pull[i] = (more >> i & 1) != 0 ? 0.0f : pull[i];
             velocity_radps[i] = pull[i];
         }
     }

@@ -113,19 +113,16 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
     return finite;
 }
 
-uint8_t joint_limits_at_end(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[], uint8_t *at_upper_end) {
+joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]) {
     const float near_end_rad = config->plan.near_end_rad;
     unsigned lower = 0, upper = 0;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        if (joint->position_max_rad - measured_rad[i] < near_end_rad) {
-            upper |= 1u << i;
-        } else if (measured_rad[i] - joint->position_min_rad < near_end_rad) {
-            lower |= 1u << i;
-        }
+        const unsigned bit = 1u << i;
+        lower |= measured_rad[i] - joint->position_min_rad < near_end_rad ? bit : 0u;
+        upper |= joint->position_max_rad - measured_rad[i] < near_end_rad ? bit : 0u;
     }
-    *at_upper_end = (uint8_t)upper;
-    return (uint8_t)(lower | upper);
+    return (joint_ends_t){(uint8_t)lower, (uint8_t)upper};
 }
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm) {

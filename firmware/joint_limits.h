@@ -28,7 +28,7 @@ typedef struct {
 } joint_limits_plan_t;
 
 typedef struct {
-    float tick_s;
+    float tick_s;                   /* > 0 */
     float speed_fraction;           /* 0..1 of each joint's velocity_max_radps */
     float acceleration_max_radps2;  /* > 0 */
     float command_delay_s;          /* from this tick to the drive's motion: joints travel on for so long */
@@ -43,8 +43,8 @@ void joint_limits_prepare(joint_limits_config_t *config);
 /* The last command. */
 typedef struct {
     float position_rad[ARM_MAX_JOINTS]; /* where the joint is to be at the next tick, within the arm's range */
-    float velocity_radps[ARM_MAX_JOINTS];
-    int32_t velocity_steps[ARM_MAX_JOINTS]; /* the same velocities, in steps of the bus's resolution */
+    int32_t velocity_steps[ARM_MAX_JOINTS]; /* of the bus's resolution */
+    float velocity_radps[ARM_MAX_JOINTS];   /* the same velocities */
 } joint_limits_t;
 
 void joint_limits_init(joint_limits_t *self);
@@ -55,8 +55,8 @@ void joint_limits_init(joint_limits_t *self);
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
                         const float wanted_radps[]);
 
-/* The joints, a bit each, that stand at an end of their range; at_upper_end: those of them of which it is the upper one. */
-uint8_t joint_limits_at_end(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[], uint8_t *at_upper_end);
+/* Which joints stand at an end of their range. */
+joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

@@ -25,7 +25,10 @@ static uint32_t crc32(uint32_t crc, const uint8_t bytes[], size_t length) {
 static uint32_t layout(void) {
     uint32_t crc = 0;
     for (int i = 0; i < PARAMETER_COUNT; i++) {
-        crc = crc32(crc, (const uint8_t *)parameter_table[i].name, strlen(parameter_table[i].name) + 1u);
+        const char *letter = parameter_table[i].name;
+        do { /* with the 0 at the end */
+            crc = crc32(crc, (const uint8_t *)letter, 1);
+        } while (*letter++ != '\0');
     }
     return crc;
 }

@@ -30,8 +30,8 @@ typedef struct {
 typedef struct velocity_control_config {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
-    float damping;       /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, which float32 does not carry
-                            through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
+    float damping;       /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, of all joints, which float32 does not
+                            carry through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
     error_frame_t error_frame;
     velocity_isotropic_t isotropic; /* by velocity_control_prepare() */
 } velocity_control_config_t;
@@ -39,8 +39,7 @@ typedef struct velocity_control_config {
 typedef struct velocity_request {
     const float *position_rad; /* joint_count angles */
     const pose_t *target;      /* in the torso frame; either sign */
-    uint8_t at_end;            /* joints, a bit each, that stand at an end of their range ... */
-    uint8_t at_upper_end;      /* ... and those of them of which it is the upper one */
+    joint_ends_t ends;
 } velocity_request_t;
 
 /* Once, after the other members of the config are set. */

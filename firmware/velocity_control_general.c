@@ -156,12 +156,13 @@ void velocity_control_general(const arm_t *arm, const velocity_control_config_t 
     set_hand(&equations, arm, request->position_rad);
     set_wanted(&equations, config, request->target);
     set_normal(&equations, config);
-    for (;;) { /* as joint_ends_solve() */
+    uint8_t out = 0;
+    for (;;) {
         solve(&equations, velocity_radps);
-        const uint8_t beyond = joint_ends_beyond(request, arm->joint_count, velocity_radps);
-        if (beyond == 0u) {
+        const uint8_t more = joint_ends_leave_out(request->ends, arm->joint_count, velocity_radps, &out);
+        if (more == 0u) {
             return;
         }
-        leave_out(&equations, beyond);
+        leave_out(&equations, more);
     }
 }

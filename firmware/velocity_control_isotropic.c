@@ -81,5 +81,5 @@ void velocity_control_isotropic(const arm_t *arm, const velocity_control_config_
         velocity_control_general(arm, config, request, velocity_radps);
         return;
     }
-    joint_ends_solve(request, joint_count, &normal, velocity_radps);
+    joint_ends_solve(request->ends, joint_count, &normal, velocity_radps);
 }

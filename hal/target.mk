@@ -119,10 +119,10 @@ stack: stack-check deps targets ## the deepest that the stack of each image can 
 	@$(PYTHON) -m comanip.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
-bitexact: bitexact-check build target-check ## one input through every compiler's and processor's controller_step(): the same bytes; SMOKE=1: a short one; build/reports/bitexact.json
+bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## one input through every compiler's and processor's controller_step(): the same bytes; SMOKE=1: a short one; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)
 
-cycles: cycles-check build target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
+cycles: cycles-check build $(VENV)/.installed-tests target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(UPDATE),--update)
 
 # NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, with tabs between.

@@ -30,7 +30,7 @@ def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
-    """Law (4) over the joints that are free to do what it asks: joint_limits_blocked()."""
+    """Law (4) over the joints that are free to do what it asks: joint_limits_ends()."""
     free = np.ones(len(q), bool)
     while True:
         wanted = np.zeros(len(q))

@@ -25,10 +25,10 @@ def config(gain=35.0, weight=(0.01, 100.0), damping=0.01, frame=lib.ERROR_FRAME_
     return result
 
 
-def solve(law, arm, configuration, q, target, at_end=0, at_upper_end=0) -> np.ndarray:
+def solve(law, arm, configuration, q, target, lower=0, upper=0) -> np.ndarray:
     position, velocity = ffi.new("float[8]", q.tolist()), ffi.new("float[8]")
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
-    request = ffi.new("velocity_request_t *", {"position_rad": position, "target": pose, "at_end": at_end, "at_upper_end": at_upper_end})
+    request = ffi.new("velocity_request_t *", {"position_rad": position, "target": pose, "ends": (lower, upper)})
     law(arm.table, configuration, request, velocity)
     return np.array(list(velocity)[: arm.joint_count])
 
@@ -67,8 +67,9 @@ def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(ar
     w = np.repeat(weight, 4)
     blocked_counts = np.zeros(5, int)
     for number, (q, target) in enumerate(inputs):
-        at_end, at_upper_end = number % 16, number // 16 % 16 & number % 16
-        beyond = np.array([(at_end >> i & 1) * (1 if at_upper_end >> i & 1 else -1) for i in range(4)])
+        upper = number // 16 % 16 & number % 16
+        lower = number % 16 & ~upper
+        beyond = np.array([(upper >> i & 1) - (lower >> i & 1) for i in range(4)])
         hand, jacobian = (x[0] for x in oracle.evaluate(oracle.hoap3(), q[None]))
         goal = target.astype(float) * (1 if hand[:4] @ target[:4] >= 0 else -1)
         error = goal - hand
@@ -89,7 +90,7 @@ def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(ar
             continue  # so near to standing that rounding decides
         blocked_counts[4 - free.sum()] += 1
         for law in laws:
-            found = solve(law, arm, configuration, q, target, at_end, at_upper_end)
+            found = solve(law, arm, configuration, q, target, lower, upper)
             scale = max(3.5, np.linalg.norm(expected))
             assert np.abs(found - expected).max() / scale < max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (found[~free] == 0).all()
@@ -206,6 +207,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
         assert np.abs(found[0] - expected[:4] * np.sign(found[0] @ expected[:4])).max() < 2e-6
         assert np.abs(found[1] - oracle.translation(expected)).max() < 2e-6
     for frame, frame_name in ((lib.ERROR_FRAME_TORSO, "torso"), (lib.ERROR_FRAME_TARGET, "target")):
+        otherwise = 0
         for weight in ((1.0, 1.0), (0.01, 100.0)):
             configuration = config(weight=weight, frame=frame)
             assert configuration.isotropic.applies
@@ -213,7 +215,36 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             found = np.array([solve(lib.velocity_control, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
             # the arms reach up to 2 m, HOAP-3 0.3: the rounding of J^T W J grows with the square
-            assert (np.abs(found - expected).max(axis=1) / scale).max() < 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
+            bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
+            assert (np.abs(found - expected).max(axis=1) / scale).max() < bound
+            # at ends: as the law for any arm, which is held against double precision above
+            for pair in zip(q, targets, strict=True):
+                lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
+                written, general = (solve(law, arm, configuration, *pair, lower, upper) for law in (lib.velocity_control, lib.velocity_control_general))
+                sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
+                assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
+                if np.array_equal(written == 0, general == 0):  # else rounding decided who is left out
+                    assert np.abs(written - general).max() / max(3.5, np.abs(general).max()) < 2 * bound
+                else:
+                    otherwise += 1
+        assert otherwise <= 2
+
+
+def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
+    """Right angles and lengths of 0 leave out much of the formulas: no variable must be left over."""
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror", "-fsyntax-only"]
+    written = []
+    rows_of = [[(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]]  # had unused variables
+    for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
+        rows_of.append([tuple(float(x) for x in (*rng.choice(RIGHT_ANGLES, 1), *rng.choice([0.0, 0.1], 2), *rng.choice(RIGHT_ANGLES, 1))) for _ in range(n + 1)])
+    for number, rows in enumerate(rows_of):
+        path = tmp_path / f"arm_{number}.toml"
+        write_description(path, rows[:-1], rows[-1])
+        assert arm_codegen.main([str(path)]) == 0
+        for made in (path.with_suffix(".c"), path.with_suffix(".h")):
+            made.write_text(made.read_text().replace('"../', f'"{FIRMWARE}/'))
+        written.append(str(path.with_suffix(".c")))
+    assert subprocess.run(["gcc", *flags, *written], capture_output=True, text=True).stderr == ""
 
 
 # ---- descriptions

@@ -9,7 +9,7 @@ from comanip._core import ffi, lib
 UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
 
 
-def verdict(joint_count: int = 2, effector: tuple = (UNIT, ZERO), **changes: object) -> str | None:
+def verdict(joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object) -> str | None:
     """Of a table of two good joints whose last one is changed."""
     joints = ffi.new("arm_joint_t[2]")
     for joint in joints:
@@ -19,6 +19,8 @@ def verdict(joint_count: int = 2, effector: tuple = (UNIT, ZERO), **changes: obj
     for name, value in changes.items():
         setattr(joints[1], name, value)
     table = ffi.new("arm_t *", {"joint_count": joint_count, "joints": joints, "effector": effector})
+    table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics") if functions else ffi.NULL
+    table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
     told = lib.arm_check(table)
     return None if told == ffi.NULL else ffi.string(told).decode()
 
@@ -40,6 +42,7 @@ def test_a_table_within_its_ranges_is_accepted(changes):
     [
         ({"joint_count": 0}, "joint_count"),
         ({"joint_count": 9}, "joint_count"),
+        ({"functions": False}, "forward_kinematics and isotropic"),
         ({"effector": ([0.9, 0.0, 0.0, 0.0], ZERO)}, "effector"),
         ({"effector": (UNIT, [0.0, 100.1, 0.0])}, "effector"),
         ({"effector": (UNIT, [0.0, float("nan"), 0.0])}, "effector"),

@@ -412,7 +412,6 @@ def test_latch_turns_the_mirror_into_a_carry(measured):
     bench.tick(500)
     before, robot = bench.target, bench.robot
     assert bench.command(lib.COMMAND_LATCH) == ACCEPTED
-    bench.tick()
     assert oracle.pose_distance(bench.target, robot if measured else before) < 1e-4
     before = bench.target
     bench.move_hand([0.02, 0, 0])
@@ -420,17 +419,60 @@ def test_latch_turns_the_mirror_into_a_carry(measured):
     assert moved_mm(bench, before) == pytest.approx([20, 0, 0], abs=0.03)
 
 
-@pytest.mark.parametrize("change", [("SELECT", lib.TASK_TELEOP), ("LATCH", 0), ("CLUTCH", 0)])
-def test_a_change_takes_the_laws_time_for_one_tick(change):
+def wanted(bench: Bench) -> np.ndarray:
+    return np.array(list(bench.controller.wanted_radps))
+
+
+def in_motion() -> Bench:
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.tick(20)
     bench.move_hand([0, 0.05, 0])
-    bench.tick(30)  # in motion
-    wanted = list(bench.controller.wanted_radps)
-    assert bench.command(getattr(lib, f"COMMAND_{change[0]}"), change[1]) == ACCEPTED
-    assert list(bench.controller.wanted_radps) == wanted
+    bench.tick(30)
+    assert np.abs(wanted(bench)).max() > 0.1
+    return bench
+
+
+@pytest.mark.parametrize("change", ["select", "define", "latch"])
+def test_the_law_waits_in_a_tick_of_a_change(change):
+    """The velocities of the last tick stay: the target does not move."""
+    bench = in_motion()
+    before = wanted(bench)
+    if change == "define":
+        assert bench.define() == ACCEPTED
+    else:
+        assert bench.command(getattr(lib, f"COMMAND_{change.upper()}"), lib.TASK_TELEOP) == ACCEPTED
+    assert np.array_equal(wanted(bench), before)
     bench.tick()
-    assert list(bench.controller.wanted_radps) != wanted
+    assert not np.array_equal(wanted(bench), before)
+
+
+@pytest.mark.parametrize("change", ["clutch", "latch measured", "stop and start"])
+def test_no_joint_goes_on_where_the_robot_is_its_own_target(change):
+    bench = in_motion()
+    if change == "latch measured":
+        bench.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED] = 1.0
+    command = {"clutch": lib.COMMAND_CLUTCH, "latch measured": lib.COMMAND_LATCH, "stop and start": lib.COMMAND_STOP}[change]
+    speed, robot = np.abs(bench.velocity_radps), bench.robot
+    if change == "stop and start":  # in one tick: the second is asked for with the first
+        frame = ffi.new("can_frame_t *")
+        lib.operator_command_pack(ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP}), frame)
+        bench.requests.append(frame)
+        command = lib.COMMAND_START
+    assert bench.command(command) == ACCEPTED
+    assert (wanted(bench) == 0).all()
+    assert (np.abs(bench.velocity_radps) <= speed).all()
+    assert oracle.pose_distance(bench.target, robot) < 1e-4
+    bench.tick()
+    assert np.abs(wanted(bench)).max() > 0
+
+
+def test_the_law_waits_for_a_start_that_follows_a_change():
+    bench = in_motion()
+    assert bench.command(lib.COMMAND_LATCH) == ACCEPTED
+    assert bench.command(lib.COMMAND_STOP) == ACCEPTED
+    bench.tick()
+    assert bench.command(lib.COMMAND_START) == ACCEPTED
+    assert bench.controller.law_waited
 
 
 def test_who_goes_on_changing_does_not_stop_the_law():
@@ -443,6 +485,31 @@ def test_who_goes_on_changing_does_not_stop_the_law():
         assert bench.command(lib.COMMAND_SELECT, lib.TASK_TELEOP) == ACCEPTED
     moved = oracle.translation(bench.robot) - oracle.translation(before)
     assert 1e3 * moved == pytest.approx([0, 10, 0], abs=0.5)
+
+
+def test_many_measured_latches_keep_the_relation_a_pose():
+    """Each is made of the one before: an error of its norm must not grow."""
+    bench = Bench().until_ready()
+    assert bench.write(lib.PARAMETER_LATCH_MEASURED, 1) == ACCEPTED
+    bench.start(lib.TASK_TELEOP)
+    for number in range(60):
+        bench.move_hand([0.002 * (-1) ** number, 0.001, -0.001])
+        bench.tick(50)
+        assert bench.command(lib.COMMAND_LATCH) == ACCEPTED
+        relation = bench.controller.cooperation.relation.pose.rotation
+        assert np.linalg.norm([relation.w, relation.x, relation.y, relation.z]) == pytest.approx(1, abs=1e-6)
+
+
+def test_a_joint_at_an_end_is_not_asked_to_go_beyond_it():
+    """The law alone would ask it, as the hand is drawn there."""
+    bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
+    bench.move_hand([0, 0.3, 0])
+    bench.tick(1000)
+    joints = [lib.arm_hoap3_right.joints[i] for i in range(JOINTS)]
+    room = np.array([[p - j.position_min_rad, j.position_max_rad - p] for p, j in zip(bench.position_rad, joints, strict=True)])
+    at_end = room.min(axis=1) < 2e-3
+    assert at_end.any()
+    assert (wanted(bench)[:JOINTS][at_end] == 0).all() and (wanted(bench)[:JOINTS][~at_end] != 0).any()
 
 
 def test_motion_scale_acts_on_the_mirror_alike():

@@ -150,14 +150,24 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
     assert (drives.position_rad < ARM.position_max_rad).all()
 
 
+AT_LIMIT_RAD = 2e-3  # JOINT_LIMITS_AT_LIMIT_RAD
+NEAR_END_RAD = AT_LIMIT_RAD + 0.5 * 0.9 * 25.0 * (0.005 + TICK_S) ** 2  # and what is left of the way when a joint's stopping speed is 0
+
+
 @pytest.mark.parametrize("end", ["low", "high"])
-@pytest.mark.parametrize("beyond_rad", [0.0, 0.01, -0.1])
-def test_which_joints_stand_at_an_end_of_their_range(end, beyond_rad):
+@pytest.mark.parametrize(("inside_rad", "stands_there"), [(NEAR_END_RAD - 2e-6, True), (NEAR_END_RAD + 2e-6, False), (0, True), (-0.01, True), (0.1, False)])
+def test_which_joints_stand_at_an_end_of_their_range(end, inside_rad, stands_there):
     config = PerfectDrives(position_at([0.5] * N), 0).config
-    at_upper_end = ffi.new("uint8_t *")
     for joint in range(N):
         measured = position_at([0.5] * N)
-        measured[joint] = position_at([float(end == "high")] * N)[joint] + (beyond_rad if end == "high" else -beyond_rad)
-        at_end = lib.joint_limits_at_end(ARM.table, config, ffi.new("float[8]", list(measured)), at_upper_end)
-        assert at_end == (1 << joint if beyond_rad >= 0 else 0)
-        assert at_upper_end[0] == (at_end if end == "high" else 0)
+        measured[joint] = position_at([float(end == "high")] * N)[joint] + (-inside_rad if end == "high" else inside_rad)
+        ends = lib.joint_limits_ends(ARM.table, config, ffi.new("float[8]", list(measured)))
+        there = 1 << joint if stands_there else 0
+        assert (ends.lower, ends.upper) == ((0, there) if end == "high" else (there, 0))
+
+
+def test_a_joint_of_a_narrow_range_stands_at_both_ends():
+    pose, axis, limit = np.array([[1, 0, 0, 0, 0, 0, 0, 0]], np.float32), np.array([[0, 0, 1]], np.float32), np.full(1, 1e-3, np.float32)
+    arm = core.Arm(pose, axis, -limit, limit, np.ones(1, np.float32))
+    ends = lib.joint_limits_ends(arm.table, PerfectDrives(position_at([0.5] * N), 0).config, ffi.new("float[8]"))
+    assert (ends.lower, ends.upper) == (1, 1)

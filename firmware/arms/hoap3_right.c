@@ -107,10 +107,11 @@ static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {
 }
 
 /* joint_ends_solve() for this arm. */
-__attribute__((noinline)) static void solve_at_ends(const velocity_request_t *request, float velocity_radps[],
+__attribute__((noinline)) static void solve_at_ends(joint_ends_t ends, float velocity_radps[],
                                                           float matrix_00, float matrix_10, float matrix_11, float matrix_20, float matrix_21, float matrix_22,
                                                           float matrix_30, float matrix_31, float matrix_32, float matrix_33, float pull_0, float pull_1,
                                                           float pull_2, float pull_3) {
+    uint8_t out = 0;
     for (;;) {
         const float inverse_0 = 1.0f / matrix_00;
         const float factor_10 = matrix_10 * inverse_0;
@@ -140,20 +141,20 @@ __attribute__((noinline)) static void solve_at_ends(const velocity_request_t *re
         velocity_radps[1] = speed_1;
         velocity_radps[2] = speed_2;
         velocity_radps[3] = speed_3;
-        const uint8_t beyond = joint_ends_beyond(request, 4, velocity_radps);
-        if (beyond == 0u) {
+        const uint8_t more = joint_ends_leave_out(ends, 4, velocity_radps, &out);
+        if (more == 0u) {
             return;
         }
-        if ((beyond & 1u) != 0u) {
+        if ((more & 1) != 0) {
             matrix_10 = matrix_20 = matrix_30 = pull_0 = 0.0f;
         }
-        if ((beyond & 2u) != 0u) {
+        if ((more & 2) != 0) {
             matrix_10 = matrix_21 = matrix_31 = pull_1 = 0.0f;
         }
-        if ((beyond & 4u) != 0u) {
+        if ((more & 4) != 0) {
             matrix_20 = matrix_21 = matrix_32 = pull_2 = 0.0f;
         }
-        if ((beyond & 8u) != 0u) {
+        if ((more & 8) != 0) {
             matrix_30 = matrix_31 = matrix_32 = pull_3 = 0.0f;
         }
     }
@@ -584,8 +585,8 @@ static void isotropic(const arm_t *arm, const velocity_control_config_t *config,
     const float pull_1 = n33;
     const float pull_2 = n50;
     const float pull_3 = -n82;
-    if (request->at_end != 0u) {
-        solve_at_ends(request, velocity_radps,
+    if ((request->ends.lower | request->ends.upper) != 0) {
+        solve_at_ends(request->ends, velocity_radps,
                       matrix_00, matrix_10, matrix_11, matrix_20, matrix_21, matrix_22,
                       matrix_30, matrix_31, matrix_32, matrix_33, pull_0, pull_1,
                       pull_2, pull_3);

@@ -7,6 +7,7 @@ depend on few joints; that joint is chosen for which the fewest operations remai
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import compress
@@ -290,14 +291,14 @@ def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 def solve_at_ends(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
     """A function that does what joint_ends_solve() does. Apart from the law, so that this one need not keep the equations."""
     parameters = [f"float {name}" for name in unknown(n, matrix)]
-    lines = ["__attribute__((noinline)) static void solve_at_ends(const velocity_request_t *request, float velocity_radps[],",
-             *wrapped(parameters, " " * 58, ") {"), "    for (;;) {"]  # fmt: skip
+    lines = ["__attribute__((noinline)) static void solve_at_ends(joint_ends_t ends, float velocity_radps[],",
+             *wrapped(parameters, " " * 58, ") {"), "    uint8_t out = 0;", "    for (;;) {"]  # fmt: skip
     lines += [f"    {line}" for line in solve(n, matrix)]
-    lines += [f"        const uint8_t beyond = joint_ends_beyond(request, {n}, velocity_radps);",
-              "        if (beyond == 0u) {", "            return;", "        }"]  # fmt: skip
+    lines += [f"        const uint8_t more = joint_ends_leave_out(ends, {n}, velocity_radps, &out);",
+              "        if (more == 0u) {", "            return;", "        }"]  # fmt: skip
     for joint in range(n):
         zeros = [term.variable for (i, j), term in matrix.items() if i != j and joint in (i, j) and term.variable]
-        lines += [f"        if ((beyond & {1 << joint}u) != 0u) {{", f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;", "        }"]
+        lines += [f"        if ((more & {1 << joint}) != 0) {{", f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;", "        }"]
     return [*lines, "    }", "}"]
 
 
@@ -348,22 +349,23 @@ def law(arm: Arm, middle: int, right_first: bool) -> Law:
     seen = see(block, arm, joints, target, rotation, middle, right_first)
     scale = abs(seen.turn[0].factor)  # the rotation's, taken out where all its parts have the same
     turn = [block.whole(Term(term.factor / scale, term.variable)) for term in seen.turn]
-    lines += block.text([x for v in (*seen.axes, *seen.levers, seen.hand, seen.target, turn) for x in v])
-    lines += [f"    const float turn_{axis} = {value(term)};" for axis, term in zip("wxyz", turn, strict=True)]
+    equations, matrix = normal_equations(seen)
+    difference = errors(arm, joints, middle, seen, equations)
+    turned = [f"    const float turn_{axis} = {value(term)};" for axis, term in zip("wxyz", turn, strict=True)]
+    named = set(re.findall(r"\bm\d+\b", "\n".join([*turned, *difference, *equations])))
+    lines += [*block.text(Term(1.0, variable) for variable in named), *turned]
     lines.append("    /* target and -target are the same pose: the nearer one */")
     lines.append(f"    const float side = turn_w < 0.0f ? -{literal(scale)} : {literal(scale)};")
     lines.append("    const float pull_rotation = side * law->pull_rotation;")
-    equations, matrix = normal_equations(seen)
-    at_ends = ["    if (request->at_end != 0u) {", "        solve_at_ends(request, velocity_radps,", *wrapped(unknown(n, matrix), " " * 22, ");"),
+    at_ends = ["    if ((request->ends.lower | request->ends.upper) != 0) {", "        solve_at_ends(request->ends, velocity_radps,", *wrapped(unknown(n, matrix), " " * 22, ");"),
                "        return;", "    }"]  # fmt: skip
-    body = [*lines, *errors(arm, joints, middle, seen, equations), *equations, *at_ends, *solve(n, matrix)]
+    body = [*lines, *difference, *equations, *at_ends, *solve(n, matrix)]
     return Law(body, solve_at_ends(n, matrix))
 
 
 def fewest_operations(arm: Arm) -> Law:
     laws = [law(arm, middle, right_first) for middle in range(len(arm.twist)) for right_first in (False, True)]
     return min(laws, key=lambda law: law.operations)
-
 
 
 # ---- the hand

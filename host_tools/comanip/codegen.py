@@ -41,10 +41,13 @@ def drop_unwanted_functions(text: str) -> str:
 
 
 def write_each_byte_once(text: str) -> str:
-    """Packing begins with zeros in all bytes, into which each signal is ored: the first of a byte is written instead."""
+    """Packing begins with zeros in all bytes, into which each signal is ored: the first of a byte is written instead. For straight-line
+    code, which it is unless signals are multiplexed."""
 
     def rewritten(match: re.Match) -> str:
         body, seen = match["body"], set()
+        if "switch" in body:
+            raise SystemExit("codegen: a message has multiplexed signals, expected none: each byte of a frame is written in any case")
 
         def first(write: re.Match) -> str:
             again = write["byte"] in seen

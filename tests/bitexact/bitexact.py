@@ -56,7 +56,7 @@ def make_input(folder: Path, smoke: bool) -> None:
         subprocess.run([str(part) for part in command], check=False, stderr=subprocess.DEVNULL)
         paths.append(out / "bus.log")
     ticks = SMOKE_VECTOR_TICKS if smoke else VECTOR_TICKS
-    subprocess.run([sys.executable, RUNNER.with_name("stimulus.py"), folder / "input.bin", str(ticks), *paths], check=True)
+    subprocess.run([sys.executable, RUNNER.with_name("write_input.py"), folder / "input.bin", str(ticks), *paths], check=True)
 
 
 def core_sources() -> list[Path]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -129,97 +128,8 @@ class Vectors:
             yield tick(now, [frame[0] for frame in frames[:16]])
 
 
-class Operated:
-    """A hand that goes to and fro, drives that do at once what they are told, and an operator."""
-
-    _HAND_M, _AMPLITUDE_M, _RATES_RADPS = np.array([0.4, 0.2, 0.1]), 0.08, np.array([2.0, 3.0, 2.5])
-    _TURN_RAD, _TURN_RATE_RADPS = 0.3, 3.0
-
-    def __init__(self):
-        self._controller, self._inbox, self._outbox = (ffi.new(f"{name} *") for name in ("controller_t", "controller_inbox_t", "outbox_t"))
-        lib.controller_init(self._controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
-        self._sender = ffi.new("protocol_sender_t *")
-        self._position_rad = np.radians([90.0, -5.0, 0.0, -90.0])
-        self._ticks = 0
-
-    @property
-    def cooperates(self) -> bool:
-        return self._controller.supervisor.mode == lib.MODE_COOPERATING
-
-    def _receive(self, kind: str, message: dict, *first) -> None:
-        frame = ffi.new("can_frame_t *")
-        getattr(lib, f"{kind}_pack")(*first, ffi.new(f"{kind}_t *", message), frame)
-        lib.protocol_protect(self._sender, frame)
-        frame.timestamp_us = 1000 * self._ticks
-        self._inbox.frame[self._inbox.count] = frame[0]
-        self._inbox.count += 1
-
-    def tick(self, kind: str = "", message: dict | None = None) -> bytes:
-        """With a frame of the operator's."""
-        self._ticks += 1
-        now_us, time_s = 1000 * self._ticks, 1e-3 * self._ticks
-        self._inbox.count = 0
-        if self._ticks % 4 == 0:
-            half = 0.5 * self._TURN_RAD * np.sin(self._TURN_RATE_RADPS * time_s)
-            position = self._HAND_M + self._AMPLITUDE_M * np.sin(self._RATES_RADPS * time_s)
-            self._receive("hand_pose", {"t_us": now_us, "valid": True, "position_m": dict(zip("xyz", position)),
-                                        "rotation": {"w": np.cos(half), "y": np.sin(half)}})  # fmt: skip
-        if self._ticks % 100 == 0:
-            self._receive("tracker_status", {"t_us": now_us, "period_us": 4000})
-        for joint, position in enumerate(self._position_rad):
-            self._receive("joint_state", {"position_rad": position}, joint)
-        if kind:
-            self._receive(kind, message)
-        made = tick(now_us, [self._inbox.frame[i] for i in range(self._inbox.count)])
-        lib.outbox_step(self._outbox, self._controller, now_us, self._inbox)
-        self._position_rad += 1e-3 * np.array(list(self._controller.limits.velocity_radps)[:4])
-        return made
-
-
-def operated(ticks: int, seed: int) -> Iterator[bytes]:
-    """Every few ticks the operator changes something: a change of each kind meets each kind of tick."""
-    rng, run = np.random.default_rng(seed), Operated()
-    yield boot(lib.CAN_PROFILE_FD)
-
-    def request() -> tuple[str, dict]:
-        if not run.cooperates:
-            return "operator_command", {"command": lib.COMMAND_START}
-        command, kind = {"command": lib.COMMAND_SELECT, "task": int(rng.integers(3))}, rng.integers(7)
-        if kind == 0:
-            q_task = rng.normal(size=4)
-            q_task = dict(zip("wxyz", q_task / np.linalg.norm(q_task)))
-            return "task_define", {"q_task": q_task, "q_inv": {"w": 1.0}, "blend_s": float(rng.choice([0, 0.1]))}
-        if kind == 1:
-            return "parameter_access", {"operation": lib.PARAMETER_READ, "parameter": int(rng.integers(lib.PARAMETER_COUNT))}
-        if kind > 2:
-            command = {"command": (lib.COMMAND_LATCH, lib.COMMAND_CLUTCH, lib.COMMAND_CLUTCH, lib.COMMAND_STOP)[kind - 3]}
-        return "operator_command", command
-
-    pause = 60  # the boot announcement
-    for _ in range(ticks):
-        pause -= 1
-        if pause >= 0:
-            yield run.tick()
-        else:
-            yield run.tick(*request())
-            pause = int(rng.integers(3, 60))
-
-
 def vectors(ticks: int, seed: int) -> Iterator[bytes]:
     rng = np.random.default_rng(seed)
     for part in range(ticks // VECTOR_TICKS_PER_BOOT):
         profile = (lib.CAN_PROFILE_FD, lib.CAN_PROFILE_CLASSIC)[part % 2]
         yield from Vectors(rng, profile).ticks(VECTOR_TICKS_PER_BOOT)
-
-
-def main() -> None:
-    """``stimulus.py OUT VECTOR_TICKS LOG...``"""
-    out, ticks, *paths = sys.argv[1:]
-    with open(out, "wb") as file:
-        for path in paths:
-            file.writelines(recorded(Path(path)))
-        file.writelines(vectors(int(ticks), seed=1))
-
-
-if __name__ == "__main__":
-    main()
