@@ -4,7 +4,7 @@
 # An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's images.mk: see
 # docs/porting.md.
 
-# PROFILE=: what CAN the images speak: fd, classic, or both, the board then chooses at reset. Without classic CAN they are a third smaller.
+# PROFILE=: what CAN the images speak: fd, classic, or both, the board then chooses at reset. Without classic CAN they are 30 % smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
 PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY)$(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
@@ -24,12 +24,12 @@ MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they hold
 # BOARD=: as QEMU calls its machines, or what the port's images.mk says.
 BOARDS := $(foreach image,$(IMAGES),$($(image).board))
 BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $(image) $($(image).board),$(BOARD)),$(image))))
-BOARD_CHECK = @if [ -z "$(BOARD_IMAGE)" ]; then \
+BOARD_CHECK = @if [ "$(words $(BOARD_IMAGE))" != 1 ] || [ "$(words $(BOARD))" != 1 ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected one of $(BOARDS), or an image: $(IMAGES)" >&2; exit 2; fi
 # What is of all images does not take BOARD=; $(1): the profiles of its figures.
-ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then echo "make $(@:-check=): BOARD='$(BOARD)': it is of all images, and takes no BOARD" >&2; exit 2; fi; \
+ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) is of all images" >&2; exit 2; fi; \
     case ' $(1) ' in *' $(TARGET_PROFILE) '*) ;; *) \
-    echo "make $(@:-check=): PROFILE='$(PROFILE)': expected $(1), for which its figures are" >&2; exit 2;; esac
+    echo "make $(@:-check=): PROFILE='$(PROFILE)': expected one of: $(1)" >&2; exit 2;; esac
 
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
@@ -96,23 +96,31 @@ pil pil-check: BOARD := $(or $(BOARD),mps2-an386)
 pil-check:
 	$(BOARD_CHECK)
 	@case '$(TARGET_PROFILE)' in fd|classic) ;; *) echo "make pil: PROFILE='$(PROFILE)': expected fd or classic" >&2; exit 2;; esac
+	@[ -z "$(CAN)$(filter-out 0 no,$(REALTIME))" ] || { \
+	    echo "make pil: CAN='$(CAN)' REALTIME='$(REALTIME)': expected neither: in lockstep the bus is the simulator's own, in virtual time" >&2; exit 2; }
 
-pil: pil-check build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 (the default) etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes
+pil: pil-check build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 (the default) etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes but CAN and REALTIME; up to twelve times as long as what it simulates
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
-	$(PYTHON) -m comanip.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS)
+	$(PYTHON) -m comanip.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS); status=$$?; \
+	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
+	exit $$status
 
 pil-matrix-check size-check cycles-check:
 	$(call ALL_IMAGES_CHECK,fd)
 
-stack-check bitexact-check:
+stack-check:
 	$(call ALL_IMAGES_CHECK,$(TARGET_PROFILES))
+
+bitexact-check: TARGET_PROFILE := $(or $(PROFILE),both)
+bitexact-check:
+	$(call ALL_IMAGES_CHECK,both)
 
 pil-matrix: pil-matrix-check build target-check ## teleop, pour and mirror with every image in the loop, against the host's runs; build/reports/pil.json (an hour)
 	@$(PYTHON) tests/pil_matrix.py $(BUILD)
 
 size: size-check deps targets ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
-	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(UPDATE),--update) \
+	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(filter-out 0 no,$(UPDATE)),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
 stack: stack-check deps targets ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
@@ -123,7 +131,7 @@ bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## one inpu
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)
 
 cycles: cycles-check build $(VENV)/.installed-tests target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
-	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(UPDATE),--update)
+	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
 # NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, with tabs between.
 images: ## the images that there are, for scripts: a line each, with tabs
@@ -132,8 +140,8 @@ images: ## the images that there are, for scripts: a line each, with tabs
 
 # A compiler that does not find a specs file answers with its bare name.
 target-check:
-	@case ' $(TARGET_PROFILES) ' in *' $(TARGET_PROFILE) '*) ;; *) \
-	    echo "make: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac
+	@case '$(TARGET_PROFILE)' in fd|classic|both) ;; *) \
+	    echo "make target: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac
 	@missing=; \
 	$(foreach compiler,$(sort $(foreach image,$(IMAGES),$($(image).prefix)gcc:$($(image).specs))), \
 	    compiler=$(word 1,$(subst :, ,$(compiler))); specs=$(word 2,$(subst :, ,$(compiler))); \

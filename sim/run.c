@@ -175,7 +175,7 @@ int run_main(const run_mode_t *mode, int argc, char *argv[]) {
         break;
     }
     if (mode->is_live && (options.hub != NULL || options.real_time)) {
-        return run_complain(mode->program, "--hub and --real-time: expected by comanip-sim only; this bus is live as it is");
+        return run_complain(mode->program, "--hub and --real-time: expected by comanip-sim only; this program has a bus of its own");
     }
     if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
         return run_complain(mode->program, error);

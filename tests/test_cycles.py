@@ -81,8 +81,8 @@ def test_what_was_asked_and_is_missed_is_told():
     results["cortex-m4f"]["recorded"]["tick"]["cycles"]["maximum"] = 851
     results["cortex-m3"]["operated"]["step"]["cycles"]["maximum"] = 72_001
     assert cycles.missed(results) == [
-        "cortex-m4f, recorded: tick: maximum 851 cycles, asked 850",
-        "cortex-m3, operated: step: maximum 72001 cycles, asked 72000",
+        "cortex-m4f, recorded: tick: maximum of cycles 851, asked 850",
+        "cortex-m3, operated: step: maximum of cycles 72001, asked 72000",
     ]
 
 

@@ -6,6 +6,7 @@ board. Exit status: the simulator's, 2 for wrong use or if there is no emulator.
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,11 +19,22 @@ VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 START_S = 10
 EXIT_WRONG_USE = 2
 EXIT_INTERRUPTED = 130  # 128 + SIGINT
+EXIT_TERMINATED = 143  # 128 + SIGTERM
 
 
 def complain(text: str) -> int:
     print(f"comanip.pil: {text}", file=sys.stderr)
     return EXIT_WRONG_USE
+
+
+def run(program: list[str]) -> int:
+    """Its exit status. It ends with us: also when we are told to."""
+    process = subprocess.Popen(program)
+    try:
+        return process.wait()
+    finally:
+        process.terminate()
+        process.wait()
 
 
 def main(argv: Sequence[str]) -> int:
@@ -47,7 +59,7 @@ def main(argv: Sequence[str]) -> int:
                 return complain(f"{machine[0]} ended: {emulator.stderr.read().strip()}")
             if "--quiet" not in options:
                 print(f"{image} in {' '.join(machine)}", flush=True)
-            status = subprocess.run([program, "--serial", str(serial), *options], check=False).returncode
+            status = run([program, "--serial", str(serial), *options])
             if emulator.poll() is not None:
                 print(f"comanip.pil: {machine[0]} ended: {emulator.stderr.read().strip()}", file=sys.stderr)
             return status
@@ -59,4 +71,5 @@ def main(argv: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(EXIT_TERMINATED))
     sys.exit(main(sys.argv[1:]))

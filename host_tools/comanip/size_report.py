@@ -105,11 +105,14 @@ def write_budget(path: Path, images: dict[str, Image]) -> None:
 
 
 def excesses(images: dict[str, Image], budget: dict[str, dict]) -> list[str]:
-    """A line for each figure beyond its budget. A module without one has none to spend."""
+    """A line for each figure beyond its budget. A module without one is told."""
     told = []
     for name, image in images.items():
         for module, size in budgeted(image).items():
-            allowed = budget.get(name, {}).get(module, [0, 0, 0])
+            allowed = budget.get(name, {}).get(module)
+            if allowed is None:
+                told.append(f"{name}: {module}: no budget")
+                continue
             for kind, limit in zip(KINDS, allowed, strict=True):
                 found = getattr(size, kind)
                 if found > limit:

@@ -230,7 +230,7 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
     }
     print_scene(world);
     print_timing(world->timing);
-    (void)printf("bus: %.1f %% load, %.1f %% peak; %.2f s simulated in %.2f s (%.0f times real time)\n",
+    (void)printf("bus: %.1f %% load, %.1f %% peak; %.2f s simulated in %.2f s (%.3g times real time)\n",
                  mean_load_percent(world), bus_statistics(world->bus).load_percent_peak, simulated_s(world), wall_s,
                  wall_s > 0.0 ? simulated_s(world) / wall_s : 0.0);
 }

@@ -4,7 +4,7 @@
 #include "../bitexact/records.h"
 
 typedef enum { COUNTED_NOTHING = 0, COUNTED_STEP, COUNTED_TICK, COUNTED_TICK_TORSO, COUNTED_TICK_GENERAL, COUNTED_TICK_ENDS,
-               COUNTED_TICK_GENERAL_ENDS } counted_t;
+               COUNTED_TICK_GENERAL_ENDS, COUNTED_TICK_BLEND } counted_t;
 
 /* A way from a call of count_begin() to the next of count_end() is counted: see plugin.c. */
 void count_begin(void);
@@ -28,28 +28,30 @@ static cooperation_t cooperation;
 static velocity_control_config_t config;
 
 /* Algorithm 1, kinematics and law (4), as the controller calls them. */
-static void tick(const float position_rad[], const pose_t *hand, joint_ends_t ends, counted_t what) {
+static void tick(const float position_rad[], const pose_t *hand, joint_ends_t ends, float blend, counted_t what) {
     float velocity_radps[ARM_MAX_JOINTS];
     const velocity_request_t request = {.position_rad = position_rad, .target = &cooperation.target, .ends = ends};
     count_begin();
-    cooperation_update(&cooperation, hand, 1.0f);
+    cooperation_update(&cooperation, hand, blend);
     velocity_control(&arm_hoap3_right, &config, &request, velocity_radps);
     count_end();
     told(what);
 }
 
 static void ticks(const float position_rad[], const pose_t *hand) {
-    cooperation_update(&cooperation, hand, 1.0f); /* what changed the task has been folded in */
     const joint_ends_t none = {0, 0}, all = {0x5, 0xA};
-    tick(position_rad, hand, none, COUNTED_TICK);
-    tick(position_rad, hand, all, COUNTED_TICK_ENDS);
+    cooperation.settled = cooperation.latched = false;
+    tick(position_rad, hand, none, 0.5f, COUNTED_TICK_BLEND);
+    cooperation_update(&cooperation, hand, 1.0f); /* what changed the task has been folded in */
+    tick(position_rad, hand, none, 1.0f, COUNTED_TICK);
+    tick(position_rad, hand, all, 1.0f, COUNTED_TICK_ENDS);
     config.error_frame = ERROR_FRAME_TORSO;
-    tick(position_rad, hand, none, COUNTED_TICK_TORSO);
+    tick(position_rad, hand, none, 1.0f, COUNTED_TICK_TORSO);
     config.error_frame = ERROR_FRAME_TARGET;
     config.weight[1] *= 2.0f;
     velocity_control_prepare(&config);
-    tick(position_rad, hand, none, COUNTED_TICK_GENERAL);
-    tick(position_rad, hand, all, COUNTED_TICK_GENERAL_ENDS);
+    tick(position_rad, hand, none, 1.0f, COUNTED_TICK_GENERAL);
+    tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_ENDS);
 }
 
 /* A made-up state: the robot's hand at the start is where its joints say. */
