@@ -3,9 +3,12 @@ byte. A few seconds of it; `make pil` runs whole scenarios."""
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -77,6 +80,23 @@ def test_an_image_that_panics_ends_the_run_with_its_words(image, elf, tmp_path):
     done = pil(" ".join(image.emulator), panics, PROGRAM, "--out", tmp_path / "out", "--duration", 2, "--quiet")
     assert done.returncode == 1
     assert "firmware panic: as planned" in done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
+    """Its process group has the emulator and the simulator in it; the files of what has run are written."""
+    command = [sys.executable, "-m", "comanip.pil", " ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "out"]
+    with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True) as process:
+        assert "in qemu-system" in process.stdout.readline()
+        deadline_s = time.monotonic() + TIMEOUT_S
+        while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
+            time.sleep(0.1)  # until the run has begun
+        process.send_signal(number)
+        process.stdout.read()
+        assert process.wait(TIMEOUT_S) == 128 + number
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
+    assert (tmp_path / "out" / "summary.json").exists()
 
 
 def test_wrong_use(tmp_path):
