@@ -115,7 +115,10 @@ def test_the_arm_follows_as_in_the_simulator(together):
     assert summary["result"] == "pass", summary["reason"]
     assert summary["sim_s"] == 4
     assert summary["real_time"]["slow"] in [SLOW << attempt for attempt in range(ATTEMPTS)]
-    assert [change["mode"] for change in summary["modes"]][-2:] == ["cooperating", "ready"]
+    modes = [change["mode"] for change in summary["modes"]]
+    after = modes[modes.index("cooperating") + 1 :]
+    # told again with another reason where a machine that is busy for a moment has made the drives seem silent
+    assert set(after) == {"ready"}
     assert "forward" in {check["name"] for check in summary["checks"]}, "the hand's displacement is judged"
 
 
