@@ -449,7 +449,7 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     obey(self, inbox, outbox);
     aim(self);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
-                                      self->wanted_radps);
+                                      self->wanted_radps, self->feedforward_radps);
     encode(self, now_us, outbox);
     self->tick++;
 }

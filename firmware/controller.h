@@ -66,7 +66,8 @@ typedef struct {
     cooperation_t cooperation;
     bool cooperation_changed; /* by the operator, in this tick: started, its task or relation, its reference */
     bool law_waited;          /* in this tick, for that */
-    float wanted_radps[ARM_MAX_JOINTS]; /* the law's */
+    float wanted_radps[ARM_MAX_JOINTS];      /* the law's, for the error */
+    float feedforward_radps[ARM_MAX_JOINTS]; /* for the target's own motion, which no law asks for yet */
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */
 

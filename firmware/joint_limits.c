@@ -74,19 +74,33 @@ void joint_limits_init(joint_limits_t *self) {
     *self = (joint_limits_t){0};
 }
 
+/* How much of the error's velocities is asked for, so that each joint stops on what is left of its way. */
+static float approach_scale(const joint_limits_plan_t *plan, int joint_count, const float error_radps[]) {
+    float scale = 1.0f; /* of all joints alike */
+    for (int i = 0; i < joint_count; i++) {
+        const float speed = __builtin_fabsf(error_radps[i]);
+        const float allowed_radps = approach_speed(speed, plan->linear_radps);
+        if (speed > allowed_radps) {
+            scale = smaller(scale, allowed_radps / speed);
+        }
+    }
+    return scale;
+}
+
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
-                        const float wanted_radps[]) {
+                        const float error_radps[], const float feedforward_radps[]) {
     const joint_limits_plan_t *plan = &config->plan;
-    float speed_max_radps[ARM_MAX_JOINTS];
+    const float error_scale = approach_scale(plan, arm->joint_count, error_radps);
+    float wanted_radps[ARM_MAX_JOINTS], speed_max_radps[ARM_MAX_JOINTS];
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
+        wanted_radps[i] = error_scale * error_radps[i] + feedforward_radps[i];
         speed_max_radps[i] = config->speed_fraction * arm->joints[i].velocity_max_radps;
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
         const float speed = __builtin_fabsf(wanted_radps[i]);
-        const float allowed_radps = smaller(speed_max_radps[i], approach_speed(speed, plan->linear_radps));
-        if (speed > allowed_radps) {
-            scale = smaller(scale, allowed_radps / speed);
+        if (speed > speed_max_radps[i]) {
+            scale = smaller(scale, speed_max_radps[i] / speed);
         }
     }
     for (int i = 0; i < arm->joint_count; i++) {

@@ -1,7 +1,8 @@
 /* The only way out to a command: position, velocity and acceleration of each joint stay within limits, whatever is asked.
  *
  * With a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit (in whole steps of the bus's resolution per tick):
- *   approach  above a/K, the asked speed u is lowered to sqrt(a/K (2 u - a/K)), from which a joint stops on the way to go;
+ *   approach  above a/K, the speed u asked for the error is lowered to sqrt(a/K (2 u - a/K)), from which a joint stops on the way to go,
+ *             all joints in proportion; the speed fed forward is the target's own, and is added as it is;
  *   range     towards an end at distance d, at most sqrt(2 a d) - a (command_delay_s + tick_s);
  *   speed     all joints in proportion, so that the hand keeps its direction;
  *   change    per tick at most the acceleration limit times the tick. */
@@ -32,8 +33,8 @@ typedef struct {
     float speed_fraction;           /* 0..1 of each joint's velocity_max_radps */
     float acceleration_max_radps2;  /* > 0 */
     float command_delay_s;          /* from this tick to the drive's motion: joints travel on for so long */
-    float approach_gain_per_s;      /* the law's largest gain K: what it asks is K times the way to go, so the speed from
-                                       which a joint can still stop on that way is known */
+    float approach_gain_per_s;      /* the law's largest gain K: what it asks for the error is K times the way to go, so the
+                                       speed from which a joint can still stop on that way is known */
     joint_limits_plan_t plan;       /* by joint_limits_prepare() */
 } joint_limits_config_t;
 
@@ -49,11 +50,12 @@ typedef struct {
 
 void joint_limits_init(joint_limits_t *self);
 
-/* measured_rad, wanted_radps: joint_count values. The command is left in self; its velocities are whole multiples of the
- * bus's resolution (1 mrad/s), so that what is limited is what is sent. Returns false, and brakes, if a value is not
- * finite. */
+/* measured_rad, error_radps, feedforward_radps: joint_count values; the law's velocities for the error that is left, which the approach
+ * rule brakes, and those of the target's own motion. The command is left in self; its velocities are whole multiples of the bus's
+ * resolution (1 mrad/s), so that what is limited is what is sent. Returns false, and brakes, if a value is not finite, or the
+ * sum of a joint's velocities is not. */
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
-                        const float wanted_radps[]);
+                        const float error_radps[], const float feedforward_radps[]);
 
 /* Which joints stand at an end of their range. */
 joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]);

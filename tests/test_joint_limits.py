@@ -40,10 +40,10 @@ class PerfectDrives:
         )
         lib.joint_limits_prepare(self.config)
 
-    def tick(self, wanted, measured=None) -> tuple[bool, np.ndarray]:
+    def tick(self, wanted, measured=None, feedforward=()) -> tuple[bool, np.ndarray]:
         measured = self.position_rad if measured is None else measured
         finite = lib.joint_limits_apply(
-            self.state, ARM.table, self.config, ffi.new("float[8]", list(measured)), ffi.new("float[8]", list(wanted))
+            self.state, ARM.table, self.config, *(ffi.new("float[8]", list(x)) for x in (measured, wanted, feedforward))
         )
         velocity = np.array(list(self.state.velocity_radps)[:N])
         self.pipe.append(velocity)
@@ -101,7 +101,7 @@ def test_any_speed_wanted_is_reached_and_left_again(acceleration):
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize("where", ["wanted", "measured"])
+@pytest.mark.parametrize("where", ["wanted", "measured", "feedforward"])
 def test_what_is_not_finite_brakes(bad, where):
     drives = PerfectDrives(position_at([0.5] * N), 0)
     for _ in range(50):
@@ -109,7 +109,7 @@ def test_what_is_not_finite_brakes(bad, where):
     spoilt = [0.5, bad, 0.0, 0.0]
     speed = np.abs(list(drives.state.velocity_radps)[:N])
     for _ in range(60):
-        finite, velocity = drives.tick(spoilt) if where == "wanted" else drives.tick([1.0] * N, spoilt)
+        finite, velocity = drives.tick(**{"wanted": [1.0] * N} | {where: spoilt})
         assert not finite
         assert (np.abs(velocity) <= speed).all()
         assert np.isfinite(list(drives.state.position_rad)).all()
@@ -125,6 +125,31 @@ def test_speed_limits_keep_the_direction(wanted):
     velocity = drives.tick(wanted)[1]
     share = min(1.0, *(limit / max(abs(w), 1e-9) for limit, w in zip(ARM.velocity_max_radps, wanted, strict=True)))
     assert np.abs(velocity - share * np.array(wanted)).max() < 1.5 * RESOLUTION_RADPS
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(
+    error=st.lists(st.floats(-6, 6), min_size=N, max_size=N),
+    feedforward=st.lists(st.floats(-6, 6), min_size=N, max_size=N),
+    gain=st.floats(10, 200),
+)
+def test_what_is_fed_forward_is_not_braked_for_the_way_to_go(error, feedforward, gain):
+    """Only the error's share is: at the speed from which K times the way stops. The sum is held to the speed limit in proportion."""
+    drives = PerfectDrives(position_at([0.5] * N), 0, approach_gain_per_s=gain, command_delay_s=0.0)
+    error, feedforward = np.array(error), np.array(feedforward)
+    linear = 0.9 * 25.0 / gain
+    braked = [math.sqrt(linear * (2 * speed - linear)) / speed for speed in np.abs(error) if speed > linear]
+    asked = min([1.0, *braked]) * error + feedforward
+    expected = asked * min(1.0, *(ARM.velocity_max_radps / np.maximum(np.abs(asked), 1e-9)))
+    for _ in range(300):
+        velocity = drives.tick(error, position_at([0.5] * N), feedforward)[1]
+    assert np.abs(velocity - expected).max() < 1.5 * RESOLUTION_RADPS
+
+
+def test_a_sum_that_overflows_brakes():
+    finite, velocity = PerfectDrives(position_at([0.5] * N), 0, approach_gain_per_s=0.0).tick([3e38] * N, None, [3e38] * N)
+    assert not finite
+    assert (velocity == 0).all()
 
 
 @pytest.mark.parametrize("delay_ticks", [0, 2])
