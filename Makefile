@@ -179,6 +179,8 @@ check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings a
 	@for source in $(wildcard hal/host/*.c) hal/no_store.c $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
 	@echo "clang: no warnings"
 
+include tests/rest/rest.mk
+
 include hal/target.mk
 include host_tools/hub/hub.mk
 

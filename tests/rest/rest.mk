@@ -1,0 +1,18 @@
+# `make rest`: the firmware's tick in a loop with drives, for thousands of cases. Included by the Makefile, which defines BUILD,
+# GENERATED, CORE_CFLAGS and CORE_SOURCES.
+
+REST := $(BUILD)/rest
+REST_SOURCES := $(CORE_SOURCES) tests/rest/loop.c
+
+$(REST)/%.o: %.c Makefile tests/rest/rest.mk $(FIRMWARE_FILES) $(GENERATED)/.generated tests/rest/loop.h
+	@mkdir -p $(@D)
+	@echo "  CC [rest] $<"
+	$(Q)$(CC) $(CORE_CFLAGS) -fPIC -c $< -o $@
+
+$(REST)/loop.so: $(REST_SOURCES:%.c=$(REST)/%.o)
+	@echo "  LINK $@"
+	$(Q)$(CC) -shared -Wl,-z,defs $^ -lm -o $@
+
+.PHONY: rest
+rest: build $(VENV)/.installed-tests $(REST)/loop.so ## the arm comes to rest when the hand rests: thousands of cases; ARGS='--seeds choice'; build/reports/rest.json (minutes; goes on where it was stopped)
+	@$(PYTHON) tests/rest/rest.py $(BUILD) $(ARGS)

@@ -1,0 +1,51 @@
+"""Random cases of a hand that moves once and then rests. A case is made from the seeds' name and its own number alone, so that any of them
+can be run again by itself."""
+
+from __future__ import annotations
+
+import itertools
+import zlib
+
+import numpy as np
+import rest_arm as arm
+from rest_loop import CASE
+
+SEEDS = ("choice", "proof")  # what is tuned by the first is to be proved by the second
+END_S = (8.0, 20.0)
+REACHABLE_FIRST = 1_000_000  # their numbers
+
+
+def direction(rng: np.random.Generator) -> np.ndarray:
+    vector = rng.normal(size=3)
+    return vector / np.linalg.norm(vector)
+
+
+def random_case(seeds: str, number: int, end_s: tuple[float, float] = END_S) -> np.ndarray:
+    rng = np.random.default_rng([zlib.crc32(seeds.encode()), number])
+    case = np.zeros((), CASE)
+    case["start_rad"] = rng.uniform(*arm.RANGE_RAD.T)
+    rotation = rng.normal(size=4)
+    case["hand_rotation"] = rotation / np.linalg.norm(rotation)
+    case["way_m"] = rng.uniform(0.05, 2.0) * direction(rng)
+    case["turn_rad"] = rng.uniform(0.0, np.pi) * direction(rng)
+    case["move_s"] = rng.uniform(0.5, 2.0)
+    case["dead_time_s"] = rng.uniform(0.0, 3e-3)
+    case["lag_s"] = rng.uniform(1e-3, 10e-3)
+    case["end_s"] = end_s
+    return case
+
+
+def random_cases(seeds: str, numbers: range) -> np.ndarray:
+    return np.array([random_case(seeds, number) for number in numbers], CASE)
+
+
+def target_m(case: np.ndarray) -> np.ndarray:
+    """Where teleop has the robot's hand at the end: the person's way in torso axes, by the paper's (9), from where it was."""
+    x, y, z = case["way_m"]
+    return arm.hand_m(case["start_rad"]) + np.array([x, -z, y])
+
+
+def reachable_cases(seeds: str, count: int) -> np.ndarray:
+    """The first `count` of further ones whose target's position can be reached. They last 8 s."""
+    further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
+    return np.array(list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE)

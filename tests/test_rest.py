@@ -1,0 +1,149 @@
+"""`make rest`: its cases, its arithmetic, and that what it checks fails on the law that swings."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import hoap3
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+from simulation import REPOSITORY
+
+sys.path.insert(0, str(REPOSITORY / "tests" / "rest"))
+import rest  # noqa: E402
+import rest_arm  # noqa: E402
+import rest_cases  # noqa: E402
+import rest_judgement  # noqa: E402
+import rest_loop  # noqa: E402
+
+
+@pytest.fixture(scope="module", autouse=True)
+def loop() -> rest_loop.Loop:
+    subprocess.run(["make", "-s", "build/rest/loop.so"], cwd=REPOSITORY, check=True)  # never of an older firmware
+    return rest_loop.Loop(REPOSITORY / "build")
+
+
+# ---- the arm in double
+
+
+def test_the_hand_is_where_the_manuals_table_has_it(rng):
+    for q in rng.uniform(*rest_arm.RANGE_RAD.T, size=(100, 4)):
+        assert np.abs(rest_arm.hand_m(q) - hoap3.frames(q)[4][:3, 3]).max() < 1e-12
+
+
+def test_postures_that_reach_a_position_have_the_hand_there(rng):
+    for q in rng.uniform(*rest_arm.RANGE_RAD.T, size=(100, 4)):
+        found = rest_arm.reaching(rest_arm.hand_m(q))
+        assert len(found) > 0
+        assert np.abs(rest_arm.hand_m(found) - rest_arm.hand_m(q)).max() < 1e-9
+
+
+def test_nothing_reaches_what_a_search_does_not_reach_either(rng):
+    """Positions about the shoulder, against a bounded least-squares search from six postures."""
+    for position in rest_arm.SHOULDER_M + rng.uniform(-0.35, 0.35, size=(25, 3)):
+        best_m = min(
+            np.sqrt(2 * least_squares(lambda q: rest_arm.hand_m(q) - position, start, bounds=rest_arm.RANGE_RAD.T).cost)
+            for start in rng.uniform(*rest_arm.RANGE_RAD.T, size=(6, 4))
+        )
+        if len(rest_arm.reaching(position)) == 0:
+            assert best_m > 1e-4, position
+        else:
+            assert best_m < 1e-2, position  # the search ends where a joint does, now and then
+
+
+def test_the_valley_is_that_of_half_the_squared_distance(rng):
+    """Against differences of the distance itself, twice."""
+    inside = rest_arm.RANGE_RAD.T + np.outer([1, -1], np.full(4, 0.05))
+    for q in rng.uniform(*inside, size=(20, 4)):
+        position, h = rest_arm.hand_m(q) + rng.normal(0, 0.1, 3), 1e-3
+
+        def half_square(x: np.ndarray) -> float:
+            return 0.5 * float(np.sum((rest_arm.hand_m(x) - position) ** 2))
+
+        unit = h * np.eye(4)
+        slope = [(half_square(q + u) - half_square(q - u)) / (2 * h) for u in unit]
+        bend = [[(half_square(q + u + v) - half_square(q + u - v) - half_square(q - u + v) + half_square(q - u - v)) / (4 * h * h)
+                 for v in unit] for u in unit]  # fmt: skip
+        valley = rest_arm.valley(q, position)
+        assert valley.ends == ()
+        assert valley.slope_m2 == pytest.approx(np.linalg.norm(slope), rel=1e-4)
+        assert valley.curvature_m2 == pytest.approx(np.linalg.eigvalsh(bend), abs=1e-5)
+
+
+# ---- cases and their judgement
+
+
+def test_the_seeds_of_choice_and_proof_differ():
+    choice, proof = (rest_cases.random_cases(seeds, range(50)) for seeds in rest_cases.SEEDS)
+    assert not np.isin(choice["start_rad"], proof["start_rad"]).any()
+    assert (choice == rest_cases.random_cases("choice", range(50))).all()
+
+
+def test_the_target_is_where_algorithm_1_has_it(loop):
+    cases = rest_cases.random_cases("choice", range(20))
+    cases["end_s"] = 4.0
+    outcomes = loop.run(cases, {})
+    assert (outcomes["start"] == rest_loop.ACCEPTED).all() and not outcomes["interrupted"].any()
+    expected = [rest_cases.target_m(case) for case in cases]
+    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # an encoder's pulse at the start
+
+
+def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
+    one = np.zeros(1, rest_loop.OUTCOME)
+    one["peak_radps"][0, :, joint], one["sign_changes"][0, :, joint] = peak_radps, sign_changes
+    return one
+
+
+@pytest.mark.parametrize(
+    ("peak_radps", "sign_changes", "expected"),
+    [(0.0199, 50, "rests"), (0.0201, 2, "creeps"), (0.0201, 3, "swings"), (4.0, 0, "creeps"), (0.0, 0, "rests")],
+)
+def test_what_swings_and_what_creeps(peak_radps, sign_changes, expected):
+    one = outcome(peak_radps, sign_changes)
+    for window in (rest_judgement.EARLY, rest_judgement.LATE):
+        swings, creeps = rest_judgement.swings(one, window)[0], rest_judgement.creeps(one, window)[0]
+        assert ("swings" if swings else "creeps" if creeps else "rests") == expected
+
+
+def test_the_checks_are_these():
+    """Each misses by one case, and holds without it."""
+    good = np.repeat(outcome(0.0, 0), 1000)
+    assert all(check.passed for check in rest.rest(good)[0])
+    for count, bad, failed in ((1, outcome(0.03, 9), [1, 3]), (3, outcome(0.03, 0), [4]), (16, outcome(0.03, 0), [2, 4])):
+        outcomes = good.copy()
+        outcomes[:count] = bad
+        checks, exceptions = rest.rest(outcomes)
+        assert [i for i, check in enumerate(checks) if not check.passed] == failed
+        assert [entry["case"] for entry in exceptions["of_20_s"]] == list(range(count))
+    outcomes = good.copy()
+    outcomes["interrupted"][7, 0] = 1
+    assert [i for i, check in enumerate(rest.rest(outcomes)[0]) if not check.passed] == [0]
+
+
+def test_the_drive_is_a_dead_time_and_a_lag(loop):
+    """The joint follows the whole number of milliradians that was commanded: a hand that rests from the start on moves nothing."""
+    cases = rest_cases.random_cases("choice", range(5))
+    cases["way_m"], cases["turn_rad"], cases["end_s"] = 0.0, 0.0, 3.0
+    outcomes = loop.run(cases, {})
+    assert np.abs(outcomes["position_rad"][:, 0] - cases["start_rad"]).max() < 1e-3
+
+
+# ---- the campaign
+
+
+def campaign(folder: Path, *arguments: str) -> tuple[int, dict]:
+    file = folder / "rest.json"
+    status = rest.main([str(REPOSITORY / "build"), "--seeds", "choice", "--out", str(file), *arguments])
+    return status, json.loads(file.read_text())
+
+
+def test_the_checks_fail_on_the_law_that_swings(tmp_path):
+    """A quarter of the cases swing, 8 % creep, and half of the positions are missed."""
+    status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60")
+    assert status == 1
+    assert [check["name"] for check in report["checks"] if check["passed"]] == ["rest: not in cooperation"]
+    assert all(entry["cause"] for entries in report["exceptions"].values() for entry in entries)
