@@ -1,0 +1,57 @@
+"""How closely a path of the robot's hand followed the path that it should have taken at the same instant. Paths (T, 3) in m, one row per
+tick of 1 ms."""
+
+from __future__ import annotations
+
+import numpy as np
+
+TICK_S = 1e-3
+DELAYS = range(-40, 201)  # ms, tried
+
+
+def errors_mm(path_m: np.ndarray, truth_m: np.ndarray) -> np.ndarray:
+    """Distances (T,)."""
+    return 1e3 * np.linalg.norm(path_m - truth_m, axis=1)
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
+    """By how much the truth, shifted, fits the path best in the least squares of the displacement, a constant offset left out; between the
+    ticks by a parabola through the three best. NaN: the hand did not move, or no shift that was tried is best."""
+    reach = max(abs(DELAYS.start), DELAYS.stop)
+    inner = slice(reach, len(path_m) - reach)
+    followed = path_m[inner]
+    if len(followed) < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
+        return float("nan")
+    cost = []
+    for shift in DELAYS:
+        difference = followed - truth_m[inner.start - shift : inner.stop - shift]
+        cost.append(np.mean(np.sum(np.square(difference - difference.mean(axis=0)), axis=1)))
+    best = int(np.argmin(cost))
+    if best in (0, len(cost) - 1):
+        return float("nan")
+    before, least, after = cost[best - 1 : best + 2]
+    curvature = before - 2.0 * least + after
+    return DELAYS[best] + (0.5 * (before - after) / curvature if curvature > 0.0 else 0.0)
+
+
+def acceleration_rms_mps2(path_m: np.ndarray) -> float:
+    """RMS of the magnitude of the second difference over single ticks."""
+    return rms(np.linalg.norm(np.diff(path_m, 2, axis=0), axis=1) / TICK_S**2)
+
+
+def noise_um(path_m: np.ndarray) -> float:
+    """RMS distance from the mean place, of a hand that should stand."""
+    return 1e6 * rms(np.linalg.norm(path_m - path_m.mean(axis=0), axis=1))
+
+
+def limit_share(command_radps: np.ndarray, velocity_max_radps: np.ndarray, acceleration_max_radps2: float) -> float:
+    """Share of the ticks in which a joint is commanded at its limit of speed or of acceleration; command_radps (T, n) has whole mrad/s."""
+    step_radps = 1e-3  # of the bus
+    change = np.abs(np.diff(command_radps, axis=0)).max(axis=1)
+    at_acceleration = change > acceleration_max_radps2 * TICK_S - 0.5 * step_radps
+    at_speed = (np.abs(command_radps[1:]) > velocity_max_radps - 1.5 * step_radps).any(axis=1)
+    return float(np.mean(at_acceleration | at_speed))
