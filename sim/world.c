@@ -73,6 +73,7 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);
+    largest_scale_init(&self->largest_scale);
     scenario_monitor_init(&self->scenario_monitor, scenario);
     contact_monitor_init(&self->contact_monitor);
     return true;
@@ -217,9 +218,18 @@ static void move(world_t *self) {
     }
 }
 
+static void watch_recording(world_t *self) {
+    if (self->options->tracker_path != NULL && person_program_plays(self->program[self->scenario->tracked])) {
+        largest_scale_sample(&self->largest_scale, &self->observer.tick);
+    } else {
+        largest_scale_pause(&self->largest_scale);
+    }
+}
+
 static void watch(world_t *self) {
     const tick_record_t *tick = &self->observer.tick;
     tracking_sample(&self->tracking, tick, self->observer.parameter);
+    watch_recording(self);
     scenario_monitor_sample(&self->scenario_monitor, tick, &self->state, &self->events,
                             (double)self->observer.parameter[PARAMETER_MOTION_SCALE]);
     contact_monitor_sample(&self->contact_monitor, tick, &self->state);
@@ -271,5 +281,6 @@ void world_free(world_t *self) {
     }
     hand_history_destroy(self->hand_history);
     scene_destroy(self->scene);
+    largest_scale_free(&self->largest_scale);
     observer_free(&self->observer);
 }

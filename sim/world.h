@@ -14,6 +14,7 @@
 #include "bus/live_bus.h"
 #include "hand/hand_history.h"
 #include "monitors/contact_monitor.h"
+#include "monitors/largest_scale.h"
 #include "monitors/observer.h"
 #include "monitors/physical_state.h"
 #include "monitors/scenario_monitor.h"
@@ -63,6 +64,7 @@ struct world {
 
     observer_t observer;
     tracking_t tracking;
+    largest_scale_t largest_scale; /* of the recording on the command line */
     scenario_monitor_t scenario_monitor;
     contact_monitor_t contact_monitor;
     candump_log_t *log;

@@ -27,7 +27,7 @@ PARTS = [
         "bus/bus", "bus/candump_log", "bus/frame_time", "common/events", "common/names", "common/random",
         "common/rigid_pose", "people/approach", "people/crank_turn", "hand/hand_history", "hand/hand_path",
         "hand/minimum_jerk", "hand/playback", "people/playlist", "hand/recorded_motion", "hand/recording", "people/sight",
-        "scenario/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
+        "scenario/forbidden_drop", "scenario/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
         "people/person_program",
     )
 ] + [REPOSITORY / "tests" / "stand_in_scene"]  # fmt: skip

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, run
+from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, recording_csv, run
 
 from comanip.paper_gains import PAPER_GAINS
 
@@ -104,6 +104,19 @@ def test_gripper_released_early_drops_the_pipe(tmp_path):
     assert done.status == EXIT_CHECK_FAILED
     assert {"pipe_drops", "pipe_with_taker"} <= failed(done)
     assert any(event["name"] == "pipe.dropped" for event in done.summary["events"])
+
+
+def test_a_recorded_hand_that_leads_the_pipe_into_its_stand_is_told_so(tmp_path):
+    """2 m down and forward are 80 mm at the scale of the scenario's `play`: twice of what the pipe was lifted by. The teleoperator does
+    not guide what lies about to the taker, and nobody waits until the scenario's time is over."""
+    recording = tmp_path / "hand.csv"
+    recording.write_text(recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201))))
+    done = run(tmp_path / "out", "--scenario", experiment("teleop"), "--tracker", recording)
+    assert done.status == EXIT_CHECK_FAILED
+    (dropped_s,) = (event["t_s"] for event in done.summary["events"] if event["name"] == "pipe.dropped")
+    why = "teleoperator: cannot bring pipe.far to taker's grip: it has fallen"
+    assert done.summary["reason"] == f"pipe.dropped at {dropped_s:.2f} s; {why}"
+    assert {"pipe_drops", "pipe_with_taker"} <= failed(done) and done.summary["sim_s"] < 20
 
 
 def test_gripper_released_early_drops_the_baton(tmp_path):

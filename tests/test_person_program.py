@@ -274,6 +274,33 @@ def test_guide_moves_the_hand_as_the_robot_needs_it(follows):
     assert person.time_of("ann.there") == pytest.approx(1.15 + 2 * 0.55, abs=0.0011)
 
 
+FALLING = [  # what is brought, and whereto
+    ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001}, "the robot's gripper to pipe.end"),
+    ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001}, "pipe.end to bob's grip"),
+    ({"action": "reach", "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001}, "ann's grip to pipe.end"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("step", "way"), FALLING)
+@pytest.mark.parametrize("is_forbidden", [True, False])
+def test_nobody_goes_after_what_fell_and_must_not(step, way, is_forbidden):
+    """At 0.3 s, in the middle of the move. What a scenario lets fall can be fetched all the same."""
+    person = Person({**step, "name": "there"})
+    dropped = person.declare("pipe.dropped")
+    if is_forbidden:
+        person.scenario.check[0] = {"measure": lib.MEASURE_DROPS, "object": 0, "limit": 0}
+        person.scenario.check_count = 1
+
+    def before(now_s):
+        if now_s == pytest.approx(0.3):
+            lib.events_raise(person.events, dropped, now_s)
+
+    person.run(0.29, before=before)
+    assert person.failure is None
+    person.run(0.4, before=before)
+    assert person.failure == (f"ann: cannot bring {way}: it has fallen" if is_forbidden else None)
+
+
 def test_guide_refuses_a_robot_that_does_not_follow():
     person = Person({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001})
     _, position_m, _ = person.run(0.1, follows=(1, 0, 1))

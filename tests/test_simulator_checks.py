@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
+from pathlib import Path
 
 import bus_log
 import numpy as np
@@ -114,15 +116,39 @@ def test_recording_that_was_not_judged_says_so(tmp_path):
     assert "not judged" in row
 
 
-def test_recording_out_of_reach_hints_at_the_scale(tmp_path):
-    """The hand goes 1.5 m away: five times the arm's length."""
-    recording = tmp_path / "hand.csv"
-    x_m = 1.5 * np.clip(np.arange(500) / 100, 0, 1)
-    recording.write_text(recording_csv(*(f"{0.01 * i:.2f},{x:.4f},0,0,1,0,0,0" for i, x in enumerate(x_m))))
+def moving_hand(folder: Path, *way_m: np.ndarray) -> Path:
+    """A recording of 5 s at 100 Hz that moves along x, y, z so far."""
+    path = folder / "hand.csv"
+    rows = zip(np.arange(500) / 100, *np.broadcast_arrays(*way_m), strict=True)
+    path.write_text(recording_csv(*(f"{t:.2f},{x:.4f},{y:.4f},{z:.4f},1,0,0,0" for t, x, y, z in rows)))
+    return path
+
+
+T_S = np.arange(500) / 100
+AWAY_AND_STAYING = (1.5 * np.clip(T_S, 0, 1), 0, 0)  # five times the arm's length
+ROUND_A_LOOP = (0.8 - 0.8 * np.cos(2.5 * T_S), 0.5 * np.sin(2.5 * T_S), 0.6 * np.sin(5 * T_S))
+
+
+@pytest.mark.parametrize(("way_m", "scale"), [(AWAY_AND_STAYING, 1), (AWAY_AND_STAYING, 0.08), (ROUND_A_LOOP, 1)])
+def test_recording_out_of_reach_is_told_the_largest_scale_that_is_not(tmp_path, way_m, scale):
+    """At it the target is never out of reach; at the next larger number of two digits it is."""
+    recording = moving_hand(tmp_path, *way_m)
+
+    def scaled(by: float) -> Run:
+        return run(tmp_path / f"out-{by:g}", "--scenario", "teleop", "--tracker", recording, "--scale", f"{by:g}")
+
+    reason = scaled(scale).summary["reason"]
+    found = re.search(r"; target out of reach [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$", reason)
+    assert found, reason
+    assert scaled(float(found[1])).summary["reach"]["out_of_reach_s"] == 0
+    assert scaled(float(found[1]) + 0.001).summary["reach"]["out_of_reach_s"] > 0
+
+
+def test_recording_out_of_reach_at_every_scale_gets_no_advice(tmp_path):
+    """8 m away are beyond the arm's 0.28 m at the least scale, 0.01, too."""
+    recording = moving_hand(tmp_path, 8.0 * np.clip(T_S, 0, 1), 0, 0)
     reason = run(tmp_path / "out", "--scenario", "teleop", "--tracker", recording).summary["reason"]
-    assert "target out of reach" in reason and reason.endswith("try --scale 0.2")
-    near = run(tmp_path / "near", "--scenario", "teleop", "--tracker", recording, "--scale", 0.02)
-    assert "out of reach" not in near.summary["reason"]
+    assert "target out of reach" in reason and "--scale" not in reason
 
 
 def test_holds_are_told(tmp_path):
@@ -135,6 +161,7 @@ def test_holds_are_told(tmp_path):
     ("x_m", "arguments", "words"),
     [
         (0.0, ["--mount-translation", "9,0,0"], "all 751 samples are beyond the 8.388 m"),
+        (0.0, ["--mount-translation", "4,0,0", "--profile", "classic"], "all 376 samples are beyond the 3.276 m"),
         (0.0, ["--dropout", "1"], "the tracker lost all 751 samples"),
     ],
 )
@@ -144,9 +171,10 @@ def test_tracker_that_never_tells_a_pose_says_why(tmp_path, x_m, arguments, word
     assert done.status == EXIT_CHECK_FAILED
     assert done.summary["reason"].startswith("operator: waiting for mode ready")
     assert words in done.summary["reason"]
-    range_errors = 0 if "--dropout" in arguments else 751
+    samples = 376 if "classic" in arguments else 751
+    range_errors = 0 if "--dropout" in arguments else samples
     tracker = done.summary["tracker"]
-    assert (tracker["samples"], tracker["lost"], tracker["range_errors"]) == (751, 751, range_errors)
+    assert (tracker["samples"], tracker["lost"], tracker["range_errors"]) == (samples, samples, range_errors)
     assert tracker["longest_gap_ms"] == pytest.approx(3000), "from the first sample to the last"
 
 

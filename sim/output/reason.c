@@ -4,8 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../scenario/forbidden_drop.h"
+
 #define TICK_S (WORLD_TICK_NS * 1e-9)
-#define SCALE_FOR_A_SMALL_ARM 0.2 /* most recorded hands then stay within reach of 0.28 m */
 
 __attribute__((format(printf, 2, 3))) static void append(checks_t *checks, const char *format, ...) {
     const size_t used = strlen(checks->reason);
@@ -13,6 +14,16 @@ __attribute__((format(printf, 2, 3))) static void append(checks_t *checks, const
     va_start(arguments, format);
     (void)vsnprintf(checks->reason + used, sizeof checks->reason - used, format, arguments);
     va_end(arguments);
+}
+
+/* What fell is why the rest of a run goes wrong. */
+static void append_drops(checks_t *checks, const world_t *world) {
+    for (size_t i = 0; i < world->scenario->object_count; i++) {
+        const event_t *drop = forbidden_drop(world->scenario, &world->events, i);
+        if (drop != NULL) {
+            append(checks, "%s at %.2f s; ", drop->name, drop->first_s);
+        }
+    }
 }
 
 static void append_failed_checks(checks_t *checks, const world_t *world) {
@@ -91,17 +102,23 @@ static void append_holds(checks_t *checks, const world_t *world) {
 /* A person's arm is longer than this robot's: the commonest thing to go wrong with a recording. */
 static void append_reach(checks_t *checks, const world_t *world) {
     const uint64_t out = world->tracking.out_of_reach_ticks, all = world->tracking.all.ticks;
-    if (2 * out > all) {
-        append(checks, "; target out of reach %.1f of %.1f s", (double)out * TICK_S, (double)all * TICK_S);
-        if (world->options->tracker_path != NULL) {
-            const double scale = (double)world->observer.parameter[PARAMETER_MOTION_SCALE];
-            append(checks, ": try --scale %.2g", scale > SCALE_FOR_A_SMALL_ARM ? SCALE_FOR_A_SMALL_ARM : 0.5 * scale);
-        }
+    if (2 * out <= all) {
+        return;
+    }
+    append(checks, "; target out of reach %.1f of %.1f s", (double)out * TICK_S, (double)all * TICK_S);
+    const double scale = (double)world->observer.parameter[PARAMETER_MOTION_SCALE];
+    const double minimum = (double)parameter_table[PARAMETER_MOTION_SCALE].minimum;
+    const double reachable = largest_scale(&world->largest_scale, scale, minimum);
+    if (reachable > 0.0 && reachable < scale) {
+        append(checks, ": try --scale %g", reachable);
     }
 }
 
 void reason_write(checks_t *checks, const world_t *world) {
     checks->reason[0] = '\0';
+    if (!checks->pass && *world->interrupted == 0) {
+        append_drops(checks, world);
+    }
     if (world->failure[0] != '\0') {
         append(checks, "%s", world->failure);
         return;

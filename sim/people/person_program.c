@@ -7,6 +7,7 @@
 
 #include "../hand/minimum_jerk.h"
 #include "../hand/tremor.h"
+#include "../scenario/forbidden_drop.h"
 #include "../scenario/step_wait.h"
 #include "approach.h"
 #include "crank_turn.h"
@@ -155,18 +156,35 @@ static bool begin(person_program_t *self, double now_s, const double robot_follo
     return self->begun;
 }
 
+static bool has_fallen(const person_program_t *self, const point_t *point) {
+    return point->kind == POINT_OBJECT && forbidden_drop(self->scenario, self->events, point->index) != NULL;
+}
+
+static void fail_to_bring(person_program_t *self, const point_t *what, const char *why) {
+    const point_t *to = &self->steps[self->current].to;
+    char what_name[TEXT_BYTES / 4], to_name[TEXT_BYTES / 4];
+    sight_name(self->scenario, what, what_name, sizeof what_name);
+    sight_name(self->scenario, to, to_name, sizeof to_name);
+    fail(self, "cannot bring %s to %s: %s", what_name, to_name, why);
+}
+
+/* Nobody goes after what has fallen. */
 static bool is_there(person_program_t *self, double now_s, const double robot_follows[3]) {
     const person_step_t *step = &self->steps[self->current];
+    const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->index};
+    const point_t *what = step->action == PERSON_GUIDE ? &step->what : &own_grip;
+    self->end_s = now_s;
+    if (has_fallen(self, what) || has_fallen(self, &step->to)) {
+        fail_to_bring(self, what, "it has fallen");
+        return false;
+    }
     double miss_m;
     const approach_status_t status = approach_look(&self->approach, robot_follows, now_s, &miss_m);
-    self->end_s = now_s;
     if (status == APPROACH_FAILED) {
-        const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->index};
-        char what[TEXT_BYTES / 4], to[TEXT_BYTES / 4];
-        sight_name(self->scenario, step->action == PERSON_GUIDE ? &step->what : &own_grip, what, sizeof what);
-        sight_name(self->scenario, &step->to, to, sizeof to);
-        fail(self, "cannot bring %s to %s: %.1f mm off after %d corrections, expected at most %g mm", what, to,
-             1e3 * miss_m, self->approach.corrections, 1e3 * step->tolerance_m);
+        char why[TEXT_BYTES / 4];
+        (void)snprintf(why, sizeof why, "%.1f mm off after %d corrections, expected at most %g mm", 1e3 * miss_m,
+                       self->approach.corrections, 1e3 * step->tolerance_m);
+        fail_to_bring(self, what, why);
     }
     return status == APPROACH_THERE;
 }
@@ -264,6 +282,10 @@ void person_program_step(person_program_t *self, double now_s, double until_s, c
 
 bool person_program_is_done(const person_program_t *self) {
     return self->current == self->count;
+}
+
+bool person_program_plays(const person_program_t *self) {
+    return self->begun && self->steps[self->current].action == PERSON_PLAY;
 }
 
 bool person_program_is_hidden(const person_program_t *self) {

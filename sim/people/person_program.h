@@ -20,13 +20,16 @@ void person_program_step(person_program_t *self, double now_s, double until_s, c
 
 bool person_program_is_done(const person_program_t *self);
 
+/* The hand does what a recording says. */
+bool person_program_plays(const person_program_t *self);
+
 /* The hand is where a recording lost it: the tracker does not see it. */
 bool person_program_is_hidden(const person_program_t *self);
 
 /* What the person is about: "ann waits for robot.holds", "ann is at step 9 of 20", "ann is done". */
 void person_program_describe(const person_program_t *self, char text[], size_t size);
 
-/* NULL, or one line: who waited in vain for what. */
+/* NULL, or one line: who could not do what, or waited in vain for what. */
 const char *person_program_failure(const person_program_t *self);
 
 /* One line for a person about the recording that is played: file, samples, gaps, scale. "": none. */
