@@ -7,7 +7,8 @@
 #define MAGIC 0x504E4D43u /* "CMNP" */
 #define LAYOUT_AT 4
 #define VALUES_AT 8
-#define CRC_AT (PARAMETER_STORE_BYTES - 4)
+#define CRC_BYTES 4
+#define BYTES_FOR(count) ((size_t)VALUES_AT + 4u * (size_t)(count) + CRC_BYTES)
 
 _Static_assert(sizeof(float) == sizeof(uint32_t), "float is not float32");
 
@@ -22,9 +23,12 @@ static uint32_t crc32(uint32_t crc, const uint8_t bytes[], size_t length) {
     return ~crc;
 }
 
-static uint32_t layout(void) {
+_Static_assert(BYTES_FOR(PARAMETER_COUNT) == PARAMETER_STORE_BYTES, "two sizes of a record");
+
+/* Of the first `count` parameters. */
+static uint32_t layout(int count) {
     uint32_t crc = 0;
-    for (int i = 0; i < PARAMETER_COUNT; i++) {
+    for (int i = 0; i < count; i++) {
         const char *letter = parameter_table[i].name;
         do { /* with the 0 at the end */
             crc = crc32(crc, (const uint8_t *)letter, 1);
@@ -49,20 +53,31 @@ static uint32_t get(const uint8_t bytes[4]) {
 
 void parameter_store_encode(const parameters_t *parameters, uint8_t record[PARAMETER_STORE_BYTES]) {
     put(record, MAGIC);
-    put(&record[LAYOUT_AT], layout());
+    put(&record[LAYOUT_AT], layout(PARAMETER_COUNT));
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         put(&record[VALUES_AT + 4 * i], float_bits(parameters->value[i]));
     }
-    put(&record[CRC_AT], crc32(0, record, CRC_AT));
+    put(&record[PARAMETER_STORE_BYTES - CRC_BYTES], crc32(0, record, PARAMETER_STORE_BYTES - CRC_BYTES));
+}
+
+/* How many parameters a record of this length has; 0: no record has it. */
+static int count_of(size_t length) {
+    int count = PARAMETER_COUNT;
+    while (count > 0 && BYTES_FOR(count) != length) {
+        count--;
+    }
+    return count;
 }
 
 bool parameter_store_decode(const uint8_t record[], size_t length, parameters_t *parameters) {
-    if (length != PARAMETER_STORE_BYTES || get(record) != MAGIC || get(&record[LAYOUT_AT]) != layout() ||
-        get(&record[CRC_AT]) != crc32(0, record, CRC_AT)) {
+    const int count = count_of(length);
+    if (count == 0 || get(record) != MAGIC || get(&record[LAYOUT_AT]) != layout(count) ||
+        get(&record[length - CRC_BYTES]) != crc32(0, record, length - CRC_BYTES)) {
         return false;
     }
     parameters_t stored;
-    for (uint8_t i = 0; i < PARAMETER_COUNT; i++) {
+    parameters_set_defaults(&stored);
+    for (uint8_t i = 0; i < count; i++) {
         const uint32_t bits = get(&record[VALUES_AT + 4 * i]);
         float value;
         memcpy(&value, &bits, sizeof value);

@@ -15,6 +15,11 @@ ROWS = [lib.parameter_table[i] for i in range(COUNT)]
 NAMES = [ffi.string(row.name).decode() for row in ROWS]
 DEFAULTS = [row.default_value for row in ROWS]
 BYTES = 12 + 4 * COUNT
+OF_38_PARAMETERS = bytes.fromhex(
+    "434d4e509f85f3510000304100000c4200000c4200000c4200000c4200000c4200000c4200000c420ad7233c0ad7233c0ad7233c0ad7233c0000c8420000c842"
+    "0000c8420000c8420ad7233c0000803f0000803fdb0fc9bf00000000000000000000000000000000000000000000000000000000000000000000000000000000"
+    "00000000000000000000803f0000803e0000c8410ad7a33b000020400000803f63812e4f"
+)
 
 
 def record(values, names=NAMES, magic: bytes = b"CMNP") -> bytes:
@@ -73,14 +78,31 @@ def test_other_lengths_are_refused(rng):
 
 
 def test_other_layouts_are_refused():
-    """With a right CRC: more, fewer, renamed and rearranged parameters, and what is no record of ours."""
+    """With a right CRC: more, none, renamed and rearranged parameters, and what is no record of ours."""
     assert decode(record(DEFAULTS)) == DEFAULTS
     assert decode(record([*DEFAULTS, 1.0], [*NAMES, "another"])) is None
-    assert decode(record(DEFAULTS[:-1], NAMES[:-1])) is None
+    assert decode(record([], [])) is None
+    assert decode(record(DEFAULTS[:-1], NAMES[1:])) is None
+    assert decode(record(DEFAULTS[:-1], NAMES)) is None
     assert decode(record(DEFAULTS, ["renamed", *NAMES[1:]])) is None
     assert decode(record(DEFAULTS, [NAMES[1], NAMES[0], *NAMES[2:]])) is None
     assert decode(record(DEFAULTS, magic=b"cmnp")) is None
     assert decode(bytes(BYTES)) is None
+
+
+def test_the_record_of_an_older_firmware_is_read_and_what_it_lacks_gets_its_default(rng):
+    """Of the firmware with 38 parameters, and of any other count: parameters are only ever added at the end."""
+    assert NAMES[37] == "trace", "a stored record of that firmware would not be read any more"
+    values = random_values(rng)
+    for count in (38, *range(1, COUNT)):
+        assert decode(record(values[:count], NAMES[:count])) == [*values[:count], *DEFAULTS[count:]]
+
+
+def test_the_bytes_of_a_record_that_the_firmware_with_38_parameters_wrote_are_read():
+    """gain_w_per_s = 11 and speed_fraction = 0.25 among its defaults."""
+    found = decode(OF_38_PARAMETERS)
+    assert found == [*struct.unpack_from("<38f", OF_38_PARAMETERS, 8), *DEFAULTS[38:]]
+    assert (found[lib.PARAMETER_GAIN_PER_S], found[lib.PARAMETER_SPEED_FRACTION]) == (11, 0.25)
 
 
 @pytest.mark.parametrize("parameter", range(COUNT), ids=NAMES.__getitem__)
