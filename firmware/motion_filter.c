@@ -1,0 +1,113 @@
+#include "motion_filter.h"
+
+/* The noise is averaged over so long, and from the beginning over what there is and NOISE_TIME_MIN_S more. */
+#define NOISE_S 1.0f
+#define NOISE_TIME_MIN_S 0.03f
+
+/* From so many times the expected trend's square on, the shortest memory shrinks with the eighth root of what there is more. */
+#define TREND_FAST 10.0f
+
+#define NOISE_MIN 0.2f /* times the scale's */
+#define NOISE_MAX 100.0f
+/* A single difference of innovations counts at most so many times the variance so far: an outlier does not pass for noise. */
+#define OUTLIER_VARIANCES 9.0f
+
+#define INTERVAL_S 0.004f /* that MOTION_FILTER_MEMORY_S refers to */
+
+void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scale) {
+    *self = (motion_filter_t){
+        .noise_variance = scale->noise * scale->noise,
+        .noise_time_s = NOISE_TIME_MIN_S,
+        .memory_s = MOTION_FILTER_MEMORY_S,
+    };
+}
+
+void motion_filter_restart(motion_filter_t *self) {
+    *self = (motion_filter_t){
+        .noise_variance = self->noise_variance,
+        .noise_time_s = self->noise_time_s,
+        .memory_s = MOTION_FILTER_MEMORY_S,
+    };
+}
+
+vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s) {
+    const vector3_t mean_velocity = vector3_add(self->velocity, vector3_scale(self->acceleration, 0.5f * ahead_s));
+    return vector3_scale(mean_velocity, ahead_s);
+}
+
+vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s) {
+    return vector3_add(self->velocity, vector3_scale(self->acceleration, ahead_s));
+}
+
+/* What is kept of the past after a time, exp(-x) with x >= 0 in units of the memory, and what is not. As 1 / (1 + x + x^2/2 + x^3/6):
+ * falls monotonically from 1 to 0, by at most 0.03 above the exponential (at x = 2.9), by 2e-4 at x = 0.3. */
+typedef struct {
+    float kept, forgotten;
+} fading_t;
+
+static fading_t fading(float x) {
+    const float growth = x * (1.0f + x * (0.5f + x * 0.16666667f));
+    const float kept = 1.0f / (1.0f + growth);
+    return (fading_t){kept, growth * kept};
+}
+
+static float cube(float x) {
+    return x * x * x;
+}
+
+static float clamp(float x, float min, float max) {
+    return x < min ? min : x > max ? max : x;
+}
+
+static vector3_t shorten(vector3_t v, float length_max) {
+    const float square = vector3_dot(v, v);
+    return square > length_max * length_max ? vector3_scale(v, length_max / __builtin_sqrtf(square)) : v;
+}
+
+/* Innovations of white noise have the variance noise / kept^3 and are white. */
+static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s, float kept) {
+    const vector3_t change = vector3_add(innovation, vector3_scale(self->innovation, -1.0f));
+    const float measured = cube(kept) * vector3_dot(change, change) * (1.0f / 6.0f); /* three components, two innovations */
+    const float believed = clamp(measured, 0.0f, OUTLIER_VARIANCES * self->noise_variance);
+    self->noise_time_s = clamp(self->noise_time_s + interval_s, 0.0f, NOISE_S);
+    const float variance = self->noise_variance + (believed - self->noise_variance) * (interval_s / self->noise_time_s);
+    const float usual_variance = scale->noise * scale->noise;
+    self->noise_variance = clamp(variance, NOISE_MIN * NOISE_MIN * usual_variance, NOISE_MAX * NOISE_MAX * usual_variance);
+}
+
+static void adapt_memory(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s, fading_t past) {
+    const vector3_t kept = vector3_scale(self->trend, past.kept);
+    self->trend = vector3_add(kept, vector3_scale(innovation, past.forgotten));
+    const float trend_square = vector3_dot(self->trend, self->trend);
+    const float expected_square = 3.0f * self->noise_variance * past.forgotten / (cube(past.kept) * (1.0f + past.kept));
+
+    float noise = self->noise_variance * interval_s / (scale->noise * scale->noise * INTERVAL_S);
+    if (trend_square > TREND_FAST * expected_square) {
+        noise *= TREND_FAST * expected_square / trend_square;
+    }
+    const float shortest_s = MOTION_FILTER_MEMORY_S * __builtin_sqrtf(__builtin_sqrtf(__builtin_sqrtf(noise)));
+    const float longest_s = MOTION_FILTER_REST_RATIO * shortest_s;
+    self->memory_s += (longest_s - self->memory_s) * (interval_s / MOTION_FILTER_SETTLE_S);
+    if (self->memory_s * trend_square > longest_s * expected_square) {
+        self->memory_s = longest_s * expected_square / trend_square;
+    }
+    self->memory_s = clamp(self->memory_s, shortest_s, longest_s);
+}
+
+vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s) {
+    const fading_t past = fading(interval_s / self->memory_s);
+    measure_noise(self, scale, innovation, interval_s, past.kept);
+    adapt_memory(self, scale, innovation, interval_s, past);
+    self->innovation = innovation;
+
+    const fading_t now = fading(interval_s / self->memory_s);
+    const float kept_square = now.kept * now.kept;
+    const float velocity_gain = 1.5f * (1.0f + now.kept) * now.forgotten * now.forgotten / interval_s;
+    const float acceleration_gain = cube(now.forgotten / interval_s) * interval_s;
+    const float acceleration_kept = fading(interval_s / MOTION_FILTER_ACCELERATION_S).kept;
+    const vector3_t velocity = motion_filter_velocity(self, interval_s);
+    const vector3_t acceleration = vector3_scale(self->acceleration, acceleration_kept);
+    self->velocity = shorten(vector3_add(velocity, vector3_scale(innovation, velocity_gain)), scale->velocity_max);
+    self->acceleration = shorten(vector3_add(acceleration, vector3_scale(innovation, acceleration_gain)), scale->acceleration_max);
+    return vector3_scale(innovation, now.forgotten * (1.0f + now.kept + kept_square));
+}

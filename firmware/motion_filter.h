@@ -1,0 +1,53 @@
+/* Velocity and acceleration of a quantity with three components from noisy samples at irregular times: the fading-memory polynomial
+ * filter of third order (N. Morrison, "Introduction to Sequential Smoothing and Prediction", 1969), that is, a critically damped
+ * alpha-beta-gamma filter. How long its memory is follows from the samples, so that no tracker needs tuning:
+ *
+ *   noise   by the differences of successive innovations, which motion hardly changes;
+ *   trend   the innovations averaged over the memory: as large as the noise makes it while the filter follows, larger when the motion is
+ *           faster than the memory is short;
+ *   memory  shortens at once, in inverse proportion to the trend's square beyond what noise explains; otherwise it grows again with
+ *           MOTION_FILTER_SETTLE_S. */
+#ifndef COMANIP_MOTION_FILTER_H
+#define COMANIP_MOTION_FILTER_H
+
+#include "dual_quaternion.h"
+
+/* The shortest memory, in motion, at the scale's noise and 4 ms between samples; it grows with the eighth root of the noise's variance
+ * times the interval (a Kalman filter's for white jerk with the sixth; recordings ask for less), and shrinks in very fast motion. */
+#define MOTION_FILTER_MEMORY_S 0.038f
+/* The longest memory, at rest, in shortest ones. */
+#define MOTION_FILTER_REST_RATIO 3.8f
+#define MOTION_FILTER_SETTLE_S 1.0f
+/* Without innovations the acceleration fades with this time constant. */
+#define MOTION_FILTER_ACCELERATION_S 0.15f
+
+/* What is usual of the quantity, in its unit (m, rad). */
+typedef struct {
+    float noise; /* standard deviation per component: assumed at first; 0.2 to 100 times as much is believed */
+    float velocity_max, acceleration_max; /* bounds of the estimates' magnitudes, in unit/s and unit/s^2 */
+} motion_filter_scale_t;
+
+typedef struct {
+    vector3_t velocity, acceleration; /* at the newest sample */
+    vector3_t innovation;             /* of the newest sample */
+    vector3_t trend;
+    float noise_variance; /* per component */
+    float noise_time_s;   /* that it has been measured for, up to NOISE_S of motion_filter.c */
+    float memory_s;
+} motion_filter_t;
+
+/* At rest, of the usual noise. */
+void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scale);
+
+/* At rest again; the noise stays measured. */
+void motion_filter_restart(motion_filter_t *self);
+
+/* From the newest sample to ahead_s after it, as the motion goes on: constant acceleration. */
+vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s);
+vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s);
+
+/* Takes a sample, interval_s > 0 after the last. innovation: the sample less where displacement(interval_s) leads. Returns what of the
+ * innovation is to be added to there: the filter keeps no position, so that a rotation may be one. */
+vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s);
+
+#endif
