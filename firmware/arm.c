@@ -39,6 +39,9 @@ const char *arm_check(const arm_t *arm) {
         if (!(joint->velocity_max_radps > 0.0f && joint->velocity_max_radps <= 32.0f)) {
             return "arm table: a joint's velocity limit must be above 0 and at most 32 rad/s";
         }
+        if (!(joint->jerk_max_radps3 >= 1e3f && joint->jerk_max_radps3 <= 1e6f)) {
+            return "arm table: a joint's jerk limit must be from 1000 to 1e6 rad/s^3";
+        }
     }
     return NULL;
 }

@@ -22,6 +22,7 @@ typedef struct {
     float position_min_rad;  /* usable range, already inside the mechanical stops; within +-8 rad */
     float position_max_rad;
     float velocity_max_radps; /* > 0, at most 32 */
+    float jerk_max_radps3;    /* 1,000 (a step of the bus's resolution in a tick of 1 ms) to 1e6 */
 } arm_joint_t;
 
 /* Joints, a bit each, that stand at an end of their range. */

@@ -17,7 +17,7 @@ static float tick_s(const controller_t *self) {
 
 static void apply_parameters(controller_t *self) {
     parameters_velocity_control(&self->parameters, &self->velocity_control_config);
-    parameters_joint_limits(&self->parameters, tick_s(self), &self->joint_limits_config);
+    parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
 }

@@ -13,6 +13,10 @@
 /* A quotient that is a whole number but for float32's rounding counts as that number. */
 #define ROUNDING_STEPS 1e-3f
 
+/* a^2 / j at most: braking is planned with less than the acceleration limit where the jerk limit lets it grow too slowly. More than
+ * this, and the arm swings as it arrives. */
+#define RAMP_SPEED_MAX_RADPS 0.1f
+
 static float smaller(float a, float b) {
     return a < b ? a : b;
 }
@@ -21,19 +25,20 @@ static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The largest speed, up to speed_max_radps, from which a joint still stops within the distance. Until a command acts, the joint travels on
- * with the commands under way, which while it brakes are the faster the older they are: (v + a delay)^2 / (2 a) = distance. */
-static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad, float speed_max_radps) {
+/* The largest speed, up to the limit, from which a joint still stops within the distance, its deceleration growing from 0:
+ * v^2 / (2 a) + v a / (2 j) = distance. Until a command acts, the joint travels on with the commands under way, which while it
+ * brakes are the faster the older they are. */
+static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad) {
     if (distance_rad <= 0.0f) {
         return 0.0f;
     }
-    const float squared = 2.0f * plan->braking_radps2 * distance_rad;
-    const float fastest_radps = speed_max_radps + plan->coasting_radps;
+    const float squared = 2.0f * plan->braking_radps2 * distance_rad + plan->ramp_radps * plan->ramp_radps;
+    const float fastest_radps = plan->speed_max_radps + plan->coasting_radps;
     if (fastest_radps * fastest_radps <= squared) { /* as a rule: without a square root */
-        return speed_max_radps;
+        return plan->speed_max_radps;
     }
     const float speed = __builtin_sqrtf(squared) - plan->coasting_radps;
-    return speed > 0.0f ? smaller(speed, speed_max_radps) : 0.0f;
+    return speed > 0.0f ? smaller(speed, plan->speed_max_radps) : 0.0f;
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
@@ -56,18 +61,55 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-void joint_limits_prepare(joint_limits_config_t *config) {
-    const int32_t change_max_steps = steps_below(config->acceleration_max_radps2 * config->tick_s);
-    const float change_max_radps = (float)change_max_steps * VELOCITY_RESOLUTION_RADPS;
-    const float braking_radps2 = JOINT_LIMITS_BRAKING_RESERVE * change_max_radps / config->tick_s;
-    const float delay_s = config->command_delay_s + config->tick_s; /* a command stays for a tick */
-    config->plan = (joint_limits_plan_t){
+/* The change of velocity in this tick, towards a velocity that is `way` steps higher, 0 or more; the last tick's change was `last`. The
+ * largest that does not pass it: a change x that falls by J a tick adds up to (k + 1) x - T(k), where k = floor(x / J) is the number of
+ * ticks that follow and T(k) = J k (k + 1) / 2. As x is within J of the last change, its k is within 1 of that one's. Where even
+ * last - J passes it, that one. */
+static int32_t next_change(const joint_limits_plan_t *plan, int32_t way, int32_t last) {
+    const int32_t jerk = plan->jerk_steps;
+    int32_t k = last > 0 ? last / jerk : 0;
+    int32_t sum = jerk * k * (k + 1) / 2;
+    if (way < sum) {
+        sum -= jerk * k;
+        k--;
+    } else if (way >= sum + jerk * (k + 1)) {
+        k++;
+        sum += jerk * k;
+    }
+    const int32_t change = clamp_steps((way + sum) / (k + 1), last - jerk, last + jerk);
+    return clamp_steps(change, -plan->change_max_steps, plan->change_max_steps);
+}
+
+static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const arm_joint_t *joint) {
+    const float tick_s = config->tick_s;
+    const int32_t change_max_steps = steps_below(config->acceleration_max_radps2 * tick_s);
+    const int32_t jerk_steps = steps_below(joint->jerk_max_radps3 * tick_s * tick_s);
+    const float acceleration_radps2 = (float)change_max_steps * VELOCITY_RESOLUTION_RADPS / tick_s;
+    const float jerk_radps3 = (float)jerk_steps * VELOCITY_RESOLUTION_RADPS / (tick_s * tick_s);
+    const float braking_radps2 =
+        smaller(JOINT_LIMITS_BRAKING_RESERVE * acceleration_radps2, __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
+    const float ramp_s = braking_radps2 / jerk_radps3;
+    const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
+    /* A command stays for a tick; the velocity follows the stopping speed later by half the time of a ramp. */
+    const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
+    return (joint_limits_plan_t){
         .change_max_steps = change_max_steps,
+        .jerk_steps = jerk_steps,
+        .ramp_ticks_per_step = 1.0f / (float)jerk_steps,
+        .speed_max_radps = config->speed_fraction * joint->velocity_max_radps,
         .braking_radps2 = braking_radps2,
         .linear_radps = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX,
-        .coasting_radps = braking_radps2 * delay_s,
-        .near_end_rad = JOINT_LIMITS_AT_LIMIT_RAD + 0.5f * braking_radps2 * delay_s * delay_s,
+        .ramp_radps = ramp_radps,
+        .coasting_radps = coasting_radps,
+        .near_end_rad = JOINT_LIMITS_AT_LIMIT_RAD +
+                        0.5f * (coasting_radps * coasting_radps - ramp_radps * ramp_radps) / braking_radps2,
     };
+}
+
+void joint_limits_prepare(joint_limits_config_t *config, const arm_t *arm) {
+    for (int i = 0; i < arm->joint_count; i++) {
+        config->plan[i] = plan_joint(config, &arm->joints[i]);
+    }
 }
 
 void joint_limits_init(joint_limits_t *self) {
@@ -75,11 +117,11 @@ void joint_limits_init(joint_limits_t *self) {
 }
 
 /* How much of the error's velocities is asked for, so that each joint stops on what is left of its way. */
-static float approach_scale(const joint_limits_plan_t *plan, int joint_count, const float error_radps[]) {
+static float approach_scale(const joint_limits_plan_t plan[], int joint_count, const float error_radps[]) {
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < joint_count; i++) {
         const float speed = __builtin_fabsf(error_radps[i]);
-        const float allowed_radps = approach_speed(speed, plan->linear_radps);
+        const float allowed_radps = approach_speed(speed, plan[i].linear_radps);
         if (speed > allowed_radps) {
             scale = smaller(scale, allowed_radps / speed);
         }
@@ -87,37 +129,47 @@ static float approach_scale(const joint_limits_plan_t *plan, int joint_count, co
     return scale;
 }
 
+/* The way that a joint goes at most until a change that increases its speed has come down to 0. */
+static float ramp_way(const joint_limits_config_t *config, const joint_limits_plan_t *plan, float speed_radps, int32_t change_steps) {
+    const float change = (float)change_steps;
+    const float ticks = change * plan->ramp_ticks_per_step;
+    return config->tick_s * ticks * (speed_radps + 0.5f * VELOCITY_RESOLUTION_RADPS * change * ticks);
+}
+
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
                         const float error_radps[], const float feedforward_radps[]) {
-    const joint_limits_plan_t *plan = &config->plan;
-    const float error_scale = approach_scale(plan, arm->joint_count, error_radps);
-    float wanted_radps[ARM_MAX_JOINTS], speed_max_radps[ARM_MAX_JOINTS];
+    const float error_scale = approach_scale(config->plan, arm->joint_count, error_radps);
+    float wanted_radps[ARM_MAX_JOINTS];
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
         wanted_radps[i] = error_scale * error_radps[i] + feedforward_radps[i];
-        speed_max_radps[i] = config->speed_fraction * arm->joints[i].velocity_max_radps;
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
         const float speed = __builtin_fabsf(wanted_radps[i]);
-        if (speed > speed_max_radps[i]) {
-            scale = smaller(scale, speed_max_radps[i] / speed);
+        if (speed > config->plan[i].speed_max_radps) {
+            scale = smaller(scale, config->plan[i].speed_max_radps / speed);
         }
     }
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        const int32_t last_steps = self->velocity_steps[i];
+        const joint_limits_plan_t *plan = &config->plan[i];
+        const int32_t last_steps = self->change_steps[i];
         int32_t velocity_steps = 0;
         if (finite) {
             velocity_steps = float_nearest(scale * wanted_radps[i] * VELOCITY_STEPS_PER_RADPS);
             const bool upwards = velocity_steps > 0;
-            const float way_rad =
-                upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
-            const int32_t allowed_steps = steps_below(stopping_speed(plan, way_rad, speed_max_radps[i]));
+            float way_rad = upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
+            const int32_t growth = upwards ? last_steps : -last_steps;
+            if (growth > 0) {
+                way_rad -= ramp_way(config, plan, __builtin_fabsf(self->velocity_radps[i]), growth);
+            }
+            const int32_t allowed_steps = steps_below(stopping_speed(plan, way_rad));
             velocity_steps = clamp_steps(velocity_steps, upwards ? 0 : -allowed_steps, upwards ? allowed_steps : 0);
         }
-        velocity_steps = clamp_steps(velocity_steps, last_steps - plan->change_max_steps, last_steps + plan->change_max_steps);
-        self->velocity_steps[i] = velocity_steps;
-        self->velocity_radps[i] = (float)velocity_steps * VELOCITY_RESOLUTION_RADPS;
+        const int32_t way_steps = velocity_steps - self->velocity_steps[i];
+        self->change_steps[i] = way_steps < 0 ? -next_change(plan, -way_steps, -last_steps) : next_change(plan, way_steps, last_steps);
+        self->velocity_steps[i] += self->change_steps[i];
+        self->velocity_radps[i] = (float)self->velocity_steps[i] * VELOCITY_RESOLUTION_RADPS;
         if (finite) { /* not quite to the ends, so that the rounded reference on the bus is within them */
             self->position_rad[i] = clamp(measured_rad[i] + self->velocity_radps[i] * config->tick_s,
                                           joint->position_min_rad + POSITION_RESOLUTION_RAD,
@@ -128,10 +180,10 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
 }
 
 joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]) {
-    const float near_end_rad = config->plan.near_end_rad;
     unsigned lower = 0, upper = 0;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
+        const float near_end_rad = config->plan[i].near_end_rad;
         const unsigned bit = 1u << i;
         lower |= measured_rad[i] - joint->position_min_rad < near_end_rad ? bit : 0u;
         upper |= joint->position_max_rad - measured_rad[i] < near_end_rad ? bit : 0u;
@@ -141,7 +193,7 @@ joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *co
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm) {
     for (int i = 0; i < arm->joint_count; i++) {
-        if (self->velocity_steps[i] != 0) {
+        if (self->velocity_steps[i] != 0 || self->change_steps[i] != 0) {
             return false;
         }
     }

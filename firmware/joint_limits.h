@@ -1,11 +1,16 @@
-/* The only way out to a command: position, velocity and acceleration of each joint stay within limits, whatever is asked.
+/* The only way out to a command: position, velocity, acceleration and jerk of each joint stay within limits, whatever is asked, and
+ * whatever happened.
  *
- * With a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit (in whole steps of the bus's resolution per tick):
- *   approach  above a/K, the speed u asked for the error is lowered to sqrt(a/K (2 u - a/K)), from which a joint stops on the way to go,
- *             all joints in proportion; the speed fed forward is the target's own, and is added as it is;
- *   range     towards an end at distance d, at most sqrt(2 a d) - a (command_delay_s + tick_s);
+ * With j the jerk limit and a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit, but at most sqrt(0.1 rad/s j) (all in
+ * whole steps of the bus's resolution per tick):
+ *   approach  above a/K, the speed u asked for the error is lowered to sqrt(a/K (2 u - a/K)), from which a joint stops on the way to
+ *             go, all joints in proportion; the speed fed forward is the target's own, and is added as it is;
  *   speed     all joints in proportion, so that the hand keeps its direction;
- *   change    per tick at most the acceleration limit times the tick. */
+ *   range     towards an end at distance d, at most sqrt(2 a d + (a^2/2j)^2) - a^2/j - a (command_delay_s + tick_s), of which the
+ *             first a^2/2j is the deceleration's growth, and the second what the velocity lags behind this speed;
+ *   change    per tick at most the acceleration limit times the tick, and from one tick to the next at most the jerk limit times
+ *             tick^2; it comes down to 0 in time for the velocity to end at what the rules above allow, and not beyond.
+ * From any state that this leads to, a joint asked to stand does within v/a + 2.5 a/j + 2 ticks, a being the acceleration limit. */
 #ifndef COMANIP_JOINT_LIMITS_H
 #define COMANIP_JOINT_LIMITS_H
 
@@ -19,13 +24,17 @@
 /* A joint counts as standing at the end of its range so near to where its stopping speed becomes 0: there it crawls. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
-/* What follows from the config. */
+/* Of a joint: what follows from the config and the arm. */
 typedef struct {
-    int32_t change_max_steps;  /* of the velocity, in a tick */
-    float braking_radps2;      /* the deceleration to plan with, a */
-    float linear_radps;        /* a / K: below it the law's own speed is kept */
-    float coasting_radps;      /* a (command_delay_s + tick_s): what is lost of the stopping speed to commands under way */
-    float near_end_rad;        /* nearer to an end, a joint counts as standing there */
+    int32_t change_max_steps; /* of the velocity, in a tick */
+    int32_t jerk_steps;       /* by which that change differs from the last tick's at most, >= 1 */
+    float ramp_ticks_per_step; /* of the change, until it has come down to 0 */
+    float speed_max_radps;
+    float braking_radps2;     /* the deceleration to plan with, a */
+    float linear_radps;       /* a / K: below it the law's own speed is kept */
+    float ramp_radps;         /* a^2 / (2 j): what the speed changes by while the deceleration grows to a */
+    float coasting_radps;     /* what is lost of the stopping speed to that, and to commands under way */
+    float near_end_rad;       /* nearer to an end, the joint counts as standing there */
 } joint_limits_plan_t;
 
 typedef struct {
@@ -35,16 +44,17 @@ typedef struct {
     float command_delay_s;          /* from this tick to the drive's motion: joints travel on for so long */
     float approach_gain_per_s;      /* the law's largest gain K: what it asks for the error is K times the way to go, so the
                                        speed from which a joint can still stop on that way is known */
-    joint_limits_plan_t plan;       /* by joint_limits_prepare() */
+    joint_limits_plan_t plan[ARM_MAX_JOINTS]; /* by joint_limits_prepare() */
 } joint_limits_config_t;
 
 /* Once, after the other members of the config are set. */
-void joint_limits_prepare(joint_limits_config_t *config);
+void joint_limits_prepare(joint_limits_config_t *config, const arm_t *arm);
 
 /* The last command. */
 typedef struct {
     float position_rad[ARM_MAX_JOINTS]; /* where the joint is to be at the next tick, within the arm's range */
     int32_t velocity_steps[ARM_MAX_JOINTS]; /* of the bus's resolution */
+    int32_t change_steps[ARM_MAX_JOINTS];   /* of it, from the command before */
     float velocity_radps[ARM_MAX_JOINTS];   /* the same velocities */
 } joint_limits_t;
 

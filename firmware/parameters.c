@@ -83,7 +83,7 @@ void parameters_velocity_control(const parameters_t *self, velocity_control_conf
     velocity_control_prepare(config);
 }
 
-void parameters_joint_limits(const parameters_t *self, float tick_s, joint_limits_config_t *config) {
+void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config) {
     float largest_gain = 0.0f;
     for (int i = 0; i < 8; i++) {
         float gain = self->value[PARAMETER_GAIN_PER_S + i];
@@ -94,7 +94,7 @@ void parameters_joint_limits(const parameters_t *self, float tick_s, joint_limit
     config->acceleration_max_radps2 = self->value[PARAMETER_ACCELERATION_LIMIT_RADPS2];
     config->command_delay_s = self->value[PARAMETER_COMMAND_DELAY_S];
     config->approach_gain_per_s = largest_gain;
-    joint_limits_prepare(config);
+    joint_limits_prepare(config, arm);
 }
 
 void parameters_cooperation(const parameters_t *self, cooperation_config_t *config) {

@@ -49,7 +49,7 @@ result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
 /* Views of the parameters as each stage wants them. */
 void parameters_velocity_control(const parameters_t *self, velocity_control_config_t *config);
-void parameters_joint_limits(const parameters_t *self, float tick_s, joint_limits_config_t *config);
+void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config);
 void parameters_cooperation(const parameters_t *self, cooperation_config_t *config);
 pose_t parameters_marker_to_hand(const parameters_t *self);
 

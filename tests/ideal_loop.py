@@ -12,11 +12,16 @@ TICK_S = 1e-3
 VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
-AT_LIMIT_RAD = 2e-3 + 0.5 * 0.9 * 25 * 0.006**2  # and where the stopping speed is 0
+JERK = 1e4
+RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # what the speed changes by while the deceleration grows
+LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
+AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)  # and where the stopping speed is 0
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # changes per tick that end after 0, 1, 2... ticks,
+RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)         # and what the velocity changes by in all
 
 
-def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
-    """joint_limits.h: approach speed, speed limit in common proportion, stopping distance, acceleration."""
+def limited(wanted, last, last_change, q, gain, acceleration=25.0):
+    """joint_limits.h: approach speed, speed limit in common proportion, stopping distance, acceleration, jerk. The change of velocity."""
     speed = np.abs(wanted)
     a = BRAKING_RESERVE * acceleration
     linear = a / gain
@@ -24,9 +29,14 @@ def limited(wanted, last, q, gain, acceleration=25.0, delay_s=0.005):
     allowed = np.minimum(VELOCITY_MAX, approach)
     scale = np.min(np.where(speed > allowed, allowed / np.maximum(speed, 1e-12), 1.0))
     room = np.maximum([JOINT_RANGE[:, 1] - q, q - JOINT_RANGE[:, 0]], 0)
-    up, down = np.maximum(np.sqrt(2 * a * room) - a * (delay_s + TICK_S), 0)
-    v = np.clip(scale * wanted, -down, up)
-    return np.clip(v, last - acceleration * TICK_S, last + acceleration * TICK_S)
+    growth = np.array([np.maximum(last_change, 0), np.maximum(-last_change, 0)])
+    ramp_s = growth / (JERK * TICK_S)
+    room = np.maximum(room - ramp_s * (np.abs(last) + 0.5 * growth / TICK_S * ramp_s), 0)
+    up, down = np.maximum(np.sqrt(2 * a * room + RAMP**2) - LOST, 0)
+    way = np.clip(scale * wanted, -down, up) - last
+    change = np.sign(way) * np.interp(np.abs(way), RAMP_DOWN_SUM, RAMP_DOWN)
+    change = np.clip(change, last_change - JERK * TICK_S**2, last_change + JERK * TICK_S**2)
+    return np.clip(change, -acceleration * TICK_S, acceleration * TICK_S)
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
@@ -48,7 +58,7 @@ def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=35.0,
     before that tick's command acts."""
     arm = oracle.hoap3()
     weight = np.r_[[0.01] * 4, [100.0] * 4] if weight is None else weight
-    q, v = q0.astype(float).copy(), np.zeros(len(q0))
+    q, v, change = q0.astype(float).copy(), np.zeros(len(q0)), np.zeros(len(q0))
     hands = np.empty((len(targets), 8))
     for k, target in enumerate(targets):
         hand = vec8(arm.fkm(q))
@@ -56,6 +66,7 @@ def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=35.0,
         wanted = np.zeros(len(q))
         if cooperating[k]:
             wanted = law_with_blocked_joints(arm.pose_jacobian(q), hand, target, q, gain, weight, damping, error_frame)
-        v = limited(wanted, v, q, float(np.max(gain)))
+        change = limited(wanted, v, change, q, float(np.max(gain)))
+        v = v + change
         q = q + v * TICK_S
     return hands

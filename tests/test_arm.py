@@ -63,6 +63,7 @@ def test_hoap3_limits_are_the_manuals_less_one_degree():
     assert np.degrees(arm.position_min_rad) == pytest.approx(low + 1, abs=1e-4)
     assert np.degrees(arm.position_max_rad) == pytest.approx(high - 1, abs=1e-4)
     assert arm.velocity_max_radps == pytest.approx(np.full(4, 4.76))
+    assert arm.jerk_max_radps3 == pytest.approx(np.full(4, 10_000))
 
 
 def ur5() -> DQ_SerialManipulatorDH:

@@ -276,6 +276,9 @@ GOOD = 'name = "arm"\nid = 1\nvelocity_max_radps = 2.0\n[[frame]]\nalpha_deg = 9
         (GOOD.replace("alpha_deg = 90.0", 'a_m = "long"'), "a_m: 'long': expected a number"),
         (GOOD.replace("2.0", "33.0"), "velocity_max_radps: 33.0: expected a number from 0.001 to 32"),
         (GOOD.replace("[[frame]]", "[frame]"), "frame: .*: expected a list of tables"),
+        ("jerk_max_radps3 = 999\n" + GOOD, "arm.toml: jerk_max_radps3: 999: expected a number from 1000 to 1e.06"),
+        (GOOD + "jerk_max_radps3 = 2e6\n", "frame 1: jerk_max_radps3: 2000000.0: expected a number from 1000 to 1e.06"),
+        (GOOD + "[[frame]]\njerk_max_radps3 = 2e4\n", "frame 2: jerk_max_radps3: .* without a range_deg"),
     ],
 )
 def test_a_bad_description_is_named(tmp_path, text, message):
@@ -291,6 +294,16 @@ def test_what_is_no_description_writes_nothing(tmp_path, capsys):
         assert arm_codegen.main([str(argument)]) == 2
         assert str(argument) in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == [path]
+
+
+def test_jerk_limits_are_the_arms_or_a_joints_own(tmp_path):
+    joint = "[[frame]]\nrange_deg = [-90, 90]\n"
+    assert described(tmp_path, GOOD + joint).jerk_max_radps3 == [1e4, 1e4]
+    assert described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + joint).jerk_max_radps3 == [2e4, 2e4]
+    arm = described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + "jerk_max_radps3 = 3e3\n" + joint)
+    assert arm.jerk_max_radps3 == [3e3, 2e4]
+    first, second = [line for line in arm_codegen.source(arm, "arm.toml").splitlines() if line.endswith("},") and "{{{" in line]
+    assert first.endswith(" 3000.0f},") and second.endswith(" 20000.0f},")
 
 
 def test_a_description_is_modified_dh(tmp_path):

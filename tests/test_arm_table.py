@@ -16,6 +16,7 @@ def verdict(joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: boo
         joint.fixed = (UNIT, ZERO)
         joint.axis = [0.0, 0.0, 1.0]
         joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps = -1.0, 1.0, 2.0
+        joint.jerk_max_radps3 = 1e4
     for name, value in changes.items():
         setattr(joints[1], name, value)
     table = ffi.new("arm_t *", {"joint_count": joint_count, "joints": joints, "effector": effector})
@@ -31,7 +32,8 @@ HALF = np.sqrt(0.5)
 @pytest.mark.parametrize(
     "changes",
     [{}, {"joint_count": 1}, {"fixed": (UNIT, [60.0, 0.0, 79.9])}, {"effector": ([HALF, 0.0, -HALF, 0.0], [0.0, -99.9, 0.0])},
-     {"axis": [0.0, -HALF, HALF]}, {"position_min_rad": -8.0, "position_max_rad": 8.0}, {"velocity_max_radps": 32.0}],
+     {"axis": [0.0, -HALF, HALF]}, {"position_min_rad": -8.0, "position_max_rad": 8.0}, {"velocity_max_radps": 32.0},
+     {"jerk_max_radps3": 1e3}, {"jerk_max_radps3": 1e6}],
 )  # fmt: skip
 def test_a_table_within_its_ranges_is_accepted(changes):
     assert verdict(**changes) is None
@@ -57,6 +59,9 @@ def test_a_table_within_its_ranges_is_accepted(changes):
         ({"velocity_max_radps": 0.0}, "velocity limit"),
         ({"velocity_max_radps": 32.1}, "velocity limit"),
         ({"velocity_max_radps": float("nan")}, "velocity limit"),
+        ({"jerk_max_radps3": 999.0}, "jerk limit"),
+        ({"jerk_max_radps3": 1.01e6}, "jerk limit"),
+        ({"jerk_max_radps3": float("nan")}, "jerk limit"),
     ],
 )
 def test_a_defect_is_named(changes, told):

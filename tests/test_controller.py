@@ -143,19 +143,23 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
     assert bench.command(lib.COMMAND_START) == ACCEPTED
 
 
-def test_stop_brakes_within_the_acceleration_limit_then_closes_the_brakes():
+def test_stop_brakes_within_the_limits_then_closes_the_brakes():
+    """Of acceleration and jerk; the brakes close once the velocity is 0 and no longer changes."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0.08, 0.05, 0.03])
     bench.tick(40)
+    before = bench.velocity_radps
+    bench.tick()
     last = bench.velocity_radps
     assert np.abs(last).max() > 0.5
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED
     assert (bench.mode, bench.reason) == (lib.MODE_READY, lib.REASON_OPERATOR_STOP)
     for _ in range(300):
         assert np.abs(bench.velocity_radps - last).max() < 0.025 + 1e-6
-        still = (bench.velocity_radps == 0).all()
+        assert np.abs(bench.velocity_radps - 2 * last + before).max() < 0.010 + 2e-6
+        still = (bench.velocity_radps == 0).all() and (last == 0).all()
         assert bench.drive_modes == [lib.DRIVE_MODE_BRAKE if still else lib.DRIVE_MODE_VELOCITY] * JOINTS
-        last = bench.velocity_radps
+        before, last = last, bench.velocity_radps
         bench.tick()
     assert still
 
@@ -452,7 +456,8 @@ def test_no_joint_goes_on_where_the_robot_is_its_own_target(change):
     if change == "latch measured":
         bench.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED] = 1.0
     command = {"clutch": lib.COMMAND_CLUTCH, "latch measured": lib.COMMAND_LATCH, "stop and start": lib.COMMAND_STOP}[change]
-    speed, robot = np.abs(bench.velocity_radps), bench.robot
+    before, robot = bench.velocity_radps, bench.robot
+    growth = np.sign(before) * list(bench.controller.limits.change_steps)[:JOINTS]
     if change == "stop and start":  # in one tick: the second is asked for with the first
         frame = ffi.new("can_frame_t *")
         lib.operator_command_pack(ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP}), frame)
@@ -460,7 +465,8 @@ def test_no_joint_goes_on_where_the_robot_is_its_own_target(change):
         command = lib.COMMAND_START
     assert bench.command(command) == ACCEPTED
     assert (wanted(bench) == 0).all()
-    assert (np.abs(bench.velocity_radps) <= speed).all()
+    least = np.maximum(growth - 10, -25)  # of the change, in mrad/s: the jerk and the acceleration limit
+    assert (np.abs(bench.velocity_radps) <= np.abs(before) + 1e-3 * least + 1e-6).all()
     assert oracle.pose_distance(bench.target, robot) < 1e-4
     bench.tick()
     assert np.abs(wanted(bench)).max() > 0
@@ -507,7 +513,7 @@ def test_a_joint_at_an_end_is_not_asked_to_go_beyond_it():
     bench.tick(1000)
     joints = [lib.arm_hoap3_right.joints[i] for i in range(JOINTS)]
     room = np.array([[p - j.position_min_rad, j.position_max_rad - p] for p, j in zip(bench.position_rad, joints, strict=True)])
-    at_end = room.min(axis=1) < 2e-3
+    at_end = room.min(axis=1) < 2.7e-3
     assert at_end.any()
     assert (wanted(bench)[:JOINTS][at_end] == 0).all() and (wanted(bench)[:JOINTS][~at_end] != 0).any()
 

@@ -215,6 +215,8 @@ def arm(**changes) -> core.Arm:
         ({"position_max_rad": np.array([9, 1], F)}, "within .*8 rad"),
         ({"velocity_max_radps": np.array([0, 2], F)}, "velocity limit must be above 0"),
         ({"velocity_max_radps": np.array([33, 2], F)}, "at most 32"),
+        ({"jerk_max_radps3": np.array([2e4, 500], F)}, "jerk limit must be from 1000 to 1e6"),
+        ({"jerk_max_radps3": np.array([2e4], F)}, "^jerk_max_radps3: .*shape"),
         ({"effector": off_unit(0.1)[1]}, "^effector: not a unit dual quaternion"),
     ],
 )

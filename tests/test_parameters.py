@@ -7,6 +7,7 @@ import math
 import numpy as np
 import oracle
 import pytest
+from comanip import core
 from comanip._core import ffi, lib
 
 COUNT = lib.PARAMETER_COUNT
@@ -90,10 +91,11 @@ def test_view_of_the_joint_limits(parameters):
     write(parameters, lib.PARAMETER_ACCELERATION_LIMIT_RADPS2, [12])
     write(parameters, lib.PARAMETER_COMMAND_DELAY_S, [0.03125])
     config = ffi.new("joint_limits_config_t *")
-    lib.parameters_joint_limits(parameters, 0.001, config)
+    lib.parameters_joint_limits(parameters, core.Arm.named("hoap3_right").table, 0.001, config)
     assert (config.speed_fraction, config.acceleration_max_radps2, config.command_delay_s) == (0.5, 12, 0.03125)
     assert (config.tick_s, config.approach_gain_per_s) == (np.float32(0.001), 77)
-    assert config.plan.change_max_steps == 12  # 12 rad/s2 for 1 ms, of 1 mrad/s: it is prepared
+    for plan in list(config.plan)[:4]:  # it is prepared: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
+        assert (plan.change_max_steps, plan.jerk_steps) == (12, 10)
 
 
 def test_view_of_the_cooperation(parameters):

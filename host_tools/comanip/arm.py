@@ -6,6 +6,7 @@ import numpy as np
 
 from comanip import _arguments as check
 from comanip._core import ffi, lib
+from comanip.arm_description import JERK_DEFAULT_RADPS3
 
 _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 
@@ -35,7 +36,7 @@ class Arm:
 
     Joint i is reached from the previous one's moving frame (the torso for the first) by the pose fixed[i], and turns
     about axis[i]; `effector` leads from the last joint's moving frame to the hand. Float32 arrays: fixed (n, 8) unit,
-    axis (n, 3) unit, limits (n,).
+    axis (n, 3) unit, limits (n,); the jerk limit is 10,000 rad/s^3 unless given.
     """
 
     def __init__(
@@ -47,6 +48,7 @@ class Arm:
         velocity_max_radps: np.ndarray,
         effector: np.ndarray | None = None,
         name: str = "custom",
+        jerk_max_radps3: np.ndarray | None = None,
     ) -> None:
         fixed = check.poses("fixed", fixed, ("n", 8))
         count = len(fixed)
@@ -54,12 +56,15 @@ class Arm:
         if not 1 <= count <= most:
             raise ValueError(f"fixed: an arm has 1 to {most} joints, got {count} rows")
         axis = check.array("axis", axis, (count, 3))
+        if jerk_max_radps3 is None:
+            jerk_max_radps3 = np.full(count, JERK_DEFAULT_RADPS3, np.float32)
         limits = [
             check.array(limit_name, value, (count,))
             for limit_name, value in (
                 ("position_min_rad", position_min_rad),
                 ("position_max_rad", position_max_rad),
                 ("velocity_max_radps", velocity_max_radps),
+                ("jerk_max_radps3", jerk_max_radps3),
             )
         ]
         effector = check.poses("effector", _IDENTITY if effector is None else effector, (8,))
@@ -68,7 +73,7 @@ class Arm:
         for row, joint in enumerate(joints):
             joint.fixed = _pose(fixed[row])
             ffi.memmove(ffi.addressof(joint, "axis"), axis[row].tobytes(), 12)
-            joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps = (v[row] for v in limits)
+            joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps, joint.jerk_max_radps3 = (v[row] for v in limits)
         table = ffi.new("arm_t *")
         self._keep_alive = (joints, ffi.new("char[]", name.encode()), table)
         table.name = self._keep_alive[1]
@@ -99,6 +104,7 @@ class Arm:
         self.position_min_rad = np.array([joint.position_min_rad for joint in joints], np.float32)
         self.position_max_rad = np.array([joint.position_max_rad for joint in joints], np.float32)
         self.velocity_max_radps = np.array([joint.velocity_max_radps for joint in joints], np.float32)
+        self.jerk_max_radps3 = np.array([joint.jerk_max_radps3 for joint in joints], np.float32)
 
 
 def resolve(arm: str | Arm) -> Arm:

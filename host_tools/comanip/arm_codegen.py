@@ -27,8 +27,8 @@ def pose(p: Pose) -> str:
 def source(arm: Arm, origin: str) -> str:
     law = fewest_operations(arm)
     rows = [
-        f"    {{{pose(fixed)}, {{0.0f, 0.0f, 1.0f}}, {numbers([*limits, arm.velocity_max_radps])}}},"
-        for fixed, limits in zip(arm.fixed, arm.range_rad, strict=True)
+        f"    {{{pose(fixed)}, {{0.0f, 0.0f, 1.0f}}, {numbers([*limits, arm.velocity_max_radps, jerk])}}},"
+        for fixed, limits, jerk in zip(arm.fixed, arm.range_rad, arm.jerk_max_radps3, strict=True)
     ]
     return "\n".join([
         f"/* Made by `make arms` from {origin}: edit that. How: host_tools/comanip/arm_law.py. */",

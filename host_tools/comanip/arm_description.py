@@ -13,9 +13,13 @@ from pathlib import Path
 import numpy as np
 
 JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = 8, 8.0, 32.0, 100.0  # arm_check() in firmware/arm.c
+JERK_RADPS3 = (1e3, 1e6)  # arm_check(), too
+JERK_DEFAULT_RADPS3 = 1e4
 LENGTHS, ANGLES = ("a_m", "d_m"), ("alpha_deg", "theta_deg")
-FRAME_KEYS = {*LENGTHS, *ANGLES, "range_deg"}
-ARM_KEYS = {"name", "id", "velocity_max_radps", "margin_deg", "frame"}
+JOINT_KEYS = {"range_deg", "jerk_max_radps3"}
+FRAME_KEYS = {*LENGTHS, *ANGLES, *JOINT_KEYS}
+OPTIONAL_KEYS = {"margin_deg", "jerk_max_radps3"}
+ARM_KEYS = {"name", "id", "velocity_max_radps", "frame", *OPTIONAL_KEYS}
 
 
 class ArmError(ValueError):
@@ -63,7 +67,7 @@ class Arm:
     effector: Pose
     range_rad: list[tuple[float, float]]
     velocity_max_radps: float
-
+    jerk_max_radps3: list[float]
 
     @property
     def fixed(self) -> list[Pose]:
@@ -117,7 +121,7 @@ def read(path: Path) -> Arm:
     """The arm that a file describes; ArmError for what is missing, unknown or out of range in it."""
     description, title = _load(path)
     _check_keys(str(path), description, ARM_KEYS)
-    if missing := ARM_KEYS - {"margin_deg"} - set(description):
+    if missing := ARM_KEYS - OPTIONAL_KEYS - set(description):
         raise ArmError(f"{path}: {min(missing)} is missing")
     if description["name"] != path.stem or not path.stem.isidentifier():
         raise ArmError(f"{path}: name: {description['name']!r}: expected the file's own, an identifier of C")
@@ -125,7 +129,8 @@ def read(path: Path) -> Arm:
     if not isinstance(frames, list):
         raise ArmError(f"{path}: frame: {frames!r}: expected a list of tables, [[frame]]")
     margin = _number(f"{path}: margin_deg", description.get("margin_deg", 0.0), 0.0, 90.0)
-    twists, offsets, ranges, reached = [], [], [], Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
+    jerk = _number(f"{path}: jerk_max_radps3", description.get("jerk_max_radps3", JERK_DEFAULT_RADPS3), *JERK_RADPS3)
+    twists, offsets, ranges, jerks, reached = [], [], [], [], Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
     for number, frame in enumerate(frames, 1):
         place = f"{path}: frame {number}"
         _check_keys(place, frame, FRAME_KEYS)
@@ -136,11 +141,14 @@ def read(path: Path) -> Arm:
             twists.append(reached)
             offsets.append(angles["theta_deg"])
             ranges.append(_range_rad(f"{place}: range_deg", frame["range_deg"], margin))
+            jerks.append(_number(f"{place}: jerk_max_radps3", frame.get("jerk_max_radps3", jerk), *JERK_RADPS3))
             reached = Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
         else:
+            if "jerk_max_radps3" in frame:
+                raise ArmError(f"{place}: jerk_max_radps3: of a frame without a range_deg, which is no joint")
             reached = reached * about_z(angles["theta_deg"])
     if not 1 <= len(twists) <= JOINTS_MAX:
         raise ArmError(f"{path}: {len(twists)} joints (frames with a range_deg), expected 1 to {JOINTS_MAX}")
     number = _number(f"{path}: id", description["id"], 0, 255)
     velocity = _number(f"{path}: velocity_max_radps", description["velocity_max_radps"], 1e-3, VELOCITY_MAX_RADPS)
-    return Arm(path.stem, int(number), title, twists, offsets, reached, ranges, velocity)
+    return Arm(path.stem, int(number), title, twists, offsets, reached, ranges, velocity, jerks)

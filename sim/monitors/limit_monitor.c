@@ -33,8 +33,29 @@ static double ticks_since_last(const limit_monitor_t *self, int64_t end_ns) {
     return ticks < 1.0 ? 1.0 : ticks;
 }
 
+/* From the middle of the last interval to the middle of this one: the mean accelerations in them differ by at most the jerk times it. */
+static double apart_s(const limit_monitor_t *self, double interval_s) {
+    return 0.5 * (interval_s + self->last_interval_s);
+}
+
+/* The least speed that a joint can have come down to. */
+static double braked_radps(const limit_monitor_t *self, int joint, double acceleration_max_radps2, double interval_s) {
+    const double last_radps = self->last_velocity_radps[joint];
+    const double growth_radps2 = copysign(1.0, last_radps) * self->last_acceleration_radps2[joint];
+    const double least_radps2 = growth_radps2 - ROBOT_JERK_MAX_RADPS3 * apart_s(self, interval_s);
+    return fabs(last_radps) + fmax(least_radps2, -acceleration_max_radps2) * interval_s;
+}
+
+static void check_jerk(limit_monitor_t *self, int64_t end_ns, int joint, double acceleration_radps2, double interval_s) {
+    const double jerk_radps3 = fabs(acceleration_radps2 - self->last_acceleration_radps2[joint]) / apart_s(self, interval_s);
+    const double tolerance_radps3 = 2.0 * VELOCITY_STEP_TOLERANCE_RADPS / (interval_s * self->last_interval_s);
+    if (!(jerk_radps3 <= ROBOT_JERK_MAX_RADPS3 + tolerance_radps3)) {
+        violated(self, end_ns, joint, "jerk [rad/s^3]", jerk_radps3, ROBOT_JERK_MAX_RADPS3);
+    }
+}
+
 static void check_joint(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, int joint,
-                        double velocity_max_radps, double velocity_step_max_radps) {
+                        double velocity_max_radps, double acceleration_max_radps2, double interval_s) {
     const double position_rad = (double)command->position_rad[joint];
     const double velocity_radps = (double)command->velocity_radps[joint];
     const double minimum_rad = robot_model_position_min_rad(joint), maximum_rad = robot_model_position_max_rad(joint);
@@ -45,8 +66,8 @@ static void check_joint(limit_monitor_t *self, const joint_command_t *command, i
     if (!(position_rad <= maximum_rad + POSITION_TOLERANCE_RAD)) {
         violated(self, end_ns, joint, "position [rad]", position_rad, maximum_rad);
     }
-    const double braking_radps = fabs(self->last_velocity_radps[joint]) - velocity_step_max_radps;
-    const double allowed_radps = fmin(fmax(velocity_max_radps, braking_radps), ROBOT_VELOCITY_MAX_RADPS);
+    const double least_radps = braked_radps(self, joint, acceleration_max_radps2, interval_s);
+    const double allowed_radps = fmin(fmax(velocity_max_radps, least_radps), ROBOT_VELOCITY_MAX_RADPS);
     if (!(fabs(velocity_radps) <= allowed_radps + VELOCITY_TOLERANCE_RADPS)) {
         violated(self, end_ns, joint, "velocity [rad/s]", velocity_radps, allowed_radps);
     }
@@ -55,24 +76,32 @@ static void check_joint(limit_monitor_t *self, const joint_command_t *command, i
     }
     /* A brake is a velocity of 0: closing it on a joint that still moves breaks the acceleration limit as well. */
     const double commanded_radps = command->mode[joint] == DRIVE_MODE_BRAKE ? 0.0 : velocity_radps;
+    const double acceleration_radps2 = (commanded_radps - self->last_velocity_radps[joint]) / interval_s;
     const double step_radps = fabs(commanded_radps - self->last_velocity_radps[joint]);
+    const double velocity_step_max_radps = acceleration_max_radps2 * interval_s;
     if (self->has_last && !(step_radps <= velocity_step_max_radps + VELOCITY_STEP_TOLERANCE_RADPS)) {
         violated(self, end_ns, joint, "velocity step [rad/s]", step_radps, velocity_step_max_radps);
     }
+    if (self->last_interval_s > 0.0) {
+        check_jerk(self, end_ns, joint, acceleration_radps2, interval_s);
+    }
     self->last_velocity_radps[joint] = commanded_radps;
+    self->last_acceleration_radps2[joint] = self->has_last ? acceleration_radps2 : 0.0;
 }
 
 void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2) {
-    const double step_max_radps = acceleration_max_radps2 * ticks_since_last(self, end_ns) * TICK_NS * 1e-9;
+    const double interval_s = ticks_since_last(self, end_ns) * TICK_NS * 1e-9;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        check_joint(self, command, end_ns, i, speed_fraction * ROBOT_VELOCITY_MAX_RADPS, step_max_radps);
+        check_joint(self, command, end_ns, i, speed_fraction * ROBOT_VELOCITY_MAX_RADPS, acceleration_max_radps2,
+                    interval_s);
     }
     for (int i = ROBOT_JOINTS; i < ARM_MAX_JOINTS; i++) { /* joints that this arm does not have */
         if (command->mode[i] != DRIVE_MODE_BRAKE || !(command->velocity_radps[i] == 0.0f)) {
             violated(self, end_ns, i, "velocity of a joint that is not there", (double)command->velocity_radps[i], 0.0);
         }
     }
+    self->last_interval_s = self->has_last ? interval_s : 0.0;
     self->has_last = true;
     self->last_ns = end_ns;
 }

@@ -11,6 +11,7 @@
 
 #define ROBOT_STOP_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* usable range: so far inside the mechanical stops */
 #define ROBOT_VELOCITY_MAX_RADPS 4.76                   /* 272.7 deg/s */
+#define ROBOT_JERK_MAX_RADPS3 10000.0 /* not the manual's, which gives none: so much is asked of the drives at most */
 #define ROBOT_TORQUE_PEAK_NM 3.0
 #define ROBOT_PULSES_PER_DEGREE 209.0
 
