@@ -285,6 +285,7 @@ protocol_status_t firmware_status_pack(const firmware_status_t *message, can_fra
         .mode = (uint8_t)message->mode,
         .stop_category = (uint8_t)message->stop_category,
         .latched = message->latched,
+        .rest_not_assured = message->rest_not_assured,
         .reason = (uint8_t)message->reason,
         .task = (uint8_t)message->task,
         .rejected_frames = message->rejected_frames,
@@ -305,6 +306,7 @@ void firmware_status_unpack(const can_frame_t *frame, firmware_status_t *message
         .stop_category = (stop_category_t)raw.stop_category,
         .task = (task_id_t)raw.task,
         .latched = raw.latched != 0u,
+        .rest_not_assured = raw.rest_not_assured != 0u,
         .speed_limit_percent = UNPACK(FIRMWARE_STATUS_SPEED_LIMIT_PERCENT, raw.speed_limit_percent),
         .rejected_frames = raw.rejected_frames,
     };

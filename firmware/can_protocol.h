@@ -240,6 +240,7 @@ typedef enum {
     RESULT_FAULT_PRESENT = 8,
     RESULT_NOT_SUPPORTED = 9, /* by this port */
     RESULT_STORE_FAILED = 10, /* parameters could not be saved; at boot: what is stored is not valid, so defaults */
+    RESULT_PARAMETERS_UNSTABLE = 11, /* together: see parameter_set.h */
 } result_t;
 
 typedef struct {
@@ -248,6 +249,7 @@ typedef struct {
     stop_category_t stop_category;
     task_id_t task;
     bool latched;             /* q_task is latched (section V-B.3) */
+    bool rest_not_assured;    /* the arm may go on moving while the hand rests: see parameter_set.h */
     float speed_limit_percent; /* of the arm's velocity limits */
     uint8_t rejected_frames;  /* modulo 256 */
 } firmware_status_t;
@@ -260,7 +262,7 @@ typedef struct {
 
 typedef struct {
     uint8_t parameter;
-    uint8_t sequence; /* 0 for those published at boot */
+    uint8_t sequence; /* 0 for those published at boot; of what was refused, for those that were involved */
     result_t result;
     float value; /* in force */
 } parameter_value_t;

@@ -20,6 +20,7 @@ static void apply_parameters(controller_t *self) {
     parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
+    self->parameter_set = parameter_set_check(&self->parameters, tick_s(self));
 }
 
 /* Measurements are taken over at once; the operator's frames wait until this tick's poses are known. */
@@ -106,8 +107,19 @@ static void select_task(controller_t *self, task_id_t id, const task_t *task, fl
     }
 }
 
-static result_t start(controller_t *self) {
-    result_t result = supervisor_start(&self->supervisor);
+/* They may be written, one by one, but not be driven or kept. Whose request this refuses is told of each parameter involved. */
+static result_t stable_required(controller_t *self, uint8_t sequence) {
+    if (self->parameter_set.verdict != PARAMETER_SET_UNSTABLE) {
+        return RESULT_ACCEPTED;
+    }
+    self->untold = self->parameter_set.involved;
+    self->untold_sequence = sequence;
+    return RESULT_PARAMETERS_UNSTABLE;
+}
+
+static result_t start(controller_t *self, uint8_t sequence) {
+    const result_t refusal = stable_required(self, sequence);
+    result_t result = refusal != RESULT_ACCEPTED ? refusal : supervisor_start(&self->supervisor);
     if (result == RESULT_ACCEPTED) {
         self->blend_elapsed_s = 0.0f;
         cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, robot_pose(self));
@@ -160,7 +172,7 @@ static result_t command_result(controller_t *self, const operator_command_t *com
         select_task(self, (task_id_t)command->task, &task_table[command->task],
                     self->parameters.value[PARAMETER_TASK_BLEND_S]);
         return RESULT_ACCEPTED;
-    case COMMAND_START: return start(self);
+    case COMMAND_START: return start(self, command->sequence);
     case COMMAND_LATCH: return latch(self);
     case COMMAND_CLUTCH: return clutch(self);
     case COMMAND_STOP: return supervisor_stop(&self->supervisor, &self->supervisor_inputs);
@@ -234,12 +246,18 @@ static void send_parameter(controller_t *self, controller_outbox_t *outbox, uint
     send(self, outbox, &frame);
 }
 
+/* What the boot announcement says of a parameter. */
+static result_t announced_result(const controller_t *self, uint8_t parameter) {
+    const bool unstable = self->parameter_set.verdict == PARAMETER_SET_UNSTABLE && (self->parameter_set.involved >> parameter & 1u) != 0u;
+    return unstable ? RESULT_PARAMETERS_UNSTABLE : self->boot_result;
+}
+
 /* A parameter that is written before its turn is announced first, so that what was in force at boot is on the bus, and a
  * replay can begin with it. */
 static void access_parameter(controller_t *self, controller_outbox_t *outbox, const parameter_access_t *access) {
     const bool announced = access->parameter + 1u < self->announced;
     if (access->operation == PARAMETER_WRITE && access->parameter < PARAMETER_COUNT && !announced) {
-        send_parameter(self, outbox, access->parameter, 0, self->boot_result);
+        send_parameter(self, outbox, access->parameter, 0, announced_result(self, access->parameter));
     }
     send_parameter(self, outbox, access->parameter, access->sequence, access_result(self, access));
 }
@@ -250,8 +268,10 @@ static void begin_save(controller_t *self, controller_outbox_t *outbox, const pa
     if (self->saving && access->sequence == self->save_sequence) {
         return;
     }
-    if (self->saving || !may_change_parameters(self)) {
-        send_parameter(self, outbox, access->parameter, access->sequence, RESULT_WRONG_MODE);
+    const bool may_save = !self->saving && may_change_parameters(self);
+    const result_t result = may_save ? stable_required(self, access->sequence) : RESULT_WRONG_MODE;
+    if (result != RESULT_ACCEPTED) {
+        send_parameter(self, outbox, access->parameter, access->sequence, result);
         return;
     }
     self->saving = true;
@@ -265,6 +285,19 @@ static void end_save(controller_t *self, const controller_inbox_t *inbox, contro
         self->saving = false;
         send_parameter(self, outbox, self->save_parameter, self->save_sequence, inbox->save_result);
     }
+}
+
+/* From the tick after the refusal on, one a tick, so that they do not crowd the bus. */
+static void name_untold(controller_t *self, controller_outbox_t *outbox) {
+    if (self->untold == 0u) {
+        return;
+    }
+    uint8_t parameter = 0;
+    while ((self->untold >> parameter & 1u) == 0u) {
+        parameter++;
+    }
+    send_parameter(self, outbox, parameter, self->untold_sequence, RESULT_PARAMETERS_UNSTABLE);
+    self->untold &= self->untold - 1u;
 }
 
 /* Each request but that to save is answered in the tick that takes it. */
@@ -358,6 +391,7 @@ static void send_status(controller_t *self, controller_outbox_t *outbox) {
         .stop_category = supervisor_stop_category(&self->supervisor),
         .task = self->task_id,
         .latched = is_engaged(self) && self->cooperation.latched,
+        .rest_not_assured = self->parameter_set.verdict != PARAMETER_SET_RESTS,
         .speed_limit_percent = 100.0f * self->parameters.value[PARAMETER_SPEED_FRACTION],
         .rejected_frames = (uint8_t)self->receiver.protocol.rejected,
     };
@@ -389,7 +423,8 @@ static void announce(controller_t *self, controller_outbox_t *outbox) {
         (void)firmware_identity_pack(&identity, &frame);
         send(self, outbox, &frame);
     } else if (self->announced <= PARAMETER_COUNT) {
-        send_parameter(self, outbox, (uint8_t)(self->announced - 1u), 0, self->boot_result);
+        const uint8_t parameter = (uint8_t)(self->announced - 1u);
+        send_parameter(self, outbox, parameter, 0, announced_result(self, parameter));
     } else {
         return;
     }
@@ -446,6 +481,7 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     sense(self, now_us);
     supervise(self, now_us);
     end_save(self, inbox, outbox);
+    name_untold(self, outbox);
     obey(self, inbox, outbox);
     aim(self);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,

@@ -14,12 +14,13 @@
 #include "hand_tracker.h"
 #include "joint_feedback.h"
 #include "joint_limits.h"
+#include "parameter_set.h"
 #include "parameters.h"
 #include "supervisor.h"
 #include "velocity_control.h"
 
 #define CONTROLLER_INBOX_FRAMES 16 /* CAN FD: eight drives, tracker and operator send 13 a tick; more wait for the next */
-#define CONTROLLER_CYCLIC_FRAMES 17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, identity */
+#define CONTROLLER_CYCLIC_FRAMES 17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat; identity, or two ParameterValue */
 /* An answer to each frame, with the announcement of a parameter before it; and that a saving is over. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
@@ -38,6 +39,7 @@ typedef struct {
 typedef struct {
     const arm_t *arm;
     parameters_t parameters;
+    parameter_set_t parameter_set; /* what they are together */
     velocity_control_config_t velocity_control_config; /* views of the parameters, made anew when one is written */
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
@@ -76,6 +78,8 @@ typedef struct {
     result_t boot_result; /* as it tells it of each parameter */
     bool saving;
     uint8_t save_parameter, save_sequence; /* of the request, for its answer */
+    uint64_t untold; /* parameters, a bit each, still to be named to whoever was refused for them */
+    uint8_t untold_sequence; /* of that request */
 } controller_t;
 
 /* The arm table must outlive the controller. */

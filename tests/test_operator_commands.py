@@ -68,6 +68,18 @@ def test_refusals_are_named(live, comanip):
     require_refused(comanip("task", "select", "juggle", *BUS), "juggle", "pour, teleop, mirror")
 
 
+def test_parameters_that_do_not_go_together_are_named(live, comanip):
+    """All of them, with their values, when they would come into force; not when one is written."""
+    for name, value in (("gain_x_per_s", 400), ("gain_dual_z_per_s", 450)):
+        assert comanip("param", "set", name, value, *BUS)[0] == 0
+    words = ("parameters_unstable", "gain_x_per_s = 400, gain_dual_z_per_s = 450;")
+    require_refused(comanip("task", "start", *BUS), "start", *words)
+    require_refused(comanip("param", "save", *BUS), "save", *words)
+    for name in ("gain_x_per_s", "gain_dual_z_per_s"):
+        assert comanip("param", "set", name, 35, *BUS)[0] == 0
+    assert comanip("task", "start", *BUS)[0] == 0
+
+
 def test_parameters_are_written_and_read_back(live, comanip):
     values = live.bench.controller.parameters.value
     assert comanip("param", "set", "tracker_rotation_y_rad", *BUS, "--", "-0.1")[0] == 0

@@ -238,11 +238,16 @@ def stored_parameters(rng: np.random.Generator):
     """Other ones than the defaults, all but `trace` and what would leave no time to cooperate."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
-    for i in range(lib.PARAMETER_COUNT):
-        row = lib.parameter_table[i]
-        if not row.integer:
-            value = row.default_value + 0.3 * rng.uniform(0, 1) * (row.maximum - row.default_value)
-            assert lib.parameters_set(parameters, i, value) == lib.RESULT_ACCEPTED
+    share = 0.3 * rng.uniform(0, 1, lib.PARAMETER_COUNT)  # of the way to the maximum
+    unstable = True
+    while unstable:
+        for i, part in enumerate(share):
+            row = lib.parameter_table[i]
+            if not row.integer:
+                value = row.default_value + part * (row.maximum - row.default_value)
+                assert lib.parameters_set(parameters, i, value) == lib.RESULT_ACCEPTED
+        unstable = lib.parameter_set_check(parameters, 1e-3).verdict == lib.PARAMETER_SET_UNSTABLE
+        share = share / 2
     lib.parameters_set(parameters, lib.PARAMETER_SPEED_FRACTION, 0.37)
     return parameters
 

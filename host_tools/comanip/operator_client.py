@@ -19,14 +19,16 @@ ATTEMPTS = 5
 ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
 SAVE_S = 2.0  # but this only when the record is in the store, which may be a slow card
 ACCEPTED = "accepted"
+UNSTABLE = "parameters_unstable"
 
 
 class RefusedError(ToolError):
-    """The firmware said no; `result` is its name for why."""
+    """The firmware said no; `result` is its name for why, `involved` are the parameters and values that it names for it."""
 
-    def __init__(self, request: str, result: str):
-        super().__init__(f"{request}: refused: {result}{_WHY.get(result, '')}")
-        self.result = result
+    def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
+        self.result, self.involved = result, involved or {}
+        named = ", ".join(f"{name} = {value:g}" for name, value in self.involved.items())
+        super().__init__(f"{request}: refused: {result}{_WHY.get(result, '').format(named=named or 'the firmware named none')}")
 
 
 _WHY = {
@@ -34,6 +36,7 @@ _WHY = {
     "tracker_stale": " (the arm holds, for the hand's poses have stopped)",
     "fault_present": " (the cause of the fault is still there: `comanip monitor` shows it)",
     "out_of_range": " (docs/bus.md and `comanip param list` have the ranges)",
+    UNSTABLE: " (together these cannot come to rest: {named}; bring them nearer to the defaults that `comanip param list` shows)",
     "not_supported": " (this firmware has no store: its port has none, or, on Linux, it runs without --parameters FILE)",
     "store_failed": " (the firmware's port could not write; what was saved before is still there. Its console says why)",
 }
@@ -74,7 +77,7 @@ class OperatorClient:
         """`task`: of `select`. RefusedError, or ToolError without an answer."""
         answer = self._request("OperatorCommand", {"command": name, "task": task}, "CommandAck", {"command": name})
         if answer["result"] != ACCEPTED:
-            raise RefusedError(f"{name} {task}" if name == "select" else name, str(answer["result"]))
+            raise self._refused(f"{name} {task}" if name == "select" else name, str(answer["result"]))
 
     def read(self, parameter: str) -> float:
         answer = self._access("read", parameter, 0.0)
@@ -96,9 +99,21 @@ class OperatorClient:
         """All parameters, for the next boot: when this returns, they outlast a loss of power."""
         answer = self._access("save", parameter_names()[0], 0.0, max(SAVE_S, self._answer_s))
         if answer.result != ACCEPTED:
-            raise RefusedError("save", answer.result)
+            raise self._refused("save", answer.result)
 
     # ---- one request and its answer
+
+    def _refused(self, request: str, result: str) -> RefusedError:
+        """With the parameters that the firmware names after the answer, one a tick."""
+        involved = {}
+        deadline_s = time.monotonic() + self._answer_s
+        while result == UNSTABLE and time.monotonic() < deadline_s:
+            frame = self._bus.receive_until(deadline_s)
+            found = decode(frame) if frame is not None and frame.name == "ParameterValue" else None
+            if found and found["sequence"] == self._sequence and str(found["result"]) == UNSTABLE:
+                involved[str(found["parameter"])] = found["value"]
+                deadline_s = time.monotonic() + self._answer_s
+        return RefusedError(request, result, involved)
 
     def _access(self, operation: str, parameter: str, value: float, answer_s: float | None = None) -> ParameterAnswer:
         signals = {"operation": operation, "parameter": parameter, "value": value}

@@ -44,6 +44,8 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
         text.append(f"{mode} ", MODE_STYLE.get(mode, ""))
         text.append(f"({status['reason']}), task {status['task']}{', latched' if status['latched'] else ''}, ")
         text.append(f"speed limit {status['speed_limit_percent']:g} %, refused frames {status['rejected_frames']}\n")
+        if status["rest_not_assured"]:
+            text.append("with these parameters the arm may go on moving while the hand rests\n", "yellow")
     else:
         text.append("no FirmwareStatus: the firmware is not there\n", "yellow")
     if trace:

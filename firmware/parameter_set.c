@@ -1,0 +1,46 @@
+#include "parameter_set.h"
+
+_Static_assert(PARAMETER_COUNT <= 64, "a bit for each parameter");
+
+/* k T, at most: pi / 2 less what the drives' lags and the limits' braking take. Found by measurement (tests/rest). */
+#define RATE_TIMES_DELAY_MAX 0.8f
+#define COMMAND_DELAY_MIN_S 5e-3f /* no drive is taken to act sooner */
+#define DELAY_TICKS 1.5f          /* a reading is a tick old, and a command stands for one */
+
+static uint64_t bit(int parameter) {
+    return UINT64_C(1) << parameter;
+}
+
+/* To the letter, so not to be refused: it stays what the paper has. */
+static bool is_the_papers_law(const parameters_t *parameters) {
+    bool found = parameters->value[PARAMETER_ERROR_FRAME] == (float)ERROR_FRAME_TORSO;
+    for (int i = 0; i < 8; i++) {
+        found = found && parameters->value[PARAMETER_WEIGHT + i] == 1.0f;
+    }
+    return found;
+}
+
+/* The parameters that make the loop faster than its delays allow. */
+static uint64_t too_fast(const parameters_t *parameters, float tick_s) {
+    const float told_s = parameters->value[PARAMETER_COMMAND_DELAY_S];
+    const float delay_s = (told_s > COMMAND_DELAY_MIN_S ? told_s : COMMAND_DELAY_MIN_S) + DELAY_TICKS * tick_s;
+    uint64_t involved = 0;
+    for (int i = 0; i < 8; i++) {
+        const bool counts = parameters->value[PARAMETER_WEIGHT + i] > 0.0f;
+        if (counts && parameters->value[PARAMETER_GAIN_PER_S + i] * delay_s > RATE_TIMES_DELAY_MAX) {
+            involved |= bit(PARAMETER_GAIN_PER_S + i);
+        }
+    }
+    return involved != 0u && told_s > COMMAND_DELAY_MIN_S ? involved | bit(PARAMETER_COMMAND_DELAY_S) : involved;
+}
+
+parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s) {
+    const uint64_t involved = too_fast(parameters, tick_s);
+    if (involved == 0u) {
+        return (parameter_set_t){.verdict = PARAMETER_SET_RESTS};
+    }
+    return (parameter_set_t){
+        .verdict = is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,
+        .involved = involved,
+    };
+}

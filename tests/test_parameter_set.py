@@ -1,0 +1,153 @@
+"""Sets of parameters: what is refused, by whom it is told, and that what is refused would be too fast."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from comanip._core import ffi, lib
+from controller_bench import FRAME_ID, Bench
+
+TICK_S = 1e-3
+CLASSIC_TICK_S = 4e-3
+GAINS = range(lib.PARAMETER_GAIN_PER_S, lib.PARAMETER_GAIN_PER_S + 8)
+WEIGHTS = range(lib.PARAMETER_WEIGHT, lib.PARAMETER_WEIGHT + 8)
+NAMES = [ffi.string(lib.parameter_table[i].name).decode() for i in range(lib.PARAMETER_COUNT)]
+TOO_FAST = {gain: 500.0 for gain in GAINS}
+
+
+def parameters(changes: dict[int, float]):
+    values = ffi.new("parameters_t *")
+    lib.parameters_set_defaults(values)
+    for parameter, value in changes.items():
+        assert lib.parameters_set(values, parameter, value) == lib.RESULT_ACCEPTED
+    return values
+
+
+def check(changes: dict[int, float], tick_s: float = TICK_S) -> tuple[int, set[int]]:
+    found = lib.parameter_set_check(parameters(changes), tick_s)
+    return found.verdict, {i for i in range(lib.PARAMETER_COUNT) if found.involved >> i & 1}
+
+
+# ---- the verdict
+
+
+@pytest.mark.parametrize("tick_s", [TICK_S, CLASSIC_TICK_S])
+def test_the_defaults_and_all_that_is_slow_are_accepted(tick_s):
+    slow = {
+        "nothing": {},
+        "gains": dict.fromkeys(GAINS, 0.0),
+        "weights": dict.fromkeys(WEIGHTS, 0.0),
+        "speed": {lib.PARAMETER_SPEED_FRACTION: lib.parameter_table[lib.PARAMETER_SPEED_FRACTION].minimum},
+        "acceleration": {
+            lib.PARAMETER_ACCELERATION_LIMIT_RADPS2: lib.parameter_table[lib.PARAMETER_ACCELERATION_LIMIT_RADPS2].minimum
+        },
+    }
+    for changes in (*slow.values(), slow["gains"] | slow["speed"] | slow["acceleration"]):
+        assert check(changes, tick_s) == (lib.PARAMETER_SET_RESTS, set()), changes
+
+
+def test_gains_are_refused_by_the_loops_delay():
+    """A gain alone; a delay with the default gains; the two together: named are those, and no other."""
+    assert check({3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
+    assert check(TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))
+    assert check({lib.PARAMETER_COMMAND_DELAY_S: 0.05}) == (lib.PARAMETER_SET_UNSTABLE, {*GAINS, lib.PARAMETER_COMMAND_DELAY_S})
+    both = {5: 60.0, lib.PARAMETER_COMMAND_DELAY_S: 0.015}
+    assert check(both) == (lib.PARAMETER_SET_UNSTABLE, {5, lib.PARAMETER_COMMAND_DELAY_S})
+    assert check({5: 60.0})[0] == check({lib.PARAMETER_COMMAND_DELAY_S: 0.015})[0] == lib.PARAMETER_SET_RESTS
+    assert check({5: 100.0})[0] == lib.PARAMETER_SET_RESTS
+    assert check({5: 100.0}, CLASSIC_TICK_S) == (lib.PARAMETER_SET_UNSTABLE, {5})
+
+
+def test_a_gain_without_a_weight_does_nothing():
+    assert check({3: 500.0, lib.PARAMETER_WEIGHT + 3: 0.0})[0] == lib.PARAMETER_SET_RESTS
+
+
+def test_the_papers_law_is_warned_of_and_not_refused():
+    paper = {lib.PARAMETER_ERROR_FRAME: 0.0, **dict.fromkeys(WEIGHTS, 1.0)}
+    assert check(paper | TOO_FAST) == (lib.PARAMETER_SET_MAY_SWING, set(GAINS))
+    for change in ({lib.PARAMETER_ERROR_FRAME: 1.0}, {lib.PARAMETER_WEIGHT + 7: 1.5}):
+        assert check(paper | TOO_FAST | change)[0] == lib.PARAMETER_SET_UNSTABLE
+
+
+def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
+    """What the criterion counts on, in double: eigenvalues of J N^-1 J^T W K with dqrobotics' Jacobian, at any posture, with any weights."""
+    arm = oracle.hoap3()
+    _, jacobians = oracle.evaluate(arm, rng.uniform(*np.radians(oracle.HOAP3_RANGE_DEG), size=(50, 4)))
+    for jacobian in jacobians:
+        gain, weight = rng.uniform(0, 500, 8), 10.0 ** rng.uniform(-3, 4, 8) * (rng.random(8) < 0.8)
+        damped = jacobian.T @ (weight[:, None] * jacobian) + 10.0 ** rng.uniform(-6, 0) * np.eye(4)
+        rates = np.linalg.eigvals(jacobian @ np.linalg.solve(damped, jacobian.T * (weight * gain)))
+        assert np.abs(rates.imag).max() < 1e-6 * 500
+        assert rates.real.max() <= np.max(gain * (weight > 0)) + 1e-6 * 500
+        assert rates.real.min() >= -1e-6 * 500
+
+
+# ---- when it comes into force
+
+
+def named(bench: Bench, ticks: int) -> list[tuple[int, int]]:
+    """(parameter, sequence) of each ParameterValue that says parameters_unstable, at most one a tick."""
+    found = []
+    for _ in range(ticks):
+        bench.tick()
+        here = [(d[3], d[4]) for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[5] == lib.RESULT_PARAMETERS_UNSTABLE]
+        assert len(here) <= 1
+        found += here
+    return found
+
+
+def status_bit(bench: Bench) -> bool:
+    bench.tick(2)
+    frame = ffi.new("can_frame_t *")
+    while not (found := [data for i, data in bench.sent if i == FRAME_ID["FIRMWARE_STATUS"]]):
+        bench.tick()
+    frame.length = len(found[0])
+    ffi.memmove(frame.data, found[0], len(found[0]))
+    message = ffi.new("firmware_status_t *")
+    lib.firmware_status_unpack(frame, message)
+    return message.rest_not_assured
+
+
+def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_it_is_mended():
+    bench = Bench().until_ready()
+    bench.store_result = lib.RESULT_ACCEPTED
+    assert not status_bit(bench)
+    for gain in (2, 5):
+        assert bench.write(gain, 500.0) == lib.RESULT_ACCEPTED
+    assert status_bit(bench)
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_PARAMETERS_UNSTABLE
+    sequence = bench.sequence
+    assert named(bench, 10) == [(2, sequence), (5, sequence)]
+    assert bench.mode == lib.MODE_READY and (bench.velocity_radps == 0).all()
+    assert bench.save(7) == lib.RESULT_PARAMETERS_UNSTABLE and bench.stored == []
+    bench.write(2, 35.0)
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_PARAMETERS_UNSTABLE
+    bench.write(5, 35.0)
+    assert not status_bit(bench)
+    assert bench.save() == lib.RESULT_ACCEPTED and len(bench.stored) == 1
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
+
+
+def test_a_stored_set_that_is_unstable_stays_is_told_at_boot_and_not_started():
+    bench = Bench(parameters=parameters({4: 500.0, 6: 400.0}))
+    told = {}
+    for _ in range(50):
+        bench.tick()
+        told |= {d[3]: d[5] for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[4] == 0}
+    assert {i for i, result in told.items() if result == lib.RESULT_PARAMETERS_UNSTABLE} == {4, 6}
+    assert {result for i, result in told.items() if i not in (4, 6)} == {lib.RESULT_ACCEPTED} and len(told) == lib.PARAMETER_COUNT
+    assert (bench.controller.parameters.value[4], bench.controller.parameters.value[6]) == (500, 400)
+    bench.until_ready()
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_PARAMETERS_UNSTABLE
+    bench.write(4, 35.0)
+    bench.write(6, 35.0)
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
+
+
+def test_the_papers_law_starts_with_a_warning():
+    bench = Bench().until_ready()
+    for parameter, value in {lib.PARAMETER_ERROR_FRAME: 0.0, **dict.fromkeys(WEIGHTS, 1.0), **TOO_FAST}.items():
+        assert bench.write(parameter, value) == lib.RESULT_ACCEPTED
+    assert status_bit(bench)
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
