@@ -19,6 +19,8 @@ import rest_arm  # noqa: E402
 import rest_cases  # noqa: E402
 import rest_judgement  # noqa: E402
 import rest_loop  # noqa: E402
+import rest_ode  # noqa: E402
+import rest_pairs  # noqa: E402
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -118,7 +120,7 @@ def test_the_checks_are_these():
         outcomes[:count] = bad
         checks, exceptions = rest.rest(outcomes)
         assert [i for i, check in enumerate(checks) if not check.passed] == failed
-        assert [entry["case"] for entry in exceptions["of_20_s"]] == list(range(count))
+        assert [entry["case"] for entry in exceptions["rest_of_20_s"]] == list(range(count))
     outcomes = good.copy()
     outcomes["interrupted"][7, 0] = 1
     assert [i for i, check in enumerate(rest.rest(outcomes)[0]) if not check.passed] == [0]
@@ -132,7 +134,54 @@ def test_the_drive_is_a_dead_time_and_a_lag(loop):
     assert np.abs(outcomes["position_rad"][:, 0] - cases["start_rad"]).max() < 1e-3
 
 
+# ---- pairs of parameters
+
+
+def test_all_pairs_are_counted(loop):
+    """Both ends of each parameter and of each of six groups, less pairs that would set a parameter twice."""
+    n = len(loop.names)
+    assert {end.name: len(end.parameters) for end in rest_pairs.ends(loop) if len(end.parameters) > 1} == {
+        f"{vector}_{group}": size for vector in ("gain", "weight") for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
+    }
+    # within a vector, of 8 components and 3 groups, two are apart: 28 of components, 4 + 4 of one and a group of the other half, and the two halves
+    within = 28 + 8 + 1
+    apart = (n + 6) * (n + 5) // 2 - 2 * (11 * 10 // 2) + 2 * within
+    found = rest_pairs.pairs(loop)
+    assert len(found) == 4 * apart
+    assert all(not a.parameters & b.parameters for a, b in found)
+
+
+@pytest.mark.parametrize(
+    ("fraction", "peak_radps", "sign_changes", "expected"),
+    [(1.0, 0.47, 2, "rests"), (1.0, 0.48, 2, "moves"), (1.0, 0.021, 3, "swings"), (0.01, 0.0199, 9, "rests"), (0.01, 0.021, 0, "moves")],
+)
+def test_a_pair_is_judged_by_its_allowed_speed(fraction, peak_radps, sign_changes, expected):
+    pair = (rest_pairs.End("speed_fraction", frozenset(["speed_fraction"]), fraction), rest_pairs.End("trace", frozenset(["trace"]), 0.0))
+    verdict = rest_pairs.judge(pair, outcome(peak_radps, sign_changes))
+    assert (verdict.pair, verdict.what, verdict.warned) == (f"speed_fraction={fraction:g} trace=0", expected, False)
+    refused = outcome(peak_radps, sign_changes)
+    refused["start"] = rest_loop.UNSTABLE
+    assert rest_pairs.judge(pair, refused).what == "refused"
+
+
+def test_a_refused_set_is_not_run(loop):
+    assert loop.run(rest_cases.pair_cases("choice", 1, 0.0), {"gain_x_per_s": 500.0})["start"] == rest_loop.UNSTABLE
+
+
 # ---- the campaign
+
+
+def test_the_simulator_runs_the_same_case(loop, tmp_path):
+    """A short way in reach with drives as ODE's: the same target, and the joints come to the same posture."""
+    case = rest_cases.random_case("choice", 0)
+    case["start_rad"], case["way_m"], case["turn_rad"] = np.radians([60, -30, -10, -80]), [0.02, 0.03, -0.01], [0.1, -0.05, 0.1]
+    case["end_s"], case["lag_s"], case["dead_time_s"] = (3.0, 4.0), 3e-3, 0.0
+    expected = loop.run(case[None], {})[0]
+    found = rest_ode.run(case, REPOSITORY / "build" / "host" / "comanip-sim", tmp_path, {})
+    assert not found["interrupted"].any()
+    assert np.abs(found["target"][4:] - expected["target"][4:]).max() < 1e-4
+    assert np.abs(found["position_rad"] - expected["position_rad"]).max() < 5e-3
+    assert found["peak_radps"].max() < rest_judgement.CREEP_RADPS
 
 
 def campaign(folder: Path, *arguments: str) -> tuple[int, dict]:
@@ -143,7 +192,7 @@ def campaign(folder: Path, *arguments: str) -> tuple[int, dict]:
 
 def test_the_checks_fail_on_the_law_that_swings(tmp_path):
     """A quarter of the cases swing, 8 % creep, and half of the positions are missed."""
-    status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60")
+    status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60", "--ode", "0", "--pairs", "0")
     assert status == 1
     assert [check["name"] for check in report["checks"] if check["passed"]] == ["rest: not in cooperation"]
     assert all(entry["cause"] for entries in report["exceptions"].values() for entry in entries)

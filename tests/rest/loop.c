@@ -205,6 +205,7 @@ void rest_run(const parameters_t *parameters, const rest_case_t cases[], int cou
         }
         controller_init(&loop.controller, &arm_hoap3_right, CAN_PROFILE_FD);
         controller_set_parameters(&loop.controller, parameters, RESULT_ACCEPTED);
+        outcomes[i].verdict = loop.controller.parameter_set.verdict;
         run(&loop);
     }
 }

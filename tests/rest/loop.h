@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameter_set.h"
 
 #define REST_JOINTS 4
 #define REST_WINDOWS 2
@@ -23,7 +23,8 @@ typedef struct {
 } rest_case_t;
 
 typedef struct {
-    result_t start;                                 /* how the start was answered; if not accepted, nothing else is set */
+    parameter_set_verdict_t verdict;                /* of the parameters */
+    result_t start;                                 /* how the start was answered; if not accepted, nothing that follows is set */
     control_mode_t mode;                            /* at the end */
     int interrupted[REST_WINDOWS];                  /* ticks of a window that were no cooperation */
     double peak_radps[REST_WINDOWS][REST_JOINTS];   /* largest commanded speed in a window */

@@ -1,10 +1,14 @@
 """``make rest``: when the hand rests, the arm comes to rest, with position first.
 
-``rest.py BUILD [--seeds choice|proof] [--cases N] [--reachable N] [--parameter NAME=VALUE ...] [--out FILE]``. Random cases (rest_cases.py) go
-through the firmware's own controller_step() in a loop with drives (loop.c), for 20 s each:
+``rest.py BUILD [--seeds choice|proof] [--cases N] [--reachable N] [--ode N] [--pairs N] [--parameter NAME=VALUE ...] [--out FILE]``. Random cases
+(rest_cases.py) go through the firmware's own controller_step() in a loop with drives (loop.c), for 20 s each, and a part of them through the
+simulator (rest_ode.py):
 
     rest      in the last 2 s of 8 s no case swings, at most 1.5 % creep, and in the last 2 s of 20 s at most 0.2 % do (rest_judgement.py)
+    ode       the same of a hundred cases there
     position  of cases whose target's position can be reached (rest_arm.py), 95 % have it within 1 mm after 8 s
+    pairs     parameters at the ends of their ranges, two at a time, groups of K and W among them: refused, or after 8 s and the travel at the
+              allowed speed no joint is above 0.02 rad/s or 10 % of that speed, and none swings (rest_pairs.py)
 
 Each exception is listed with what the arm's own geometry says of where it ended. Outcomes are kept in BUILD/rest by the firmware's fingerprint: a
 campaign that was stopped goes on where it was. Prints the figures and writes FILE. Exit status 1 if something asked for is missed.
@@ -14,10 +18,13 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import functools
 import hashlib
+import itertools
 import json
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,9 +34,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import rest_arm as arm  # noqa: E402
 import rest_cases as generated  # noqa: E402
 import rest_judgement as judgement  # noqa: E402
+import rest_ode  # noqa: E402
+import rest_pairs  # noqa: E402
 from rest_loop import ACCEPTED, OUTCOME, Loop  # noqa: E402
 
-CASES, REACHABLE = 5000, 2000
+CASES, REACHABLE, ODE, PAIR_CASES = 5000, 2000, 100, 4
+PAIRS_BATCH = 50
 BATCH = 250  # cases that are kept at once
 WITHIN_M, WITHIN_SHARE = 1e-3, 0.95
 
@@ -42,17 +52,50 @@ class Campaign:
         self.seeds, self.parameters = seeds, parameters
         self._folder = build / "rest" / "outcomes"
         self._folder.mkdir(parents=True, exist_ok=True)
+        self._simulator = build / "host" / "comanip-sim"
 
     def outcomes(self, cases: np.ndarray) -> np.ndarray:
         parts = [self._batch(cases[first : first + BATCH]) for first in range(0, len(cases), BATCH)]
         return np.concatenate(parts) if parts else np.zeros(0, OUTCOME)
 
+    def in_ode(self, count: int) -> np.ndarray:
+        """Of the first `count` cases that do not begin with the arm inside the robot's body."""
+        cases = (generated.random_case(self.seeds, number) for number in itertools.count())
+        outcomes = (self._kept(self._ode_fingerprint, case, self._simulate) for case in cases)
+        return np.array(list(itertools.islice((one for one in outcomes if one["start"] != rest_ode.NO_PLACE), count)), OUTCOME)
+
+    def of_pairs(self, count: int) -> list[rest_pairs.Verdict]:
+        """With `count` cases for each pair."""
+        sets = [(pair, self.parameters | rest_pairs.written(pair)) for pair in rest_pairs.pairs(self.loop)]
+        found = []
+        for first in range(0, len(sets), PAIRS_BATCH):
+            batch = sets[first : first + PAIRS_BATCH]
+            cases = [generated.pair_cases(self.seeds, count, rest_pairs.travel_s(parameters)) for _, parameters in batch]
+
+            def run(_: np.ndarray, batch=batch, cases=cases) -> np.ndarray:
+                return np.array([self.loop.run(these, parameters) for (_, parameters), these in zip(batch, cases, strict=True)])
+
+            outcomes = self._kept(f"{self.loop.fingerprint} pairs from {first}", np.array(cases), run)
+            found += [rest_pairs.judge(pair, these) for (pair, _), these in zip(batch, outcomes, strict=True)]
+        return found
+
     def _batch(self, cases: np.ndarray) -> np.ndarray:
-        what = json.dumps([self.loop.fingerprint, sorted(self.parameters.items())]).encode() + cases.tobytes()
+        return self._kept(self.loop.fingerprint, cases, lambda cases: self.loop.run(cases, self.parameters))
+
+    @functools.cached_property
+    def _ode_fingerprint(self) -> str:
+        return hashlib.sha256(self._simulator.read_bytes()).hexdigest()
+
+    def _simulate(self, case: np.ndarray) -> np.ndarray:
+        with tempfile.TemporaryDirectory() as folder:
+            return rest_ode.run(case, self._simulator, Path(folder), self.parameters)
+
+    def _kept(self, fingerprint: str, cases: np.ndarray, run: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        what = json.dumps([fingerprint, sorted(self.parameters.items())]).encode() + cases.tobytes()
         file = self._folder / f"{hashlib.sha256(what).hexdigest()[:24]}.npy"
         if file.exists():
             return np.load(file)
-        outcomes = self.loop.run(cases, self.parameters)
+        outcomes = run(cases)
         unfinished = file.with_suffix(".part")
         with unfinished.open("wb") as stream:
             np.save(stream, outcomes)
@@ -104,20 +147,20 @@ def at_least(name: str, value: float, limit: float) -> Check:
     return Check(name, value, limit, value >= limit)
 
 
-def rest(outcomes: np.ndarray) -> tuple[list[Check], dict]:
+def rest(outcomes: np.ndarray, where: str = "rest") -> tuple[list[Check], dict]:
     early, late = judgement.EARLY, judgement.LATE
     swinging = [judgement.swings(outcomes, w) for w in (early, late)]
     creeping = [judgement.creeps(outcomes, w) for w in (early, late)]
     checks = [
-        at_most("rest: not in cooperation", float((outcomes["interrupted"].any(axis=1) | (outcomes["start"] != ACCEPTED)).sum()), 0),
-        at_most("rest: swinging in the last 2 s of 8 s", float(swinging[early].sum()), 0),
-        at_most("rest: share creeping in the last 2 s of 8 s", float(creeping[early].mean()), judgement.CREEPING_SHARE[early]),
-        at_most("rest: swinging in the last 2 s of 20 s", float(swinging[late].sum()), 0),
-        at_most("rest: share creeping in the last 2 s of 20 s", float(creeping[late].mean()), judgement.CREEPING_SHARE[late]),
+        at_most(f"{where}: not in cooperation", float((outcomes["interrupted"].any(axis=1) | (outcomes["start"] != ACCEPTED)).sum()), 0),
+        at_most(f"{where}: swinging in the last 2 s of 8 s", float(swinging[early].sum()), 0),
+        at_most(f"{where}: share creeping in the last 2 s of 8 s", float(creeping[early].mean()), judgement.CREEPING_SHARE[early]),
+        at_most(f"{where}: swinging in the last 2 s of 20 s", float(swinging[late].sum()), 0),
+        at_most(f"{where}: share creeping in the last 2 s of 20 s", float(creeping[late].mean()), judgement.CREEPING_SHARE[late]),
     ]
     exceptions = {
-        "of_8_s": listed(np.flatnonzero(swinging[early] | creeping[early]), outcomes, early),
-        "of_20_s": listed(np.flatnonzero(swinging[late] | creeping[late]), outcomes, late),
+        f"{where}_of_8_s": listed(np.flatnonzero(swinging[early] | creeping[early]), outcomes, early),
+        f"{where}_of_20_s": listed(np.flatnonzero(swinging[late] | creeping[late]), outcomes, late),
     }
     return checks, exceptions
 
@@ -127,6 +170,18 @@ def position(outcomes: np.ndarray) -> tuple[list[Check], dict]:
     within = error_m < WITHIN_M
     checks = [at_least("position: share within 1 mm where it can be reached", float(within.mean()), WITHIN_SHARE)]
     return checks, {"beyond_1_mm": listed(np.flatnonzero(~within), outcomes, judgement.EARLY)}
+
+
+def pairs(verdicts: list[rest_pairs.Verdict]) -> tuple[list[Check], dict]:
+    wrong = [v for v in verdicts if v.what not in ("refused", "rests") and not v.warned]
+    by_what = {what: sum(v.what == what for v in verdicts) for what in sorted({v.what for v in verdicts})}
+    print(f"pairs: {len(verdicts)}: {', '.join(f'{count} {what}' for what, count in by_what.items())}; warned of: {sum(v.warned for v in verdicts)}")
+    checks = [at_most("pairs: neither refused, nor at rest, nor warned of", len(wrong), 0)]
+    return checks, {
+        "pairs": by_what | {"of": len(verdicts)},
+        "pairs_wrong": [dataclasses.asdict(v) for v in wrong],
+        "pairs_warned": [dataclasses.asdict(v) for v in verdicts if v.warned],
+    }
 
 
 # ---- main
@@ -145,25 +200,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seeds", choices=generated.SEEDS, default="proof")
     parser.add_argument("--cases", type=int, default=CASES)
     parser.add_argument("--reachable", type=int, default=REACHABLE)
+    parser.add_argument("--ode", type=int, default=ODE)
+    parser.add_argument("--pairs", type=int, default=PAIR_CASES, help="cases of each pair")
     parser.add_argument("--parameter", type=parameter, action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args(arguments)
     campaign = Campaign(options.build, options.seeds, dict(options.parameter))
     checks, exceptions = [], {}
     stages = (
-        (rest, lambda: generated.random_cases(options.seeds, range(options.cases))),
-        (position, lambda: generated.reachable_cases(options.seeds, options.reachable)),
+        (options.cases, rest, lambda: campaign.outcomes(generated.random_cases(options.seeds, range(options.cases)))),
+        (options.reachable, position, lambda: campaign.outcomes(generated.reachable_cases(options.seeds, options.reachable))),
+        (options.ode, lambda outcomes: rest(outcomes, "ode"), lambda: campaign.in_ode(options.ode)),
+        (options.pairs, pairs, lambda: campaign.of_pairs(options.pairs)),
     )
-    for judge, make in stages:
-        made = make()
-        if len(made):
-            found, listed_here = judge(campaign.outcomes(made))
+    for count, judge, run in stages:
+        if count > 0:
+            found, listed_here = judge(run())
             checks += found
             exceptions |= listed_here
     for check in checks:
         print(f"{'pass' if check.passed else 'FAIL'}  {check.name}: {check.value:.4g}, asked {check.limit:g}")
     report = {
-        "seeds": options.seeds, "cases": options.cases, "reachable": options.reachable, "parameters": campaign.parameters,
+        "seeds": options.seeds, "cases": options.cases, "reachable": options.reachable, "ode": options.ode, "pair_cases": options.pairs,
+        "parameters": campaign.parameters,
         "checks": [dataclasses.asdict(check) for check in checks], "exceptions": exceptions,
     }  # fmt: skip
     file = options.out or options.build / "reports" / "rest.json"

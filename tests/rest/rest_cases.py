@@ -12,7 +12,7 @@ from rest_loop import CASE
 
 SEEDS = ("choice", "proof")  # what is tuned by the first is to be proved by the second
 END_S = (8.0, 20.0)
-REACHABLE_FIRST = 1_000_000  # their numbers
+REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # numbers of further cases
 
 
 def direction(rng: np.random.Generator) -> np.ndarray:
@@ -39,13 +39,26 @@ def random_cases(seeds: str, numbers: range) -> np.ndarray:
     return np.array([random_case(seeds, number) for number in numbers], CASE)
 
 
+def in_torso_axes(vector: np.ndarray) -> np.ndarray:
+    """A vector in the tracker's axes, by the paper's (9)."""
+    x, y, z = vector
+    return np.array([x, -z, y])
+
+
 def target_m(case: np.ndarray) -> np.ndarray:
-    """Where teleop has the robot's hand at the end: the person's way in torso axes, by the paper's (9), from where it was."""
-    x, y, z = case["way_m"]
-    return arm.hand_m(case["start_rad"]) + np.array([x, -z, y])
+    """Where teleop has the robot's hand at the end: the person's way from where it was."""
+    return arm.hand_m(case["start_rad"]) + in_torso_axes(case["way_m"])
 
 
 def reachable_cases(seeds: str, count: int) -> np.ndarray:
     """The first `count` of further ones whose target's position can be reached. They last 8 s."""
     further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
     return np.array(list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE)
+
+
+def pair_cases(seeds: str, count: int, travel_s: float) -> np.ndarray:
+    """For sets of parameters: the simulator's drives, and so much longer."""
+    end_s = END_S[0] + travel_s
+    cases = np.array([random_case(seeds, PAIRS_FIRST + number, (end_s, end_s)) for number in range(count)], CASE)
+    cases["lag_s"], cases["dead_time_s"] = 3e-3, 0.0
+    return cases

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+WINDOW_S = 2.0  # at the end of 8 s and of 20 s after the begin of the move
 CREEP_RADPS = 0.02
 SIGN_CHANGES = 2  # more often: it swings
 EARLY, LATE = 0, 1  # windows: the last 2 s of 8 s and of 20 s

@@ -24,13 +24,15 @@ CASE = np.dtype(
 )  # fmt: skip
 OUTCOME = np.dtype(
     [
-        ("start", np.int32), ("mode", np.int32), ("interrupted", np.int32, 2), ("peak_radps", float, (2, 4)),
+        ("verdict", np.int32), ("start", np.int32), ("mode", np.int32), ("interrupted", np.int32, 2), ("peak_radps", float, (2, 4)),
         ("sign_changes", np.int32, (2, 4)), ("position_rad", float, (2, 4)),
         ("velocity_radps", float, (2, 4)), ("target", float, 7),
     ],
     align=True,
 )  # fmt: skip
-ACCEPTED, COOPERATING = 0, 2  # result_t, control_mode_t
+ACCEPTED, UNSTABLE = 0, 11  # result_t
+COOPERATING = 2  # control_mode_t
+RESTS, MAY_SWING = 0, 1  # parameter_set_verdict_t
 
 
 class Loop:

@@ -1,0 +1,80 @@
+"""Parameters at the ends of their ranges, two at a time: refused, or the arm comes to rest."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import rest_arm as arm
+import rest_judgement as judgement
+from rest_loop import ACCEPTED, MAY_SWING, UNSTABLE, Loop
+
+GROUPS = {"rotation": range(4), "translation": range(4, 8), "all": range(8)}  # components of K and of W that are moved as one
+VECTORS = {"gain": "gain_w_per_s", "weight": "weight_w"}  # their first components
+SPEED_RADPS = 4.76  # of HOAP-3's joints
+OF_SPEED = 0.1
+SPEED_FRACTION = "speed_fraction"
+
+
+@dataclass(frozen=True)
+class End:
+    """A parameter, or a group, at an end of its range."""
+
+    name: str
+    parameters: frozenset[str]
+    value: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Of a pair: `what` is refused, rests, swings or moves; `warned`: the firmware tells that rest is not assured."""
+
+    pair: str
+    what: str
+    warned: bool
+    peak_radps: float
+
+
+def ends(loop: Loop) -> list[End]:
+    """Of all parameters of the firmware's table, and of the groups."""
+    single = [End(name, frozenset([name]), value) for name, both in zip(loop.names, loop.ranges, strict=True) for value in both]
+    grouped = []
+    for vector, first in VECTORS.items():
+        begin = loop.names.index(first)
+        for group, components in GROUPS.items():
+            names = frozenset(loop.names[begin + i] for i in components)
+            grouped += [End(f"{vector}_{group}", names, value) for value in loop.ranges[begin]]
+    return single + grouped
+
+
+def pairs(loop: Loop) -> list[tuple[End, End]]:
+    """Of different parameters: none is at two ends."""
+    return [(a, b) for a, b in itertools.combinations(ends(loop), 2) if not a.parameters & b.parameters]
+
+
+def written(pair: tuple[End, End]) -> dict[str, float]:
+    return {name: end.value for end in pair for name in sorted(end.parameters)}
+
+
+def speed_radps(parameters: dict[str, float]) -> float:
+    return parameters.get(SPEED_FRACTION, 1.0) * SPEED_RADPS
+
+
+def travel_s(parameters: dict[str, float]) -> float:
+    """Across the widest range at the allowed speed."""
+    return float(np.ptp(arm.RANGE_RAD, axis=1).max()) / speed_radps(parameters)
+
+
+def judge(pair: tuple[End, End], outcomes: np.ndarray) -> Verdict:
+    name = " ".join(f"{end.name}={end.value:g}" for end in pair)
+    warned = bool((outcomes["verdict"] == MAY_SWING).any())
+    if (outcomes["start"] == UNSTABLE).all():
+        return Verdict(name, "refused", warned, 0.0)
+    peak_radps = float(outcomes["peak_radps"][:, judgement.LATE].max())
+    allowed_radps = max(judgement.CREEP_RADPS, OF_SPEED * speed_radps(written(pair)))
+    if (outcomes["start"] != ACCEPTED).any() or outcomes["interrupted"].any():
+        return Verdict(name, "was interrupted", warned, peak_radps)
+    if judgement.swings(outcomes, judgement.LATE).any():
+        return Verdict(name, "swings", warned, peak_radps)
+    return Verdict(name, "rests" if peak_radps <= allowed_radps else "moves", warned, peak_radps)
