@@ -37,7 +37,7 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim run-firmware run-plant experiments gain-search test test-socketcan test-images bench arms bus-doc bus-report check-c target \
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc bus-report check-c target \
     target-deps clean
 
 help: ## this text
@@ -145,6 +145,15 @@ experiments: build ## the five experiments for SEEDS seeds and on recordings, an
 gain-search: export RUN_OUT := $(or $(OUT),out/gain-search)
 gain-search: build ## search for the gains of docs/gains.md anew (takes up to an hour)
 	@$(PYTHON) -m comanip.gain_search --out "$$RUN_OUT" $(ARGS)
+
+$(VENV)/.installed-following: host_tools/following-requirements.txt | deps
+	@echo "comanip: installing what the following is compared with into $(VENV)/"
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
+	@touch $@
+
+following: export RUN_OUT := $(or $(OUT),out/following)
+following: build $(VENV)/.installed-following ## how closely the robot follows recorded hands, beside other ways; QUICK=1; an hour, goes on where it was interrupted
+	@$(PYTHON) -m comanip.following --out "$$RUN_OUT" $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
 	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)

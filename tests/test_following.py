@@ -9,7 +9,7 @@ import hoap3
 import numpy as np
 import oracle
 import pytest
-from comanip.following import followers, metrics, one, rotations
+from comanip.following import followers, metrics, one, plan, rotations
 from comanip.following.arm_model import ArmModel
 from comanip.following.case import Scene, follow, noise_at_rest_um
 from comanip.following.loop import LoopError, run_firmware
@@ -165,7 +165,7 @@ def test_a_run_is_the_same_again_and_another_with_another_seed():
 def test_former_default_lags_by_the_sum_of_its_parts():
     """A slow sway without noise: 4 ms of latency, half a tick until a command is read, one period (4 ms) of interpolation, 1/K, one tick of
     feedback and the drives' 3 ms, within the ticks in which frames wait."""
-    figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.firmware(followers.FORMER))
+    figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
     speed_mps = np.pi * 0.5 * 0.03 * np.linalg.norm([1.0, 0.5, -0.3]) / np.sqrt(2)
     assert figures.rms_mm == pytest.approx(figures.delay_ms * speed_mps, rel=0.05)
@@ -175,13 +175,13 @@ def test_former_default_lags_by_the_sum_of_its_parts():
 def test_longer_latency_delays_by_as_much():
     still = dataclasses.replace(TRACKER, noise_m=0.0)
     late = dataclasses.replace(still, latency_s=0.034)
-    former = followers.firmware(followers.FORMER)
+    former = followers.named(plan.FORMER)
     difference_ms = follow(ARM, scene(), late, former).delay_ms - follow(ARM, scene(), still, former).delay_ms
     assert difference_ms == pytest.approx(30.0, abs=0.3)
 
 
 def test_noise_at_rest_grows_with_the_trackers():
-    former = followers.firmware(followers.FORMER)
+    former = followers.named(plan.FORMER)
     small, large = (noise_at_rest_um(ARM, "teleop", dataclasses.replace(TRACKER, noise_m=n), former) for n in (5e-5, 1e-4))
     assert large / small == pytest.approx(2.0, rel=0.3)
     assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the law filters, and adds nothing

@@ -7,6 +7,7 @@ import numpy as np
 
 TICK_S = 1e-3
 DELAYS = range(-40, 201)  # ms, tried
+COARSE_MS = 5  # the first search: one in five delays, on one in five ticks
 
 
 def errors_mm(path_m: np.ndarray, truth_m: np.ndarray) -> np.ndarray:
@@ -22,20 +23,22 @@ def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
     """By how much the truth, shifted, fits the path best in the least squares of the displacement, a constant offset left out; between the
     ticks by a parabola through the three best. NaN: the hand did not move, or no shift that was tried is best."""
     reach = max(abs(DELAYS.start), DELAYS.stop)
-    inner = slice(reach, len(path_m) - reach)
-    followed = path_m[inner]
-    if len(followed) < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
+    begin, end = reach, len(path_m) - reach
+    if end - begin < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
         return float("nan")
-    cost = []
-    for shift in DELAYS:
-        difference = followed - truth_m[inner.start - shift : inner.stop - shift]
-        cost.append(np.mean(np.sum(np.square(difference - difference.mean(axis=0)), axis=1)))
-    best = int(np.argmin(cost))
-    if best in (0, len(cost) - 1):
+
+    def cost(shift: int, stride: int) -> float:
+        difference = path_m[begin:end:stride] - truth_m[begin - shift : end - shift : stride]
+        return float(np.mean(np.sum(np.square(difference - difference.mean(axis=0)), axis=1)))
+
+    coarse = min(DELAYS[::COARSE_MS], key=lambda shift: cost(shift, COARSE_MS))
+    near = range(max(DELAYS.start, coarse - COARSE_MS), min(DELAYS.stop, coarse + COARSE_MS + 1))
+    best = min(near, key=lambda shift: cost(shift, 1))
+    if best in (DELAYS.start, DELAYS.stop - 1):
         return float("nan")
-    before, least, after = cost[best - 1 : best + 2]
+    before, least, after = (cost(best + step, 1) for step in (-1, 0, 1))
     curvature = before - 2.0 * least + after
-    return DELAYS[best] + (0.5 * (before - after) / curvature if curvature > 0.0 else 0.0)
+    return best + (0.5 * (before - after) / curvature if curvature > 0.0 else 0.0)
 
 
 def acceleration_rms_mps2(path_m: np.ndarray) -> float:

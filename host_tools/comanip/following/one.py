@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from comanip.following import plan
 from comanip.following.arm_model import ArmModel
 from comanip.following.case import START_DEG, Scene, follow, noise_at_rest_um
-from comanip.following.followers import PAPER, firmware
+from comanip.following.followers import PARAMETERS, firmware
 from comanip.following.loop import LoopError
 from comanip.following.recorded_hand import RecordingError, read
 from comanip.following.scale import SHARE, largest_scale
@@ -52,7 +53,7 @@ def run(arguments: argparse.Namespace) -> None:
         1e-3 * arguments.announced_error_ms,
         arguments.seed,
     )
-    follower = firmware({**(PAPER if arguments.paper_law else {}), **dict(arguments.parameters)})
+    follower = firmware({**(PARAMETERS[plan.PAPER] if arguments.paper_law else {}), **dict(arguments.parameters)})
     print(f"noise at rest {noise_at_rest_um(arm, arguments.task, tracker, follower):.1f} um")
     print(f"{'recording':<26}{'scale':>8}{'RMS':>8}{'max mm':>8}{'deg':>7}{'delay ms':>10}{'acc m/s2':>10}{'limit %':>9}")
     for path in arguments.recordings:
