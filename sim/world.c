@@ -68,12 +68,14 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
         (void)snprintf(error, error_size, "no memory for the simulated world");
         return false;
     }
-    observer_init(&self->observer, self->bus);
+    observer_init(&self->observer, self->bus, options->tracker.clock_start_us);
     for (int i = 0; i < ROBOT_JOINTS; i++) { /* in the first tick the drives have not yet been asked */
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);
     largest_scale_init(&self->largest_scale);
+    rest_monitor_init(&self->rest);
+    latency_init(&self->latency);
     scenario_monitor_init(&self->scenario_monitor, scenario);
     contact_monitor_init(&self->contact_monitor);
     return true;
@@ -228,8 +230,14 @@ static void watch_recording(world_t *self) {
 
 static void watch(world_t *self) {
     const tick_record_t *tick = &self->observer.tick;
+    const rigid_pose_t aim = person_program_aim(self->program[self->scenario->tracked]);
     tracking_sample(&self->tracking, tick, self->observer.parameter);
     watch_recording(self);
+    rest_monitor_sample(&self->rest, tick, &self->state, &aim, self->observer.settled_ns);
+    double follows[3];
+    robot_follows(self, follows);
+    latency_sample(&self->latency, tick, &self->state.hand[self->scenario->tracked], follows, self->observer.settled_ns,
+                   tracking_is_followable(&self->tracking, tick));
     scenario_monitor_sample(&self->scenario_monitor, tick, &self->state, &self->events,
                             (double)self->observer.parameter[PARAMETER_MOTION_SCALE]);
     contact_monitor_sample(&self->contact_monitor, tick, &self->state);
@@ -239,6 +247,8 @@ static void watch(world_t *self) {
 bool world_advance(world_t *self) {
     stop_when_due(self);
     if (is_over(self)) {
+        rest_monitor_end(&self->rest, self->now_ns);
+        self->latency_ms = latency_end(&self->latency, &self->observer.delays, DRIVE_SERVO_TIME_CONSTANT_S);
         return false;
     }
     const int64_t now_ns = self->now_ns, next_ns = now_ns + WORLD_TICK_NS;

@@ -15,8 +15,10 @@
 #include "hand/hand_history.h"
 #include "monitors/contact_monitor.h"
 #include "monitors/largest_scale.h"
+#include "monitors/latency.h"
 #include "monitors/observer.h"
 #include "monitors/physical_state.h"
+#include "monitors/rest_monitor.h"
 #include "monitors/scenario_monitor.h"
 #include "monitors/tracking.h"
 #include "nodes/drive_node.h"
@@ -65,6 +67,9 @@ struct world {
     observer_t observer;
     tracking_t tracking;
     largest_scale_t largest_scale; /* of the recording on the command line */
+    rest_monitor_t rest;
+    latency_t latency;
+    latency_ms_t latency_ms; /* once the run is over */
     scenario_monitor_t scenario_monitor;
     contact_monitor_t contact_monitor;
     candump_log_t *log;

@@ -13,8 +13,8 @@ from c_declarations import declarations
 from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
 
 PARTS = (
-    "bus/bus", "bus/frame_time", "common/events", "common/names", "common/rigid_pose", "monitors/limit_monitor",
-    "monitors/reach", "nodes/drive_node", "robot/arm_plant", "robot/robot_model", "scene/cup", "scene/hand_body",
+    "bus/bus", "bus/frame_time", "common/events", "common/names", "common/rigid_pose", "common/solve_3x3", "monitors/limit_monitor",
+    "monitors/reach", "nodes/drive_node", "robot/arm_plant", "robot/position_jacobian", "robot/robot_model", "scene/cup", "scene/hand_body",
     "scene/objects", "scene/physics", "scene/scene", "scene/water",
 )  # fmt: skip
 WITHOUT_HEADER = ("bus/endpoint", "scene/grip", "scene/particle_contacts", "scene/support")  # of theirs

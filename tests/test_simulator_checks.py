@@ -138,7 +138,7 @@ def test_recording_out_of_reach_is_told_the_largest_scale_that_is_not(tmp_path, 
         return run(tmp_path / f"out-{by:g}", "--scenario", "teleop", "--tracker", recording, "--scale", f"{by:g}")
 
     reason = scaled(scale).summary["reason"]
-    found = re.search(r"; target out of reach [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$", reason)
+    found = re.search(r"; target out of reach [\d.]+ of [\d.]+ s, could be followed for [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$", reason)
     assert found, reason
     assert scaled(float(found[1])).summary["reach"]["out_of_reach_s"] == 0
     assert scaled(float(found[1]) + 0.001).summary["reach"]["out_of_reach_s"] > 0

@@ -24,6 +24,12 @@ void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name) 
     }
 }
 
+/* Frequencies are uniform in the band: the mean of their squares is that of a uniform variable. */
+double tremor_speed_mps(double rms_m) {
+    const double mean_square_Hz2 = (LOWEST_HZ * LOWEST_HZ + LOWEST_HZ * HIGHEST_HZ + HIGHEST_HZ * HIGHEST_HZ) / 3.0;
+    return rms_m / sqrt(3.0) * TWO_PI * sqrt(mean_square_Hz2);
+}
+
 void tremor_sample(const tremor_t *self, double time_s, double displacement_m[3]) {
     const double amplitude_m = self->amplitude_m * minimum_jerk_share(time_s / TREMOR_RISE_S);
     for (int axis = 0; axis < 3; axis++) {

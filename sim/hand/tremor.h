@@ -18,6 +18,9 @@ typedef struct {
 /* rms_m: of all axes together. The same seed and name give the same tremor. */
 void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name);
 
+/* RMS [m/s] of its speed along one axis, in the mean over all tremors of this size. */
+double tremor_speed_mps(double rms_m);
+
 void tremor_sample(const tremor_t *self, double time_s, double displacement_m[3]);
 
 #endif

@@ -31,6 +31,7 @@ static void on_status(observer_t *self, const can_frame_t *frame, int64_t end_ns
 static void on_trace(observer_t *self, const can_frame_t *frame) {
     tick_trace_t trace;
     tick_trace_unpack(frame, &trace);
+    bus_delays_trace(&self->delays, &trace);
     const uint32_t tick_us = (uint32_t)((bus_epoch_ns(self->bus) + self->tick.time_ns) / 1000);
     const uint32_t age_ticks = (tick_us - trace.now_us) / US_PER_TICK;
     const bool is_of_a_tick = (tick_us - trace.now_us) % US_PER_TICK == 0 && age_ticks < self->target_ticks;
@@ -38,6 +39,7 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
     if (!self->tick.has_target) {
         return;
     }
+    self->tick.target_ns = self->tick.time_ns - (int64_t)age_ticks * US_PER_TICK * 1000;
     /* A target may be compared only with the hand of its own time. */
     self->tick.hand_at_target = self->past_hand[(self->ticks - age_ticks) % OBSERVER_PAST_TICKS];
     self->target_ticks_left = self->target_ticks;
@@ -55,6 +57,42 @@ static void on_parameter(observer_t *self, const can_frame_t *frame) {
     }
 }
 
+static void on_define(observer_t *self, const can_frame_t *frame) {
+    task_define_t define;
+    task_define_unpack(frame, &define);
+    self->defined_blend_s = (double)define.blend_s;
+}
+
+/* A start blends the chosen task in anew, a clutch goes on with the blend, a latch ends it. */
+static void on_ack(observer_t *self, const can_frame_t *frame, int64_t end_ns) {
+    command_ack_t ack;
+    command_ack_unpack(frame, &ack);
+    if (ack.result != RESULT_ACCEPTED || ack.command == COMMAND_STOP) {
+        return;
+    }
+    if (ack.command == COMMAND_SELECT) {
+        self->blend_s = (double)self->parameter[PARAMETER_TASK_BLEND_S];
+    } else if (ack.command == COMMAND_DEFINE) {
+        self->blend_s = self->defined_blend_s;
+    }
+    const bool blends = ack.command != COMMAND_LATCH && ack.command != COMMAND_CLUTCH;
+    if (!(ack.command == COMMAND_CLUTCH && self->settled_ns > end_ns)) {
+        self->settled_ns = end_ns + (blends ? (int64_t)(self->blend_s * 1e9) : 0);
+    }
+}
+
+static void on_pose(observer_t *self, const can_frame_t *frame, int64_t end_ns) {
+    hand_pose_t pose;
+    hand_pose_unpack(frame, &pose);
+    bus_delays_pose(&self->delays, &pose, self->tracker_clock_us + (uint32_t)(end_ns / 1000));
+}
+
+static void on_tracker(observer_t *self, const can_frame_t *frame) {
+    tracker_status_t status;
+    tracker_status_unpack(frame, &status);
+    bus_delays_tracker(&self->delays, &status);
+}
+
 static void on_message(observer_t *self, frame_kind_t kind, const can_frame_t *message, int64_t end_ns) {
     if (kind == FRAME_FIRMWARE_STATUS) {
         on_status(self, message, end_ns);
@@ -62,9 +100,18 @@ static void on_message(observer_t *self, frame_kind_t kind, const can_frame_t *m
         on_trace(self, message);
     } else if (kind == FRAME_PARAMETER_VALUE) {
         on_parameter(self, message);
+    } else if (kind == FRAME_HAND_POSE) {
+        on_pose(self, message, end_ns);
+    } else if (kind == FRAME_TRACKER_STATUS) {
+        on_tracker(self, message);
+    } else if (kind == FRAME_TASK_DEFINE) {
+        on_define(self, message);
+    } else if (kind == FRAME_COMMAND_ACK) {
+        on_ack(self, message, end_ns);
     } else if (kind == FRAME_JOINT_CMD) {
         joint_command_unpack(message, &self->tick.command);
         self->tick.has_command = true;
+        bus_delays_command(&self->delays, (uint32_t)((bus_epoch_ns(self->bus) + end_ns) / 1000));
         limit_monitor_command(&self->limits, &self->tick.command, end_ns,
                               (double)self->parameter[PARAMETER_SPEED_FRACTION],
                               (double)self->parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2]);
@@ -87,8 +134,9 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     }
 }
 
-void observer_init(observer_t *self, bus_t *bus) {
+void observer_init(observer_t *self, bus_t *bus, uint32_t tracker_clock_us) {
     memset(self, 0, sizeof *self);
+    self->tracker_clock_us = tracker_clock_us;
     self->bus = bus;
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         self->parameter[i] = parameter_table[i].default_value;

@@ -13,6 +13,7 @@
 #include "../bus/bus.h"
 #include "../common/rigid_pose.h"
 #include "../robot/robot_model.h"
+#include "bus_delays.h"
 #include "limit_monitor.h"
 
 typedef struct {
@@ -31,6 +32,7 @@ typedef struct {
     control_mode_t mode;
     bool has_target;
     rigid_pose_t target;
+    int64_t target_ns; /* its own time */
     rigid_pose_t hand_at_target; /* ODE's hand at the target's own time; on CAN FD that of this tick */
     bool has_command;
     joint_command_t command;
@@ -45,6 +47,8 @@ typedef struct {
     uint64_t ticks;
     uint32_t target_ticks;      /* a target counts for so many from its own on */
     uint32_t target_ticks_left;
+    double defined_blend_s, blend_s; /* of the last TaskDefine; of the task that was chosen last */
+    int64_t settled_ns; /* when what the operator last had accepted is in force: until then the target moves by itself */
     float parameter[PARAMETER_COUNT]; /* in force; defaults until the bus says otherwise */
     mode_change_t *modes;
     size_t mode_count;
@@ -52,10 +56,12 @@ typedef struct {
     uint8_t firmware_rejected_last; /* FirmwareStatus counts modulo 256 */
     uint64_t firmware_rejected;
     limit_monitor_t limits;
+    bus_delays_t delays;
+    uint32_t tracker_clock_us; /* what the tracker's clock showed at time 0 */
     bool out_of_memory;
 } observer_t;
 
-void observer_init(observer_t *self, bus_t *bus);
+void observer_init(observer_t *self, bus_t *bus, uint32_t tracker_clock_us);
 void observer_free(observer_t *self);
 
 /* A new tick: frames received from here on belong to it. */

@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "../robot/position_jacobian.h"
+
 #define MAX_ITERATIONS 40
 #define DAMPING_START 1e-4 /* m^2: the squared singular values of the position Jacobian are 1e-3 to 1e-1 */
 #define DAMPING_MIN 1e-9
@@ -22,38 +24,15 @@ static double limit(double value, double minimum, double maximum) {
     return value < minimum ? minimum : value > maximum ? maximum : value;
 }
 
-/* Sets error and distance of a posture; jacobian (3 x n, column by column) unless NULL. */
+/* Sets error and distance of a posture; jacobian unless NULL. */
 static void evaluate(candidate_t *self, const double target_m[3], double jacobian[ROBOT_JOINTS][3]) {
-    transform_t link[ROBOT_JOINTS], hand;
-    robot_model_forward(self->position_rad, link, &hand);
-    double square = 0.0;
+    double hand_m[3], square = 0.0;
+    position_jacobian(self->position_rad, hand_m, jacobian);
     for (size_t k = 0; k < 3; k++) {
-        self->error_m[k] = target_m[k] - hand.position_m[k];
+        self->error_m[k] = target_m[k] - hand_m[k];
         square += self->error_m[k] * self->error_m[k];
     }
     self->distance_m = sqrt(square);
-    for (size_t i = 0; jacobian != NULL && i < ROBOT_JOINTS; i++) {
-        const double axis[3] = {link[i].rotation[2], link[i].rotation[5], link[i].rotation[8]};
-        double arm[3];
-        for (size_t k = 0; k < 3; k++) {
-            arm[k] = hand.position_m[k] - link[i].position_m[k];
-        }
-        jacobian[i][0] = axis[1] * arm[2] - axis[2] * arm[1];
-        jacobian[i][1] = axis[2] * arm[0] - axis[0] * arm[2];
-        jacobian[i][2] = axis[0] * arm[1] - axis[1] * arm[0];
-    }
-}
-
-/* x = (A + damping 1)^-1 b for the symmetric positive semidefinite 3 x 3 matrix A, by cofactors. */
-static void solve_damped(double a[3][3], double damping, const double b[3], double x[3]) {
-    const double a00 = a[0][0] + damping, a11 = a[1][1] + damping, a22 = a[2][2] + damping;
-    const double a01 = a[0][1], a02 = a[0][2], a12 = a[1][2];
-    const double c00 = a11 * a22 - a12 * a12, c01 = a02 * a12 - a01 * a22, c02 = a01 * a12 - a02 * a11;
-    const double c11 = a00 * a22 - a02 * a02, c12 = a01 * a02 - a00 * a12, c22 = a00 * a11 - a01 * a01;
-    const double determinant = a00 * c00 + a01 * c01 + a02 * c02;
-    x[0] = (c00 * b[0] + c01 * b[1] + c02 * b[2]) / determinant;
-    x[1] = (c01 * b[0] + c11 * b[1] + c12 * b[2]) / determinant;
-    x[2] = (c02 * b[0] + c12 * b[1] + c22 * b[2]) / determinant;
 }
 
 /* A joint at a limit that wants to go on outwards (by steepest descent) does not take part in the step. */
@@ -69,15 +48,8 @@ static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOIN
 /* The damped Gauss-Newton step J^T (J J^T + damping 1)^-1 e of the free joints, projected. Gives its largest part. */
 static double step(const candidate_t *from, double jacobian[ROBOT_JOINTS][3], const bool is_free[ROBOT_JOINTS],
                    double damping, candidate_t *to) {
-    double a[3][3] = {{0.0}}, x[3], largest_rad = 0.0;
-    for (size_t i = 0; i < ROBOT_JOINTS; i++) {
-        for (size_t row = 0; is_free[i] && row < 3; row++) {
-            for (size_t column = 0; column < 3; column++) {
-                a[row][column] += jacobian[i][row] * jacobian[i][column];
-            }
-        }
-    }
-    solve_damped(a, damping, from->error_m, x);
+    double x[3], largest_rad = 0.0;
+    position_jacobian_solve((const double(*)[3])jacobian, is_free, damping, from->error_m, x);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const double way = jacobian[i][0] * x[0] + jacobian[i][1] * x[1] + jacobian[i][2] * x[2];
         to->position_rad[i] = limit(from->position_rad[i] + (is_free[i] ? way : 0.0),

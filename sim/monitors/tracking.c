@@ -6,6 +6,7 @@
 #include "../common/rigid_pose.h"
 
 #define POSITION_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* so close to its range a joint counts as at its limit */
+#define SETTLE_NS ((int64_t)(TRACKING_SETTLE_S * 1e9))
 #define LIMIT_SHARE 0.9                               /* of a limit counts as at the limit */
 
 void tracking_init(tracking_t *self) {
@@ -67,8 +68,15 @@ static bool is_target_in_reach(tracking_t *self, const tick_record_t *tick) {
     return self->in_reach;
 }
 
+static bool is_settled(const tracking_t *self, const tick_record_t *tick) {
+    return tick->time_ns - self->no_target_ns > SETTLE_NS;
+}
+
+bool tracking_is_followable(const tracking_t *self, const tick_record_t *tick) {
+    return tick->has_target && self->in_reach && is_settled(self, tick) && tick->time_ns - self->limited_ns > SETTLE_NS;
+}
+
 void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
-    const int64_t settle_ns = (int64_t)(TRACKING_SETTLE_S * 1e9);
     if (tick->has_command && is_limited(self, tick, parameter)) {
         self->limited_ns = tick->time_ns;
         self->pending_count = 0;
@@ -78,8 +86,7 @@ void tracking_sample(tracking_t *self, const tick_record_t *tick, const float pa
         self->no_target_ns = tick->time_ns;
         return;
     }
-    const bool settled = tick->time_ns - self->no_target_ns > settle_ns;
-    self->settled_ticks += settled;
+    self->settled_ticks += is_settled(self, tick);
     const bool in_reach = is_target_in_reach(self, tick);
     const tracking_error_t error = {
         .position_mm = tracking_distance_mm(tick),
@@ -87,7 +94,7 @@ void tracking_sample(tracking_t *self, const tick_record_t *tick, const float pa
     };
     add(&self->all, error);
     self->out_of_reach_ticks += !in_reach;
-    if (in_reach && settled && tick->time_ns - self->limited_ns > settle_ns) {
+    if (tracking_is_followable(self, tick)) {
         add_followable(self, error);
     }
 }

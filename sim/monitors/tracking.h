@@ -45,6 +45,9 @@ void tracking_init(tracking_t *self);
 /* One finished tick. parameter: in force (PARAMETER_COUNT values). */
 void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]);
 
+/* The arm could follow in the last tick, as far as is known by then: in reach, settled, and no joint at a limit of late. */
+bool tracking_is_followable(const tracking_t *self, const tick_record_t *tick);
+
 double tracking_rms_position_mm(const tracking_sums_t *sums);
 double tracking_rms_orientation_deg(const tracking_sums_t *sums);
 

@@ -1,12 +1,17 @@
 #include "checks.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "../monitors/measure.h"
+#include "../monitors/rest_noise.h"
 #include "reason.h"
 
 #define COOPERATION_MIN_S 0.1
+#define REST_RADPS 0.02 /* without noise: ten times what one pulse of the encoder makes the default law ask for */
+#define REST_NOISES 5.0  /* with noise, so many times its RMS: a peak of chance stays below */
 #define RECORDING_RMS_LIMIT_MM 3.0 /* wrists turn as they like, and what the arm cannot turn pulls at its position */
 
 static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
@@ -68,13 +73,48 @@ static bool is_cut(const world_t *world) {
     return world->is_shortened && !is_done;
 }
 
+/* ---- rest */
+
+static double rest_limit_radps(const world_t *world) {
+    const double motion_scale = (double)world->observer.parameter[PARAMETER_MOTION_SCALE];
+    return fmax(REST_RADPS, REST_NOISES * rest_noise_radps(world->scenario, &world->options->tracker, motion_scale));
+}
+
+__attribute__((format(printf, 2, 3))) static void tell_rest_not_measured(checks_t *self, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(self->rest_not_measured, sizeof self->rest_not_measured, format, arguments);
+    va_end(arguments);
+}
+
+/* What is not measured is told. It fails if the hand was moved while its person held it still: else an arm that swings and takes the
+ * hand along would be excused by its own fault. */
+static void add_rest(checks_t *self, const world_t *world) {
+    const rest_monitor_t *rest = &world->rest;
+    const double limit_radps = rest_limit_radps(world);
+    const double speed_max_radps = (double)world->observer.parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS;
+    if (limit_radps > REST_RADPS && limit_radps >= speed_max_radps) {
+        tell_rest_not_measured(self, "noise and tremor hide it: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
+                               limit_radps, speed_max_radps);
+    } else if (rest->disturbed) {
+        add_not_measured(self, "comes_to_rest", limit_radps, false, "rad/s");
+        tell_rest_not_measured(self, "the hand was moved while its person held it still");
+    } else if (rest->measured) {
+        add(self, "comes_to_rest", rest->speed_radps_max, limit_radps, false, "rad/s");
+    } else if (is_cut(world)) {
+        tell_rest_not_measured(self, "it lies beyond the end of the run");
+    } else {
+        tell_rest_not_measured(self, "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "
+                               "{do: rest, duration_s: 3}", rest->longest_s, REST_PHASE_S,
+                               world->scenario->person[world->scenario->tracked].name);
+    }
+}
+
 /* ---- how the target was followed */
 
-/* What a recorded hand or a task of the operator's asks for is not known beforehand. */
+/* What a recorded hand or a task of the operator's asks for is not known beforehand; nor is what can be followed of a hand that goes
+ * out of reach. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
-    if (!(world->scenario->tracking_rms_limit_mm > 0.0)) {
-        return;
-    }
     if (is_enough) {
         add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),
             RECORDING_RMS_LIMIT_MM, false, "mm");
@@ -116,9 +156,11 @@ static void add_tracking_of_script(checks_t *self, const world_t *world, bool is
 static void add_tracking(checks_t *self, const world_t *world) {
     const double followable_s = (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9;
     const bool is_enough = followable_s >= CHECKS_FOLLOWABLE_MIN_S;
-    if (world_is_scripted(world)) {
+    const bool is_asked = world->scenario->tracking_rms_limit_mm > 0.0, is_scripted = world_is_scripted(world);
+    if (is_scripted) {
         add_tracking_of_script(self, world, is_enough);
-    } else {
+    }
+    if (is_asked ? !is_scripted : world->tracking.out_of_reach_ticks > 0) {
         add_tracking_of_any_motion(self, world, is_enough);
     }
 }
@@ -172,6 +214,7 @@ static void add_scenario(checks_t *self, const world_t *world) {
 void checks_evaluate(checks_t *self, const world_t *world) {
     memset(self, 0, sizeof *self);
     add_common(self, world);
+    add_rest(self, world);
     add_tracking(self, world);
     add_scenario(self, world);
     self->pass = world->failure[0] == '\0';

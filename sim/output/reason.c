@@ -74,6 +74,9 @@ static void append_what_is_left_out(checks_t *checks, const world_t *world) {
         append(checks, "; tracking was not measured: %s",
                world->observer.parameter[PARAMETER_TRACE] > 0.0f ? "no target" : "the trace is switched off");
     }
+    if (checks->rest_not_measured[0] != '\0') {
+        append(checks, "; comes_to_rest was not measured: %s", checks->rest_not_measured);
+    }
     if (checks->tracking_not_judged) {
         append(checks, "; tracking was not judged: %.2f s followable, needs %g s",
                (double)world->tracking.followable.ticks * TICK_S, CHECKS_FOLLOWABLE_MIN_S);
@@ -102,10 +105,14 @@ static void append_holds(checks_t *checks, const world_t *world) {
 /* A person's arm is longer than this robot's: the commonest thing to go wrong with a recording. */
 static void append_reach(checks_t *checks, const world_t *world) {
     const uint64_t out = world->tracking.out_of_reach_ticks, all = world->tracking.all.ticks;
+    if (out == 0) {
+        return;
+    }
+    append(checks, "; target out of reach %.2f of %.2f s, could be followed for %.2f of %.2f s", (double)out * TICK_S,
+           (double)all * TICK_S, (double)world->tracking.followable.ticks * TICK_S, (double)all * TICK_S);
     if (2 * out <= all) {
         return;
     }
-    append(checks, "; target out of reach %.1f of %.1f s", (double)out * TICK_S, (double)all * TICK_S);
     const double scale = (double)world->observer.parameter[PARAMETER_MOTION_SCALE];
     const double minimum = (double)parameter_table[PARAMETER_MOTION_SCALE].minimum;
     const double reachable = largest_scale(&world->largest_scale, scale, minimum);

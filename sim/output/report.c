@@ -13,6 +13,7 @@
 #include "summary_scene.h"
 
 #define PROGRESS_TERMINAL_TICKS 500
+#define LATENCY_TEXT_BYTES 120
 #define PROGRESS_LINES 4 /* elsewhere */
 
 static double simulated_s(const world_t *world) {
@@ -46,6 +47,90 @@ static void write_tracking(json_writer_t *json, const world_t *world) {
     json_number(json, "out_of_reach_s",
                 measured ? (double)world->tracking.out_of_reach_ticks * WORLD_TICK_NS * 1e-9 : (double)NAN);
     json_end(json, '}');
+}
+
+/* For how long hand and task were still, what the arm did at the end of it, and why that is no check. */
+static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const char *not_measured) {
+    json_begin(json, "rest", '{');
+    json_number(json, "still_s", rest->longest_s);
+    json_number(json, "speed_radps", rest->measured ? rest->speed_radps_max : (double)NAN);
+    if (not_measured[0] != '\0') {
+        json_text(json, "not_measured", not_measured);
+    } else {
+        json_null(json, "not_measured");
+    }
+    json_end(json, '}');
+}
+
+/* How late the robot's hand is, part by part: they add up to the last. */
+typedef struct {
+    const char *name, *key, *how;
+    double ms;
+} latency_row_t;
+
+#define LATENCY_ROWS 7
+
+static void list_latency(const latency_ms_t *latency, latency_row_t row[LATENCY_ROWS]) {
+    const latency_row_t rows[LATENCY_ROWS] = {
+        {"tracker", "tracker_ms", "announced", latency->tracker},
+        {"bus", "bus_ms", "measured", latency->bus},
+        {"estimate", "estimate_ms", "measured", latency->estimate},
+        {"law", "law_ms", "computed", latency->law},
+        {"command bus", "command_bus_ms", "measured", latency->command},
+        {"drive", "drive_ms", "assumed", latency->drive},
+        {"end to end", "end_to_end_ms", "measured", latency->end_to_end},
+    };
+    memcpy(row, rows, sizeof rows);
+}
+
+/* "": it was. */
+static void why_no_latency(const world_t *world, char text[LATENCY_TEXT_BYTES]) {
+    const latency_ms_t *latency = &world->latency_ms;
+    text[0] = '\0';
+    if (world->observer.parameter[PARAMETER_TRACE] <= 0.0f) {
+        (void)snprintf(text, LATENCY_TEXT_BYTES, "it needs the target, and the trace is switched off");
+    } else if (latency->moved_s < LATENCY_NEEDED_S) {
+        (void)snprintf(text, LATENCY_TEXT_BYTES, "the hand moved for %.2f s where the arm could follow, needs %g s",
+                       latency->moved_s, LATENCY_NEEDED_S);
+    } else if (isnan(latency->end_to_end) || isnan(latency->estimate)) {
+        (void)snprintf(text, LATENCY_TEXT_BYTES, "no delay of %d to %d ms fits", DELAY_FIRST_TICKS, DELAY_LAST_TICKS);
+    }
+}
+
+static void write_latency(json_writer_t *json, const world_t *world) {
+    latency_row_t row[LATENCY_ROWS];
+    char why[LATENCY_TEXT_BYTES];
+    list_latency(&world->latency_ms, row);
+    why_no_latency(world, why);
+    json_begin(json, "latency", '{');
+    for (int i = 0; i < LATENCY_ROWS; i++) {
+        json_number(json, row[i].key, row[i].ms);
+    }
+    json_begin(json, "how", '{');
+    for (int i = 0; i < LATENCY_ROWS; i++) {
+        json_text(json, row[i].key, isnan(row[i].ms) ? "not measured" : row[i].how);
+    }
+    json_end(json, '}');
+    if (why[0] != '\0') {
+        json_text(json, "not_measured", why);
+    } else {
+        json_null(json, "not_measured");
+    }
+    json_end(json, '}');
+}
+
+static void print_latency(const world_t *world) {
+    latency_row_t row[LATENCY_ROWS];
+    char why[LATENCY_TEXT_BYTES];
+    list_latency(&world->latency_ms, row);
+    why_no_latency(world, why);
+    (void)printf("latency [ms]:");
+    for (int i = 0; i < LATENCY_ROWS; i++) {
+        if (!isnan(row[i].ms)) {
+            (void)printf("%s %s %.1f (%s)", i > 0 ? "," : "", row[i].name, row[i].ms, row[i].how);
+        }
+    }
+    (void)printf("%s%s\n", why[0] != '\0' ? "; end to end not measured: " : "", why);
 }
 
 static double mean_load_percent(const world_t *world) {
@@ -139,6 +224,8 @@ bool report_write_summary(const world_t *world, const checks_t *checks, double w
     summary_write_scene(&json, world);
     write_checks(&json, checks);
     write_timing(&json, world->timing);
+    write_rest(&json, &world->rest, checks->rest_not_measured);
+    write_latency(&json, world);
     json_end(&json, '}');
     (void)fputc('\n', json.file);
     const bool failed = ferror(json.file) != 0;
@@ -216,6 +303,9 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
     for (size_t i = 0; i < checks->count; i++) {
         print_row(&checks->check[i]);
     }
+    if (checks->rest_not_measured[0] != '\0') {
+        (void)printf("%-28s %14s    not measured (%s)\n", "comes_to_rest", "-", checks->rest_not_measured);
+    }
     if (checks->tracking_not_judged) {
         (void)printf("%-28s %14s    not judged (%.2f s followable, needs %g s)\n", "followable_rms_position", "-",
                      (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9, CHECKS_FOLLOWABLE_MIN_S);
@@ -229,6 +319,7 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
                      (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9);
     }
     print_scene(world);
+    print_latency(world);
     print_timing(world->timing);
     (void)printf("bus: %.1f %% load, %.1f %% peak; %.2f s simulated in %.2f s (%.3g times real time)\n",
                  mean_load_percent(world), bus_statistics(world->bus).load_percent_peak, simulated_s(world), wall_s,

@@ -288,6 +288,10 @@ bool person_program_plays(const person_program_t *self) {
     return self->begun && self->steps[self->current].action == PERSON_PLAY;
 }
 
+rigid_pose_t person_program_aim(const person_program_t *self) {
+    return self->aim;
+}
+
 bool person_program_is_hidden(const person_program_t *self) {
     return self->hidden;
 }

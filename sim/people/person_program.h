@@ -23,6 +23,9 @@ bool person_program_is_done(const person_program_t *self);
 /* The hand does what a recording says. */
 bool person_program_plays(const person_program_t *self);
 
+/* Where it wants the hand, without tremor. */
+rigid_pose_t person_program_aim(const person_program_t *self);
+
 /* The hand is where a recording lost it: the tracker does not see it. */
 bool person_program_is_hidden(const person_program_t *self);
 

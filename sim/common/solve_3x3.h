@@ -1,0 +1,8 @@
+/* Three linear equations whose matrix is symmetric. */
+#ifndef COMANIP_SIM_SOLVE_3X3_H
+#define COMANIP_SIM_SOLVE_3X3_H
+
+/* x = (A + damping 1)^-1 b for a symmetric positive semidefinite A; damping must keep it regular. */
+void solve_3x3(double a[3][3], double damping, const double b[3], double x[3]);
+
+#endif
