@@ -65,7 +65,7 @@ def run_peer(
     config = ffi.new("joint_limits_config_t *")
     lib.parameters_joint_limits(parameter_set({}), arm.arm.table, TICK_S, config)
     config.approach_gain_per_s = gain_per_s
-    lib.joint_limits_prepare(config)
+    lib.joint_limits_prepare(config, arm.arm.table)
     limits = ffi.new("joint_limits_t *")
     lib.joint_limits_init(limits)
     state = ffi.new("kinematic_arm_t *")
