@@ -136,8 +136,9 @@ static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uin
         update(&self->translation, &self->translation_change, &translation_scale, way_m, interval_s, before, latency_s);
     const vector3_t turned_rad =
         update(&self->rotation, &self->rotation_change, &rotation_scale, rotation_vector(turn), interval_s, before, latency_s);
-    self->pose = displace(predicted, moved_m, turned_rad);
-    self->pose.rotation = quaternion_normalise(self->pose.rotation);
+    const quaternion_t turned = {1.0f, 0.5f * turned_rad.x, 0.5f * turned_rad.y, 0.5f * turned_rad.z}; /* small, and made unit below */
+    self->pose.translation_m = vector3_add(predicted.translation_m, moved_m);
+    self->pose.rotation = quaternion_normalise(quaternion_multiply(turned, predicted.rotation));
     return true;
 }
 

@@ -30,15 +30,6 @@ void motion_filter_restart(motion_filter_t *self) {
     };
 }
 
-vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s) {
-    const vector3_t mean_velocity = vector3_add(self->velocity, vector3_scale(self->acceleration, 0.5f * ahead_s));
-    return vector3_scale(mean_velocity, ahead_s);
-}
-
-vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s) {
-    return vector3_add(self->velocity, vector3_scale(self->acceleration, ahead_s));
-}
-
 /* What is kept of the past after a time, exp(-x) with x >= 0 in units of the memory, and what is not. As 1 / (1 + x + x^2/2 + x^3/6):
  * falls monotonically from 1 to 0, by at most 0.03 above the exponential (at x = 2.9), by 2e-4 at x = 0.3. */
 typedef struct {

@@ -43,8 +43,13 @@ void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scal
 void motion_filter_restart(motion_filter_t *self);
 
 /* From the newest sample to ahead_s after it, as the motion goes on: constant acceleration. */
-vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s);
-vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s);
+static inline vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s) {
+    const vector3_t mean_velocity = vector3_add(self->velocity, vector3_scale(self->acceleration, 0.5f * ahead_s));
+    return vector3_scale(mean_velocity, ahead_s);
+}
+static inline vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s) {
+    return vector3_add(self->velocity, vector3_scale(self->acceleration, ahead_s));
+}
 
 /* Takes a sample, interval_s > 0 after the last. innovation: the sample less where displacement(interval_s) leads. Returns what of the
  * innovation is to be added to there: the filter keeps no position, so that a rotation may be one. */
