@@ -324,6 +324,12 @@ def test_after_a_gap_it_starts_anew_without_a_spike(rate_hz, gap_s):
     assert np.abs(got[met, 4] - 0.1 * np.sin(speed / 0.1 * t[met])).max() < 3e-3
 
 
+def test_after_a_gap_the_speed_of_before_is_forgotten():
+    """The hand stopped as the gap began: taken as one motion, the old speed would turn into one backwards."""
+    t, got = run(lambda t: (0.4 * min(t, 1.0) * X, IDENTITY), 1.6, lost=lambda t: 1.0 < t < 1.3)
+    assert np.abs(got[t > 1.31, 7]).max() < 0.01
+
+
 def test_a_reset_leaves_the_hand_at_rest_where_it_was_last_seen():
     estimate = Estimate()
     run(lambda t: (0.3 * t * X, IDENTITY), 1.0, estimate=estimate)
@@ -357,6 +363,15 @@ def test_an_old_sample_is_extrapolated_by_a_tenth_of_a_second_at_most():
     """A latency of 0.5 s is announced; the hand is predicted as if it were 0.1 s."""
     t, got = run(lambda t: (0.4 * t * X, IDENTITY), 3.0, latency_s=0.5)
     assert got[-1, 4] == pytest.approx(0.4 * (t[-1] - 0.5 + lib.HAND_MOTION_LATENCY_MAX_S), abs=2e-3)
+
+
+def test_the_estimated_speed_is_capped():
+    estimate = Estimate()
+    _, got = run(lambda t: (30 * t * X, turn([0, 0, 1], 80 * t)), 0.5, estimate=estimate)
+    state = estimate.state
+    assert state.translation.velocity.x == pytest.approx(20, rel=1e-5)
+    assert state.rotation.velocity.z == pytest.approx(50, rel=1e-5)
+    assert np.isfinite(got).all()
 
 
 def test_whatever_comes_the_estimate_is_finite_and_bounded(rng):
