@@ -6,9 +6,12 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, recording_csv, run
 
+from comanip.campaign import Job, Outcome
+from comanip.experiments import Condition
 from comanip.paper_gains import PAPER_GAINS
 
 RECORDINGS = REPOSITORY.parent / "shared" / "data" / "hand_motion"
@@ -85,14 +88,38 @@ def test_who_has_too_little_time_is_told_where_he_was(tmp_path):
 # ---- each criterion can fail
 
 
-@pytest.mark.parametrize("seed", [2, 5])
-def test_tilted_too_early_the_water_misses_the_glass(tmp_path, seed):
-    """Without the upright approach the glass tilts while it is still on its way over the person's. How much misses is chaotic: with
-    a few seeds little enough to pass, with these 6 % and more below the limit, whatever the last bits of a tick."""
+def test_tilted_too_early_the_water_misses_the_glass(tmp_path):
+    """Without the upright approach the glass tilts while it is still on its way over the person's. How much misses in one run is
+    chaotic, but over the seeds together it is 10 % more than `make experiments` lets pass."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
-    done = run(tmp_path / "out", "--scenario", path, "--seed", seed)
+    runs = {seed: run(tmp_path / f"out-{seed}", "--scenario", path, "--seed", seed) for seed in (2, 5)}
+    outcomes = (Outcome(Job("pour", seed, done.out), done.summary["result"], "", done.summary) for seed, done in runs.items())
+    together = Condition("pour", None, tuple(outcomes))
+    assert not together.passed and together.caught_percent < 90
+    assert any("water_caught" in failed(done) for done in runs.values())
+
+
+FEW_PARTICLES = ("particles: 160", "particles: 10")  # what moves the arm does not depend on them
+
+
+@pytest.mark.parametrize("off_mm", [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10), (0, 0, -10)], ids=str)
+def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
+    """Whatever of the water the wide glass would still catch; with the start's variation of 3 mm per axis on top."""
+    path = variant(tmp_path, "pour", FEW_PARTICLES)
+    offset_m = np.array([0, -0.06, 0]) + np.array(off_mm) / 1e3
+    options = [f"--param=start_offset_{axis}_m={value:g}" for axis, value in zip("xyz", offset_m, strict=True)]
+    done = run(tmp_path / "out", "--scenario", path, "--seed", 2 + off_mm.index(max(off_mm, key=abs)), *options)
     assert done.status == EXIT_CHECK_FAILED
-    assert "water_caught" in failed(done)
+    assert "aim" in failed(done)
+    assert 7 < values(done)["aim"] < 10 + 6
+
+
+@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
+def test_the_glasses_keep_clear_of_each_other_on_a_hand_that_turns_and_goes_far(tmp_path):
+    """90 degrees and 1.3 m, up above all. With a twentieth of its turns instead of a fiftieth 0.3 mm were left."""
+    path = variant(tmp_path, "pour", FEW_PARTICLES)
+    done = run(tmp_path / "out", "--scenario", path, "--tracker", RECORDINGS / "ethz_handheld1.csv")
+    assert values(done)["clearance"] > 4 and not {"clearance", "aim"} & failed(done)
 
 
 def test_gripper_released_early_drops_the_pipe(tmp_path):

@@ -165,6 +165,15 @@ def test_relation_is_of_the_two_hands_ways(rng, motion_scale):
     assert watch.value() == pytest.approx(np.sqrt(np.mean((error_mm**2).sum(axis=1))), rel=1e-12)
 
 
+def test_aim_is_of_the_mean_place(rng):
+    """Not of the way since the window's begin, as the relation is; and what averages out is no wrong aim."""
+    robot, person, expected_m = random_walk(rng, 400), random_walk(rng, 400), (0.1, -0.2, 0.3)
+    watch = Watch(Check("aim", 0.1, 0.3, expected_m=expected_m), motion_scale=0.5)
+    watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
+    off_m = (robot - person)[100:301].mean(axis=0) - expected_m
+    assert watch.value() == pytest.approx(1e3 * np.linalg.norm(off_m), rel=1e-9)
+
+
 def test_orientation_is_a_rest_beside_the_following(rng):
     angle_deg = rng.uniform(0, 170, 50)
     watch = Watch(Check("following_rms"), Check("settled_position"))
@@ -434,7 +443,7 @@ def test_every_measure_has_a_unit_or_counts():
     names = [name for name in dir(lib) if name.startswith("MEASURE_")]
     units = {name[8:].lower(): ffi.string(lib.measure_unit(getattr(lib, name))).decode() for name in names}
     counts = {name for name, unit in units.items() if unit == ""}
-    assert len(units) == 21 and counts == {"flow_while_moving", "drops", "held"}
+    assert len(units) == 22 and counts == {"flow_while_moving", "drops", "held"}
     assert {name for name, unit in units.items() if unit == "N"} == {"force_rms", "force_peak"}
     assert {name for name, unit in units.items() if unit == "deg"} == {"tilt", "cup_tilt_peak", "turn"}
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import json
 import subprocess
 import tempfile
@@ -12,6 +14,8 @@ from pathlib import Path
 from typing import IO
 
 SIMULATOR = Path(__file__).resolve().parents[2] / "build" / "host" / "comanip-sim"
+SCENARIOS_FROM_SIMULATOR = "../../sim/scenarios"
+INPUTS_FILE = "inputs.sha256"
 RUN_TIMEOUT_S = 900.0
 POLL_S = 0.01
 END_S = 2.0  # for a child to end by itself when told to
@@ -35,8 +39,9 @@ class Job:
 
     @property
     def label(self) -> str:
-        """As people name it: "pour, seed 7" or "pour, kul_pour1_com.csv"."""
-        return f"{self.scenario}, {self.recording.name if self.recording else f'seed {self.seed}'}"
+        """As people name it: "pour, seed 7" or "pour, kul_pour1_com.csv, seed 2"."""
+        played = f", {self.recording.name}" if self.recording else ""
+        return f"{self.scenario}{played}, seed {self.seed}"
 
     def command(self, simulator: Path) -> list[str]:
         command = [str(simulator), "--scenario", self.scenario, "--seed", str(self.seed), "--out", str(self.out)]
@@ -68,6 +73,46 @@ class Outcome:
         return self.summary.get("checks", [])
 
 
+# ---- what an earlier campaign has done already
+
+
+def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
+    """Equal digests, equal results: of the program, the scenario, the recordings and the command line."""
+
+    @functools.cache
+    def content(path: Path) -> str:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+
+    def digest(job: Job) -> str:
+        scenario = simulator.resolve().parent / SCENARIOS_FROM_SIMULATOR / f"{job.scenario}.yaml"
+        files = [file for file in (scenario, job.recording, job.second_recording) if file and file.is_file()]
+        command = [word for word in job.command(Path()) if word != str(job.out)]
+        return hashlib.sha256("\n".join([*command, *map(content, [simulator, *files])]).encode()).hexdigest()
+
+    return [digest(job) for job in jobs]
+
+
+def remember(outcome: Outcome, digest: str) -> None:
+    """A run that judged itself need not be repeated, passed or not."""
+    if outcome.result != "error":
+        (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
+
+
+def recall(job: Job, digest: str, files: Sequence[str]) -> Outcome | None:
+    """The outcome of an earlier run with these inputs that left these files; None: there was none."""
+    try:
+        if (job.out / INPUTS_FILE).read_text().strip() != digest:
+            return None
+        summary = json.loads((job.out / "summary.json").read_text())
+        outcome = Outcome(job, summary["result"], summary["reason"], summary)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return outcome if all((job.out / file).is_file() for file in files) else None
+
+
+# ---- running
+
+
 @dataclass
 class _Child:
     index: int
@@ -94,7 +139,8 @@ def _judge(job: Job, status: int, stderr: str) -> Outcome:
 
 def _start(index: int, job: Job, simulator: Path) -> _Child:
     job.out.mkdir(parents=True, exist_ok=True)
-    (job.out / "summary.json").unlink(missing_ok=True)  # an older one must not stand for this run
+    for name in (INPUTS_FILE, "summary.json"):  # older ones must not stand for this run
+        (job.out / name).unlink(missing_ok=True)
     stderr = tempfile.TemporaryFile("w+")
     process = subprocess.Popen(job.command(simulator), stdout=subprocess.DEVNULL, stderr=stderr)
     return _Child(index, process, stderr, time.monotonic())
@@ -126,6 +172,11 @@ def _collect(child: _Child, job: Job, timeout_s: float) -> Outcome | None:
     return outcome
 
 
+def require_simulator(simulator: Path) -> None:
+    if not simulator.is_file():
+        raise CampaignError(f"{simulator}: there is no simulator: run `make build` first")
+
+
 def run_jobs(
     jobs: Sequence[Job],
     simulator: Path = SIMULATOR,
@@ -134,8 +185,7 @@ def run_jobs(
     timeout_s: float = RUN_TIMEOUT_S,
 ) -> list[Outcome]:
     """Runs all jobs, `workers` at a time; outcomes in the order of the jobs. Interrupted, it ends its children."""
-    if not simulator.is_file():
-        raise CampaignError(f"{simulator}: there is no simulator: run `make build` first")
+    require_simulator(simulator)
     outcomes: list[Outcome | None] = [None] * len(jobs)
     waiting = list(reversed(range(len(jobs))))
     running: list[_Child] = []

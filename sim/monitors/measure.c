@@ -10,7 +10,8 @@ const char *measure_unit(measure_t measure) {
     case MEASURE_WAY_Y:
     case MEASURE_WAY_Z:
     case MEASURE_CLEARANCE:
-    case MEASURE_SELF_CLEARANCE: return "mm";
+    case MEASURE_SELF_CLEARANCE:
+    case MEASURE_AIM: return "mm";
     case MEASURE_TILT:
     case MEASURE_CUP_TILT_PEAK:
     case MEASURE_TURN: return "deg";

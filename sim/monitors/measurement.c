@@ -97,6 +97,18 @@ static double relation_error_mm(const measurement_t *self, const rigid_pose_t *p
     return displacement_error_mm(&self->begin_hand, &sight->tick->hand, person_m, sight->motion_scale);
 }
 
+/* The mean, so that it is the aim that is judged, and neither the lag nor the noise around it. */
+static void add_aim(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
+    const double *robot_m = sight->tick->hand.position_m, *person_m = sight->state->hand[check->person].position_m;
+    double square = 0.0;
+    self->ticks++;
+    for (int k = 0; k < 3; k++) {
+        self->off_m[k] += robot_m[k] - person_m[k] - check->expected_m[k];
+        square += pow(self->off_m[k] / (double)self->ticks, 2.0);
+    }
+    self->value = MM_PER_M * sqrt(square);
+}
+
 static void measure_hand(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
     const tick_record_t *tick = sight->tick;
     if (measure_needs_target(check->measure) && !tick->has_target) {
@@ -119,6 +131,7 @@ static void measure_hand(measurement_t *self, const scenario_check_t *check, con
             keep_least(self, hand_tilt_deg(sight->start, &tick->hand));
         }
         break;
+    case MEASURE_AIM: add_aim(self, check, sight); break;
     case MEASURE_TURN:
         keep_last(self, fabs(turn_deg(&self->begin_hand, &tick->hand) - check->expected_deg));
         break;

@@ -15,6 +15,7 @@ typedef struct {
     double begin_turns;
     double value;                   /* so far: the largest, the least, the last, the sum */
     double square;                  /* sum of squares */
+    double off_m[3];                /* sum of vectors: MEASURE_AIM */
     double square_orientation_deg2; /* MEASURE_FOLLOWING_RMS: what the arm cannot turn */
 } measurement_t;
 

@@ -210,6 +210,7 @@ typedef enum {
     MEASURE_CARRIED_FOR,      /* s, that robot and person hold the object together */
     MEASURE_CLEARANCE,        /* mm, least between person and robot outside intended contact */
     MEASURE_SELF_CLEARANCE,   /* mm, least between arm and robot */
+    MEASURE_AIM,              /* mm, mean of where ODE's hand is from the person's, less expected_m; torso axes */
 } measure_t;
 
 /* A time of the run, or an event and so long after it. */

@@ -8,7 +8,7 @@
 static const char *const measures[] = {
     "settled_position", "following_rms", "relation_rms", "displacement", "way_x", "way_y", "way_z", "tilt",
     "cup_tilt_peak", "turn", "water_poured", "water_caught", "flow_while_moving", "drops", "held", "force_rms", "force_peak", "turns",
-    "carried_for", "clearance", "self_clearance", NULL,
+    "carried_for", "clearance", "self_clearance", "aim", NULL,
 };
 
 static bool needs_object(measure_t measure) {
@@ -30,7 +30,12 @@ static bool is_force(measure_t measure) {
 }
 
 static bool knows_person(measure_t measure) {
-    return needs_person(measure) || measure == MEASURE_FLOW_WHILE_MOVING || measure == MEASURE_RELATION_RMS;
+    return needs_person(measure) || measure == MEASURE_FLOW_WHILE_MOVING || measure == MEASURE_RELATION_RMS ||
+           measure == MEASURE_AIM;
+}
+
+static bool needs_expected_m(measure_t measure) {
+    return measure == MEASURE_DISPLACEMENT || measure == MEASURE_AIM;
 }
 
 /* A number of seconds, an event, or {event: NAME, plus_s: S}. */
@@ -83,7 +88,7 @@ static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure)
     if (knows_person(measure)) {
         keys[count++] = "by";
     }
-    if (measure == MEASURE_DISPLACEMENT) {
+    if (needs_expected_m(measure)) {
         keys[count++] = "expected_m";
     }
     if (measure == MEASURE_TURN) {
@@ -159,7 +164,7 @@ static void read_check(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *
     yaml_get_name(yaml, map, "name", check->name, sizeof check->name);
     read_window(yaml, map, self, check);
     read_limit(yaml, map, check);
-    if (check->measure == MEASURE_DISPLACEMENT) {
+    if (needs_expected_m(check->measure)) {
         yaml_need_vector(yaml, map, "expected_m", 3, -1.5, 1.5, check->expected_m);
     } else if (check->measure == MEASURE_TURN) {
         yaml_need_number(yaml, map, "expected_deg", 0.0, 180.0, &check->expected_deg);
