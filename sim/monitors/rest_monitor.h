@@ -15,7 +15,7 @@
 
 #define REST_PHASE_S 2.5
 #define REST_WINDOW_TICKS 1000
-#define REST_HAND_M 0.001
+#define REST_HAND_M 0.002 /* in 2.5 s: no joint turns faster than some 6 mrad/s by it */
 #define REST_HAND_RAD (0.5 * ROBOT_RAD_PER_DEG)
 #define REST_BLOCK_TICKS 100 /* over which the hand is averaged: about one period of tremor */
 #define REST_UNSTILL_S 1.0   /* a hand that moved so shortly before the phase's end was not left where its person held it */
