@@ -152,8 +152,10 @@ $(VENV)/.installed-following: host_tools/following-requirements.txt | deps
 	@touch $@
 
 following: export RUN_OUT := $(or $(OUT),out/following)
-following: build $(VENV)/.installed-following ## how closely the robot follows recorded hands, beside other ways; QUICK=1; an hour, goes on where it was interrupted
-	@$(PYTHON) -m comanip.following --out "$$RUN_OUT" $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
+following: export RUN_RECORDINGS := $(RECORDINGS)
+following: build $(VENV)/.installed-following ## how closely the robot follows recorded hands, beside other ways; QUICK=1, RECORDINGS=folder
+	@$(PYTHON) -m comanip.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
+	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
 	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)

@@ -120,9 +120,11 @@ def _report(results: Results, choice: Choice, scenes: dict, left_out: dict[str, 
     judge = Judge(results, {setting: [path.stem for path, _ in found] for setting, found in scenes.items()})
     entries = report.rows(judge, choice.conditions, choice.has_peers)
     criteria = [c for loop in (plan.LOOP, plan.ODE) for c in judge.criteria(loop)]
-    criteria += judge.wrong_latency() if set(plan.WRONG) <= set(choice.conditions) else []
+    knows_wrong = set(plan.WRONG) <= set(choice.conditions)
+    criteria += judge.wrong_latency() if knows_wrong else []
     scales = {s.label: {path.stem: scale for path, scale in found} for s, found in scenes.items()}
-    text = json.dumps(report.document(entries, criteria, scales, left_out), indent=1) + "\n"
+    document = report.document(entries, criteria, scales, left_out, report.cases(results))
+    text = json.dumps(document, indent=1) + "\n"
     (out / "following.json").write_text(text)
     in_loop = [entry for entry in entries if entry["loop"] == plan.LOOP and entry["setting"] == plan.TELEOP.label]
     attributes = {"rate [Hz]": "rate_hz", "latency [ms]": "latency_ms", "noise [mm]": "noise_mm"}
@@ -131,6 +133,8 @@ def _report(results: Results, choice: Choice, scenes: dict, left_out: dict[str, 
     terminal.print(report.table(entries))
     for name, reason in sorted(left_out.items()):
         print(f"left out: {name}: {reason}")
+    for line in report.wrong_latency_lines(judge) if knows_wrong else []:
+        print(line)
     terminal.print(report.criteria_table(criteria))
     failed = [c for c in criteria if not c.passed]
     print(f"{len(criteria) - len(failed)} of {len(criteria)} criteria passed; wrote {out}/following.json, following.png")

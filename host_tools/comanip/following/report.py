@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from rich.table import Table
 from rich.text import Text
@@ -11,6 +12,7 @@ from rich.text import Text
 from comanip.following import plan
 from comanip.following.criteria import Criterion, Judge, tuned
 from comanip.following.plan import Condition, Setting
+from comanip.following.results import Results
 
 FIGURES = ("rms_mm", "max_mm", "rms_deg", "delay_ms", "acceleration_mps2", "limit_percent")
 HEADINGS = ("RMS mm", "largest mm", "RMS deg", "delay ms", "acc. m/s2", "% limited", "at rest um")
@@ -87,6 +89,34 @@ def without_nan(value):
     return None if isinstance(value, float) and math.isnan(value) else value
 
 
-def document(entries: Sequence[dict], criteria: Sequence[Criterion], scenes: dict, left_out: dict) -> dict:
+def wrong_latency_lines(judge: Judge) -> list[str]:
+    """What it costs the default when the latency that the tracker announces is wrong."""
+    lines = []
+    for condition in plan.WRONG:
+        right, wrong = (
+            row(judge, plan.LOOP, plan.DEFAULT, c, plan.TELEOP) for c in (replace(condition, announced_error_ms=0.0), condition)
+        )
+        lines.append(
+            f"{condition.label}: RMS {_shown(right['rms_mm'])} -> {_shown(wrong['rms_mm'])} mm, delay "
+            f"{_shown(right['delay_ms'])} -> {_shown(wrong['delay_ms'])} ms"
+        )
+    return lines
+
+
+def cases(results: Results) -> list[dict]:
+    """Each single one, with its figures."""
+    names = ("loop", "follower", "condition", "setting", "recording")
+    return [
+        {**dict(zip(names, key[1:], strict=True)), **value}
+        for key, value in sorted(results.values.items())
+        if key[0] == "case"
+    ]
+
+
+def document(
+    entries: Sequence[dict], criteria: Sequence[Criterion], scenes: dict, left_out: dict, single: Sequence[dict]
+) -> dict:
     judged = [{**vars(c), "passed": c.passed} for c in criteria]
-    return without_nan({"rows": list(entries), "criteria": judged, "scenes": scenes, "left_out": left_out})
+    return without_nan(
+        {"rows": list(entries), "criteria": judged, "scenes": scenes, "left_out": left_out, "cases": list(single)}
+    )
