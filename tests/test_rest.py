@@ -76,6 +76,20 @@ def test_the_valley_is_that_of_half_the_squared_distance(rng):
         assert valley.curvature_m2 == pytest.approx(np.linalg.eigvalsh(bend), abs=1e-5)
 
 
+def test_the_position_alone_leads_to_where_a_bounded_search_from_there_ends_too(rng):
+    """It stays within the ranges, never gets further away, and where it stops scipy's least squares find no better posture nearby."""
+    starts = rng.uniform(*rest_arm.RANGE_RAD.T, size=(40, 4))
+    positions = rest_arm.hand_m(rng.uniform(*rest_arm.RANGE_RAD.T, size=(40, 4)))
+    ends = rest_arm.descend(starts, positions)
+    assert (ends >= rest_arm.RANGE_RAD[:, 0]).all() and (ends <= rest_arm.RANGE_RAD[:, 1]).all()
+    left_m = np.linalg.norm(positions - rest_arm.hand_m(ends), axis=1)
+    assert (left_m <= np.linalg.norm(positions - rest_arm.hand_m(starts), axis=1) + 1e-9).all()
+    assert 0.5 < np.mean(left_m < 1e-4) < 1.0, "most get there, and some do not"
+    for q, position, left in zip(ends, positions, left_m, strict=True):
+        around = np.clip(q + 0.01 * rng.uniform(-1, 1, (200, 4)), *rest_arm.RANGE_RAD.T)
+        assert np.linalg.norm(position - rest_arm.hand_m(around), axis=1).min() > left - 1e-3
+
+
 # ---- cases and their judgement
 
 

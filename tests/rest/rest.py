@@ -17,6 +17,7 @@ campaign that was stopped goes on where it was. Prints the figures and writes FI
 from __future__ import annotations
 
 import argparse
+import collections
 import dataclasses
 import functools
 import hashlib
@@ -42,6 +43,7 @@ CASES, REACHABLE, ODE, PAIR_CASES = 5000, 2000, 100, 4
 PAIRS_BATCH = 50
 BATCH = 250  # cases that are kept at once
 WITHIN_M, WITHIN_SHARE = 1e-3, 0.95
+FLAT_M2 = 5e-4  # a curvature that is small beside the square of a link, 0.01 m2 and more
 
 
 class Campaign:
@@ -106,9 +108,22 @@ class Campaign:
 # ---- why
 
 
-def cause(posture_rad: np.ndarray, target_m: np.ndarray) -> str:
-    """What the arm's geometry says of a posture and a target, in a few words."""
-    valley = arm.valley(posture_rad, target_m)
+def position_cause(left_m: float) -> str:
+    """Of an error that is left; `left_m`: of it, where the position alone would have led from there."""
+    return "a local minimum of the distance" if left_m >= WITHIN_M else "orientation or the joints' margins outweigh the distance"
+
+
+def motion_cause(valley: arm.Valley) -> str:
+    """Of a motion that goes on."""
+    least = valley.curvature_m2[0]
+    if least < -FLAT_M2:
+        return "near a saddle of the distance"
+    if least < FLAT_M2:
+        return f"a flat valley of the distance, {'at joint ends' if valley.ends else 'at a singularity'}"
+    return "still on its way"
+
+
+def geometry(valley: arm.Valley) -> str:
     ends = f"joint {' '.join(map(str, valley.ends))} at an end" if valley.ends else "no joint at an end"
     return (
         f"{'in' if valley.reachable else 'out of'} reach, {1e3 * valley.error_m:.2f} mm off, {ends}, slope {1e4 * valley.slope_m2:.3f} cm2/rad, "
@@ -116,16 +131,26 @@ def cause(posture_rad: np.ndarray, target_m: np.ndarray) -> str:
     )
 
 
-def listed(numbers: Sequence[int], outcomes: np.ndarray, window: int) -> list[dict]:
+def listed(numbers: Sequence[int], outcomes: np.ndarray, window: int, is_position: bool = False) -> list[dict]:
+    """The exceptions of these numbers, each with its cause."""
+    postures, targets = outcomes["position_rad"][numbers, window], outcomes["target"][numbers, 4:]
+    left_m = np.linalg.norm(targets - arm.hand_m(arm.descend(postures, targets)), axis=1) if is_position else np.zeros(len(numbers))
+    valleys = [arm.valley(posture, target) for posture, target in zip(postures, targets, strict=True)]
     return [
         {
             "case": int(number),
             "peak_radps": round(float(outcomes["peak_radps"][number, window].max()), 4),
             "sign_changes": int(outcomes["sign_changes"][number, window].max()),
-            "cause": cause(outcomes["position_rad"][number, window], outcomes["target"][number, 4:]),
+            "cause": position_cause(left) if is_position else motion_cause(valley),
+            "geometry": geometry(valley),
         }
-        for number in numbers
+        for number, left, valley in zip(numbers, left_m, valleys, strict=True)
     ]
+
+
+def print_causes(name: str, entries: list[dict]) -> None:
+    for cause, count in collections.Counter(entry["cause"] for entry in entries).most_common():
+        print(f"      {name}: {count} times {cause}")
 
 
 # ---- what is asked
@@ -169,7 +194,7 @@ def position(outcomes: np.ndarray) -> tuple[list[Check], dict]:
     error_m = np.linalg.norm(outcomes["target"][:, 4:] - arm.hand_m(outcomes["position_rad"][:, judgement.EARLY]), axis=1)
     within = error_m < WITHIN_M
     checks = [at_least("position: share within 1 mm where it can be reached", float(within.mean()), WITHIN_SHARE)]
-    return checks, {"beyond_1_mm": listed(np.flatnonzero(~within), outcomes, judgement.EARLY)}
+    return checks, {"beyond_1_mm": listed(np.flatnonzero(~within), outcomes, judgement.EARLY, is_position=True)}
 
 
 def pairs(verdicts: list[rest_pairs.Verdict]) -> tuple[list[Check], dict]:
@@ -220,6 +245,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             exceptions |= listed_here
     for check in checks:
         print(f"{'pass' if check.passed else 'FAIL'}  {check.name}: {check.value:.4g}, asked {check.limit:g}")
+    for name, entries in exceptions.items():
+        if isinstance(entries, list):
+            print_causes(name, [entry for entry in entries if "cause" in entry])
     report = {
         "seeds": options.seeds, "cases": options.cases, "reachable": options.reachable, "ode": options.ode, "pair_cases": options.pairs,
         "parameters": campaign.parameters,

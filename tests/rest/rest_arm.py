@@ -94,3 +94,28 @@ def valley(q: np.ndarray, position_m: np.ndarray) -> Valley:
         float(np.linalg.norm(downhill[free])), np.linalg.eigvalsh(hessian_m2(q, error)[np.ix_(free, free)]),
         float(singular.min()), len(reaching(position_m)) > 0,
     )  # fmt: skip
+
+
+CAP_M, STEP_SHARE, STEP_MAX_RAD, DESCENT_STEPS, DAMPING_M2 = 0.015, 0.2, 0.02, 1500, 1e-6
+
+
+def descend(q: np.ndarray, position_m: np.ndarray) -> np.ndarray:
+    """Where the position alone leads from postures (n, 4), by small steps of Gauss-Newton within the ranges, with nothing said of the
+    orientation: what is still off there is a local minimum of the distance."""
+    low, high = RANGE_RAD.T
+    q = np.clip(q, low, high)
+    for _ in range(DESCENT_STEPS):
+        error = position_m - hand_m(q)
+        error = error * np.minimum(1, CAP_M / np.maximum(np.linalg.norm(error, axis=1, keepdims=True), 1e-12))
+        jacobian = jacobian_m(q)
+        downhill = np.einsum("nij,ni->nj", jacobian, error)
+        square = np.einsum("nki,nkj->nij", jacobian, jacobian) + DAMPING_M2 * np.eye(4)
+        free = np.ones(q.shape, bool)
+        for _ in range(q.shape[1]):
+            normal = square * free[:, :, None] * free[:, None, :] + np.eye(4) * ~free[:, :, None]
+            step = np.linalg.solve(normal, (downhill * free)[:, :, None])[:, :, 0]
+            free &= ~(((q <= low) & (step < 0)) | ((q >= high) & (step > 0)))
+        step = STEP_SHARE * step * free
+        step *= np.minimum(1, STEP_MAX_RAD / np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-12))
+        q = np.clip(q + step, low, high)
+    return q

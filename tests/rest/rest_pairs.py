@@ -62,8 +62,9 @@ def speed_radps(parameters: dict[str, float]) -> float:
 
 
 def travel_s(parameters: dict[str, float]) -> float:
-    """Across the widest range at the allowed speed."""
-    return float(np.ptp(arm.RANGE_RAD, axis=1).max()) / speed_radps(parameters)
+    """Of all joints across their ranges, one after the other, at the allowed speed; beyond what the 8 s have room for at full speed."""
+    way_rad = float(np.ptp(arm.RANGE_RAD, axis=1).sum())
+    return way_rad / speed_radps(parameters) - way_rad / SPEED_RADPS
 
 
 def judge(pair: tuple[End, End], outcomes: np.ndarray) -> Verdict:
