@@ -75,9 +75,10 @@ def results(figure, noise=lambda follower, condition: 20.0) -> Results:
             for condition in plan.CONDITIONS:
                 for setting in plan.SETTINGS:
                     for name in NAMES:
-                        key = case_key(loop, follower, condition, setting, name)
-                        found.values[key] = figure(loop, follower, condition, setting, name)
-                    rest = case_key(loop, follower, condition, setting, None)
+                        for seed in plan.seeds(follower, condition):
+                            key = case_key(loop, follower, condition, setting, name, seed)
+                            found.values[key] = figure(loop, follower, condition, setting, name)
+                    rest = case_key(loop, follower, condition, setting, None, 1)
                     found.values[rest] = {"noise_um": noise(follower, condition)}
     return found
 
@@ -173,6 +174,17 @@ def test_each_recording_is_in_one_half():
     assert len({"mine", "yours"} & set(first)) == 1
 
 
+def test_what_much_noise_decides_is_the_mean_over_seeds():
+    found = judge()
+    for seed, value in ((1, 3.0), (2, 6.0), (3, 9.0)):
+        key = case_key(plan.LOOP, plan.DEFAULT, plan.SLOW, plan.TELEOP, NAMES[0], seed)
+        found._results.values[key] = {"max_mm": value}
+    figure = (plan.LOOP, plan.DEFAULT, plan.SLOW, plan.TELEOP, NAMES[0], "max_mm")
+    assert found.figure(*figure) == 6.0
+    del found._results.values[key]
+    assert math.isnan(found.figure(*figure))
+
+
 # ---- what users know
 
 
@@ -202,6 +214,8 @@ def test_peers_follow_within_the_same_limits(name):
     figures = follow(ARM, scene, tracker, followers.named(name))
     assert 10.0 < figures.delay_ms < 60.0 and figures.rms_mm < 4.0
     assert follow(ARM, scene, tracker, followers.named(name)) == figures
+    late = plan.Condition(250, 34, 0.0).tracker()
+    assert follow(ARM, scene, late, followers.named(name)).delay_ms - figures.delay_ms == pytest.approx(30.0, abs=1.0)
 
 
 # ---- ODE

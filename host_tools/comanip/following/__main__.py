@@ -84,7 +84,9 @@ def _in_ode(results: Results, cases: Sequence[Case], folder: Path, simulator: Pa
     arm = ArmModel(ARM)
     progress = Progress("ODE", len(cases))
     by_folder = {folder / f"{number:04d}": case for number, case in enumerate(cases)}
-    jobs = [ode.job(out, c.follower, c.condition, c.setting, c.recording, c.position_scale) for out, c in by_folder.items()]
+    jobs = [
+        ode.job(out, c.follower, c.condition, c.setting, c.recording, c.position_scale, c.seed) for out, c in by_folder.items()
+    ]
 
     def finish(outcome: Outcome) -> None:
         case = by_folder[outcome.job.out]
@@ -180,10 +182,8 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parse(argv)
-    status = guarded("comanip.following", lambda: run(arguments))
-    if status == 130:
-        print("comanip.following: what was measured is kept; the same command goes on from there", file=sys.stderr)
-    return status
+    again = "; what was measured is kept, and the same command goes on from there"
+    return guarded("comanip.following", lambda: run(arguments), again)
 
 
 if __name__ == "__main__":

@@ -31,11 +31,12 @@ class Case:
     setting: Setting
     recording: Path | None = None
     position_scale: float = 1.0
+    seed: int = 1
 
     @property
     def key(self) -> Key:
         name = self.recording.stem if self.recording else None
-        return case_key(self.loop, self.follower, self.condition, self.setting, name)
+        return case_key(self.loop, self.follower, self.condition, self.setting, name, self.seed)
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 def measure(case: Case) -> tuple[Key, dict]:
     """In the loop without physics. An arm that would not cooperate is a result, too."""
     follower = followers.named(case.follower)
-    tracker = case.condition.tracker()
+    tracker = case.condition.tracker(case.seed)
     try:
         if case.recording is None:
             return case.key, {"noise_um": noise_at_rest_um(_arm(), case.setting.task, tracker, follower)}
@@ -104,7 +105,8 @@ def measure(case: Case) -> tuple[Key, dict]:
 def _with_rest(loop: str, follower: str, condition: Condition, setting: Setting, scenes: Sequence[tuple[Path, float]]):
     yield Case(loop, follower, condition, setting)
     for path, scale in scenes:
-        yield Case(loop, follower, condition, setting, path, scale)
+        for seed in plan.seeds(follower, condition):
+            yield Case(loop, follower, condition, setting, path, scale, seed)
 
 
 def all_cases(choice: Choice, scenes: dict[Setting, list[tuple[Path, float]]]) -> list[Case]:

@@ -43,8 +43,11 @@ class Judge:
         self._scenes = scenes
 
     def figure(self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
-        found = self._results.values.get(case_key(loop, follower, condition, setting, name), {}).get(figure)
-        return math.nan if found is None else found
+        """The mean over the seeds of the tracker's noise. name None: of the hand that stands."""
+        seeds = plan.seeds(follower, condition) if name else (1,)
+        keys = [case_key(loop, follower, condition, setting, name, seed) for seed in seeds]
+        found = [self._results.values.get(key, {}).get(figure, math.nan) for key in keys]
+        return sum(found) / len(found)
 
     def ratio(self, loop: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
         """Of the default to the former one."""

@@ -42,7 +42,13 @@ LONGEST_S = 120.0
 
 
 def job(
-    out: Path, follower: str, condition: Condition, setting: Setting, recording: Path | None, position_scale: float
+    out: Path,
+    follower: str,
+    condition: Condition,
+    setting: Setting,
+    recording: Path | None,
+    position_scale: float,
+    seed: int = 1,
 ) -> Job:
     """`out` gets the scene and the run's files."""
     out.mkdir(parents=True, exist_ok=True)
@@ -65,7 +71,7 @@ def job(
     arguments = ("--rate", f"{condition.rate_hz:g}", "--latency-ms", f"{condition.latency_ms:g}")
     arguments += ("--noise-mm", f"{condition.noise_mm:g}", "--noise-deg", f"{noise_deg:g}")
     parameters = tuple(PARAMETERS[follower].items())
-    return Job(str(scene), 1, out, recording, parameters=parameters, arguments=arguments)
+    return Job(str(scene), seed, out, recording, parameters=parameters, arguments=arguments)
 
 
 def _columns(trace: np.ndarray, *names: str) -> np.ndarray:

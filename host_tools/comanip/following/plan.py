@@ -92,4 +92,9 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
     return f"{peer} {'/'.join(f'{value:g}' for value in values)}"
 
 
+def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
+    """Of the tracker's noise. With much of it a single seed would decide what the largest error is."""
+    return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
+
+
 PEER_NAMES = tuple(peer_name(peer, values) for peer, choices in PEERS.items() for values in choices)

@@ -15,7 +15,7 @@ from comanip.following.plan import Condition, Setting
 from comanip.following.results import Results
 
 FIGURES = ("rms_mm", "max_mm", "rms_deg", "delay_ms", "acceleration_mps2", "limit_percent")
-HEADINGS = ("RMS mm", "largest mm", "RMS deg", "delay ms", "acc. m/s2", "% limited", "at rest um")
+HEADINGS = ("RMS mm", "largest mm", "RMS deg", "delay ms", "acc. m/s2", "% limited", "rest um")
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:
@@ -105,7 +105,7 @@ def wrong_latency_lines(judge: Judge) -> list[str]:
 
 def cases(results: Results) -> list[dict]:
     """Each single one, with its figures."""
-    names = ("loop", "follower", "condition", "setting", "recording")
+    names = ("loop", "follower", "condition", "setting", "recording", "seed")
     return [
         {**dict(zip(names, key[1:], strict=True)), **value}
         for key, value in sorted(results.values.items())

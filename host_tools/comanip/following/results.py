@@ -15,9 +15,9 @@ Key = tuple[str, ...]
 NOT_MEASURING = ("__main__.py", "criteria.py", "one.py", "report.py", "results.py")
 
 
-def case_key(loop: str, follower: str, condition: Condition, setting: Setting, recording: str | None) -> Key:
+def case_key(loop: str, follower: str, condition: Condition, setting: Setting, recording: str | None, seed: int) -> Key:
     """recording None: the hand stands."""
-    return ("case", loop, follower, condition.label, setting.label, recording or "at rest")
+    return ("case", loop, follower, condition.label, setting.label, recording or "at rest", f"seed {seed}")
 
 
 def scene_key(setting: Setting, recording: str) -> Key:
