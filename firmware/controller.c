@@ -5,6 +5,11 @@
 #include "comanip_build_hash.h"
 
 #define UNIT_TOLERANCE 1e-3f
+
+/* A target that was lost is met with this part of the joints' speeds, until the hand is as near to it as this. */
+#define CATCHING_UP_SPEED 0.55f
+#define CAUGHT_UP_M 1e-3f
+
 #define LISTENS_TO                                                                                                   \
     (UINT32_C(1) << FRAME_HAND_POSE | UINT32_C(1) << FRAME_TRACKER_STATUS | UINT32_C(0xFF) << FRAME_JOINT_STATE0 |    \
      UINT32_C(1) << FRAME_OPERATOR_COMMAND | UINT32_C(1) << FRAME_TASK_DEFINE | UINT32_C(1) << FRAME_PARAMETER_ACCESS)
@@ -17,10 +22,23 @@ static float tick_s(const controller_t *self) {
 
 static void apply_parameters(controller_t *self) {
     parameters_velocity_control(&self->parameters, &self->velocity_control_config);
+    parameters_position_first(&self->parameters, &self->position_first_config);
     parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
     self->parameter_set = parameter_set_check(&self->parameters, tick_s(self));
+}
+
+static void receive_hand(controller_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
+    if (!hand_tracker_receive(&self->hand_tracker, pose, received_us, now_us)) {
+        self->receiver.protocol.rejected += pose->valid;
+        return;
+    }
+    if (parameters_predict(&self->parameters)) {
+        const int32_t later_us = (int32_t)(1e6f * self->parameters.value[PARAMETER_TRACKER_LATENCY_S]);
+        const pose_t marker = hand_tracker_newest(&self->hand_tracker);
+        hand_motion_sample(&self->marker_motion, &marker, hand_tracker_captured_us(&self->hand_tracker) - (uint32_t)later_us, now_us);
+    }
 }
 
 /* Measurements are taken over at once; the operator's frames wait until this tick's poses are known. */
@@ -37,8 +55,7 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
         if (kind == FRAME_HAND_POSE) {
             hand_pose_t pose;
             hand_pose_unpack(frame, &pose);
-            bool taken = hand_tracker_receive(&self->hand_tracker, &pose, received_us, now_us);
-            self->receiver.protocol.rejected += pose.valid && !taken;
+            receive_hand(self, &pose, received_us, now_us);
         } else if (kind == FRAME_TRACKER_STATUS) {
             tracker_status_t status;
             tracker_status_unpack(frame, &status);
@@ -56,8 +73,24 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
 
 /* ---- hand and robot, this tick */
 
+/* The encoders were sampled a tick ago, as the last command arrived: with prediction, the hand is taken as it was then. */
 static void sense(controller_t *self, uint32_t now_us) {
-    self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
+    if (parameters_predict(&self->parameters)) {
+        hand_state_t marker;
+        hand_motion_predict(&self->marker_motion, now_us, -tick_s(self), &marker);
+        self->hand = pose_multiply(marker.pose, self->marker_to_hand);
+    } else {
+        self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
+    }
+}
+
+/* The motion of the person's hand when this tick's command acts. */
+static twist_t hand_motion(const controller_t *self, uint32_t now_us) {
+    hand_state_t marker;
+    hand_motion_predict(&self->marker_motion, now_us, self->parameters.value[PARAMETER_COMMAND_DELAY_S], &marker);
+    const vector3_t lever_m = quaternion_rotate(marker.pose.rotation, self->marker_to_hand.translation_m);
+    const vector3_t turning_mps = vector3_cross(marker.motion.angular_velocity_radps, lever_m);
+    return (twist_t){vector3_add(marker.motion.velocity_mps, turning_mps), marker.motion.angular_velocity_radps};
 }
 
 /* The robot's measured hand in the torso frame, this tick: asked for only where a reference is taken. */
@@ -74,6 +107,9 @@ static void supervise(controller_t *self, uint32_t now_us) {
         .finite = self->finite,
     };
     supervisor_update(&self->supervisor, &self->supervisor_inputs);
+    if (!self->hand_tracker.has_pose) {
+        hand_motion_reset(&self->marker_motion);
+    }
 }
 
 /* ---- operator */
@@ -91,9 +127,15 @@ static float blend(const controller_t *self) {
     return s * s * s * (10.0f + s * (6.0f * s - 15.0f));
 }
 
-/* What the law would say of a target that is the robot's own pose. */
-static void stand(controller_t *self) {
+/* What the law would say of a target that is the robot's own pose: nothing for the error. The target's motion goes on. */
+static void meet_target(controller_t *self) {
     memset(self->wanted_radps, 0, sizeof self->wanted_radps);
+}
+
+static void stand(controller_t *self) {
+    meet_target(self);
+    memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
+    self->catching_up = false;
 }
 
 static void select_task(controller_t *self, task_id_t id, const task_t *task, float blend_s) {
@@ -144,7 +186,7 @@ static result_t latch(controller_t *self) {
         if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
             cooperation_update(&self->cooperation, &self->hand, blend(self)); /* the virtual hand of this tick */
             cooperation_latch_measured(&self->cooperation, robot_pose(self));
-            stand(self);
+            meet_target(self);
         } else {
             cooperation_latch(&self->cooperation);
         }
@@ -158,7 +200,7 @@ static result_t clutch(controller_t *self) {
     if (result == RESULT_ACCEPTED) {
         cooperation_clutch(&self->cooperation, self->hand, robot_pose(self), blend(self));
         self->cooperation_changed = true;
-        stand(self);
+        meet_target(self);
     }
     return result;
 }
@@ -326,9 +368,52 @@ static void obey(controller_t *self, const controller_inbox_t *inbox, controller
 
 /* ---- Algorithm 1 and law (4) */
 
+/* All joints in proportion, so that the hand keeps its direction. */
+static void slow_down(controller_t *self) {
+    const float part = CATCHING_UP_SPEED * self->parameters.value[PARAMETER_SPEED_FRACTION];
+    float scale = 1.0f;
+    for (int i = 0; i < self->arm->joint_count; i++) {
+        const float speed_radps = __builtin_fabsf(self->wanted_radps[i] + self->feedforward_radps[i]);
+        const float allowed_radps = part * self->arm->joints[i].velocity_max_radps;
+        if (scale * speed_radps > allowed_radps) {
+            scale = allowed_radps / speed_radps;
+        }
+    }
+    for (int i = 0; i < self->arm->joint_count; i++) {
+        self->wanted_radps[i] *= scale;
+        self->feedforward_radps[i] *= scale;
+    }
+}
+
+static void follow(controller_t *self, uint32_t now_us, joint_ends_t ends) {
+    const twist_t hand = hand_motion(self, now_us);
+    const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
+    const position_first_request_t request = {
+        .position_rad = self->joints.position_rad,
+        .target = &self->cooperation.target,
+        .motion = &motion,
+        .ends = ends,
+    };
+    const float distance_m =
+        position_first(self->arm, &self->position_first_config, &request, self->wanted_radps, self->feedforward_radps);
+    self->catching_up = distance_m > POSITION_FIRST_ERROR_MAX_M || (self->catching_up && distance_m > CAUGHT_UP_M);
+    if (self->catching_up) {
+        slow_down(self);
+    }
+}
+
+static void velocity_law(controller_t *self, joint_ends_t ends) {
+    const velocity_request_t request = {
+        .position_rad = self->joints.position_rad,
+        .target = &self->cooperation.target,
+        .ends = ends,
+    };
+    velocity_control(self->arm, &self->velocity_control_config, &request, self->wanted_radps);
+}
+
 /* What the joints shall do: nothing, unless in cooperation. The law waits in a tick in which the cooperation changes, as both would make it
  * too long; never twice running, so that whoever goes on changing does not stop the law. */
-static void aim(controller_t *self) {
+static void aim(controller_t *self, uint32_t now_us) {
     const bool has_waited = self->law_waited;
     self->law_waited = false;
     if (self->supervisor.mode != MODE_COOPERATING) {
@@ -341,12 +426,12 @@ static void aim(controller_t *self) {
     }
     cooperation_update(&self->cooperation, &self->hand, blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
-    const velocity_request_t request = {
-        .position_rad = self->joints.position_rad,
-        .target = &self->cooperation.target,
-        .ends = joint_limits_ends(self->arm, &self->joint_limits_config, self->joints.position_rad),
-    };
-    velocity_control(self->arm, &self->velocity_control_config, &request, self->wanted_radps);
+    const joint_ends_t ends = joint_limits_ends(self->arm, &self->joint_limits_config, self->joints.position_rad);
+    if (parameters_predict(&self->parameters)) {
+        follow(self, now_us, ends);
+    } else {
+        velocity_law(self, ends);
+    }
 }
 
 /* ---- encode */
@@ -458,6 +543,7 @@ void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile
     transport_sender_init(&self->sender, profile, arm->joint_count);
     transport_receiver_init(&self->receiver, profile, arm->joint_count, LISTENS_TO);
     hand_tracker_init(&self->hand_tracker, 1000u * transport_period_ms(profile, FRAME_HAND_POSE));
+    hand_motion_init(&self->marker_motion);
     joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));
     supervisor_init(&self->supervisor);
     joint_limits_init(&self->limits);
@@ -483,7 +569,7 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     end_save(self, inbox, outbox);
     name_untold(self, outbox);
     obey(self, inbox, outbox);
-    aim(self);
+    aim(self, now_us);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
                                       self->wanted_radps, self->feedforward_radps);
     encode(self, now_us, outbox);

@@ -11,6 +11,7 @@
 
 #include "can_transport.h"
 #include "cooperation.h"
+#include "hand_motion.h"
 #include "hand_tracker.h"
 #include "joint_feedback.h"
 #include "joint_limits.h"
@@ -41,6 +42,7 @@ typedef struct {
     parameters_t parameters;
     parameter_set_t parameter_set; /* what they are together */
     velocity_control_config_t velocity_control_config; /* views of the parameters, made anew when one is written */
+    position_first_config_t position_first_config;
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
     pose_t marker_to_hand;
@@ -55,8 +57,9 @@ typedef struct {
     uint8_t request_count;
 
     hand_tracker_t hand_tracker;
+    hand_motion_t marker_motion; /* in the tracker frame */
     joint_feedback_t joints;
-    pose_t hand; /* human's hand in the tracker frame, this tick */
+    pose_t hand; /* human's hand in the tracker frame, this tick; with prediction, when the encoders were sampled */
 
     supervisor_t supervisor;
     supervisor_inputs_t supervisor_inputs;
@@ -69,7 +72,8 @@ typedef struct {
     bool cooperation_changed; /* by the operator, in this tick: started, its task or relation, its reference */
     bool law_waited;          /* in this tick, for that */
     float wanted_radps[ARM_MAX_JOINTS];      /* the law's, for the error */
-    float feedforward_radps[ARM_MAX_JOINTS]; /* for the target's own motion, which no law asks for yet */
+    float feedforward_radps[ARM_MAX_JOINTS]; /* the law's, for the target's own motion: 0 without prediction */
+    bool catching_up; /* the target was out of reach, or too fast, and has not been met since */
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */
 

@@ -101,6 +101,7 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
     self->task = *task;
     self->latched = false;
     fold_displacement(quaternion_conjugate(config->tracker_rotation), config->motion_scale, self->loop.carry);
+    self->loop.unscale = 1.0f / config->motion_scale;
     const pose_t reference = virtual_hand_at_start(self, robot);
     take_reference(self, hand, reference);
     self->blend_from = performed_relation(robot, reference);
@@ -162,13 +163,13 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     const float v_x = r.y * k_z - r.z * k_y, v_y = r.z * k_x - r.x * k_z, v_z = r.x * k_y - r.y * k_x;
     const float twice_x = v_x + v_x, twice_y = v_y + v_y, twice_z = v_z + v_z;
     self->forward_displacement_m = forward;
+    self->relation_m.x = k_x + r.w * twice_x + (r.y * twice_z - r.z * twice_y);
+    self->relation_m.y = k_y + r.w * twice_y + (r.z * twice_x - r.x * twice_z);
+    self->relation_m.z = k_z + r.w * twice_z + (r.x * twice_y - r.y * twice_x);
     self->target.rotation = r;
-    self->target.translation_m.x =
-        loop->virtual_hand_start_m.x + forward - (k_x + r.w * twice_x + (r.y * twice_z - r.z * twice_y));
-    self->target.translation_m.y =
-        loop->virtual_hand_start_m.y + left - (k_y + r.w * twice_y + (r.z * twice_x - r.x * twice_z));
-    self->target.translation_m.z =
-        loop->virtual_hand_start_m.z + up - (k_z + r.w * twice_z + (r.x * twice_y - r.y * twice_x));
+    self->target.translation_m.x = loop->virtual_hand_start_m.x + forward - self->relation_m.x;
+    self->target.translation_m.y = loop->virtual_hand_start_m.y + left - self->relation_m.y;
+    self->target.translation_m.z = loop->virtual_hand_start_m.z + up - self->relation_m.z;
 }
 
 /* As long as a task comes into force. Not in line, so that the loop need not save registers. */
@@ -197,4 +198,25 @@ void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
         (turn[3][0] * w + turn[3][1] * x) + (turn[3][2] * y + turn[3][3] * z),
     };
     set_target(self, hand->translation_m, r);
+}
+
+static vector3_t carried(const float carry[3][3], vector3_t v) {
+    return (vector3_t){
+        carry[0][0] * v.x + carry[0][1] * v.y + carry[0][2] * v.z,
+        carry[1][0] * v.x + carry[1][1] * v.y + carry[1][2] * v.z,
+        carry[2][0] * v.x + carry[2][1] * v.y + carry[2][2] * v.z,
+    };
+}
+
+/* The derivative of set_target(): the target turns as the hand does, about the virtual hand. */
+twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand) {
+    const float(*carry)[3] = (const float(*)[3])self->loop.carry;
+    const vector3_t virtual_hand_mps = carried(carry, hand->velocity_mps);
+    const vector3_t turning_radps = vector3_scale(carried(carry, hand->angular_velocity_radps), self->loop.unscale);
+    const quaternion_t r = self->target.rotation;
+    const vector3_t hand_z = {
+        2.0f * (r.x * r.z + r.w * r.y), 2.0f * (r.y * r.z - r.w * r.x), 1.0f - 2.0f * (r.x * r.x + r.y * r.y)};
+    const vector3_t relation_mps = vector3_add(vector3_cross(turning_radps, self->relation_m),
+                                               vector3_scale(hand_z, self->relation.slope * virtual_hand_mps.x));
+    return (twist_t){vector3_add(virtual_hand_mps, vector3_scale(relation_mps, -1.0f)), turning_radps};
 }

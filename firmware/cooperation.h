@@ -23,6 +23,7 @@ typedef struct {
 typedef struct {
     float turn[4][4];               /* q_H^E's rotation (w x y z) to the target's */
     float carry[3][3];              /* the hand's displacement in tracker axes to the virtual hand's in torso axes */
+    float unscale;                  /* 1 / motion_scale */
     vector3_t hand_start_m;         /* in the tracker frame */
     vector3_t virtual_hand_start_m; /* in the torso frame */
 } cooperation_loop_t;
@@ -37,6 +38,7 @@ typedef struct {
     bool settled; /* the loop's constants are those of the relation in force, which does not change any more */
     cooperation_loop_t loop;
     float forward_displacement_m; /* x_H - x_H0 in torso axes, scaled */
+    vector3_t relation_m;         /* the relation's translation in torso axes: from the target to the virtual hand */
     pose_t target;                /* the latest */
 } cooperation_t;
 
@@ -60,5 +62,9 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot);
 /* One pass of Algorithm 1's loop up to q_R^Tv = q_Hv^Tv conj(q_task): self->target, in the torso frame. blend within 0..1: how
  * far the way from `blend_from` to the task's own q_task is gone; 1 is the paper. */
 void cooperation_update(cooperation_t *self, const pose_t *hand, float blend);
+
+/* How the target of the last cooperation_update() moves while the hand does so, seen from the tracker. The motion of a task that is
+ * coming into force is left out. */
+twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand);
 
 #endif

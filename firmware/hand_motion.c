@@ -101,8 +101,8 @@ static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us)
     if (self->has_pose) {
         self->translation_change.place = difference(before.pose.translation_m, hand->translation_m);
         self->rotation_change.place = rotation_vector(turn_between(before.pose.rotation, hand->rotation));
-        self->translation_change.velocity = before.velocity_mps;
-        self->rotation_change.velocity = before.angular_velocity_radps;
+        self->translation_change.velocity = before.motion.velocity_mps;
+        self->rotation_change.velocity = before.motion.angular_velocity_radps;
     }
     self->pose = *hand;
     self->has_pose = self->is_running = true;
@@ -172,6 +172,6 @@ void hand_motion_predict(const hand_motion_t *self, uint32_t now_us, float ahead
     const schedule_t at = schedule(self, now_us, ahead_s);
     state->pose = displace(self->pose, place_at(&self->translation, &self->translation_change, at),
                            place_at(&self->rotation, &self->rotation_change, at));
-    state->velocity_mps = velocity_at(&self->translation, &self->translation_change, at);
-    state->angular_velocity_radps = velocity_at(&self->rotation, &self->rotation_change, at);
+    state->motion.velocity_mps = velocity_at(&self->translation, &self->translation_change, at);
+    state->motion.angular_velocity_radps = velocity_at(&self->rotation, &self->rotation_change, at);
 }

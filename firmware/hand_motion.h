@@ -25,8 +25,7 @@
 
 typedef struct {
     pose_t pose;
-    vector3_t velocity_mps;
-    vector3_t angular_velocity_radps; /* in the axes of the frame in which the pose is: r' = 1/2 w r */
+    twist_t motion;
 } hand_state_t;
 
 /* What the newest sample has changed in the prediction, fading from then on. */

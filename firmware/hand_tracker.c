@@ -11,6 +11,7 @@
 
 #define PERIOD_MIN_US 1000u
 #define PERIOD_MAX_US 100000u
+#define LATENCY_MAX_US 100000u
 
 void hand_tracker_init(hand_tracker_t *self, uint32_t period_us) {
     *self = (hand_tracker_t){
@@ -24,6 +25,7 @@ void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status) {
     if (status->period_us >= PERIOD_MIN_US && status->period_us <= PERIOD_MAX_US) {
         self->period_us = status->period_us;
     }
+    self->latency_us = status->latency_us < LATENCY_MAX_US ? status->latency_us : LATENCY_MAX_US;
 }
 
 /* How much later than the fastest frame this one came, from both clocks' readings modulo 2^32. */
@@ -68,6 +70,14 @@ uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us) {
         return UINT32_MAX;
     }
     return now_us - self->received_us + self->age_at_reception_us;
+}
+
+uint32_t hand_tracker_captured_us(const hand_tracker_t *self) {
+    return self->received_us - self->age_at_reception_us - self->latency_us;
+}
+
+pose_t hand_tracker_newest(const hand_tracker_t *self) {
+    return self->to;
 }
 
 bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods) {

@@ -6,6 +6,7 @@
 
 typedef struct {
     uint32_t period_us; /* as announced by TrackerStatus */
+    uint32_t latency_us; /* from the measurement to the frame, as announced by TrackerStatus */
     bool has_pose;
     bool has_clock;
     bool stale;
@@ -22,7 +23,8 @@ typedef struct {
 /* period_us: until the tracker announces its own. */
 void hand_tracker_init(hand_tracker_t *self, uint32_t period_us);
 
-/* Takes over the announced period, if it is within 1 and 100 ms: with a longer one, blind cooperation could last long. */
+/* Takes over the announced period, if it is within 1 and 100 ms: with a longer one, blind cooperation could last long; and the announced
+ * latency, up to 100 ms. */
 void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status);
 
 /* A HandPose received at received_us (not after now_us), taken over at now_us. Refused, and false, if it is marked invalid, is not a unit
@@ -33,6 +35,12 @@ bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_
  * tracker's own clock (so a constant clock offset and any transport time common to all frames cancel). UINT32_MAX
  * without a pose. */
 uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
+
+/* When the newest valid pose was measured, by our clock: the fastest frame so far took just the announced latency. */
+uint32_t hand_tracker_captured_us(const hand_tracker_t *self);
+
+/* The newest valid pose: the marker in the tracker frame. The identity at first. */
+pose_t hand_tracker_newest(const hand_tracker_t *self);
 
 /* No valid pose for stale_periods of the tracker's own periods; and, once stale, until one comes with at most half that
  * age, so that a pose that is late again and again does not flap. Call it once per tick: what has been stale for a second is

@@ -20,27 +20,36 @@ static bool is_the_papers_law(const parameters_t *parameters) {
     return found;
 }
 
+static uint64_t too_fast_gains(const parameters_t *parameters, float gain_max_per_s) {
+    if (parameters_predict(parameters)) {
+        const bool is_too_fast = parameters->value[PARAMETER_FOLLOWING_GAIN_PER_S] > gain_max_per_s;
+        return is_too_fast ? bit(PARAMETER_FOLLOWING_GAIN_PER_S) : 0u;
+    }
+    uint64_t involved = 0;
+    for (int i = 0; i < 8; i++) {
+        const bool counts = parameters->value[PARAMETER_WEIGHT + i] > 0.0f;
+        if (counts && parameters->value[PARAMETER_GAIN_PER_S + i] > gain_max_per_s) {
+            involved |= bit(PARAMETER_GAIN_PER_S + i);
+        }
+    }
+    return involved;
+}
+
 /* The parameters that make the loop faster than its delays allow. */
 static uint64_t too_fast(const parameters_t *parameters, float tick_s) {
     const float told_s = parameters->value[PARAMETER_COMMAND_DELAY_S];
     const float delay_s = (told_s > COMMAND_DELAY_MIN_S ? told_s : COMMAND_DELAY_MIN_S) + DELAY_TICKS * tick_s;
-    uint64_t involved = 0;
-    for (int i = 0; i < 8; i++) {
-        const bool counts = parameters->value[PARAMETER_WEIGHT + i] > 0.0f;
-        if (counts && parameters->value[PARAMETER_GAIN_PER_S + i] * delay_s > RATE_TIMES_DELAY_MAX) {
-            involved |= bit(PARAMETER_GAIN_PER_S + i);
-        }
-    }
+    const uint64_t involved = too_fast_gains(parameters, RATE_TIMES_DELAY_MAX / delay_s);
     return involved != 0u && told_s > COMMAND_DELAY_MIN_S ? involved | bit(PARAMETER_COMMAND_DELAY_S) : involved;
 }
 
 parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s) {
     const uint64_t involved = too_fast(parameters, tick_s);
-    if (involved == 0u) {
-        return (parameter_set_t){.verdict = PARAMETER_SET_RESTS};
+    if (parameters_predict(parameters)) {
+        return (parameter_set_t){involved == 0u ? PARAMETER_SET_RESTS : PARAMETER_SET_UNSTABLE, involved};
     }
-    return (parameter_set_t){
-        .verdict = is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,
-        .involved = involved,
-    };
+    if (involved == 0u) { /* near its target; it swings where it is stretched out after one beyond its reach */
+        return (parameter_set_t){PARAMETER_SET_MAY_SWING, bit(PARAMETER_PREDICTION)};
+    }
+    return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE, involved};
 }

@@ -46,6 +46,10 @@ const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     {"command_delay_s", 0.0f, 0.05f, 0.005f, false},
     {"stale_periods", 1.5f, 25.0f, 2.5f, false},
     {"trace", 0.0f, 1.0f, 1.0f, true},
+    {"prediction", 0.0f, 1.0f, 1.0f, true},
+    {"following_gain_per_s", 1.0f, 60.0f, 35.0f, false},
+    {"orientation_weight_m2", 0.0f, 1e-3f, 1e-5f, false},
+    {"tracker_latency_s", -0.05f, 0.05f, 0.0f, false},
 };
 
 void parameters_set_defaults(parameters_t *self) {
@@ -69,6 +73,10 @@ result_t parameters_set(parameters_t *self, uint8_t parameter, float value) {
     return RESULT_ACCEPTED;
 }
 
+bool parameters_predict(const parameters_t *self) {
+    return self->value[PARAMETER_PREDICTION] > 0.0f;
+}
+
 static vector3_t vector_at(const parameters_t *self, int first) {
     return (vector3_t){self->value[first], self->value[first + 1], self->value[first + 2]};
 }
@@ -83,17 +91,30 @@ void parameters_velocity_control(const parameters_t *self, velocity_control_conf
     velocity_control_prepare(config);
 }
 
-void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config) {
-    float largest_gain = 0.0f;
+void parameters_position_first(const parameters_t *self, position_first_config_t *config) {
+    config->gain_per_s = self->value[PARAMETER_FOLLOWING_GAIN_PER_S];
+    config->orientation_weight_m2 = self->value[PARAMETER_ORIENTATION_WEIGHT_M2];
+}
+
+/* Of the law in force. */
+static float largest_gain_per_s(const parameters_t *self) {
+    if (parameters_predict(self)) {
+        return self->value[PARAMETER_FOLLOWING_GAIN_PER_S];
+    }
+    float largest = 0.0f;
     for (int i = 0; i < 8; i++) {
         float gain = self->value[PARAMETER_GAIN_PER_S + i];
-        largest_gain = gain > largest_gain ? gain : largest_gain;
+        largest = gain > largest ? gain : largest;
     }
+    return largest;
+}
+
+void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config) {
     config->tick_s = tick_s;
     config->speed_fraction = self->value[PARAMETER_SPEED_FRACTION];
     config->acceleration_max_radps2 = self->value[PARAMETER_ACCELERATION_LIMIT_RADPS2];
     config->command_delay_s = self->value[PARAMETER_COMMAND_DELAY_S];
-    config->approach_gain_per_s = largest_gain;
+    config->approach_gain_per_s = largest_gain_per_s(self);
     joint_limits_prepare(config, arm);
 }
 

@@ -10,6 +10,12 @@ typedef struct {
     vector3_t translation_m;
 } pose_t;
 
+/* How a pose moves, in the axes of where it is seen from: d/dt r = 1/2 angular_velocity r. */
+typedef struct {
+    vector3_t velocity_mps;
+    vector3_t angular_velocity_radps;
+} twist_t;
+
 extern const pose_t pose_identity;
 
 pose_t pose_from_dual_quaternion(dual_quaternion_t pose);

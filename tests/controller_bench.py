@@ -17,9 +17,11 @@ Q_X_MINUS_90 = oracle.rotation([1, 0, 0], -np.pi / 2)  # the paper's (9)
 
 class Bench:
     """position_rad: where the arm stands. hand: pose (8,) of the person's hand in torso axes, or None for no frames.
-    store_result: how the port's store ends a saving, store_ticks after it began; stored: what it was to save, each time."""
+    prediction: off, so that the hand may jump and is met as law (4) has it. store_result: how the port's store ends a saving, store_ticks after it began; stored: what it was to save, each time."""
 
-    def __init__(self, position_deg=(90, -5, 0, -90), now_us: int = 0, parameters=None, boot_result: int = 0):
+    def __init__(
+        self, position_deg=(90, -5, 0, -90), now_us: int = 0, parameters=None, boot_result: int = 0, prediction: bool = False
+    ):
         self.position_rad = np.radians(np.array(position_deg, float))
         self.hand = oracle.pose(oracle.rotation([0, 1, 0], np.pi / 2), [0.4, 0.2, 0.1])
         self.hand_valid = True
@@ -41,8 +43,11 @@ class Bench:
         self.stored: list[list[float]] = []
         self.store_until = 0  # tick
         lib.controller_init(self.controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
-        if parameters is not None:
-            lib.controller_set_parameters(self.controller, parameters, boot_result)
+        if parameters is None:
+            parameters = ffi.new("parameters_t *")
+            lib.parameters_set_defaults(parameters)
+            parameters.value[lib.PARAMETER_PREDICTION] = prediction
+        lib.controller_set_parameters(self.controller, parameters, boot_result)
 
     # ---- frames in
 

@@ -16,6 +16,7 @@ RECORDINGS = simulation.REPOSITORY.parent / "shared" / "data" / "hand_motion"
 VEC8 = ("w", "x", "y", "z", "dual_w", "dual_x", "dual_y", "dual_z")
 ENCODER_COUNT_RAD = np.radians(1 / 209)
 JOINTS = 4
+LAW_4 = ("--param", "prediction=0")
 RECORDING_START_S = 2.0  # docs/scenarios.md, teleop
 
 
@@ -49,7 +50,7 @@ def test_the_simulated_hand_stays_with_the_ideal_loop(tmp_path, recording, scale
     path = RECORDINGS / f"{recording}.csv"
     if not path.exists():
         pytest.skip(f"needs the recorded hand {path}, which is not part of this checkout")
-    run = simulation.run(tmp_path / "out", "--scenario", "teleop", "--tracker", path, "--scale", scale).require_pass()
+    run = simulation.run(tmp_path / "out", "--scenario", "teleop", "--tracker", path, "--scale", scale, *LAW_4).require_pass()
     assert run.summary["reach"]["out_of_reach_s"] == 0
     frames = bus_log.read(run.log)
     now_us, targets, cooperating = targets_of(frames)
@@ -93,13 +94,13 @@ def test_default_law_settles_a_30_mm_move_within_1_mm(tmp_path, displacement_mm)
     assert moved_m == pytest.approx(np.array(displacement_mm) / 1e3, abs=2e-4)  # the noise of the marker
 
 
-@pytest.mark.parametrize("gain_per_s", [35, 100, 200, 350, 500])  # the default is 35, the parameter's maximum 500
+@pytest.mark.parametrize("gain_per_s", [35, 70, 100])  # the default is 35; what is much above 100 is refused
 def test_gain_margin(tmp_path, gain_per_s):
-    """With the loop's real delays, a gain up to fourteen times the default leaves no oscillation but that of the encoder: at
+    """With the loop's real delays, a gain up to three times the default leaves no oscillation but that of the encoder: at
     rest, a joint's count that is one off makes a command of gain x one count."""
     recording = minimum_jerk_move(tmp_path / "move.csv", [0.03, 0, 0])
     run = simulation.run(
-        tmp_path / "out", "--scenario", "teleop", "--tracker", recording, "--noise-mm", 0, "--noise-deg", 0, *all_gains(gain_per_s)
+        tmp_path / "out", "--scenario", "teleop", "--tracker", recording, "--noise-mm", 0, "--noise-deg", 0, *LAW_4, *all_gains(gain_per_s)
     )
     commands = bus_log.read(run.log)["JointCmd"]
     velocity = bus_log.joint_array(commands, "velocity_{}_radps", JOINTS)

@@ -347,3 +347,30 @@ def test_select_right_after_a_measured_latch_goes_on_from_the_robots_pose(rng):
     lib.cooperation_latch_measured(running.state, c_pose(elsewhere))
     lib.cooperation_select(running.state, ffi.addressof(lib.task_table, lib.TASK_TELEOP))
     assert oracle.pose_distance(running.target(hands[10], 0.0), elsewhere) < 2e-6
+
+
+@pytest.mark.parametrize("task", ["teleop", "pour", "mirror"])
+@pytest.mark.parametrize("motion_scale", [1.0, 0.3])
+def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
+    """Against differences of the targets of two hands a little apart, which Algorithm 1 maps as above."""
+    apart_s = 0.01
+    for _ in range(20):
+        cooperation = core.Cooperation(task, scale=motion_scale)
+        hand = oracle.random_poses(rng, 1, 0.3)[0].astype(float)
+        cooperation.start(hand=hand.astype(np.float32), robot=oracle.random_poses(rng, 1, 0.3)[0])
+        velocity, turning = rng.normal(0, 0.3, 3), rng.normal(0, 0.5, 3)
+
+        def moved(t_s: float) -> np.ndarray:
+            turn = oracle.rotation(turning, np.linalg.norm(turning) * t_s)
+            place = oracle.translation(hand) + velocity * t_s
+            return oracle.pose(oracle.quaternion_multiply(turn, hand[:4]), place).astype(np.float32)
+
+        before, after = (cooperation.target(moved(t_s)).astype(float) for t_s in (-apart_s, apart_s))
+        cooperation.target(moved(0.0))
+        twist = ffi.new("twist_t *")
+        twist.velocity_mps, twist.angular_velocity_radps = dict(zip("xyz", velocity)), dict(zip("xyz", turning))
+        found = lib.cooperation_target_motion(cooperation._state, twist)
+        turned = oracle.quaternion_multiply(after[:4], oracle.quaternion_conjugate(before[:4]))
+        expected = np.r_[(oracle.translation(after) - oracle.translation(before)) / 2, np.sign(turned[0]) * turned[1:]] / apart_s
+        motion = [getattr(part, axis) for part in (found.velocity_mps, found.angular_velocity_radps) for axis in "xyz"]
+        assert motion == pytest.approx(expected, abs=1e-3)

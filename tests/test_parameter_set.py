@@ -14,6 +14,8 @@ GAINS = range(lib.PARAMETER_GAIN_PER_S, lib.PARAMETER_GAIN_PER_S + 8)
 WEIGHTS = range(lib.PARAMETER_WEIGHT, lib.PARAMETER_WEIGHT + 8)
 NAMES = [ffi.string(lib.parameter_table[i].name).decode() for i in range(lib.PARAMETER_COUNT)]
 TOO_FAST = {gain: 500.0 for gain in GAINS}
+LAW_4 = {lib.PARAMETER_PREDICTION: 0.0}
+FOLLOWING_GAIN = lib.PARAMETER_FOLLOWING_GAIN_PER_S
 
 
 def parameters(changes: dict[int, float]):
@@ -36,6 +38,7 @@ def check(changes: dict[int, float], tick_s: float = TICK_S) -> tuple[int, set[i
 def test_the_defaults_and_all_that_is_slow_are_accepted(tick_s):
     slow = {
         "nothing": {},
+        "gain": {FOLLOWING_GAIN: lib.parameter_table[FOLLOWING_GAIN].minimum},
         "gains": dict.fromkeys(GAINS, 0.0),
         "weights": dict.fromkeys(WEIGHTS, 0.0),
         "speed": {lib.PARAMETER_SPEED_FRACTION: lib.parameter_table[lib.PARAMETER_SPEED_FRACTION].minimum},
@@ -45,26 +48,34 @@ def test_the_defaults_and_all_that_is_slow_are_accepted(tick_s):
     }
     for changes in (*slow.values(), slow["gains"] | slow["speed"] | slow["acceleration"]):
         assert check(changes, tick_s) == (lib.PARAMETER_SET_RESTS, set()), changes
+        assert check(changes | LAW_4, tick_s) == (lib.PARAMETER_SET_MAY_SWING, {lib.PARAMETER_PREDICTION}), changes
 
 
 def test_gains_are_refused_by_the_loops_delay():
     """A gain alone; a delay with the default gains; the two together: named are those, and no other."""
-    assert check({3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
-    assert check(TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))
-    assert check({lib.PARAMETER_COMMAND_DELAY_S: 0.05}) == (lib.PARAMETER_SET_UNSTABLE, {*GAINS, lib.PARAMETER_COMMAND_DELAY_S})
-    both = {5: 60.0, lib.PARAMETER_COMMAND_DELAY_S: 0.015}
-    assert check(both) == (lib.PARAMETER_SET_UNSTABLE, {5, lib.PARAMETER_COMMAND_DELAY_S})
-    assert check({5: 60.0})[0] == check({lib.PARAMETER_COMMAND_DELAY_S: 0.015})[0] == lib.PARAMETER_SET_RESTS
-    assert check({5: 100.0})[0] == lib.PARAMETER_SET_RESTS
-    assert check({5: 100.0}, CLASSIC_TICK_S) == (lib.PARAMETER_SET_UNSTABLE, {5})
+    delay = lib.PARAMETER_COMMAND_DELAY_S
+    assert check(LAW_4 | {3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
+    assert check(LAW_4 | TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))
+    assert check(LAW_4 | {delay: 0.05}) == (lib.PARAMETER_SET_UNSTABLE, {*GAINS, delay})
+    assert check(LAW_4 | {5: 60.0, delay: 0.015}) == (lib.PARAMETER_SET_UNSTABLE, {5, delay})
+    for accepted in ({5: 60.0}, {delay: 0.015}, {5: 100.0}):
+        assert check(LAW_4 | accepted)[0] == lib.PARAMETER_SET_MAY_SWING
+    assert check(LAW_4 | {5: 100.0}, CLASSIC_TICK_S) == (lib.PARAMETER_SET_UNSTABLE, {5})
+
+
+def test_the_following_gain_is_refused_by_the_loops_delay():
+    fast, delay = {FOLLOWING_GAIN: 60.0}, {lib.PARAMETER_COMMAND_DELAY_S: 0.015}
+    assert check(fast) == check(delay) == check(TOO_FAST) == (lib.PARAMETER_SET_RESTS, set())
+    assert check(fast | delay) == (lib.PARAMETER_SET_UNSTABLE, {FOLLOWING_GAIN, lib.PARAMETER_COMMAND_DELAY_S})
+    assert check({lib.PARAMETER_COMMAND_DELAY_S: 0.05})[0] == lib.PARAMETER_SET_UNSTABLE
 
 
 def test_a_gain_without_a_weight_does_nothing():
-    assert check({3: 500.0, lib.PARAMETER_WEIGHT + 3: 0.0})[0] == lib.PARAMETER_SET_RESTS
+    assert check(LAW_4 | {3: 500.0, lib.PARAMETER_WEIGHT + 3: 0.0})[0] == lib.PARAMETER_SET_MAY_SWING
 
 
 def test_the_papers_law_is_warned_of_and_not_refused():
-    paper = {lib.PARAMETER_ERROR_FRAME: 0.0, **dict.fromkeys(WEIGHTS, 1.0)}
+    paper = {**LAW_4, lib.PARAMETER_ERROR_FRAME: 0.0, **dict.fromkeys(WEIGHTS, 1.0)}
     assert check(paper | TOO_FAST) == (lib.PARAMETER_SET_MAY_SWING, set(GAINS))
     for change in ({lib.PARAMETER_ERROR_FRAME: 1.0}, {lib.PARAMETER_WEIGHT + 7: 1.5}):
         assert check(paper | TOO_FAST | change)[0] == lib.PARAMETER_SET_UNSTABLE
@@ -110,9 +121,10 @@ def status_bit(bench: Bench) -> bool:
 
 
 def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_it_is_mended():
-    bench = Bench().until_ready()
+    bench = Bench(prediction=True).until_ready()
     bench.store_result = lib.RESULT_ACCEPTED
     assert not status_bit(bench)
+    bench.write(lib.PARAMETER_PREDICTION, 0.0)
     for gain in (2, 5):
         assert bench.write(gain, 500.0) == lib.RESULT_ACCEPTED
     assert status_bit(bench)
@@ -124,13 +136,15 @@ def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_it_is_me
     bench.write(2, 35.0)
     assert bench.command(lib.COMMAND_START) == lib.RESULT_PARAMETERS_UNSTABLE
     bench.write(5, 35.0)
+    assert status_bit(bench)
+    bench.write(lib.PARAMETER_PREDICTION, 1.0)
     assert not status_bit(bench)
     assert bench.save() == lib.RESULT_ACCEPTED and len(bench.stored) == 1
     assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
 
 
 def test_a_stored_set_that_is_unstable_stays_is_told_at_boot_and_not_started():
-    bench = Bench(parameters=parameters({4: 500.0, 6: 400.0}))
+    bench = Bench(parameters=parameters(LAW_4 | {4: 500.0, 6: 400.0}))
     told = {}
     for _ in range(50):
         bench.tick()

@@ -85,6 +85,14 @@ def test_view_of_the_control_law(parameters):
     assert config.error_frame == lib.ERROR_FRAME_TARGET
 
 
+def test_view_of_position_first(parameters):
+    write(parameters, lib.PARAMETER_FOLLOWING_GAIN_PER_S, [20])
+    write(parameters, lib.PARAMETER_ORIENTATION_WEIGHT_M2, [2**-12])
+    config = ffi.new("position_first_config_t *")
+    lib.parameters_position_first(parameters, config)
+    assert (config.gain_per_s, config.orientation_weight_m2) == (20, 2**-12)
+
+
 def test_view_of_the_joint_limits(parameters):
     write(parameters, lib.PARAMETER_GAIN_PER_S, [1, 2, 3, 77, 5, 6, 7, 8])
     write(parameters, lib.PARAMETER_SPEED_FRACTION, [0.5])
@@ -93,7 +101,10 @@ def test_view_of_the_joint_limits(parameters):
     config = ffi.new("joint_limits_config_t *")
     lib.parameters_joint_limits(parameters, core.Arm.named("hoap3_right").table, 0.001, config)
     assert (config.speed_fraction, config.acceleration_max_radps2, config.command_delay_s) == (0.5, 12, 0.03125)
-    assert (config.tick_s, config.approach_gain_per_s) == (np.float32(0.001), 77)
+    assert (config.tick_s, config.approach_gain_per_s) == (np.float32(0.001), 35)
+    write(parameters, lib.PARAMETER_PREDICTION, [0])
+    lib.parameters_joint_limits(parameters, core.Arm.named("hoap3_right").table, 0.001, config)
+    assert config.approach_gain_per_s == 77  # law (4)'s
     for plan in list(config.plan)[:4]:  # it is prepared: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
         assert (plan.change_max_steps, plan.jerk_steps) == (12, 10)
 

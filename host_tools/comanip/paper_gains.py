@@ -15,7 +15,7 @@ def law_parameters(
     damping: float,
 ) -> tuple[tuple[str, float], ...]:
     """All the firmware's parameters of law (4), K and W being constant over the four components of each part."""
-    parameters = [("error_frame", error_frame), ("damping", damping)]
+    parameters = [("prediction", 0.0), ("error_frame", error_frame), ("damping", damping)]
     parameters += [(f"gain_{axis}_per_s", gain_rotation_per_s) for axis in _ROTATION]
     parameters += [(f"gain_dual_{axis}_per_s", gain_dual_per_s) for axis in _ROTATION]
     parameters += [(f"weight_{axis}", weight_rotation) for axis in _ROTATION]

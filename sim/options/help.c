@@ -21,7 +21,7 @@ static const char usage[] =
     "  --seed N                     of noise, dropouts, and how the people move and where things stand (default 1)\n"
     "  --scale S                    motion scale: sets the parameter motion_scale\n"
     "  --param NAME=VALUE           write a firmware parameter over the bus at the start; repeatable\n"
-    "  --paper-law                  the paper's law (4): error_frame 0, all weights 1, all gains 4; --param may override\n"
+    "  --paper-law                  the paper's law (4): prediction 0, error_frame 0, all weights 1, all gains 4; --param may override\n"
     "  --define FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND\n"
     "                               the operator defines the task, in place of the scenario's: constant or mirrored,\n"
     "                               t_task [m], q_task, q_inv, and how long it takes to come into force [s]\n"

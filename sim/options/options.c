@@ -103,6 +103,10 @@ static bool set_parameter(options_t *self, int parameter, const char *option, co
 
 /* The law as the paper has it, where --param does not say otherwise. */
 static void set_paper_law(operator_wishes_t *operator) {
+    if (!operator->parameter_written[PARAMETER_PREDICTION]) {
+        operator->parameter_written[PARAMETER_PREDICTION] = true;
+        operator->parameter_value[PARAMETER_PREDICTION] = 0.0f;
+    }
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         const bool is_gain = i >= PARAMETER_GAIN_PER_S && i < PARAMETER_GAIN_PER_S + 8;
         const bool is_weight = i >= PARAMETER_WEIGHT && i < PARAMETER_WEIGHT + 8;

@@ -1,0 +1,117 @@
+#include "position_first.h"
+
+#include "joint_ends.h"
+#include "ldlt.h"
+
+#define DAMPING_M2 2e-5f
+#define CURVATURE_SHARE 0.25f
+#define MARGIN_STIFFNESS 5.0f  /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
+#define MARGIN_TURN_RAD 0.52f  /* 2 |v| at which k is half of that */
+
+/* How far the joint is within the margin of its lower end, less of its upper end. */
+static float way_out_of_margin(const arm_joint_t *joint, float position_rad) {
+    const float above_lower_rad = position_rad - joint->position_min_rad;
+    const float below_upper_rad = joint->position_max_rad - position_rad;
+    float way_rad = 0.0f;
+    way_rad += above_lower_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - above_lower_rad : 0.0f;
+    way_rad -= below_upper_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - below_upper_rad : 0.0f;
+    return way_rad;
+}
+
+/* All vectors are seen from the hand. */
+typedef struct {
+    vector3_t way_m;     /* e */
+    vector3_t turn_rad;  /* 2 v */
+    float stiffness;     /* k */
+    twist_t motion;
+    float distance_m;    /* without the cap */
+} pose_error_t;
+
+static pose_error_t error_of(const pose_t *hand, const position_first_request_t *request) {
+    const quaternion_t to_hand = quaternion_conjugate(hand->rotation);
+    const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(hand->translation_m, -1.0f));
+    const float distance_m = __builtin_sqrtf(vector3_dot(way_m, way_m));
+    const float share = distance_m > POSITION_FIRST_ERROR_MAX_M ? POSITION_FIRST_ERROR_MAX_M / distance_m : 1.0f;
+    const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, request->target->rotation), quaternion_identity);
+    const vector3_t turn_rad = {2.0f * d.x, 2.0f * d.y, 2.0f * d.z};
+    const float turned = vector3_dot(turn_rad, turn_rad);
+    return (pose_error_t){
+        .way_m = quaternion_rotate(to_hand, vector3_scale(way_m, share)),
+        .turn_rad = turn_rad,
+        .stiffness = MARGIN_STIFFNESS * turned / (turned + MARGIN_TURN_RAD * MARGIN_TURN_RAD),
+        .motion = {quaternion_rotate(to_hand, request->motion->velocity_mps),
+                   quaternion_rotate(to_hand, request->motion->angular_velocity_radps)},
+        .distance_m = distance_m,
+    };
+}
+
+typedef struct {
+    ldlt_t normal;
+    float error[ARM_MAX_JOINTS], motion[ARM_MAX_JOINTS]; /* right-hand sides */
+} equations_t;
+
+static void set_up(equations_t *self, const arm_t *arm, const position_first_config_t *config, const float position_rad[],
+                   const arm_lines_t *lines, const pose_error_t *error) {
+    const float weight = config->orientation_weight_m2;
+    float diagonal[ARM_MAX_JOINTS];
+    for (int i = 0; i < arm->joint_count; i++) {
+        const vector3_t axis = lines->axis[i], moment = lines->moment_m[i];
+        const float way_out_rad = way_out_of_margin(&arm->joints[i], position_rad[i]);
+        const float turn = vector3_dot(axis, error->turn_rad) + error->stiffness * way_out_rad;
+        self->error[i] = config->gain_per_s * (vector3_dot(moment, error->way_m) + weight * turn);
+        self->motion[i] = vector3_dot(moment, error->motion.velocity_mps) +
+                          weight * vector3_dot(axis, error->motion.angular_velocity_radps);
+        diagonal[i] = DAMPING_M2 + (way_out_rad != 0.0f ? weight * error->stiffness : 0.0f);
+        for (int j = 0; j <= i; j++) {
+            self->normal.matrix[j][i] =
+                vector3_dot(moment, lines->moment_m[j]) + weight * vector3_dot(axis, lines->axis[j]);
+            const float curvature_m2 = vector3_dot(vector3_cross(lines->axis[j], error->way_m), moment);
+            const float share_m2 = CURVATURE_SHARE * __builtin_fabsf(curvature_m2);
+            diagonal[i] += share_m2;
+            diagonal[j] += j != i ? share_m2 : 0.0f;
+        }
+    }
+    for (int i = 0; i < arm->joint_count; i++) {
+        self->normal.matrix[i][i] += diagonal[i];
+    }
+}
+
+/* joints, a bit each, stand still. */
+static void leave_out(equations_t *self, int joint_count, uint8_t joints) {
+    ldlt_leave_out(&self->normal, joint_count, joints);
+    for (int i = 0; i < joint_count; i++) {
+        if ((joints >> i & 1) != 0) {
+            self->error[i] = 0.0f;
+            self->motion[i] = 0.0f;
+        }
+    }
+}
+
+float position_first(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,
+                     float error_radps[], float motion_radps[]) {
+    const int joint_count = arm->joint_count;
+    arm_lines_t lines;
+    arm_lines(arm, request->position_rad, &lines);
+    const pose_error_t error = error_of(&lines.hand, request);
+    equations_t equations;
+    set_up(&equations, arm, config, request->position_rad, &lines, &error);
+    uint8_t out = 0;
+    for (;;) {
+        float sum_radps[ARM_MAX_JOINTS];
+        for (int i = 0; i < joint_count; i++) {
+            error_radps[i] = equations.error[i];
+            motion_radps[i] = equations.motion[i];
+        }
+        ldlt_factorise(&equations.normal, joint_count);
+        ldlt_solve(&equations.normal, joint_count, error_radps);
+        ldlt_solve(&equations.normal, joint_count, motion_radps);
+        for (int i = 0; i < joint_count; i++) {
+            sum_radps[i] = error_radps[i] + motion_radps[i];
+        }
+        const uint8_t more = joint_ends_leave_out(request->ends, joint_count, sum_radps, &out);
+        if (more == 0u) {
+            return error.distance_m;
+        }
+        leave_out(&equations, joint_count, more);
+    }
+}

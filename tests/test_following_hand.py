@@ -1,0 +1,119 @@
+"""controller_step() with prediction: what the hand's motion does to the arm, frame by frame, with drives that do at once what they are told."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from comanip._core import lib
+from controller_bench import TICK_US, Bench
+
+SPEED_MPS = 0.08
+
+
+def started(**changes) -> Bench:
+    bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
+    for name, value in changes.items():
+        assert bench.write(getattr(lib, f"PARAMETER_{name.upper()}"), value) == lib.RESULT_ACCEPTED
+    bench.tick(300)  # the noise is measured, and the memory is long
+    return bench.start(lib.TASK_TELEOP)
+
+
+def position(bench: Bench) -> np.ndarray:
+    return oracle.translation(bench.robot)
+
+
+def move(bench: Bench, velocity_mps, ticks: int, ramp: int = 300) -> np.ndarray:
+    """The hand speeds up in `ramp` ticks and goes on; the robot's place at each tick."""
+    places = []
+    for k in range(ticks):
+        bench.move_hand(np.asarray(velocity_mps) * min(1, (k + 1) / ramp) * TICK_US * 1e-6)
+        bench.tick()
+        places.append(position(bench))
+    return np.array(places)
+
+
+def minimum_jerk(t_s: np.ndarray) -> np.ndarray:
+    s = np.clip(t_s, 0, 1)
+    return s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def test_a_hand_that_moves_steadily_is_followed_without_lag():
+    bench = started()
+    hand, robot = oracle.translation(bench.hand), position(bench)
+    move(bench, [0, SPEED_MPS, 0], 700)
+    lag_m = (oracle.translation(bench.hand) - hand) - (position(bench) - robot)
+    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # 10 ms of way; interpolation alone costs 4 ms, and 1 / K 29 ms
+    assert np.abs(bench.velocity_radps).max() > 0.1
+
+
+def test_off_by_one_parameter():
+    bench = started(prediction=0.0)
+    hand, robot = oracle.translation(bench.hand), position(bench)
+    move(bench, [0, SPEED_MPS, 0], 700)
+    lag_s = ((oracle.translation(bench.hand) - hand) - (position(bench) - robot))[1] / SPEED_MPS
+    assert 0.025 < lag_s < 0.045  # a tracker period, and 1 / K
+
+
+def test_a_clutch_in_motion_keeps_the_hands_speed():
+    """The next target is the robot's pose, and moves on with the hand: the robot is not braked (it was, from 0.156 to 0.043 m/s)."""
+    bench = started()
+    before = move(bench, [0, SPEED_MPS, 0], 600)
+    assert bench.command(lib.COMMAND_CLUTCH) == lib.RESULT_ACCEPTED
+    after = move(bench, [0, SPEED_MPS, 0], 200, ramp=1)
+    speeds = np.diff(after[:, 1]) / (TICK_US * 1e-6)
+    assert np.diff(before[-50:, 1]).mean() / (TICK_US * 1e-6) == pytest.approx(SPEED_MPS, rel=0.1)
+    assert speeds.min() > 0.8 * SPEED_MPS and speeds.max() < 1.2 * SPEED_MPS
+
+
+def test_a_gap_in_motion_ends_in_a_smooth_stop():
+    bench = started(stale_periods=25)
+    move(bench, [0, SPEED_MPS, 0], 600)
+    hand, bench.hand = bench.hand, None
+    begun = position(bench)
+    bench.tick(80)  # 100 ms until it counts as stale: the prediction has faded before
+    assert bench.mode == lib.MODE_COOPERATING
+    assert np.abs(bench.velocity_radps).max() < 0.15
+    bench.tick(60)
+    assert bench.mode == lib.MODE_HOLD and (bench.velocity_radps == 0).all()
+    assert (position(bench) - begun)[1] < SPEED_MPS * 0.08
+    bench.hand = hand
+
+
+def test_the_reference_is_the_estimate_and_not_one_sample(rng):
+    """Of many starts with noise, the target's place about the robot's: what the last sample alone was off by is not kept."""
+    sigma_m, offsets = 1e-3, []
+    for _ in range(12):
+        bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
+        still = oracle.translation(bench.hand)
+        for _ in range(500):
+            bench.hand = oracle.pose(bench.hand[:4], still + rng.normal(0, sigma_m, 3))
+            bench.tick()
+        bench.start(lib.TASK_TELEOP)
+        robot = position(bench)
+        bench.hand = oracle.pose(bench.hand[:4], still)
+        bench.tick(1500)
+        offsets.append(np.linalg.norm(position(bench) - robot))
+    assert np.sqrt(np.mean(np.square(offsets))) < 1.0 * sigma_m  # one sample: sqrt(3) sigma
+
+
+def test_a_target_that_comes_back_into_reach_is_met_without_whipping():
+    bench = started()
+    robot = position(bench)
+    t = np.arange(0, 5.0, TICK_US * 1e-6)
+    way = 0.25 * (minimum_jerk(t) - minimum_jerk(t - 2.0))  # 0.47 m/s at most
+    fastest, beyond, met = 0.0, 0.0, False
+    for k in range(len(t)):
+        bench.move_hand([0, 0, way[k] - (way[k - 1] if k > 0 else 0)])
+        bench.tick()
+        if t[k] > 2.0:
+            fastest = max(fastest, np.abs(bench.velocity_radps).max())
+            above_m = robot[2] + way[k] - position(bench)[2]
+            met = met or abs(above_m) < 1e-3
+            beyond = max(beyond, above_m if met else 0.0)
+        elif t[k] > 1.0:
+            assert robot[2] + way[k] - position(bench)[2] > 0.02  # out of reach
+    assert np.linalg.norm(position(bench) - robot) < 1e-3
+    assert fastest < 0.6 * 4.76
+    assert beyond < 5e-3
+    assert (bench.velocity_radps == 0).all()

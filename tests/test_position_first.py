@@ -1,0 +1,141 @@
+"""position_first() against its equations in double precision on dqrobotics' kinematics, and against the potential that it goes down."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from comanip import core
+from comanip._core import ffi, lib
+
+JOINTS = 4
+RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T  # lower, upper, kept from the stops
+GAIN, WEIGHT = 35.0, 1e-5
+ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 2e-5, 0.25
+MARGIN_TURN_RAD = 0.52
+
+
+def hand_at(q: np.ndarray) -> np.ndarray:
+    return oracle.evaluate(oracle.hoap3(), np.atleast_2d(q))[0][0]
+
+
+def geometric_jacobian(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """d position / dq and angular velocity, (3, 4) each in torso axes, from central differences of dqrobotics' forward kinematics."""
+    h = 1e-5
+    linear, angular = np.empty((3, JOINTS)), np.empty((3, JOINTS))
+    for i in range(JOINTS):
+        ahead, behind = hand_at(q + h * np.eye(JOINTS)[i]), hand_at(q - h * np.eye(JOINTS)[i])
+        linear[:, i] = (oracle.translation(ahead) - oracle.translation(behind)) / (2 * h)
+        turn = oracle.quaternion_multiply(ahead[:4], oracle.quaternion_conjugate(behind[:4]))
+        angular[:, i] = np.sign(turn[0]) * turn[1:] / h
+    return linear, angular
+
+
+def error(q: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The way to the target, and twice the vector part of the turn to it, in torso axes."""
+    hand = hand_at(q)
+    turn = oracle.quaternion_multiply(target[:4], oracle.quaternion_conjugate(hand[:4]))
+    return oracle.translation(target) - oracle.translation(hand), 2 * turn[1:] * (1 if turn[0] >= 0 else -1)
+
+
+def out_of_margin(q: np.ndarray) -> np.ndarray:
+    return np.maximum(MARGIN_RAD - (q - RANGE[:, 0]), 0) - np.maximum(MARGIN_RAD - (RANGE[:, 1] - q), 0)
+
+
+def stiffness(turn: np.ndarray) -> float:
+    return STIFFNESS * (turn @ turn) / (turn @ turn + MARGIN_TURN_RAD**2)
+
+
+def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
+    way, turn = error(q, target)
+    distance = np.linalg.norm(way)
+    position = distance**2 / 2 if distance <= ERROR_MAX_M else ERROR_MAX_M * (distance - ERROR_MAX_M / 2)
+    cosine_half = np.sqrt(1 - (turn @ turn) / 4)  # the gradient of 4 (1 - cos(angle / 2)) is that of 2 v, the error's turn
+    return position + WEIGHT * (4 * (1 - cosine_half) + k / 2 * (out_of_margin(q) @ out_of_margin(q)))
+
+
+def law(q, target, motion=np.zeros(6), ends=(0, 0)) -> tuple[np.ndarray, np.ndarray, float]:
+    arm = core.Arm.named("hoap3_right")
+    position = ffi.new("float[]", [float(x) for x in q])
+    config = ffi.new("position_first_config_t *", {"gain_per_s": GAIN, "orientation_weight_m2": WEIGHT})
+    goal, twist = ffi.new("pose_t *"), ffi.new("twist_t *")
+    goal.rotation, goal.translation_m = (
+        dict(zip("wxyz", map(float, target[:4]))),
+        dict(zip("xyz", map(float, oracle.translation(target)))),
+    )
+    twist.velocity_mps, twist.angular_velocity_radps = (dict(zip("xyz", map(float, part))) for part in np.split(np.asarray(motion), 2))
+    request = ffi.new("position_first_request_t *", {"position_rad": position, "target": goal, "motion": twist})
+    request.ends = {"lower": ends[0], "upper": ends[1]}
+    for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
+    distance = lib.position_first(arm.table, config, request, for_error, for_motion)
+    return np.array(list(for_error)[:JOINTS]), np.array(list(for_motion)[:JOINTS]), distance
+
+
+def matrix(q: np.ndarray, target: np.ndarray) -> np.ndarray:
+    linear, angular = geometric_jacobian(q)
+    way, turn = error(q, target)
+    way = way * min(1, ERROR_MAX_M / np.linalg.norm(way))
+    normal = linear.T @ linear + WEIGHT * angular.T @ angular
+    for i in range(JOINTS):
+        bound = sum(abs(np.cross(angular[:, min(i, j)], way) @ linear[:, max(i, j)]) for j in range(JOINTS))
+        normal[i, i] += DAMPING_M2 + CURVATURE * bound + WEIGHT * stiffness(turn) * (out_of_margin(q)[i] != 0)
+    return normal
+
+
+def cases(rng, count: int):
+    for _ in range(count):
+        q = rng.uniform(*RANGE.T)
+        near = oracle.rotation(rng.normal(size=3), rng.uniform(0, 3))
+        hand = hand_at(q)
+        reach = 10 ** rng.uniform(-3.5, 0)
+        offset = rng.normal(size=3)
+        yield q, oracle.pose(
+            oracle.quaternion_multiply(near, hand[:4]), oracle.translation(hand) + reach * offset / np.linalg.norm(offset)
+        )
+
+
+def test_both_velocities_are_those_of_the_equations(rng):
+    for q, target in cases(rng, 200):
+        linear, angular = geometric_jacobian(q)
+        way, turn = error(q, target)
+        motion = np.r_[rng.normal(0, 0.3, 3), rng.normal(0, 1, 3)]
+        capped = way * min(1, ERROR_MAX_M / np.linalg.norm(way))
+        normal = matrix(q, target)
+        pull = GAIN * (linear.T @ capped + WEIGHT * (angular.T @ turn + stiffness(turn) * out_of_margin(q)))
+        carried = linear.T @ motion[:3] + WEIGHT * angular.T @ motion[3:]
+        for_error, for_motion, distance = law(q, target, motion)
+        assert distance == pytest.approx(np.linalg.norm(way), abs=1e-6)
+        for found, right_hand_side in ((for_error, pull), (for_motion, carried)):
+            expected = np.linalg.solve(normal, right_hand_side)
+            assert np.abs(found - expected).max() < 5e-3 * max(1, np.abs(expected).max()), (q, target)
+
+
+def test_it_goes_down_the_potential_of_its_header(rng):
+    """So that it comes to rest: N u = -K grad V, with grad V from differences of V, and N positive definite."""
+    for q, target in cases(rng, 200):
+        h, k = 1e-6, stiffness(error(q, target)[1])
+        gradient = np.array([(potential(q + h * e, target, k) - potential(q - h * e, target, k)) / (2 * h) for e in np.eye(JOINTS)])
+        normal = matrix(q, target)
+        for_error, _, _ = law(q, target)
+        assert np.linalg.eigvalsh(normal).min() > 0
+        expected = np.linalg.solve(normal, -GAIN * gradient)
+        assert np.abs(for_error - expected).max() < 1e-2 * max(1, np.abs(expected).max())
+        assert for_error @ gradient <= 1e-7
+
+
+def test_no_joint_at_an_end_goes_beyond_it(rng):
+    held = 0
+    for q, target in cases(rng, 200):
+        lower, upper = int(rng.integers(16)), int(rng.integers(16))
+        lower &= ~upper
+        for_error, for_motion, _ = law(q, target, np.r_[rng.normal(0, 0.3, 3), rng.normal(0, 1, 3)], (lower, upper))
+        u = for_error + for_motion
+        for i in range(JOINTS):
+            assert not (lower >> i & 1 and u[i] < 0) and not (upper >> i & 1 and u[i] > 0)
+            held += u[i] == 0
+    assert held > 50
+
+
+def test_either_sign_of_the_target_is_the_same_pose(rng):
+    for q, target in cases(rng, 20):
+        assert (law(q, target)[0] == law(q, -target)[0]).all()
