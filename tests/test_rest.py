@@ -179,7 +179,7 @@ def test_a_pair_is_judged_by_its_allowed_speed(fraction, peak_radps, sign_change
 
 
 def test_a_refused_set_is_not_run(loop):
-    assert loop.run(rest_cases.pair_cases("choice", 1, 0.0), {"gain_x_per_s": 500.0})["start"] == rest_loop.UNSTABLE
+    assert loop.run(rest_cases.pair_cases("choice", 1, 0.0), {"gain_x_per_s": 500.0, "prediction": 0.0})["start"] == rest_loop.UNSTABLE
 
 
 # ---- the campaign
@@ -204,9 +204,21 @@ def campaign(folder: Path, *arguments: str) -> tuple[int, dict]:
     return status, json.loads(file.read_text())
 
 
-def test_the_checks_fail_on_the_law_that_swings(tmp_path):
+FORMER_LAW = ("--parameter", "prediction=0")
+
+
+def test_the_checks_fail_on_the_former_law(tmp_path):
     """A quarter of the cases swing, 8 % creep, and half of the positions are missed."""
-    status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60", "--ode", "0", "--pairs", "0")
+    status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60", "--ode", "0", "--pairs", "0", *FORMER_LAW)
     assert status == 1
     assert [check["name"] for check in report["checks"] if check["passed"]] == ["rest: not in cooperation"]
     assert all(entry["cause"] for entries in report["exceptions"].values() for entry in entries)
+
+
+def test_the_law_of_now_rests_in_a_small_campaign(tmp_path):
+    """`make rest` runs 5,000; with so few, no exception is allowed but one that creeps at 8 s. Positions: it misses what was asked, 95 %."""
+    _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
+    values = {check["name"]: check["value"] for check in report["checks"]}
+    assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025
+    assert values.pop("position: share within 1 mm where it can be reached") >= 0.7
+    assert set(values.values()) == {0}
