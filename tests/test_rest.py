@@ -148,6 +148,23 @@ def test_the_drive_is_a_dead_time_and_a_lag(loop):
     assert np.abs(outcomes["position_rad"][:, 0] - cases["start_rad"]).max() < 1e-3
 
 
+def test_a_reversal_counts_only_between_speeds_above_what_is_rest(tmp_path):
+    """In the simulator's trace: 0.03 and -0.03 in turn, with 0.01 of the other sign between; then 0.019 and -0.019 in turn."""
+    case = rest_cases.random_case("choice", 0)
+    case["end_s"] = (2.0, 4.0)
+    rates = np.zeros(4300)
+    rates[100:2100] = np.tile(np.repeat([0.03, -0.01, -0.03, 0.01], 50), 10)
+    rates[2100:4100] = np.tile([0.019, -0.019], 1000)
+    names = [f"dq{i}_command_radps" for i in range(4)] + [f"q{i}_rad" for i in range(4)]
+    names += [f"target_{name}" for name in ("qw", "qx", "qy", "qz", "x_m", "y_m", "z_m")]
+    rows = [",".join(["mode", *names])] + [",".join(["cooperating", f"{rate:.4f}", *["0"] * (len(names) - 1)]) for rate in rates]
+    (tmp_path / "trace.csv").write_text("\n".join(rows))
+    found = rest_ode.outcome(case, tmp_path / "trace.csv")
+    assert found["peak_radps"][:, 0] == pytest.approx([0.03, 0.019])
+    assert found["sign_changes"][:, 0].tolist() == [19, 0]
+    assert not found["interrupted"].any()
+
+
 # ---- pairs of parameters
 
 

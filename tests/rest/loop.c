@@ -28,7 +28,7 @@ typedef struct {
     controller_inbox_t inbox;
     protocol_sender_t drives, tracker, operator;
     drive_t drive[REST_JOINTS];
-    double window_last[REST_JOINTS]; /* the sign that a joint's velocity had last, in this window */
+    double window_last[REST_JOINTS]; /* a joint's velocity when it was last above REST_CREEP_RADPS, in this window; 0: not yet */
     joint_command_t command;
 } loop_t;
 
@@ -151,8 +151,10 @@ static void observe(loop_t *self, int tick) {
                 self->window_last[i] = 0.0;
             }
             self->outcome->peak_radps[w][i] = fmax(self->outcome->peak_radps[w][i], fabs(velocity_radps));
-            self->outcome->sign_changes[w][i] += velocity_radps * self->window_last[i] < 0.0;
-            self->window_last[i] = velocity_radps != 0.0 ? velocity_radps : self->window_last[i];
+            if (fabs(velocity_radps) > REST_CREEP_RADPS) {
+                self->outcome->sign_changes[w][i] += velocity_radps * self->window_last[i] < 0.0;
+                self->window_last[i] = velocity_radps;
+            }
             self->outcome->position_rad[w][i] = self->drive[i].position_rad;
             self->outcome->velocity_radps[w][i] = velocity_radps;
         }

@@ -9,6 +9,7 @@
 #define REST_JOINTS 4
 #define REST_WINDOWS 2
 #define REST_WINDOW_S 2.0
+#define REST_CREEP_RADPS 0.02
 
 /* The plant of a drive: its joint's speed follows what was commanded dead_time_s ago with a first-order lag; the encoder counts
  * whole pulses of 1/209 degree, and is read one tick before the firmware has it. */
@@ -28,7 +29,8 @@ typedef struct {
     control_mode_t mode;                            /* at the end */
     int interrupted[REST_WINDOWS];                  /* ticks of a window that were no cooperation */
     double peak_radps[REST_WINDOWS][REST_JOINTS];   /* largest commanded speed in a window */
-    int sign_changes[REST_WINDOWS][REST_JOINTS];    /* of the commanded velocity; 0 has no sign */
+    int sign_changes[REST_WINDOWS][REST_JOINTS];    /* of the commanded velocity where it is above REST_CREEP_RADPS: a pulse of the
+                                                       encoder times the gain also changes the sign, at rest, for ever */
     double position_rad[REST_WINDOWS][REST_JOINTS]; /* the joints at a window's end, */
     double velocity_radps[REST_WINDOWS][REST_JOINTS]; /* and what was commanded last */
     double target[7];                               /* at the end: w x y z, x y z */

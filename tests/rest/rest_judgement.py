@@ -1,4 +1,4 @@
-"""What counts as rest. An outcome is one of rest_loop.OUTCOME's."""
+"""What counts as rest. An outcome is one of rest_loop.OUTCOME's: its sign changes are those of speeds above CREEP_RADPS."""
 
 from __future__ import annotations
 

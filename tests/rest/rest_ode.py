@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from rest_cases import in_torso_axes
-from rest_judgement import WINDOW_S
+from rest_judgement import CREEP_RADPS, WINDOW_S
 from rest_loop import COOPERATING, OUTCOME
 
 SCALE = 2.0  # of the hand's way, so that a person's arm's length takes the target 2 m away
@@ -87,7 +87,7 @@ def outcome(case: np.ndarray, trace: Path) -> np.ndarray:
             continue
         for joint in range(4):
             velocity = np.array([float(row[f"dq{joint}_command_radps"] or 0) for row in inside])
-            signs = np.sign(velocity[velocity != 0])
+            signs = np.sign(velocity[np.abs(velocity) > CREEP_RADPS])
             one["peak_radps"][window, joint] = np.abs(velocity).max()
             one["sign_changes"][window, joint] = np.count_nonzero(np.diff(signs))
             one["position_rad"][window, joint] = float(inside[-1][f"q{joint}_rad"])
