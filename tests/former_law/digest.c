@@ -1,0 +1,105 @@
+/* Prints a digest of all joint velocities that the laws without prediction ask for, over a made-up input: samples of a hand that wanders
+ * and turns, interpolated, mapped by Algorithm 1, and law (4) at joints that wander, some of them at an end. The same source compiles
+ * with the firmware of before the prediction: tests/test_former_law.py has what that one printed. */
+#include <stdio.h>
+#include <string.h>
+
+#include "../../firmware/arms/hoap3_right.h"
+#include "../../firmware/cooperation.h"
+#include "../../firmware/hand_tracker.h"
+#include "../../firmware/parameters.h"
+#include "../../firmware/velocity_control.h"
+
+#define TICKS 20000
+#define TRACKER_TICKS 4u
+
+static uint32_t state = 1;
+
+/* Within -1..1. */
+static float made_up(void) {
+    state = state * 1664525u + 1013904223u;
+    return (float)(int32_t)state * (1.0f / 2147483648.0f);
+}
+
+static uint64_t digest = 14695981039346656037u; /* FNV-1a */
+
+static void take(const void *bytes, size_t count) {
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < count; i++) {
+        digest = (digest ^ byte[i]) * 1099511628211u;
+    }
+}
+
+static void set_gains(parameters_t *parameters, const float gain[8], const float weight[8], float damping, float error_frame) {
+    for (int i = 0; i < 8; i++) {
+        parameters->value[PARAMETER_GAIN_PER_S + i] = gain[i];
+        parameters->value[PARAMETER_WEIGHT + i] = weight[i];
+    }
+    parameters->value[PARAMETER_DAMPING] = damping;
+    parameters->value[PARAMETER_ERROR_FRAME] = error_frame;
+}
+
+static void run(const char *name, const parameters_t *parameters, task_id_t task) {
+    const arm_t *arm = &arm_hoap3_right;
+    velocity_control_config_t law;
+    cooperation_config_t mapping;
+    parameters_velocity_control(parameters, &law);
+    parameters_cooperation(parameters, &mapping);
+    cooperation_t cooperation;
+    hand_tracker_t tracker;
+    hand_tracker_init(&tracker, 4000u);
+    float joint[ARM_MAX_JOINTS] = {0.8f, -0.6f, 0.1f, -1.2f};
+    hand_pose_t sample = {.rotation = {1.0f, 0.0f, 0.0f, 0.0f}, .valid = true};
+    for (uint32_t tick = 1; tick <= TICKS; tick++) {
+        const uint32_t now_us = 1000u * tick;
+        if (tick % TRACKER_TICKS == 1u) {
+            quaternion_t turned = sample.rotation;
+            turned.x += 0.02f * made_up();
+            turned.y += 0.02f * made_up();
+            turned.z += 0.02f * made_up();
+            sample.rotation = quaternion_normalise(turned);
+            sample.position_m.x = 0.99f * sample.position_m.x + 0.01f * made_up();
+            sample.position_m.y = 0.99f * sample.position_m.y + 0.01f * made_up();
+            sample.position_m.z = 0.99f * sample.position_m.z + 0.01f * made_up();
+            sample.t_us = now_us;
+            (void)hand_tracker_receive(&tracker, &sample, now_us, now_us);
+        }
+        for (int i = 0; i < arm->joint_count; i++) {
+            const float middle = 0.5f * (arm->joints[i].position_min_rad + arm->joints[i].position_max_rad);
+            joint[i] += 0.01f * made_up() + 0.001f * (middle - joint[i]);
+        }
+        const pose_t hand = hand_tracker_pose(&tracker, now_us);
+        if (tick == 1u) {
+            cooperation_start(&cooperation, &mapping, &task_table[task], hand, arm->forward_kinematics(arm, joint));
+        }
+        cooperation_update(&cooperation, &hand, tick < 1000u ? 0.001f * (float)tick : 1.0f);
+        const uint8_t lower = tick % 7u == 0u ? (uint8_t)(tick & 15u) : 0u;
+        const velocity_request_t request = {
+            .position_rad = joint, .target = &cooperation.target, .ends = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
+        float velocity_radps[ARM_MAX_JOINTS] = {0.0f};
+        velocity_control(arm, &law, &request, velocity_radps);
+        take(&cooperation.target, sizeof cooperation.target);
+        take(velocity_radps, sizeof velocity_radps);
+    }
+    (void)printf("%s %016llx\n", name, (unsigned long long)digest);
+}
+
+int main(void) {
+    static const float ones[8] = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f};
+    static const float default_gain[8] = {35.0f, 35.0f, 35.0f, 35.0f, 35.0f, 35.0f, 35.0f, 35.0f};
+    static const float default_weight[8] = {0.01f, 0.01f, 0.01f, 0.01f, 100.0f, 100.0f, 100.0f, 100.0f};
+    static const float paper_gain[8] = {3.0f, 3.0f, 3.0f, 3.0f, 192.0f, 192.0f, 192.0f, 192.0f};
+    static const float gain[8] = {1.0f, 2.0f, 3.0f, 4.0f, 50.0f, 60.0f, 70.0f, 80.0f};
+    static const float weight[8] = {3.0f, 1.0f, 4.0f, 1.0f, 5.0f, 9.0f, 2.0f, 6.0f};
+    parameters_t parameters;
+    parameters_set_defaults(&parameters);
+    for (task_id_t task = TASK_POUR; task <= TASK_MIRROR; task++) {
+        set_gains(&parameters, default_gain, default_weight, 0.01f, 1.0f);
+        run("default", &parameters, task);
+        set_gains(&parameters, paper_gain, ones, 0.03f, 0.0f);
+        run("paper", &parameters, task);
+        set_gains(&parameters, gain, weight, 0.001f, 1.0f);
+        run("given", &parameters, task);
+    }
+    return 0;
+}

@@ -1,0 +1,24 @@
+"""The paper's law, law (4) with given K and W, and the default of before the prediction ask for the same velocities as they did, to the bit.
+
+before_prediction.txt is what digest.c printed with the firmware at e544a9a: the last one without prediction."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+HERE = Path(__file__).parent
+REPOSITORY = HERE.parent
+FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Werror", "-Ibuild/generated"]
+
+
+def test_the_velocities_asked_for_without_prediction_are_the_former_ones(tmp_path):
+    firmware = [path for folder in ("firmware", "firmware/arms") for path in sorted((REPOSITORY / folder).glob("*.c"))]
+    sources = [path for path in firmware if path.name != "main.c"]
+    program = tmp_path / "digest"
+    subprocess.run(
+        ["gcc", *FLAGS, HERE / "former_law" / "digest.c", *sources, "build/generated/comanip_dbc.c", "-lm", "-o", program],
+        cwd=REPOSITORY, check=True,
+    )  # fmt: skip
+    printed = subprocess.run([program], check=True, capture_output=True, text=True).stdout
+    assert printed == (HERE / "former_law" / "before_prediction.txt").read_text()
