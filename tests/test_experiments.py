@@ -326,9 +326,9 @@ def test_the_two_laws():
     paper = dict(gain_search.Candidate("paper", 3.0, 100.0, 1e-4).parameters)
     assert (paper["error_frame"], paper["gain_x_per_s"], paper["gain_dual_x_per_s"]) == (0.0, 3.0, pytest.approx(300.0))
     assert {paper[name] for name in paper if name.startswith("weight_")} == {1.0}
-    ours = dict(gain_search.Candidate("ours", 50.0, 2000.0, 1e-3).parameters)
-    assert (ours["error_frame"], ours["gain_x_per_s"], ours["gain_dual_x_per_s"]) == (1.0, 50.0, 50.0)
-    assert ours["weight_dual_x"] / ours["weight_x"] == pytest.approx(2000.0)
+    assert paper["prediction"] == 0.0
+    ours = dict(gain_search.Candidate("ours", 50.0, 1e4, 0.0).parameters)
+    assert ours == {"prediction": 1.0, "following_gain_per_s": 50.0, "orientation_weight_m2": pytest.approx(1e-4)}
 
 
 def test_share_at_the_acceleration_limit():

@@ -1,4 +1,4 @@
-"""A search for the gains of law (4), for the paper's law and for ours. ``python -m comanip.gain_search --out DIR``.
+"""A search for the gains of the paper's law (4) and of ours (firmware/position_first.h). ``python -m comanip.gain_search --out DIR``.
 
 Each candidate runs scenarios x seeds in the simulator. Of each run enter, each divided by what would be acceptable:
 
@@ -10,7 +10,7 @@ nothing, but its failed check does; a run without a summary counts WORST. Checks
 are no use however smooth. Orientation has a wide divisor because four joints cannot follow it.
 
 (a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid.
-(b) ours: error_frame = target; one gain k, the weights' ratio W_t / W_r (with W_t = 100) and lambda on a grid.
+(b) ours, with prediction: the gain k = following_gain_per_s, and the ratio 1 / orientation_weight_m2 on a grid.
 
 First a coarse grid on one seed, in a shuffled, repeatable order, so that a search cut short by --budget-s has seen all
 of its range; then the neighbours of the best, half a grid step away, and the best again with more seeds. Written are
@@ -36,7 +36,7 @@ import numpy as np
 
 from comanip.campaign import SIMULATOR, CampaignError, Job, Outcome, run_jobs
 from comanip.experiments import SCENARIOS, guarded, positive_integer
-from comanip.paper_gains import TARGET, TORSO, law_parameters
+from comanip.paper_gains import TORSO, law_parameters
 from comanip.plotting.run_data import RunDataError, read_trace
 
 POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, FAILED = 5.0, 20.0, 0.1, 5.0, 0.1
@@ -46,10 +46,10 @@ ACCELERATION_RADPS2, TICK_S = 25.0, 1e-3
 RATE_STEP_RADPS = 1e-3  # of the trace
 ROTATION_GAINS_PER_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 GAIN_RATIOS = (1.0, 4.0, 16.0, 64.0, 256.0, 1024.0)
-OUR_GAINS_PER_S = (10.0, 20.0, 35.0, 50.0, 75.0, 100.0)
-WEIGHT_RATIOS = (20.0, 200.0, 2000.0, 20000.0, 200000.0)
 DAMPINGS = (1e-4, 1e-3, 1e-2, 1e-1)
-WEIGHT_DUAL = 100.0
+OUR_GAINS_PER_S = (10.0, 20.0, 25.0, 35.0, 50.0, 60.0)
+OUR_GAIN_RANGE_PER_S = (1.0, 60.0)  # of the firmware's parameter
+OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1e3: the parameter's maximum, 1e-3 m^2
 BEST = 5  # are refined, and confirmed
 SHOWN = 10
 ORDER_SEED = 1
@@ -57,7 +57,8 @@ ORDER_SEED = 1
 
 @dataclass(frozen=True)
 class Candidate:
-    """`gain_per_s`: k_r of the paper's law, k of ours. `ratio`: k_t / k_r of the paper's, W_t / W_r of ours."""
+    """`gain_per_s`: k_r of the paper's law, k of ours. `ratio`: k_t / k_r of the paper's, 1 / orientation_weight_m2 of ours.
+    `damping`: the paper's; 0 for ours, which has none to choose."""
 
     law: str  # "paper" or "ours"
     gain_per_s: float
@@ -67,14 +68,16 @@ class Candidate:
     @property
     def is_possible(self) -> bool:
         """Within the ranges of the firmware's parameters."""
-        return self.gain_per_s * (self.ratio if self.law == "paper" else 1.0) <= MAX_GAIN_PER_S
+        if self.law == "paper":
+            return self.gain_per_s * self.ratio <= MAX_GAIN_PER_S
+        lowest, highest = OUR_GAIN_RANGE_PER_S
+        return lowest <= self.gain_per_s <= highest and self.ratio >= OUR_RATIOS_PER_M2[0]
 
     @property
     def parameters(self) -> tuple[tuple[str, float], ...]:
         if self.law == "paper":
             return law_parameters(TORSO, self.gain_per_s, self.gain_per_s * self.ratio, 1.0, 1.0, self.damping)
-        weight = WEIGHT_DUAL / self.ratio
-        return law_parameters(TARGET, self.gain_per_s, self.gain_per_s, weight, WEIGHT_DUAL, self.damping)
+        return (("prediction", 1.0), ("following_gain_per_s", self.gain_per_s), ("orientation_weight_m2", 1 / self.ratio))
 
 
 @dataclass(frozen=True)
@@ -145,8 +148,8 @@ def score(outcomes: Sequence[Outcome]) -> Score:
 
 
 def coarse_grid(law: str) -> list[Candidate]:
-    axes = (ROTATION_GAINS_PER_S, GAIN_RATIOS) if law == "paper" else (OUR_GAINS_PER_S, WEIGHT_RATIOS)
-    grid = [Candidate(law, *point) for point in itertools.product(*axes, DAMPINGS)]
+    paper, ours = (ROTATION_GAINS_PER_S, GAIN_RATIOS, DAMPINGS), (OUR_GAINS_PER_S, OUR_RATIOS_PER_M2, (0.0,))
+    grid = [Candidate(law, *point) for point in itertools.product(*(paper if law == "paper" else ours))]
     possible = [candidate for candidate in grid if candidate.is_possible]
     random.Random(ORDER_SEED).shuffle(possible)
     return possible
@@ -229,7 +232,7 @@ def markdown(tried: Sequence[Tried], scenarios: Sequence[str]) -> str:
     """The best of each law: confirmed ones, on more seeds, first."""
     names = ", ".join(scenarios)
     lines = ["# Gains found", "", f"Scenarios: {names}. Score and grid: host_tools/comanip/gain_search.py."]
-    for law, what in (("paper", "gain = k_r, ratio = k_t / k_r"), ("ours", "gain = k, ratio = W_t / W_r, W_t = 100")):
+    for law, what in (("paper", "gain = k_r, ratio = k_t / k_r"), ("ours", "gain = k, ratio = 1 / w [1/m^2]")):
         of_law = [t for t in tried if t.candidate.law == law]
         if not of_law:
             continue

@@ -23,7 +23,7 @@ def law_parameters(
     return tuple(parameters)
 
 
-TORSO, TARGET = 0.0, 1.0
+TORSO = 0.0
 
 PAPER_GAINS = law_parameters(
     error_frame=TORSO,
