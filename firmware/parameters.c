@@ -48,7 +48,7 @@ const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     {"trace", 0.0f, 1.0f, 1.0f, true},
     {"prediction", 0.0f, 1.0f, 1.0f, true},
     {"following_gain_per_s", 1.0f, 60.0f, 35.0f, false},
-    {"orientation_weight_m2", 0.0f, 1e-3f, 1e-5f, false},
+    {"orientation_weight_m2", 0.0f, 1e-3f, 1.5e-5f, false},
     {"tracker_latency_s", -0.05f, 0.05f, 0.0f, false},
 };
 

@@ -3,7 +3,9 @@
 #include "joint_ends.h"
 #include "ldlt.h"
 
-#define DAMPING_M2 2e-5f
+#define DAMPING_M2 1e-5f
+#define TASK_DAMPING_M2 3e-4f
+#define TASK_FLOOR_M2 1e-5f
 #define CURVATURE_SHARE 0.25f
 #define MARGIN_STIFFNESS 5.0f  /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
 #define MARGIN_TURN_RAD 0.52f  /* 2 |v| at which k is half of that */
@@ -50,12 +52,47 @@ typedef struct {
     float error[ARM_MAX_JOINTS], motion[ARM_MAX_JOINTS]; /* right-hand sides */
 } equations_t;
 
+typedef struct {
+    float xx, xy, xz, yy, yz, zz;
+} symmetric_t;
+
+/* Task damping times (J_p J_p^T + floor I)^-1. The determinant is at least floor^2 times the largest eigenvalue; where the arm is singular
+ * twice, rounding would leave less, or nothing. */
+static symmetric_t task_damping(const arm_lines_t *lines, int joint_count) {
+    symmetric_t m = {TASK_FLOOR_M2, 0.0f, 0.0f, TASK_FLOOR_M2, 0.0f, TASK_FLOOR_M2};
+    for (int i = 0; i < joint_count; i++) {
+        const vector3_t moment = lines->moment_m[i];
+        m.xx += moment.x * moment.x;
+        m.xy += moment.x * moment.y;
+        m.xz += moment.x * moment.z;
+        m.yy += moment.y * moment.y;
+        m.yz += moment.y * moment.z;
+        m.zz += moment.z * moment.z;
+    }
+    const symmetric_t cofactor = {
+        m.yy * m.zz - m.yz * m.yz, m.xz * m.yz - m.xy * m.zz, m.xy * m.yz - m.xz * m.yy,
+        m.xx * m.zz - m.xz * m.xz, m.xy * m.xz - m.xx * m.yz, m.xx * m.yy - m.xy * m.xy,
+    };
+    const float determinant = m.xx * cofactor.xx + m.xy * cofactor.xy + m.xz * cofactor.xz;
+    const float least = TASK_FLOOR_M2 * TASK_FLOOR_M2 / 3.0f * (m.xx + m.yy + m.zz);
+    const float scale = TASK_DAMPING_M2 / (determinant > least ? determinant : least);
+    return (symmetric_t){scale * cofactor.xx, scale * cofactor.xy, scale * cofactor.xz,
+                         scale * cofactor.yy, scale * cofactor.yz, scale * cofactor.zz};
+}
+
+static vector3_t times(const symmetric_t *m, vector3_t v) {
+    return (vector3_t){m->xx * v.x + m->xy * v.y + m->xz * v.z, m->xy * v.x + m->yy * v.y + m->yz * v.z,
+                       m->xz * v.x + m->yz * v.y + m->zz * v.z};
+}
+
 static void set_up(equations_t *self, const arm_t *arm, const position_first_config_t *config, const float position_rad[],
                    const arm_lines_t *lines, const pose_error_t *error) {
     const float weight = config->orientation_weight_m2;
+    const symmetric_t damping = task_damping(lines, arm->joint_count);
     float diagonal[ARM_MAX_JOINTS];
     for (int i = 0; i < arm->joint_count; i++) {
         const vector3_t axis = lines->axis[i], moment = lines->moment_m[i];
+        const vector3_t damped = vector3_add(moment, times(&damping, moment));
         const float way_out_rad = way_out_of_margin(&arm->joints[i], position_rad[i]);
         const float turn = vector3_dot(axis, error->turn_rad) + error->stiffness * way_out_rad;
         self->error[i] = config->gain_per_s * (vector3_dot(moment, error->way_m) + weight * turn);
@@ -64,7 +101,7 @@ static void set_up(equations_t *self, const arm_t *arm, const position_first_con
         diagonal[i] = DAMPING_M2 + (way_out_rad != 0.0f ? weight * error->stiffness : 0.0f);
         for (int j = 0; j <= i; j++) {
             self->normal.matrix[j][i] =
-                vector3_dot(moment, lines->moment_m[j]) + weight * vector3_dot(axis, lines->axis[j]);
+                vector3_dot(damped, lines->moment_m[j]) + weight * vector3_dot(axis, lines->axis[j]);
             const float curvature_m2 = vector3_dot(vector3_cross(lines->axis[j], error->way_m), moment);
             const float share_m2 = CURVATURE_SHARE * __builtin_fabsf(curvature_m2);
             diagonal[i] += share_m2;

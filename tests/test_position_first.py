@@ -10,8 +10,9 @@ from comanip._core import ffi, lib
 
 JOINTS = 4
 RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T  # lower, upper, kept from the stops
-GAIN, WEIGHT = 35.0, 1e-5
-ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 2e-5, 0.25
+GAIN, WEIGHT = 35.0, 1.5e-5
+ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 1e-5, 0.25
+TASK_DAMPING_M2, TASK_FLOOR_M2 = 3e-4, 1e-5
 MARGIN_TURN_RAD = 0.52
 
 
@@ -75,7 +76,8 @@ def matrix(q: np.ndarray, target: np.ndarray) -> np.ndarray:
     linear, angular = geometric_jacobian(q)
     way, turn = error(q, target)
     way = way * min(1, ERROR_MAX_M / np.linalg.norm(way))
-    normal = linear.T @ linear + WEIGHT * angular.T @ angular
+    task = np.eye(3) + TASK_DAMPING_M2 * np.linalg.inv(linear @ linear.T + TASK_FLOOR_M2 * np.eye(3))
+    normal = linear.T @ task @ linear + WEIGHT * angular.T @ angular
     for i in range(JOINTS):
         bound = sum(abs(np.cross(angular[:, min(i, j)], way) @ linear[:, max(i, j)]) for j in range(JOINTS))
         normal[i, i] += DAMPING_M2 + CURVATURE * bound + WEIGHT * stiffness(turn) * (out_of_margin(q)[i] != 0)
@@ -139,3 +141,15 @@ def test_no_joint_at_an_end_goes_beyond_it(rng):
 def test_either_sign_of_the_target_is_the_same_pose(rng):
     for q, target in cases(rng, 20):
         assert (law(q, target)[0] == law(q, -target)[0]).all()
+
+
+def test_a_posture_that_is_singular_twice_gives_no_wild_velocity():
+    """The arm stretched out, with the hand on the first joint's axis: of three directions one is left."""
+    for q in ([0.3, 0.0, 0.0, 0.0], [0.3, -1.6580, 0.0, 0.0], [1.0, -np.pi / 2, 0.5, 0.0], [1.0, -np.pi / 2, 0.5, -1e-3]):
+        hand = hand_at(np.array(q))
+        for way in np.vstack([np.eye(3), -np.eye(3)]) * 0.01:
+            target = oracle.pose(hand[:4], oracle.translation(hand) + way)
+            for_error, for_motion, _ = law(np.array(q), target, np.r_[30 * way, 0, 0, 0])
+            assert np.isfinite(for_error).all() and np.abs(for_error).max() < 30 and np.abs(for_motion).max() < 60
+            linear, _ = geometric_jacobian(np.array(q))
+            assert (linear @ for_error) @ way > -1e-4  # not away from the target
