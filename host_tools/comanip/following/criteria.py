@@ -119,7 +119,7 @@ class Judge:
             wrong_um, right_um = (
                 self.figure(plan.LOOP, plan.DEFAULT, c, plan.TELEOP, None, "noise_um") for c in (condition, right)
             )
-            what = f"{plan.TELEOP.label}: noise at rest at {condition.label}"
+            what = f"noise at rest at {condition.label}"
             found.append(Criterion(plan.LOOP, what, wrong_um, WRONG_NOISE_RATIO * right_um, "um"))
         return found
 

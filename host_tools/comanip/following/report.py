@@ -15,7 +15,7 @@ from comanip.following.plan import Condition, Setting
 from comanip.following.results import Results
 
 FIGURES = ("rms_mm", "max_mm", "rms_deg", "delay_ms", "acceleration_mps2", "limit_percent")
-HEADINGS = ("RMS mm", "largest mm", "RMS deg", "delay ms", "acc. m/s2", "% limited", "rest um")
+HEADINGS = ("RMS mm", "max mm", "RMS deg", "delay ms", "m/s2", "% lim.", "rest um")
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:

@@ -19,6 +19,7 @@ def plot(rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], j
     followers stand side by side, in the last column."""
     found = {(row["condition"], row["follower"]): row for row in rows}
     known = {condition for condition, _ in found}
+    measured = {follower: colour for follower, colour in COLOURS.items() if follower in {name for _, name in found}}
     sweeps = {name: points for name, points in sweeps.items() if known.issuperset(condition for _, condition in points)}
     figure, axes = plt.subplots(len(FIGURES), len(sweeps) + 1, sharey="row", figsize=(4.0 + 2.9 * len(sweeps), 7.2), squeeze=False)
 
@@ -31,7 +32,7 @@ def plot(rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], j
                 heights = values((condition for _, condition in points), follower, key)
                 axes[line, column].plot([x for x, _ in points], heights, "o-", ms=3, color=COLOURS[follower])
         last = axes[line, -1]
-        for k, (follower, colour) in enumerate(COLOURS.items()):
+        for k, (follower, colour) in enumerate(measured.items()):
             places = np.arange(len(judged)) + 0.13 * (k - 2.5)
             last.plot(places, values(judged, follower, key), "o", ms=5, color=colour, label=follower)
         last.set_xticks(range(len(judged)), [condition.replace(", ", "\n") for condition in judged] if line == 2 else [""] * 3)
