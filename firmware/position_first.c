@@ -4,7 +4,7 @@
 #include "ldlt.h"
 
 #define DAMPING_M2 1e-5f
-#define TASK_DAMPING_M2 3e-4f
+#define TASK_DAMPING_M2 2e-4f
 #define TASK_FLOOR_M2 1e-5f
 #define CURVATURE_SHARE 0.25f
 #define MARGIN_STIFFNESS 5.0f  /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
