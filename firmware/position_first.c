@@ -4,11 +4,11 @@
 #include "ldlt.h"
 
 #define DAMPING_M2 1e-5f
-#define TASK_DAMPING_M2 2e-4f
+#define TASK_DAMPING_M2 3e-4f
 #define TASK_FLOOR_M2 1e-5f
 #define CURVATURE_SHARE 0.25f
 #define MARGIN_STIFFNESS 5.0f  /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
-#define MARGIN_TURN_RAD 0.52f  /* 2 |v| at which k is half of that */
+#define MARGIN_TURN_RAD4 0.073f /* k is half of that where the orientation is off by 0.52 rad, 30 degrees, and little up to half of these */
 
 /* How far the joint is within the margin of its lower end, less of its upper end. */
 static float way_out_of_margin(const arm_joint_t *joint, float position_rad) {
@@ -36,11 +36,12 @@ static pose_error_t error_of(const pose_t *hand, const position_first_request_t 
     const float share = distance_m > POSITION_FIRST_ERROR_MAX_M ? POSITION_FIRST_ERROR_MAX_M / distance_m : 1.0f;
     const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, request->target->rotation), quaternion_identity);
     const vector3_t turn_rad = {2.0f * d.x, 2.0f * d.y, 2.0f * d.z};
-    const float turned = vector3_dot(turn_rad, turn_rad);
+    const float turned_rad2 = vector3_dot(turn_rad, turn_rad);
+    const float turned_rad4 = turned_rad2 * turned_rad2;
     return (pose_error_t){
         .way_m = quaternion_rotate(to_hand, vector3_scale(way_m, share)),
         .turn_rad = turn_rad,
-        .stiffness = MARGIN_STIFFNESS * turned / (turned + MARGIN_TURN_RAD * MARGIN_TURN_RAD),
+        .stiffness = MARGIN_STIFFNESS * turned_rad4 / (turned_rad4 + MARGIN_TURN_RAD4),
         .motion = {quaternion_rotate(to_hand, request->motion->velocity_mps),
                    quaternion_rotate(to_hand, request->motion->angular_velocity_radps)},
         .distance_m = distance_m,

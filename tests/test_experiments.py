@@ -140,7 +140,7 @@ def test_the_papers_law_is_what_runs(tmp_path, simulator):
     run(simulator, tmp_path / "out", "--recordings", tmp_path / "none")
     command = json.loads((tmp_path / "out" / "crank" / "paper-law-seed-02" / "summary.json").read_text())["argv"]
     written = [text for option, text in zip(command, command[1:], strict=False) if option == "--param"]
-    assert "--paper-law" in command and len(written) == 18
+    assert "--paper-law" in command and len(written) == 19
     value = {name: float(number) for name, _, number in (text.partition("=") for text in written)}
     assert value == pytest.approx(dict(PAPER_GAINS)) and value["error_frame"] == 0.0
     assert all(value[name] == 1.0 for name in value if name.startswith("weight_"))

@@ -12,8 +12,8 @@ JOINTS = 4
 RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T  # lower, upper, kept from the stops
 GAIN, WEIGHT = 35.0, 1.5e-5
 ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 1e-5, 0.25
-TASK_DAMPING_M2, TASK_FLOOR_M2 = 2e-4, 1e-5
-MARGIN_TURN_RAD = 0.52
+TASK_DAMPING_M2, TASK_FLOOR_M2 = 3e-4, 1e-5
+MARGIN_TURN_RAD4 = 0.073
 
 
 def hand_at(q: np.ndarray) -> np.ndarray:
@@ -44,7 +44,7 @@ def out_of_margin(q: np.ndarray) -> np.ndarray:
 
 
 def stiffness(turn: np.ndarray) -> float:
-    return STIFFNESS * (turn @ turn) / (turn @ turn + MARGIN_TURN_RAD**2)
+    return STIFFNESS * (turn @ turn) ** 2 / ((turn @ turn) ** 2 + MARGIN_TURN_RAD4)
 
 
 def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:

@@ -95,7 +95,7 @@ def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
 def test_followable_share_does_not_depend_on_the_gain(tmp_path, gain, pass_):
     """A slow law misses the target; neither it nor a fast one chooses how much of the run is judged."""
     axes = [f"gain_{part}{axis}_per_s" for part in ("", "dual_") for axis in "wxyz"]
-    changed = checks(run(tmp_path / "changed", "--scenario", "teleop", *(f"--param={name}={gain}" for name in axes)))
+    changed = checks(run(tmp_path / "changed", "--scenario", "teleop", "--param=prediction=0", *(f"--param={name}={gain}" for name in axes)))
     normal = checks(run(tmp_path / "normal", "--scenario", "teleop"))
     share = normal["followable_share"]["value"]
     assert changed["followable_share"]["value"] == pytest.approx(share, abs=25) and share > 60
@@ -221,7 +221,7 @@ def test_paper_law_reaches_the_bus_and_param_overrides_it(tmp_path):
     written = {str(frame["parameter"]): frame["value"] for frame in sent}
     expected = {name: 4 for name in map(str, names.values()) if name.startswith("gain_")}
     expected |= {name: 1 for name in map(str, names.values()) if name.startswith("weight_")}
-    assert written == expected | {"error_frame": 0, "gain_w_per_s": 5}
+    assert written == expected | {"prediction": 0, "error_frame": 0, "gain_w_per_s": 5}
     assert len(expected) == 16
 
 
@@ -248,8 +248,8 @@ def test_defined_task_reaches_the_bus_in_place_of_the_scenarios(tmp_path):
 
 @pytest.mark.parametrize(("scenario", "clutch_s"), [("teleop", 4.0), ("mirror", 6.5)])
 def test_clutch_takes_the_arm_as_it_stands(tmp_path, scenario, clutch_s):
-    """In the middle of a move the hand is behind its target; the clutch puts the target where the hand is."""
-    done = run(tmp_path / "out", "--scenario", scenario, "--clutch", clutch_s)
+    """In the middle of a move the hand is behind its target, without prediction; the clutch puts the target where the hand is."""
+    done = run(tmp_path / "out", "--scenario", scenario, "--clutch", clutch_s, "--param", "prediction=0")
     log = bus_log.read(done.log)
     command, ack = log["OperatorCommand"], log["CommandAck"]
     names = command.message.get_signal_by_name("command").choices

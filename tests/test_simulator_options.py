@@ -23,7 +23,7 @@ CONTRACT = {
 }  # fmt: skip
 BEYOND_THE_CONTRACT = {
     "summary.tracker.range_errors", "summary.tracking.followable", "summary.bus.profile",
-    *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events", "law", "object", "cups")),
+    *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events", "law", "object", "cups", "rest", "latency")),
     "summary.checks[].orientation_rms_deg",
 }  # fmt: skip
 
@@ -137,9 +137,10 @@ def test_motion_does_not_depend_on_where_the_tracker_stands(tmp_path, scenario):
         assert np.abs(np.sum(hand[:, 3:] * hands[0][:, 3:], axis=1)).min() > np.cos(0.5 * np.radians(0.1))
 
 
-def test_latency_delays_the_motion_and_nothing_else(tmp_path):
+def test_latency_delays_the_motion_and_nothing_else(tmp_path):  # where nothing predicts over it
     early, late = (
-        hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--latency-ms", ms)) for ms in (4, 24)
+        hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--param", "prediction=0", "--latency-ms", ms))
+        for ms in (4, 24)
     )
     moving = slice(1900, 11400)  # after the start command, up to the stop
     shifted = late[20:][moving, :3] - early[:-20][moving, :3]
@@ -186,7 +187,7 @@ def test_paper_law_is_told_to_the_firmware(tmp_path):
     written = {str(names[i]): value for i, value in zip(access.raw("parameter"), value_of(access), strict=True)}
     parts = [part + axis for part in ("", "dual_") for axis in "wxyz"]
     expected = {f"weight_{part}": 1 for part in parts} | {f"gain_{part}_per_s": 4 for part in parts}
-    assert written == expected | {"error_frame": 0, "gain_w_per_s": 3}
+    assert written == expected | {"prediction": 0, "error_frame": 0, "gain_w_per_s": 3}
 
 
 def value_of(access: bus_log.Frames) -> np.ndarray:

@@ -6,6 +6,7 @@
 #include "../robot/position_jacobian.h"
 
 #define FOLLOWING_PER_S 35.0
+#define ESTIMATE_SHARE 0.25 /* of a sample's noise, in the estimate of a hand at rest */
 #define DAMPING_M2 1e-4 /* a start posture may be singular; elsewhere the squared singular values are 1e-3 to 1e-1 m^2 */
 
 /* The largest norm of a row of the Jacobian's pseudo-inverse [rad/m]: speed of a joint per speed of the hand along each axis. */
@@ -19,12 +20,13 @@ static double largest_row_norm(const double position_rad[ROBOT_JOINTS]) {
     return largest;
 }
 
-double rest_noise_radps(const scenario_t *scenario, const tracker_options_t *tracker, double motion_scale) {
+double rest_noise_radps(const scenario_t *scenario, const tracker_options_t *tracker, double motion_scale, bool predicts) {
     double start_rad[ROBOT_JOINTS];
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         start_rad[i] = scenario->start_deg[i] * ROBOT_RAD_PER_DEG;
     }
     const double tremor_mps = tremor_speed_mps(1e-3 * scenario->person[scenario->tracked].tremor_mm);
-    const double hand_mps = motion_scale * hypot(tremor_mps, FOLLOWING_PER_S * tracker->noise_position_m);
-    return hypot(largest_row_norm(start_rad) * hand_mps, FOLLOWING_PER_S * tracker->noise_rotation_rad);
+    const double rate_per_s = predicts ? ESTIMATE_SHARE * FOLLOWING_PER_S : FOLLOWING_PER_S;
+    const double hand_mps = motion_scale * hypot(tremor_mps, rate_per_s * tracker->noise_position_m);
+    return hypot(largest_row_norm(start_rad) * hand_mps, rate_per_s * tracker->noise_rotation_rad);
 }

@@ -77,7 +77,8 @@ static bool is_cut(const world_t *world) {
 
 static double rest_limit_radps(const world_t *world) {
     const double motion_scale = (double)world->observer.parameter[PARAMETER_MOTION_SCALE];
-    return fmax(REST_RADPS, REST_NOISES * rest_noise_radps(world->scenario, &world->options->tracker, motion_scale));
+    const bool predicts = world->observer.parameter[PARAMETER_PREDICTION] > 0.0f;
+    return fmax(REST_RADPS, REST_NOISES * rest_noise_radps(world->scenario, &world->options->tracker, motion_scale, predicts));
 }
 
 __attribute__((format(printf, 2, 3))) static void tell_rest_not_measured(checks_t *self, const char *format, ...) {
