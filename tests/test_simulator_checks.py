@@ -88,7 +88,8 @@ def test_without_the_trace_only_what_needs_it_is_left_out(tmp_path):
 def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
     done = run(tmp_path / "out", "--scenario", "pour", *arguments)
     assert done.status == EXIT_CHECK_FAILED
-    assert not checks(done)["followable_share"]["pass"]
+    judged = checks(done)  # too little could be followed, or what could was not
+    assert not (judged["followable_share"]["pass"] and judged["followable_rms_position"]["pass"])
 
 
 @pytest.mark.parametrize(("gain", "pass_"), [(2, False), (100, True)])

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #define PHASE_NS ((int64_t)(REST_PHASE_S * 1e9))
+#define ARRIVING_NS INT64_C(1000000000)
 
 void rest_monitor_init(rest_monitor_t *self) {
     memset(self, 0, sizeof *self);
@@ -19,16 +20,20 @@ static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
            rotation_angle_between(hand->rotation, anchor->rotation) > REST_HAND_RAD;
 }
 
-/* The block's mean becomes the anchor if it is not near the one there is: still, if at all, since the block's begin. */
+/* The block's mean becomes the anchor if it is not near the one there is: still, if at all, since the block's begin. As long as the hand
+ * may still arrive, the anchor goes with it: one on the way, at the very distance, would be left again by tremor alone. */
 static void end_block(rest_monitor_t *self) {
     rigid_pose_t mean = self->block;
     for (int k = 0; k < 3; k++) {
         mean.position_m[k] /= REST_BLOCK_TICKS;
     }
     rotation_normalise(mean.rotation);
+    const bool is_arriving = self->block_ns - self->asked_ns < ARRIVING_NS;
     if (is_away(&mean, &self->anchor)) {
-        self->anchor = mean;
         self->hand_ns = self->block_ns;
+    }
+    if (self->hand_ns == self->block_ns || is_arriving) {
+        self->anchor = mean;
     }
     self->block_ticks = 0;
 }
