@@ -12,6 +12,8 @@
 
 struct velocity_control_config;
 struct velocity_request;
+struct position_first_config;
+struct position_first_request;
 typedef struct arm arm_t;
 
 /* One revolute joint: from the previous joint's moving frame (the torso for the first) by `fixed`, then a rotation of
@@ -37,6 +39,10 @@ typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
 typedef void arm_isotropic_law_t(const arm_t *arm, const struct velocity_control_config *config,
                                  const struct velocity_request *request, float velocity_radps[]);
 
+/* The law that puts position first, as position_first(). */
+typedef float arm_position_first_t(const arm_t *arm, const struct position_first_config *config,
+                                   const struct position_first_request *request, float error_radps[], float motion_radps[]);
+
 struct arm {
     const char *name;
     uint8_t id;          /* FirmwareIdentity.arm in the DBC */
@@ -45,6 +51,7 @@ struct arm {
     pose_t effector; /* from the last joint's moving frame to the hand */
     arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or what `make arms` wrote for just this arm */
     arm_isotropic_law_t *isotropic;       /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
+    arm_position_first_t *position_first; /* position_first(), or what `make arms` wrote for just this arm */
 };
 
 /* The hand seen from the torso, and each joint's axis seen from the hand, a line: its direction, and its moment about the hand's

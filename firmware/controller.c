@@ -26,6 +26,7 @@ static void apply_parameters(controller_t *self) {
     parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
+    self->marker_is_hand = memcmp(&self->marker_to_hand, &pose_identity, sizeof pose_identity) == 0;
     self->parameter_set = parameter_set_check(&self->parameters, tick_s(self));
 }
 
@@ -76,21 +77,25 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
 /* The encoders were sampled a tick ago, as the last command arrived: with prediction, the hand is taken as it was then. */
 static void sense(controller_t *self, uint32_t now_us) {
     if (parameters_predict(&self->parameters)) {
-        hand_state_t marker;
-        hand_motion_predict(&self->marker_motion, now_us, -tick_s(self), &marker);
-        self->hand = pose_multiply(marker.pose, self->marker_to_hand);
+        const pose_t marker = hand_motion_pose(&self->marker_motion, now_us, -tick_s(self));
+        self->hand = self->marker_is_hand ? marker : pose_multiply(marker, self->marker_to_hand);
+        self->lever_m = vector3_add(self->hand.translation_m, vector3_scale(marker.translation_m, -1.0f));
     } else {
         self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
     }
 }
 
-/* The motion of the person's hand when this tick's command acts. */
+/* The motion of the person's hand when this tick's command acts. The lever turns on until then. */
 static twist_t hand_motion(const controller_t *self, uint32_t now_us) {
-    hand_state_t marker;
-    hand_motion_predict(&self->marker_motion, now_us, self->parameters.value[PARAMETER_COMMAND_DELAY_S], &marker);
-    const vector3_t lever_m = quaternion_rotate(marker.pose.rotation, self->marker_to_hand.translation_m);
-    const vector3_t turning_mps = vector3_cross(marker.motion.angular_velocity_radps, lever_m);
-    return (twist_t){vector3_add(marker.motion.velocity_mps, turning_mps), marker.motion.angular_velocity_radps};
+    const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
+    const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);
+    if (self->marker_is_hand) {
+        return marker;
+    }
+    const vector3_t turning_mps = vector3_cross(marker.angular_velocity_radps, self->lever_m);
+    const vector3_t lever_m = vector3_add(self->lever_m, vector3_scale(turning_mps, tick_s(self) + ahead_s));
+    return (twist_t){vector3_add(marker.velocity_mps, vector3_cross(marker.angular_velocity_radps, lever_m)),
+                     marker.angular_velocity_radps};
 }
 
 /* The robot's measured hand in the torso frame, this tick: asked for only where a reference is taken. */
@@ -394,8 +399,8 @@ static void follow(controller_t *self, uint32_t now_us, joint_ends_t ends) {
         .motion = &motion,
         .ends = ends,
     };
-    const float distance_m =
-        position_first(self->arm, &self->position_first_config, &request, self->wanted_radps, self->feedforward_radps);
+    const float distance_m = self->arm->position_first(self->arm, &self->position_first_config, &request, self->wanted_radps,
+                                                       self->feedforward_radps);
     self->catching_up = distance_m > POSITION_FIRST_ERROR_MAX_M || (self->catching_up && distance_m > CAUGHT_UP_M);
     if (self->catching_up) {
         slow_down(self);

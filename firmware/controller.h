@@ -46,6 +46,7 @@ typedef struct {
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
     pose_t marker_to_hand;
+    bool marker_is_hand; /* marker_to_hand is the identity, and need not be computed with */
 
     transport_receiver_t receiver;
     transport_sender_t sender;
@@ -60,6 +61,7 @@ typedef struct {
     hand_motion_t marker_motion; /* in the tracker frame */
     joint_feedback_t joints;
     pose_t hand; /* human's hand in the tracker frame, this tick; with prediction, when the encoders were sampled */
+    vector3_t lever_m; /* with prediction: from the marker to the hand, then */
 
     supervisor_t supervisor;
     supervisor_inputs_t supervisor_inputs;

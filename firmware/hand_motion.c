@@ -95,26 +95,25 @@ void hand_motion_reset(hand_motion_t *self) {
 }
 
 static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us) {
-    hand_state_t before;
-    hand_motion_predict(self, now_us, 0.0f, &before);
+    const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
+    const twist_t motion = hand_motion_twist(self, now_us, 0.0f);
     stand(self);
     if (self->has_pose) {
-        self->translation_change.place = difference(before.pose.translation_m, hand->translation_m);
-        self->rotation_change.place = rotation_vector(turn_between(before.pose.rotation, hand->rotation));
-        self->translation_change.velocity = before.motion.velocity_mps;
-        self->rotation_change.velocity = before.motion.angular_velocity_radps;
+        self->translation_change.place = difference(pose.translation_m, hand->translation_m);
+        self->rotation_change.place = rotation_vector(turn_between(pose.rotation, hand->rotation));
+        self->translation_change.velocity = motion.velocity_mps;
+        self->rotation_change.velocity = motion.angular_velocity_radps;
     }
     self->pose = *hand;
     self->has_pose = self->is_running = true;
 }
 
-/* Takes an innovation; the change that it makes in the prediction is what was predicted before, less what is now. Rotation vectors are
+/* Takes an innovation from where the filter has moved in the interval; the change that it makes in the prediction is what was predicted before, less what is now. Rotation vectors are
  * added as if turns commuted: the prediction is continuous to first order in the angle that it extrapolates by. */
-static vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, const motion_filter_scale_t *scale, vector3_t innovation,
-                        float interval_s, schedule_t before, float latency_s) {
+static vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, const motion_filter_scale_t *scale, vector3_t moved,
+                        vector3_t innovation, float interval_s, schedule_t before, float latency_s) {
     const vector3_t old_place = place_at(filter, change, before);
     const vector3_t old_velocity = velocity_at(filter, change, before);
-    const vector3_t moved = motion_filter_displacement(filter, interval_s);
     const vector3_t correction = motion_filter_update(filter, scale, innovation, interval_s);
     const vector3_t new_place = vector3_add(vector3_add(moved, correction), motion_filter_displacement(filter, latency_s));
     change->place = difference(old_place, new_place);
@@ -124,21 +123,22 @@ static vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, c
 
 /* False: the pose is no continuation. */
 static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uint32_t now_us, float latency_s) {
-    const pose_t predicted = displace(self->pose, motion_filter_displacement(&self->translation, interval_s),
-                                      motion_filter_displacement(&self->rotation, interval_s));
+    const vector3_t moved_m = motion_filter_displacement(&self->translation, interval_s);
+    const vector3_t turned_rad = motion_filter_displacement(&self->rotation, interval_s);
+    const pose_t predicted = displace(self->pose, moved_m, turned_rad);
     const vector3_t way_m = difference(hand->translation_m, predicted.translation_m);
     const quaternion_t turn = turn_between(hand->rotation, predicted.rotation);
     if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) {
         return false;
     }
     const schedule_t before = schedule(self, now_us, 0.0f);
-    const vector3_t moved_m =
-        update(&self->translation, &self->translation_change, &translation_scale, way_m, interval_s, before, latency_s);
-    const vector3_t turned_rad =
-        update(&self->rotation, &self->rotation_change, &rotation_scale, rotation_vector(turn), interval_s, before, latency_s);
-    const quaternion_t turned = {1.0f, 0.5f * turned_rad.x, 0.5f * turned_rad.y, 0.5f * turned_rad.z}; /* small, and made unit below */
-    self->pose.translation_m = vector3_add(predicted.translation_m, moved_m);
-    self->pose.rotation = quaternion_normalise(quaternion_multiply(turned, predicted.rotation));
+    const vector3_t correction_m =
+        update(&self->translation, &self->translation_change, &translation_scale, moved_m, way_m, interval_s, before, latency_s);
+    const vector3_t correction_rad = update(&self->rotation, &self->rotation_change, &rotation_scale, turned_rad, rotation_vector(turn),
+                                      interval_s, before, latency_s);
+    const quaternion_t corrected = {1.0f, 0.5f * correction_rad.x, 0.5f * correction_rad.y, 0.5f * correction_rad.z}; /* small, and made unit below */
+    self->pose.translation_m = vector3_add(predicted.translation_m, correction_m);
+    self->pose.rotation = quaternion_normalise(quaternion_multiply(corrected, predicted.rotation));
     return true;
 }
 
@@ -168,10 +168,14 @@ void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captur
     self->taken_us = now_us;
 }
 
-void hand_motion_predict(const hand_motion_t *self, uint32_t now_us, float ahead_s, hand_state_t *state) {
+pose_t hand_motion_pose(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
     const schedule_t at = schedule(self, now_us, ahead_s);
-    state->pose = displace(self->pose, place_at(&self->translation, &self->translation_change, at),
-                           place_at(&self->rotation, &self->rotation_change, at));
-    state->motion.velocity_mps = velocity_at(&self->translation, &self->translation_change, at);
-    state->motion.angular_velocity_radps = velocity_at(&self->rotation, &self->rotation_change, at);
+    return displace(self->pose, place_at(&self->translation, &self->translation_change, at),
+                    place_at(&self->rotation, &self->rotation_change, at));
+}
+
+twist_t hand_motion_twist(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
+    const schedule_t at = schedule(self, now_us, ahead_s);
+    return (twist_t){velocity_at(&self->translation, &self->translation_change, at),
+                     velocity_at(&self->rotation, &self->rotation_change, at)};
 }

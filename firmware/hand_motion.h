@@ -23,11 +23,6 @@
 #define HAND_MOTION_LATENCY_MIN_S -0.02f
 #define HAND_MOTION_LATENCY_MAX_S 0.1f
 
-typedef struct {
-    pose_t pose;
-    twist_t motion;
-} hand_state_t;
-
 /* What the newest sample has changed in the prediction, fading from then on. */
 typedef struct {
     vector3_t place, velocity;
@@ -56,9 +51,12 @@ void hand_motion_reset(hand_motion_t *self);
  * prediction starts anew. */
 void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captured_us, uint32_t now_us);
 
-/* The hand at now_us + ahead_s, as known at now_us, which is not before the newest sample's. Speeds are at most 20 m/s and 50 rad/s at
- * the sample, and change by at most 200 m/s^2 and 1000 rad/s^2 from there. They are the motion's own, without the way that a new sample's
- * change takes to fade in. The quaternion's sign is continuous but where a sample starts anew. */
-void hand_motion_predict(const hand_motion_t *self, uint32_t now_us, float ahead_s, hand_state_t *state);
+/* The hand at now_us + ahead_s, as known at now_us, which is not before the newest sample's. The quaternion's sign is continuous but where a
+ * sample starts anew. */
+pose_t hand_motion_pose(const hand_motion_t *self, uint32_t now_us, float ahead_s);
+
+/* Likewise. Speeds are at most 20 m/s and 50 rad/s at the sample, and change by at most 200 m/s^2 and 1000 rad/s^2 from there. They are the
+ * motion's own, without the way that a new sample's change takes to fade in. */
+twist_t hand_motion_twist(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
 #endif

@@ -32,9 +32,8 @@ static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad)
     if (distance_rad <= 0.0f) {
         return 0.0f;
     }
-    const float squared = 2.0f * plan->braking_radps2 * distance_rad + plan->ramp_radps * plan->ramp_radps;
-    const float fastest_radps = plan->speed_max_radps + plan->coasting_radps;
-    if (fastest_radps * fastest_radps <= squared) { /* as a rule: without a square root */
+    const float squared = plan->twice_braking_radps2 * distance_rad + plan->ramp_square;
+    if (plan->fastest_square <= squared) { /* as a rule: without a square root */
         return plan->speed_max_radps;
     }
     const float speed = __builtin_sqrtf(squared) - plan->coasting_radps;
@@ -92,14 +91,17 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
     /* A command stays for a tick; the velocity follows the stopping speed later by half the time of a ramp. */
     const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
+    const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
     return (joint_limits_plan_t){
         .change_max_steps = change_max_steps,
         .jerk_steps = jerk_steps,
         .ramp_ticks_per_step = 1.0f / (float)jerk_steps,
-        .speed_max_radps = config->speed_fraction * joint->velocity_max_radps,
+        .speed_max_radps = speed_max_radps,
         .braking_radps2 = braking_radps2,
         .linear_radps = config->approach_gain_per_s > 0.0f ? braking_radps2 / config->approach_gain_per_s : FLT_MAX,
-        .ramp_radps = ramp_radps,
+        .twice_braking_radps2 = 2.0f * braking_radps2,
+        .ramp_square = ramp_radps * ramp_radps,
+        .fastest_square = (speed_max_radps + coasting_radps) * (speed_max_radps + coasting_radps),
         .coasting_radps = coasting_radps,
         .near_end_rad = JOINT_LIMITS_AT_LIMIT_RAD +
                         0.5f * (coasting_radps * coasting_radps - ramp_radps * ramp_radps) / braking_radps2,

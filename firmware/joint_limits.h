@@ -32,7 +32,9 @@ typedef struct {
     float speed_max_radps;
     float braking_radps2;     /* the deceleration to plan with, a */
     float linear_radps;       /* a / K: below it the law's own speed is kept */
-    float ramp_radps;         /* a^2 / (2 j): what the speed changes by while the deceleration grows to a */
+    float twice_braking_radps2;
+    float ramp_square;        /* (a^2 / (2 j))^2: of what the speed changes by while the deceleration grows to a */
+    float fastest_square;     /* of the stopping speed from which on speed_max_radps holds */
     float coasting_radps;     /* what is lost of the stopping speed to that, and to commands under way */
     float near_end_rad;       /* nearer to an end, the joint counts as standing there */
 } joint_limits_plan_t;

@@ -17,7 +17,7 @@ void ldlt_factorise(ldlt_t *self, int n) {
             pivot -= row[j] * factor;
             row[j] = factor;
         }
-        self->inverse_pivot[i] = pivot > 0.0f ? 1.0f / pivot : 0.0f;
+        self->inverse_pivot[i] = ldlt_inverse(pivot);
     }
 }
 

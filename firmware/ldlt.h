@@ -9,7 +9,12 @@ typedef struct {
     float inverse_pivot[ARM_MAX_JOINTS];          /* 1 / D */
 } ldlt_t;
 
-/* Of the upper triangle, which stays. A pivot that is not above 0 gets the inverse 0. */
+/* 0 of a pivot that is not above 0, as rounding can make it. */
+static inline float ldlt_inverse(float pivot) {
+    return pivot > 0.0f ? 1.0f / pivot : 0.0f;
+}
+
+/* Of the upper triangle, which stays. */
 void ldlt_factorise(ldlt_t *self, int n);
 
 /* Rows, a bit each, that shall count with their columns as 0 but for the diagonal, from the next ldlt_factorise() on. */

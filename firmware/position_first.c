@@ -1,24 +1,7 @@
 #include "position_first.h"
 
 #include "joint_ends.h"
-#include "ldlt.h"
-
-#define DAMPING_M2 1e-5f
-#define TASK_DAMPING_M2 3e-4f
-#define TASK_FLOOR_M2 1e-5f
-#define CURVATURE_SHARE 0.25f
-#define MARGIN_STIFFNESS 5.0f  /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
-#define MARGIN_TURN_RAD4 0.073f /* k is half of that where the orientation is off by 0.52 rad, 30 degrees, and little up to half of these */
-
-/* How far the joint is within the margin of its lower end, less of its upper end. */
-static float way_out_of_margin(const arm_joint_t *joint, float position_rad) {
-    const float above_lower_rad = position_rad - joint->position_min_rad;
-    const float below_upper_rad = joint->position_max_rad - position_rad;
-    float way_rad = 0.0f;
-    way_rad += above_lower_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - above_lower_rad : 0.0f;
-    way_rad -= below_upper_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - below_upper_rad : 0.0f;
-    return way_rad;
-}
+#include "position_first_parts.h"
 
 /* All vectors are seen from the hand. */
 typedef struct {
@@ -33,15 +16,12 @@ static pose_error_t error_of(const pose_t *hand, const position_first_request_t 
     const quaternion_t to_hand = quaternion_conjugate(hand->rotation);
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(hand->translation_m, -1.0f));
     const float distance_m = __builtin_sqrtf(vector3_dot(way_m, way_m));
-    const float share = distance_m > POSITION_FIRST_ERROR_MAX_M ? POSITION_FIRST_ERROR_MAX_M / distance_m : 1.0f;
     const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, request->target->rotation), quaternion_identity);
     const vector3_t turn_rad = {2.0f * d.x, 2.0f * d.y, 2.0f * d.z};
-    const float turned_rad2 = vector3_dot(turn_rad, turn_rad);
-    const float turned_rad4 = turned_rad2 * turned_rad2;
     return (pose_error_t){
-        .way_m = quaternion_rotate(to_hand, vector3_scale(way_m, share)),
+        .way_m = quaternion_rotate(to_hand, vector3_scale(way_m, position_first_share(distance_m))),
         .turn_rad = turn_rad,
-        .stiffness = MARGIN_STIFFNESS * turned_rad4 / (turned_rad4 + MARGIN_TURN_RAD4),
+        .stiffness = position_first_stiffness(vector3_dot(turn_rad, turn_rad)),
         .motion = {quaternion_rotate(to_hand, request->motion->velocity_mps),
                    quaternion_rotate(to_hand, request->motion->angular_velocity_radps)},
         .distance_m = distance_m,
@@ -49,18 +29,12 @@ static pose_error_t error_of(const pose_t *hand, const position_first_request_t 
 }
 
 typedef struct {
-    ldlt_t normal;
-    float error[ARM_MAX_JOINTS], motion[ARM_MAX_JOINTS]; /* right-hand sides */
-} equations_t;
-
-typedef struct {
     float xx, xy, xz, yy, yz, zz;
 } symmetric_t;
 
-/* Task damping times (J_p J_p^T + floor I)^-1. The determinant is at least floor^2 times the largest eigenvalue; where the arm is singular
- * twice, rounding would leave less, or nothing. */
+/* Task damping times (J_p J_p^T + floor I)^-1. */
 static symmetric_t task_damping(const arm_lines_t *lines, int joint_count) {
-    symmetric_t m = {TASK_FLOOR_M2, 0.0f, 0.0f, TASK_FLOOR_M2, 0.0f, TASK_FLOOR_M2};
+    symmetric_t m = {POSITION_FIRST_TASK_FLOOR_M2, 0.0f, 0.0f, POSITION_FIRST_TASK_FLOOR_M2, 0.0f, POSITION_FIRST_TASK_FLOOR_M2};
     for (int i = 0; i < joint_count; i++) {
         const vector3_t moment = lines->moment_m[i];
         m.xx += moment.x * moment.x;
@@ -75,8 +49,7 @@ static symmetric_t task_damping(const arm_lines_t *lines, int joint_count) {
         m.xx * m.zz - m.xz * m.xz, m.xy * m.xz - m.xx * m.yz, m.xx * m.yy - m.xy * m.xy,
     };
     const float determinant = m.xx * cofactor.xx + m.xy * cofactor.xy + m.xz * cofactor.xz;
-    const float least = TASK_FLOOR_M2 * TASK_FLOOR_M2 / 3.0f * (m.xx + m.yy + m.zz);
-    const float scale = TASK_DAMPING_M2 / (determinant > least ? determinant : least);
+    const float scale = position_first_task_scale(determinant, m.xx + m.yy + m.zz);
     return (symmetric_t){scale * cofactor.xx, scale * cofactor.xy, scale * cofactor.xz,
                          scale * cofactor.yy, scale * cofactor.yz, scale * cofactor.zz};
 }
@@ -86,25 +59,25 @@ static vector3_t times(const symmetric_t *m, vector3_t v) {
                        m->xz * v.x + m->yz * v.y + m->zz * v.z};
 }
 
-static void set_up(equations_t *self, const arm_t *arm, const position_first_config_t *config, const float position_rad[],
-                   const arm_lines_t *lines, const pose_error_t *error) {
+static void set_up(position_first_equations_t *self, const arm_t *arm, const position_first_config_t *config,
+                   const float position_rad[], const arm_lines_t *lines, const pose_error_t *error) {
     const float weight = config->orientation_weight_m2;
     const symmetric_t damping = task_damping(lines, arm->joint_count);
     float diagonal[ARM_MAX_JOINTS];
     for (int i = 0; i < arm->joint_count; i++) {
         const vector3_t axis = lines->axis[i], moment = lines->moment_m[i];
         const vector3_t damped = vector3_add(moment, times(&damping, moment));
-        const float way_out_rad = way_out_of_margin(&arm->joints[i], position_rad[i]);
+        const float way_out_rad = position_first_out_of_margin(&arm->joints[i], position_rad[i]);
         const float turn = vector3_dot(axis, error->turn_rad) + error->stiffness * way_out_rad;
         self->error[i] = config->gain_per_s * (vector3_dot(moment, error->way_m) + weight * turn);
         self->motion[i] = vector3_dot(moment, error->motion.velocity_mps) +
                           weight * vector3_dot(axis, error->motion.angular_velocity_radps);
-        diagonal[i] = DAMPING_M2 + (way_out_rad != 0.0f ? weight * error->stiffness : 0.0f);
+        diagonal[i] = position_first_damping(weight * error->stiffness, way_out_rad);
         for (int j = 0; j <= i; j++) {
             self->normal.matrix[j][i] =
                 vector3_dot(damped, lines->moment_m[j]) + weight * vector3_dot(axis, lines->axis[j]);
             const float curvature_m2 = vector3_dot(vector3_cross(lines->axis[j], error->way_m), moment);
-            const float share_m2 = CURVATURE_SHARE * __builtin_fabsf(curvature_m2);
+            const float share_m2 = POSITION_FIRST_CURVATURE_SHARE * __builtin_fabsf(curvature_m2);
             diagonal[i] += share_m2;
             diagonal[j] += j != i ? share_m2 : 0.0f;
         }
@@ -115,7 +88,7 @@ static void set_up(equations_t *self, const arm_t *arm, const position_first_con
 }
 
 /* joints, a bit each, stand still. */
-static void leave_out(equations_t *self, int joint_count, uint8_t joints) {
+static void leave_out(position_first_equations_t *self, int joint_count, uint8_t joints) {
     ldlt_leave_out(&self->normal, joint_count, joints);
     for (int i = 0; i < joint_count; i++) {
         if ((joints >> i & 1) != 0) {
@@ -125,31 +98,36 @@ static void leave_out(equations_t *self, int joint_count, uint8_t joints) {
     }
 }
 
-float position_first(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,
-                     float error_radps[], float motion_radps[]) {
-    const int joint_count = arm->joint_count;
-    arm_lines_t lines;
-    arm_lines(arm, request->position_rad, &lines);
-    const pose_error_t error = error_of(&lines.hand, request);
-    equations_t equations;
-    set_up(&equations, arm, config, request->position_rad, &lines, &error);
+void position_first_solve(position_first_equations_t *equations, int joint_count, joint_ends_t ends, float error_radps[],
+                          float motion_radps[]) {
     uint8_t out = 0;
     for (;;) {
         float sum_radps[ARM_MAX_JOINTS];
         for (int i = 0; i < joint_count; i++) {
-            error_radps[i] = equations.error[i];
-            motion_radps[i] = equations.motion[i];
+            error_radps[i] = equations->error[i];
+            motion_radps[i] = equations->motion[i];
         }
-        ldlt_factorise(&equations.normal, joint_count);
-        ldlt_solve(&equations.normal, joint_count, error_radps);
-        ldlt_solve(&equations.normal, joint_count, motion_radps);
+        ldlt_factorise(&equations->normal, joint_count);
+        ldlt_solve(&equations->normal, joint_count, error_radps);
+        ldlt_solve(&equations->normal, joint_count, motion_radps);
         for (int i = 0; i < joint_count; i++) {
             sum_radps[i] = error_radps[i] + motion_radps[i];
         }
-        const uint8_t more = joint_ends_leave_out(request->ends, joint_count, sum_radps, &out);
+        const uint8_t more = joint_ends_leave_out(ends, joint_count, sum_radps, &out);
         if (more == 0u) {
-            return error.distance_m;
+            return;
         }
-        leave_out(&equations, joint_count, more);
+        leave_out(equations, joint_count, more);
     }
+}
+
+float position_first(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,
+                     float error_radps[], float motion_radps[]) {
+    arm_lines_t lines;
+    arm_lines(arm, request->position_rad, &lines);
+    const pose_error_t error = error_of(&lines.hand, request);
+    position_first_equations_t equations;
+    set_up(&equations, arm, config, request->position_rad, &lines, &error);
+    position_first_solve(&equations, arm->joint_count, request->ends, error_radps, motion_radps);
+    return error.distance_m;
 }

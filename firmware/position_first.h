@@ -26,12 +26,12 @@
 #define POSITION_FIRST_ERROR_MAX_M 0.015f
 #define POSITION_FIRST_MARGIN_RAD 0.6f
 
-typedef struct {
+typedef struct position_first_config {
     float gain_per_s;            /* K > 0 */
     float orientation_weight_m2; /* w >= 0: how much an orientation error of 1 rad counts, as a position error squared */
 } position_first_config_t;
 
-typedef struct {
+typedef struct position_first_request {
     const float *position_rad; /* joint_count angles */
     const pose_t *target;      /* in the torso frame; either sign */
     const twist_t *motion;     /* the target's own, in the torso frame */
@@ -39,7 +39,7 @@ typedef struct {
 } position_first_request_t;
 
 /* error_radps, motion_radps: joint_count values each, without limits. No joint at an end goes beyond it by their sum. Returns the position
- * error [m]. */
+ * error [m]. Of any arm; arm->position_first() is faster where it can be. */
 float position_first(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,
                      float error_radps[], float motion_radps[]);
 

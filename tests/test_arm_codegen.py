@@ -140,7 +140,19 @@ def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
 # ---- arms of any kind
 
 FIRMWARE = REPOSITORY / "firmware"
-LAW_SOURCES = ("arm", "dual_quaternion", "joint_ends", "ldlt", "pose", "trigonometry", "velocity_control", "velocity_control_general")
+LAW_SOURCES = ("arm", "dual_quaternion", "joint_ends", "ldlt", "pose", "position_first", "trigonometry", "velocity_control", "velocity_control_general")
+
+
+def position_first(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
+    """Both velocities, and the distance."""
+    position = ffi.new("float[8]", q.tolist())
+    config = ffi.new("position_first_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
+    pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
+    twist = ffi.new("twist_t *", (motion[:3].tolist(), motion[3:].tolist()))
+    request = ffi.new("position_first_request_t *", {"position_rad": position, "target": pose, "motion": twist, "ends": (lower, upper)})
+    for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
+    distance = law(arm.table, config, request, for_error, for_motion)
+    return np.array([*list(for_error)[: arm.joint_count], *list(for_motion)[: arm.joint_count], distance])
 
 
 def write_description(path, rows, effector) -> None:
@@ -228,6 +240,18 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 else:
                     otherwise += 1
         assert otherwise <= 2
+    # as the law for any arm, which test_position_first.py holds against double precision
+    otherwise = 0
+    for row, target in zip(q, targets, strict=True):
+        motion = rng.normal(size=6)
+        for lower, upper in ((0, 0), rng.integers(0, 2**n, 2)):
+            written, general = (position_first(law, arm, row, target, motion, int(lower), int(upper))
+                                for law in (arm.table.position_first, lib.position_first))  # fmt: skip
+            if np.array_equal(written == 0, general == 0):
+                assert np.abs(written - general).max() < 1e-2 * max(1.0, np.abs(general).max())
+            else:
+                otherwise += 1
+    assert otherwise <= 4
 
 
 def test_what_is_written_for_any_arm_compiles(rng, tmp_path):

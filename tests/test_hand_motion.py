@@ -34,7 +34,6 @@ class Estimate:
     def __init__(self, zero_us=0):
         self.zero_us = zero_us
         self.state = ffi.new("hand_motion_t *")
-        self.result = ffi.new("hand_state_t *")
         lib.hand_motion_init(self.state)
 
     def sample(self, position, rotation, captured_us, now_us):
@@ -45,8 +44,10 @@ class Estimate:
 
     def predict(self, now_us, ahead_s=0.0) -> np.ndarray:
         """w x y z, position, velocity, angular velocity."""
-        lib.hand_motion_predict(self.state, (self.zero_us + now_us) % WRAP, ahead_s, self.result)
-        return np.frombuffer(ffi.buffer(self.result), np.float32).astype(float)
+        asked = (self.state, (self.zero_us + now_us) % WRAP, ahead_s)
+        pose = ffi.new("pose_t *", lib.hand_motion_pose(*asked))
+        motion = ffi.new("twist_t *", lib.hand_motion_twist(*asked))
+        return np.concatenate([np.frombuffer(ffi.buffer(part), np.float32) for part in (pose, motion)]).astype(float)
 
 
 def run(truth, duration_s, rate_hz=250, latency_s=0.004, noise_m=0.0, rng=None, ahead_s=0.0, estimate=None, **how):

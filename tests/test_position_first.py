@@ -55,7 +55,7 @@ def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
     return position + WEIGHT * (4 * (1 - cosine_half) + k / 2 * (out_of_margin(q) @ out_of_margin(q)))
 
 
-def law(q, target, motion=np.zeros(6), ends=(0, 0)) -> tuple[np.ndarray, np.ndarray, float]:
+def law(q, target, motion=np.zeros(6), ends=(0, 0), written_out=False) -> tuple[np.ndarray, np.ndarray, float]:
     arm = core.Arm.named("hoap3_right")
     position = ffi.new("float[]", [float(x) for x in q])
     config = ffi.new("position_first_config_t *", {"gain_per_s": GAIN, "orientation_weight_m2": WEIGHT})
@@ -68,7 +68,7 @@ def law(q, target, motion=np.zeros(6), ends=(0, 0)) -> tuple[np.ndarray, np.ndar
     request = ffi.new("position_first_request_t *", {"position_rad": position, "target": goal, "motion": twist})
     request.ends = {"lower": ends[0], "upper": ends[1]}
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
-    distance = lib.position_first(arm.table, config, request, for_error, for_motion)
+    distance = (arm.table.position_first if written_out else lib.position_first)(arm.table, config, request, for_error, for_motion)
     return np.array(list(for_error)[:JOINTS]), np.array(list(for_motion)[:JOINTS]), distance
 
 
@@ -96,7 +96,8 @@ def cases(rng, count: int):
         )
 
 
-def test_both_velocities_are_those_of_the_equations(rng):
+@pytest.mark.parametrize("written_out", [False, True])
+def test_both_velocities_are_those_of_the_equations(rng, written_out):
     for q, target in cases(rng, 200):
         linear, angular = geometric_jacobian(q)
         way, turn = error(q, target)
@@ -105,32 +106,34 @@ def test_both_velocities_are_those_of_the_equations(rng):
         normal = matrix(q, target)
         pull = GAIN * (linear.T @ capped + WEIGHT * (angular.T @ turn + stiffness(turn) * out_of_margin(q)))
         carried = linear.T @ motion[:3] + WEIGHT * angular.T @ motion[3:]
-        for_error, for_motion, distance = law(q, target, motion)
+        for_error, for_motion, distance = law(q, target, motion, written_out=written_out)
         assert distance == pytest.approx(np.linalg.norm(way), abs=1e-6)
         for found, right_hand_side in ((for_error, pull), (for_motion, carried)):
             expected = np.linalg.solve(normal, right_hand_side)
             assert np.abs(found - expected).max() < 5e-3 * max(1, np.abs(expected).max()), (q, target)
 
 
-def test_it_goes_down_the_potential_of_its_header(rng):
+@pytest.mark.parametrize("written_out", [False, True])
+def test_it_goes_down_the_potential_of_its_header(rng, written_out):
     """So that it comes to rest: N u = -K grad V, with grad V from differences of V, and N positive definite."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
         gradient = np.array([(potential(q + h * e, target, k) - potential(q - h * e, target, k)) / (2 * h) for e in np.eye(JOINTS)])
         normal = matrix(q, target)
-        for_error, _, _ = law(q, target)
+        for_error, _, _ = law(q, target, written_out=written_out)
         assert np.linalg.eigvalsh(normal).min() > 0
         expected = np.linalg.solve(normal, -GAIN * gradient)
         assert np.abs(for_error - expected).max() < 1e-2 * max(1, np.abs(expected).max())
         assert for_error @ gradient <= 1e-7
 
 
-def test_no_joint_at_an_end_goes_beyond_it(rng):
+@pytest.mark.parametrize("written_out", [False, True])
+def test_no_joint_at_an_end_goes_beyond_it(rng, written_out):
     held = 0
     for q, target in cases(rng, 200):
         lower, upper = int(rng.integers(16)), int(rng.integers(16))
         lower &= ~upper
-        for_error, for_motion, _ = law(q, target, np.r_[rng.normal(0, 0.3, 3), rng.normal(0, 1, 3)], (lower, upper))
+        for_error, for_motion, _ = law(q, target, np.r_[rng.normal(0, 0.3, 3), rng.normal(0, 1, 3)], (lower, upper), written_out)
         u = for_error + for_motion
         for i in range(JOINTS):
             assert not (lower >> i & 1 and u[i] < 0) and not (upper >> i & 1 and u[i] > 0)
@@ -138,18 +141,20 @@ def test_no_joint_at_an_end_goes_beyond_it(rng):
     assert held > 50
 
 
-def test_either_sign_of_the_target_is_the_same_pose(rng):
+@pytest.mark.parametrize("written_out", [False, True])
+def test_either_sign_of_the_target_is_the_same_pose(rng, written_out):
     for q, target in cases(rng, 20):
-        assert (law(q, target)[0] == law(q, -target)[0]).all()
+        assert (law(q, target, written_out=written_out)[0] == law(q, -target, written_out=written_out)[0]).all()
 
 
-def test_a_posture_that_is_singular_twice_gives_no_wild_velocity():
+@pytest.mark.parametrize("written_out", [False, True])
+def test_a_posture_that_is_singular_twice_gives_no_wild_velocity(written_out):
     """The arm stretched out, with the hand on the first joint's axis: of three directions one is left."""
     for q in ([0.3, 0.0, 0.0, 0.0], [0.3, -1.6580, 0.0, 0.0], [1.0, -np.pi / 2, 0.5, 0.0], [1.0, -np.pi / 2, 0.5, -1e-3]):
         hand = hand_at(np.array(q))
         for way in np.vstack([np.eye(3), -np.eye(3)]) * 0.01:
             target = oracle.pose(hand[:4], oracle.translation(hand) + way)
-            for_error, for_motion, _ = law(np.array(q), target, np.r_[30 * way, 0, 0, 0])
+            for_error, for_motion, _ = law(np.array(q), target, np.r_[30 * way, 0, 0, 0], written_out=written_out)
             assert np.isfinite(for_error).all() and np.abs(for_error).max() < 30 and np.abs(for_motion).max() < 60
             linear, _ = geometric_jacobian(np.array(q))
             assert (linear @ for_error) @ way > -1e-4  # not away from the target

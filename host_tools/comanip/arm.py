@@ -82,6 +82,7 @@ class Arm:
         table.effector = _pose(effector)
         table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics")
         table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
+        table.position_first = ffi.addressof(lib, "position_first")
         defect = lib.arm_check(table)
         if defect != ffi.NULL:
             raise ValueError(ffi.string(defect).decode())

@@ -1,4 +1,5 @@
-"""``make arms``: from each firmware/arms/NAME.toml its table in C, with kinematics and law (4) written out for just this arm (arm_law.py).
+"""``make arms``: from each firmware/arms/NAME.toml its table in C, with kinematics and both laws written out for just this arm (arm_law.py,
+arm_position_first.py).
 
 Run as ``python -m comanip.arm_codegen [FILE...]``; NAME.c and NAME.h are written beside each file, and are committed.
 """
@@ -9,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from comanip import arm_position_first
 from comanip.arm_description import Arm, ArmError, Pose, read
 from comanip.arm_law import fewest_operations, forward_kinematics
 from comanip.straight_line import literal
@@ -31,8 +33,8 @@ def source(arm: Arm, origin: str) -> str:
         for fixed, limits, jerk in zip(arm.fixed, arm.range_rad, arm.jerk_max_radps3, strict=True)
     ]
     return "\n".join([
-        f"/* Made by `make arms` from {origin}: edit that. How: host_tools/comanip/arm_law.py. */",
-        f'#include "{arm.name}.h"', "", '#include "../joint_ends.h"', '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"',
+        f"/* Made by `make arms` from {origin}: edit that. How: host_tools/comanip/arm_law.py, arm_position_first.py. */",
+        f'#include "{arm.name}.h"', "", '#include "../joint_ends.h"', '#include "../position_first_parts.h"', '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"',
         '#include "../velocity_control_general.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
@@ -42,10 +44,14 @@ def source(arm: Arm, origin: str) -> str:
         "static void isotropic(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,",
         "                      float velocity_radps[]) {",
         *law.body, "}", "",
+        "/* position_first() for this arm. */",
+        "static float written_out(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,",
+        "                         float error_radps[], float motion_radps[]) {",
+        *arm_position_first.fewest_operations(arm), "}", "",
         f"const arm_t arm_{arm.name} = {{",
         f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},", "    .joints = joints,",
         f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,",
-        "    .isotropic = isotropic,", "};", "",
+        "    .isotropic = isotropic,", "    .position_first = written_out,", "};", "",
     ])  # fmt: skip
 
 

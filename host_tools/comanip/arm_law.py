@@ -15,9 +15,8 @@ from itertools import compress
 import numpy as np
 
 from comanip.arm_description import Arm
-from comanip.straight_line import ONE, ZERO, Block, Term, literal, value
+from comanip.straight_line import ONE, ZERO, Block, Term, Vector, literal, operations, value
 
-Vector = list[Term]
 Quaternion = list[Term]
 
 
@@ -227,54 +226,77 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
     return lines, {place: ZERO if term.is_zero else Term(1.0, f"matrix_{place[0]}{place[1]}") for place, term in entries.items()}
 
 
-def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """L D L^T row by row, with the right-hand side carried along. The last two rows are solved as one block, with one division instead
-    of two; a block in the place of earlier rows costs accuracy. What is 0 by construction is left out."""
+def assign(lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]) -> str | None:
+    """first - a b - c d ...; without the products of which a factor is 0."""
+    terms = [f"{a} * {b}" for a, b in products if a and b]
+    if not terms:
+        return first
+    start = [first] if first else [f"-({terms.pop(0)})"]
+    lines.append(f"    const float {name} = {' - '.join([*start, *terms])};")
+    return name
+
+
+@dataclass
+class Factors:
+    """L D L^T of the normal equations, row by row; None: 0 by construction. The last two rows are solved as one block, with one division
+    instead of two; a block in the place of earlier rows costs accuracy."""
+
+    n: int
+    eliminated: int  # rows, before the last two
+    row: dict[tuple[int, int], str | None]  # the lower triangle, then L D below the diagonal
+    factor: dict[tuple[int, int], str | None]
+    lines: list[str]
+
+
+def factorise(n: int, matrix: dict[tuple[int, int], Term], inverse: str = "1.0f / {}") -> Factors:
     lines: list[str] = []
-    row = {place: term.variable for place, term in matrix.items()}  # the lower triangle, then L D below the diagonal; None: 0
+    row = {place: term.variable for place, term in matrix.items()}
     factor: dict[tuple[int, int], str | None] = {}
-    pull = [f"pull_{i}" for i in range(n)]
-
-    def assign(name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]) -> str | None:
-        """first - a b - c d ...; without the products of which a factor is 0."""
-        terms = [f"{a} * {b}" for a, b in products if a and b]
-        if not terms:
-            return first
-        start = [first] if first else [f"-({terms.pop(0)})"]
-        lines.append(f"    const float {name} = {' - '.join([*start, *terms])};")
-        return name
-
-    eliminated = max(n - 2, 0)  # rows, before the last two
+    eliminated = max(n - 2, 0)
     for i in range(n):
         before = range(min(i, eliminated))
         for j in before:
-            row[i, j] = assign(f"row_{i}{j}", row[i, j], [(row[i, k], factor[j, k]) for k in range(j)])
+            row[i, j] = assign(lines, f"row_{i}{j}", row[i, j], [(row[i, k], factor[j, k]) for k in range(j)])
             factor[i, j] = f"factor_{i}{j}" if row[i, j] else None
             if row[i, j]:
                 lines.append(f"    const float factor_{i}{j} = {row[i, j]} * inverse_{j};")
         for j in range(eliminated, i):
-            row[i, j] = assign(f"row_{i}{j}", row[i, j], [(row[i, k], factor[j, k]) for k in before])
-        row[i, i] = assign(f"pivot_{i}", row[i, i], [(row[i, k], factor[i, k]) for k in before])
-        pull[i] = assign(f"carried_{i}", pull[i], [(factor[i, k], pull[k]) for k in before]) or pull[i]
+            row[i, j] = assign(lines, f"row_{i}{j}", row[i, j], [(row[i, k], factor[j, k]) for k in before])
+        row[i, i] = assign(lines, f"pivot_{i}", row[i, i], [(row[i, k], factor[i, k]) for k in before])
         if i < eliminated or n == 1:
-            lines.append(f"    const float inverse_{i} = 1.0f / {row[i, i]};")
+            lines.append(f"    const float inverse_{i} = {inverse.format(row[i, i])};")
+    if n > 1:
+        across = row[n - 1, n - 2]
+        determinant = assign(lines, "determinant", f"{row[n - 2, n - 2]} * {row[n - 1, n - 1]}", [(across, across)])
+        lines.append(f"    const float over = {inverse.format(f'({determinant})')};")
+    return Factors(n, eliminated, row, factor, lines)
 
-    last = n - 1
+
+def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
+    """From the right-hand side, variables PULLS_0, PULLS_1, ..., to the array `speeds`. Variables on the way begin with the former's name."""
+    lines: list[str] = []
+    n, row, factor, eliminated = factors.n, factors.row, factors.factor, factors.eliminated
+    pull = [f"{pulls}_{i}" for i in range(n)]
+    speed = [f"{pulls}_speed_{i}" for i in range(n)]
+    for i in range(n):
+        pull[i] = assign(lines, f"{pulls}_carried_{i}", pull[i], [(factor[i, k], pull[k]) for k in range(min(i, eliminated))]) or pull[i]
     if n == 1:
-        lines.append("    const float speed_0 = pull_0 * inverse_0;")
+        lines.append(f"    const float {speed[0]} = {pull[0]} * inverse_0;")
     else:
-        first, across = last - 1, row[last, last - 1]
-        determinant = assign("determinant", f"{row[first, first]} * {row[last, last]}", [(across, across)])
-        lines.append(f"    const float over = 1.0f / ({determinant});")
-        for i, other in ((first, last), (last, first)):
-            wanted = assign(f"wanted_{i}", f"{row[other, other]} * {pull[i]}", [(across, pull[other])])
-            lines.append(f"    const float speed_{i} = ({wanted}) * over;")
+        across = row[n - 1, n - 2]
+        for i, other in ((n - 2, n - 1), (n - 1, n - 2)):
+            wanted = assign(lines, f"{pulls}_wanted_{i}", f"{row[other, other]} * {pull[i]}", [(across, pull[other])])
+            lines.append(f"    const float {speed[i]} = ({wanted}) * over;")
     for i in reversed(range(eliminated)):
-        assign_from = [(factor[k, i], f"speed_{k}") for k in range(i + 1, n)]
         alone = f"{pull[i]} * inverse_{i}"
-        if assign(f"speed_{i}", alone, assign_from) == alone:
-            lines.append(f"    const float speed_{i} = {alone};")
-    return lines + [f"    velocity_radps[{i}] = speed_{i};" for i in range(n)]
+        if assign(lines, speed[i], alone, [(factor[k, i], speed[k]) for k in range(i + 1, n)]) == alone:
+            lines.append(f"    const float {speed[i]} = {alone};")
+    return lines + [f"    {speeds}[{i}] = {speed[i]};" for i in range(n)]
+
+
+def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
+    factors = factorise(n, matrix)
+    return [*factors.lines, *substitute(factors, "pull", "velocity_radps")]
 
 
 def wrapped(items: list[str], indent: str, end: str) -> list[str]:
@@ -332,10 +354,6 @@ class Law:
     body: list[str]
     at_ends: list[str]
 
-    @property
-    def operations(self) -> int:
-        return sum(line.count(sign) for line in self.body for sign in (" + ", " - ", " * ", " / "))
-
 
 def law(arm: Arm, middle: int, right_first: bool) -> Law:
     n = len(arm.twist)
@@ -365,7 +383,7 @@ def law(arm: Arm, middle: int, right_first: bool) -> Law:
 
 def fewest_operations(arm: Arm) -> Law:
     laws = [law(arm, middle, right_first) for middle in range(len(arm.twist)) for right_first in (False, True)]
-    return min(laws, key=lambda law: law.operations)
+    return min(laws, key=lambda law: operations(law.body))
 
 
 # ---- the hand

@@ -7,7 +7,7 @@ only. Rules are exact in real numbers; the order of the emitted operations is th
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 
@@ -27,6 +27,7 @@ class Term:
 
 
 ZERO, ONE = Term(0.0), Term(1.0)
+Vector = list[Term]
 
 
 def literal(value: float) -> str:
@@ -83,6 +84,11 @@ class Block:
             return a
         return Term(1.0 if a.factor > 0 else -1.0, self._emit(f"{literal(abs(a.factor))} * {a.variable}", a.variable))
 
+    def apply(self, template: str, *arguments: Term) -> Term:
+        """Another expression of C, with each {} in its place."""
+        text = template.format(*(value(self.whole(argument)) for argument in arguments))
+        return Term(1.0, self._emit(text, *(argument.variable for argument in map(self.whole, arguments) if argument.variable)))
+
     def sum(self, terms: Iterable[Term]) -> Term:
         total = ZERO
         for term in terms:
@@ -110,3 +116,7 @@ def value(term: Term) -> str:
     if abs(term.factor) == 1.0:
         return term.variable if term.factor > 0 else f"-{term.variable}"
     return f"{literal(term.factor)} * {term.variable}"
+
+
+def operations(lines: Sequence[str]) -> int:
+    return sum(line.count(sign) for line in lines for sign in (" + ", " - ", " * ", " / "))

@@ -1,0 +1,57 @@
+/* What the law has in common, for any arm and as `make arms` writes it out for one: position_first.h has the equations. */
+#ifndef COMANIP_POSITION_FIRST_PARTS_H
+#define COMANIP_POSITION_FIRST_PARTS_H
+
+#include "ldlt.h"
+#include "position_first.h"
+
+#define POSITION_FIRST_DAMPING_M2 1e-5f
+#define POSITION_FIRST_TASK_DAMPING_M2 3e-4f
+#define POSITION_FIRST_TASK_FLOOR_M2 1e-5f
+#define POSITION_FIRST_CURVATURE_SHARE 0.25f
+#define POSITION_FIRST_STIFFNESS 5.0f /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
+#define POSITION_FIRST_TURN_RAD4 0.073f /* k is half of that where the orientation is off by 0.52 rad, 30 degrees, and little up to half of these */
+
+/* How far the joint is within the margin of its lower end, less of its upper end. */
+static inline float position_first_out_of_margin(const arm_joint_t *joint, float position_rad) {
+    const float above_lower_rad = position_rad - joint->position_min_rad;
+    const float below_upper_rad = joint->position_max_rad - position_rad;
+    float way_rad = 0.0f;
+    way_rad += above_lower_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - above_lower_rad : 0.0f;
+    way_rad -= below_upper_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - below_upper_rad : 0.0f;
+    return way_rad;
+}
+
+/* How much of the position error counts. */
+static inline float position_first_share(float distance_m) {
+    return distance_m > POSITION_FIRST_ERROR_MAX_M ? POSITION_FIRST_ERROR_MAX_M / distance_m : 1.0f;
+}
+
+/* k, of |2 v|^2. */
+static inline float position_first_stiffness(float turned_rad2) {
+    const float turned_rad4 = turned_rad2 * turned_rad2;
+    return POSITION_FIRST_STIFFNESS * turned_rad4 / (turned_rad4 + POSITION_FIRST_TURN_RAD4);
+}
+
+/* What the cofactors of J_p J_p^T + floor I are to be multiplied with, for the task's damping. The determinant is at least floor^2 times the
+ * largest eigenvalue; where the arm is singular twice, rounding would leave less, or nothing. */
+static inline float position_first_task_scale(float determinant, float trace) {
+    const float least = POSITION_FIRST_TASK_FLOOR_M2 * POSITION_FIRST_TASK_FLOOR_M2 / 3.0f * trace;
+    return POSITION_FIRST_TASK_DAMPING_M2 / (determinant > least ? determinant : least);
+}
+
+/* Of a joint, on the diagonal: without the curvature. weighted_stiffness: w k. */
+static inline float position_first_damping(float weighted_stiffness, float way_out_rad) {
+    return POSITION_FIRST_DAMPING_M2 + (way_out_rad != 0.0f ? weighted_stiffness : 0.0f);
+}
+
+typedef struct {
+    ldlt_t normal;
+    float error[ARM_MAX_JOINTS], motion[ARM_MAX_JOINTS]; /* right-hand sides */
+} position_first_equations_t;
+
+/* Solves them, in their place. No joint at an end goes beyond it by the sum of both solutions: those that would are left out. */
+void position_first_solve(position_first_equations_t *equations, int joint_count, joint_ends_t ends, float error_radps[],
+                          float motion_radps[]);
+
+#endif
