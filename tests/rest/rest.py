@@ -115,6 +115,8 @@ def position_cause(left_m: float) -> str:
 
 def motion_cause(valley: arm.Valley) -> str:
     """Of a motion that goes on."""
+    if not valley.curvature_m2.size:
+        return "all joints at their ends, and hardly pulled there"
     least = valley.curvature_m2[0]
     if least < -FLAT_M2:
         return "near a saddle of the distance"
