@@ -104,7 +104,7 @@ static void decode_short_rotation(const rotation_code_t *code, int16_t *w, int16
 #define OPERATION_MAX 15u
 
 #define FIRMWARE_STATUS_SIGNALS(X)                                                                                   \
-    X(mode) X(latched) X(stop_category) X(rest_not_assured) X(reason)                                                \
+    X(mode) X(latched) X(stop_category) X(rest_not_assured) X(changes_posture) X(reason)                             \
     X(task) X(speed_limit_percent) X(rejected_frames)
 #define COMMAND_ACK_SIGNALS(X) X(result) X(command) X(sequence)
 #define PARAMETER_VALUE_SIGNALS(X) X(result) X(parameter) X(sequence) X(value)

@@ -286,6 +286,7 @@ protocol_status_t firmware_status_pack(const firmware_status_t *message, can_fra
         .stop_category = (uint8_t)message->stop_category,
         .latched = message->latched,
         .rest_not_assured = message->rest_not_assured,
+        .changes_posture = message->changes_posture,
         .reason = (uint8_t)message->reason,
         .task = (uint8_t)message->task,
         .rejected_frames = message->rejected_frames,
@@ -307,6 +308,7 @@ void firmware_status_unpack(const can_frame_t *frame, firmware_status_t *message
         .task = (task_id_t)raw.task,
         .latched = raw.latched != 0u,
         .rest_not_assured = raw.rest_not_assured != 0u,
+        .changes_posture = raw.changes_posture != 0u,
         .speed_limit_percent = UNPACK(FIRMWARE_STATUS_SPEED_LIMIT_PERCENT, raw.speed_limit_percent),
         .rejected_frames = raw.rejected_frames,
     };

@@ -250,6 +250,7 @@ typedef struct {
     task_id_t task;
     bool latched;             /* q_task is latched (section V-B.3) */
     bool rest_not_assured;    /* the arm may go on moving while the hand rests: see parameter_set.h */
+    bool changes_posture;     /* the arm is on its way to another posture, out of a dead end: see posture_change.h */
     float speed_limit_percent; /* of the arm's velocity limits */
     uint8_t rejected_frames;  /* modulo 256 */
 } firmware_status_t;

@@ -399,8 +399,17 @@ static void follow(controller_t *self, uint32_t now_us, joint_ends_t ends) {
         .motion = &motion,
         .ends = ends,
     };
+    const posture_change_config_t config = {self->arm, &self->position_first_config, &self->joint_limits_config};
+    const bool may_change_posture = parameters_change_posture(&self->parameters) && !self->cooperation.latched;
+    if (may_change_posture && posture_change_step(&self->posture_change, &config, &request, self->wanted_radps)) {
+        memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
+        return;
+    }
     const float distance_m = self->arm->position_first(self->arm, &self->position_first_config, &request, self->wanted_radps,
                                                        self->feedforward_radps);
+    if (may_change_posture) {
+        posture_change_watch(&self->posture_change, &config, &request, distance_m);
+    }
     self->catching_up = distance_m > POSITION_FIRST_ERROR_MAX_M || (self->catching_up && distance_m > CAUGHT_UP_M);
     if (self->catching_up) {
         slow_down(self);
@@ -421,6 +430,9 @@ static void velocity_law(controller_t *self, joint_ends_t ends) {
 static void aim(controller_t *self, uint32_t now_us) {
     const bool has_waited = self->law_waited;
     self->law_waited = false;
+    if (self->supervisor.mode != MODE_COOPERATING || self->cooperation_changed) {
+        posture_change_init(&self->posture_change);
+    }
     if (self->supervisor.mode != MODE_COOPERATING) {
         stand(self);
         return;
@@ -482,6 +494,7 @@ static void send_status(controller_t *self, controller_outbox_t *outbox) {
         .task = self->task_id,
         .latched = is_engaged(self) && self->cooperation.latched,
         .rest_not_assured = self->parameter_set.verdict != PARAMETER_SET_RESTS,
+        .changes_posture = posture_change_is_moving(&self->posture_change),
         .speed_limit_percent = 100.0f * self->parameters.value[PARAMETER_SPEED_FRACTION],
         .rejected_frames = (uint8_t)self->receiver.protocol.rejected,
     };
@@ -551,6 +564,7 @@ void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile
     hand_motion_init(&self->marker_motion);
     joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));
     supervisor_init(&self->supervisor);
+    posture_change_init(&self->posture_change);
     joint_limits_init(&self->limits);
     self->finite = true;
     parameters_t defaults;

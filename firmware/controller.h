@@ -17,6 +17,7 @@
 #include "joint_limits.h"
 #include "parameter_set.h"
 #include "parameters.h"
+#include "posture_change.h"
 #include "supervisor.h"
 #include "velocity_control.h"
 
@@ -76,6 +77,7 @@ typedef struct {
     float wanted_radps[ARM_MAX_JOINTS];      /* the law's, for the error */
     float feedforward_radps[ARM_MAX_JOINTS]; /* the law's, for the target's own motion: 0 without prediction */
     bool catching_up; /* the target was out of reach, or too fast, and has not been met since */
+    posture_change_t posture_change;
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */
 

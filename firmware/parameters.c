@@ -50,6 +50,7 @@ const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     {"following_gain_per_s", 1.0f, 60.0f, 35.0f, false},
     {"orientation_weight_m2", 0.0f, 1e-3f, 1.5e-5f, false},
     {"tracker_latency_s", -0.05f, 0.05f, 0.0f, false},
+    {"posture_change", 0.0f, 1.0f, 0.0f, true},
 };
 
 void parameters_set_defaults(parameters_t *self) {
@@ -75,6 +76,10 @@ result_t parameters_set(parameters_t *self, uint8_t parameter, float value) {
 
 bool parameters_predict(const parameters_t *self) {
     return self->value[PARAMETER_PREDICTION] > 0.0f;
+}
+
+bool parameters_change_posture(const parameters_t *self) {
+    return self->value[PARAMETER_POSTURE_CHANGE] > 0.0f;
 }
 
 static vector3_t vector_at(const parameters_t *self, int first) {

@@ -30,7 +30,8 @@ typedef enum {
     PARAMETER_FOLLOWING_GAIN_PER_S = 39,   /* position_first_config_t's K */
     PARAMETER_ORIENTATION_WEIGHT_M2 = 40,  /* position_first_config_t's w */
     PARAMETER_TRACKER_LATENCY_S = 41,      /* added to the latency that the tracker announces */
-    PARAMETER_COUNT = 42
+    PARAMETER_POSTURE_CHANGE = 42, /* 1: with prediction, the arm leaves dead ends, posture_change.h */
+    PARAMETER_COUNT = 43
 } parameter_id_t;
 
 typedef struct {
@@ -54,6 +55,9 @@ result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
 /* Whether the hand's motion is predicted, and followed as position_first.h has it. */
 bool parameters_predict(const parameters_t *self);
+
+/* Whether the arm changes its posture to get out of a dead end. */
+bool parameters_change_posture(const parameters_t *self);
 
 /* Views of the parameters as each stage wants them. */
 void parameters_velocity_control(const parameters_t *self, velocity_control_config_t *config);

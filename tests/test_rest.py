@@ -237,5 +237,5 @@ def test_the_law_of_now_rests_in_a_small_campaign(tmp_path):
     _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
     values = {check["name"]: check["value"] for check in report["checks"]}
     assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025
-    assert values.pop("position: share within 1 mm where it can be reached") >= 0.7
+    assert values.pop("position: share within 1 mm where it can be reached, with posture_change") >= 0.9
     assert set(values.values()) == {0}

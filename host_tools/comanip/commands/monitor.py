@@ -46,6 +46,8 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
         text.append(f"speed limit {status['speed_limit_percent']:g} %, refused frames {status['rejected_frames']}\n")
         if status["rest_not_assured"]:
             text.append("with these parameters the arm may go on moving while the hand rests\n", "yellow")
+        if status["changes_posture"]:
+            text.append("the arm changes its posture by itself, to reach the target\n", "yellow")
     else:
         text.append("no FirmwareStatus: the firmware is not there\n", "yellow")
     if trace:

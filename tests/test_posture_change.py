@@ -1,0 +1,256 @@
+"""posture_change through controller_step(): dead ends, in which joints at their ends hold the hand off a target that another posture reaches."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from comanip._core import ffi, lib
+from controller_bench import FRAME_ID, TICK_US, Bench
+
+TICK_S = TICK_US * 1e-6
+MOVE_S = 1.0
+# start [deg], the hand's way [m] in torso axes: found among random ones
+DEAD_ENDS = [((81, -90, 20, -79), (-0.04, 0.11, 0.08)), ((74, -95, 1, -76), (0.08, 0.18, -0.07)), ((22, -73, 42, -111), (-0.04, 0.02, 0.04))]
+JOINT_RADPS, HAND_MPS = 0.25 * 4.76, 0.25
+
+
+def started(start_deg, **changes) -> Bench:
+    bench = Bench(position_deg=start_deg, prediction=True).until_ready()
+    for name, value in ({"posture_change": 1} | changes).items():
+        assert bench.write(getattr(lib, f"PARAMETER_{name.upper()}"), value) == lib.RESULT_ACCEPTED
+    return bench.start(lib.TASK_TELEOP)
+
+
+def phase(bench: Bench) -> int:
+    return bench.controller.posture_change.phase
+
+
+def place(bench: Bench) -> np.ndarray:
+    return oracle.translation(bench.robot)
+
+
+def error_m(bench: Bench) -> float:
+    return np.linalg.norm(oracle.translation(bench.target) - place(bench))
+
+
+def told(bench: Bench) -> bool | None:
+    """changes_posture of this tick's FirmwareStatus; None without one."""
+    for number, data in bench.sent:
+        if number == FRAME_ID["FIRMWARE_STATUS"]:
+            frame = ffi.new("can_frame_t *", {"length": len(data)})
+            ffi.memmove(frame.data, data, len(data))
+            message = ffi.new("firmware_status_t *")
+            lib.firmware_status_unpack(frame, message)
+            return message.changes_posture
+    return None
+
+
+def carry(bench: Bench, way_m, duration_s: float = MOVE_S) -> list[int]:
+    """The hand goes this way with minimum jerk. The phases on it."""
+    s = np.arange(1, round(duration_s / TICK_S) + 1) * TICK_S / duration_s
+    steps = np.diff(s**3 * (10 - 15 * s + 6 * s**2), prepend=0.0)
+    phases = []
+    for step in steps:
+        bench.move_hand(step * np.asarray(way_m))
+        bench.tick()
+        phases.append(phase(bench))
+    return phases
+
+
+def wait(bench: Bench, for_s: float) -> list[int]:
+    return carry(bench, np.zeros(3), for_s)
+
+
+def until(bench: Bench, wanted: int, at_most_s: float = 8.0) -> Bench:
+    for _ in range(round(at_most_s / TICK_S)):
+        if phase(bench) == wanted:
+            return bench
+        bench.tick()
+    raise AssertionError(f"phase {phase(bench)} after {at_most_s} s")
+
+
+def on_the_way(dead_end=DEAD_ENDS[0], **changes) -> Bench:
+    bench = started(dead_end[0], **changes)
+    carry(bench, dead_end[1])
+    until(bench, lib.POSTURE_CHANGING).tick(500)
+    assert phase(bench) == lib.POSTURE_CHANGING
+    return bench
+
+
+def searches(phases: list[int]) -> int:
+    return int(np.count_nonzero(np.diff(np.asarray(phases) == lib.POSTURE_SEARCHED, prepend=False, append=False)) / 2)
+
+
+def at_rest(bench: Bench) -> bool:
+    return np.abs(bench.velocity_radps).max() < 0.01
+
+
+# ---- it leaves
+
+
+@pytest.mark.parametrize("dead_end", DEAD_ENDS)
+def test_a_dead_end_is_left(dead_end):
+    """Within its speeds, told on the bus for so long, and then the arm stands."""
+    bench = started(dead_end[0])
+    carry(bench, dead_end[1])
+    fastest_radps, fastest_mps, told_when = 0.0, 0.0, set()
+    until(bench, lib.POSTURE_SEARCHED)
+    phases, last_m = [], place(bench)
+    while len(phases) < 8000 and phases[-300:] != 300 * [lib.POSTURE_CHANGED]:
+        bench.tick()
+        phases.append(phase(bench))
+        if phases[-1] == lib.POSTURE_CHANGING:
+            fastest_radps = max(fastest_radps, np.abs(bench.velocity_radps).max())
+            fastest_mps = max(fastest_mps, np.linalg.norm(place(bench) - last_m) / TICK_S)
+            last_m = place(bench)
+        if told(bench) is not None:
+            told_when.add((phases[-1] == lib.POSTURE_CHANGING, told(bench)))
+    assert told_when == {(False, False), (True, True)}
+    assert 0.5 * JOINT_RADPS < fastest_radps <= JOINT_RADPS + 1e-3
+    assert fastest_mps < 1.03 * HAND_MPS  # the limits follow with their jerk
+    assert searches(phases) == 1 and phases[-1] == lib.POSTURE_CHANGED
+    assert error_m(bench) < 1e-3
+    assert (bench.velocity_radps == 0).all()
+
+
+@pytest.mark.parametrize("dead_end", DEAD_ENDS)
+def test_off_by_one_parameter(dead_end):
+    bench = started(dead_end[0], posture_change=0)
+    assert set(carry(bench, dead_end[1]) + wait(bench, 1.5)) == {lib.POSTURE_WATCHED}
+    assert error_m(bench) > 0.02
+
+
+def test_the_hand_is_as_slow_as_that_where_it_binds():
+    """Far round, stretched out: the joints' share would allow 0.3 m/s."""
+    bench = started((128, -54, -68, -99))
+    carry(bench, (-0.04, -0.16, 0.11))
+    until(bench, lib.POSTURE_CHANGING)
+    fastest_mps = 0.0
+    while phase(bench) == lib.POSTURE_CHANGING:
+        before_m = place(bench)
+        bench.tick()
+        fastest_mps = max(fastest_mps, np.linalg.norm(place(bench) - before_m) / TICK_S)
+    assert 0.95 * HAND_MPS < fastest_mps < 1.03 * HAND_MPS
+
+
+def test_a_lower_speed_holds_too():
+    bench = on_the_way(speed_fraction=0.1)
+    assert 0.4 < np.abs(bench.velocity_radps).max() <= 0.1 * 4.76 + 1e-3
+
+
+# ---- and afterwards
+
+
+def arrived() -> Bench:
+    bench = until(on_the_way(), lib.POSTURE_CHANGED)
+    bench.tick(100)
+    return bench
+
+
+def test_afterwards_the_hand_is_followed():
+    bench = arrived()
+    before_m = place(bench)
+    carry(bench, [0, 0.02, 0.0], 0.5)
+    bench.tick(500)
+    assert phase(bench) != lib.POSTURE_CHANGED
+    assert place(bench) - before_m == pytest.approx([0, 0.02, 0], abs=1.5e-3)
+
+
+def test_an_arm_that_is_pushed_away_comes_back():
+    bench = arrived()
+    bench.position_rad = bench.position_rad + [0.05, 0.02, -0.03, 0.04]
+    assert error_m(bench) > 5e-3
+    bench.tick(1000)
+    assert error_m(bench) < 1e-3 and at_rest(bench)
+
+
+# ---- it is abandoned
+
+
+def test_abandoned_when_the_target_moves_on():
+    bench = on_the_way()
+    phases = carry(bench, [0, 0, -0.03], 0.3)
+    assert phases[0] == lib.POSTURE_CHANGING and phases[-1] == lib.POSTURE_WATCHED
+    before = phases.index(lib.POSTURE_WATCHED)
+    assert before > 100, "20 mm of 30"
+
+
+def test_not_abandoned_while_the_target_stays_near():
+    bench = on_the_way()
+    assert set(carry(bench, [0, 0, -0.015], 0.3)) == {lib.POSTURE_CHANGING}
+    until(bench, lib.POSTURE_LEFT).tick(1000)  # the law goes the rest
+    assert error_m(bench) < 1e-3
+
+
+@pytest.mark.parametrize("command", ["STOP", "CLUTCH", "LATCH"])
+def test_abandoned_by_a_command(command):
+    bench = on_the_way()
+    assert bench.command(getattr(lib, f"COMMAND_{command}")) == lib.RESULT_ACCEPTED
+    assert phase(bench) == lib.POSTURE_WATCHED
+    assert lib.POSTURE_CHANGING not in wait(bench, 0.4)
+
+
+def test_abandoned_by_a_new_task():
+    bench = on_the_way()
+    assert bench.command(lib.COMMAND_SELECT, lib.TASK_MIRROR) == lib.RESULT_ACCEPTED
+    assert phase(bench) == lib.POSTURE_WATCHED
+
+
+def test_abandoned_in_hold():
+    bench = on_the_way()
+    bench.hand = None
+    bench.tick(200)
+    assert bench.mode == lib.MODE_HOLD and phase(bench) == lib.POSTURE_WATCHED
+    assert (bench.velocity_radps == 0).all()
+
+
+# ---- it does not begin
+
+
+def test_not_when_latched():
+    start_deg, way_m = DEAD_ENDS[0]
+    bench = started(start_deg)
+    assert bench.command(lib.COMMAND_LATCH) == lib.RESULT_ACCEPTED
+    assert set(carry(bench, way_m) + wait(bench, 2.0)) == {lib.POSTURE_WATCHED}
+    assert error_m(bench) > 0.02
+
+
+def test_not_without_prediction():
+    bench = Bench(position_deg=DEAD_ENDS[0][0], prediction=False).until_ready().start(lib.TASK_TELEOP)
+    assert set(carry(bench, DEAD_ENDS[0][1]) + wait(bench, 2.0)) == {lib.POSTURE_WATCHED}
+    assert error_m(bench) > 0.02
+
+
+def test_not_at_an_end_that_does_not_hold_the_hand_off():
+    bench = started((90, -5, 0, -113.9))
+    assert set(carry(bench, [0.03, 0, 0]) + wait(bench, 2.0)) == {lib.POSTURE_WATCHED}
+    assert error_m(bench) < 1e-3
+
+
+def test_not_when_stretched_out_after_a_target_beyond_reach():
+    bench = started((60, -40, 0, -30))
+    assert set(carry(bench, [0.25, -0.02, 0.02]) + wait(bench, 2.0)) <= {lib.POSTURE_WATCHED, lib.POSTURE_SEARCHED, lib.POSTURE_LEFT}
+    assert error_m(bench) > 0.05 and at_rest(bench)
+
+
+def test_out_of_reach_it_is_searched_once_and_the_arm_stays():
+    """Where no posture gets there. The hand then trembles, and goes to and fro: not again; 20 mm on: again."""
+    bench = started((90, -5, 0, -90))
+    phases = carry(bench, [0, 0.5, 0.3]) + wait(bench, 2.0)
+    assert searches(phases) == 1 and phases[-1] == lib.POSTURE_LEFT and lib.POSTURE_CHANGING not in phases
+    more = [p for _ in range(3) for way in ([0.015, 0, 0], [-0.015, 0, 0]) for p in carry(bench, way, 0.6) + wait(bench, 0.6)]
+    assert set(more) == {lib.POSTURE_LEFT}
+    again = carry(bench, [0, 0.025, 0], 0.6) + wait(bench, 2.0)
+    assert searches(again) == 1 and again[-1] == lib.POSTURE_LEFT
+    assert at_rest(bench)
+
+
+def test_not_while_the_hand_goes_on():
+    """25 mm/s, out of reach with joints at their ends."""
+    bench = started((90, -5, 0, -90))
+    carry(bench, [0, 0.5, 0.3])
+    for _ in range(1500):
+        bench.move_hand([0, 25e-3 * TICK_S, 0])
+        bench.tick()
+        assert phase(bench) == lib.POSTURE_WATCHED
