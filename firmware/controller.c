@@ -26,8 +26,12 @@ static void apply_parameters(controller_t *self) {
     parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
+    if (!parameters_predict(&self->parameters)) { /* switched on again, it begins with the next sample */
+        hand_motion_init(&self->marker_motion);
+    }
     self->marker_is_hand = memcmp(&self->marker_to_hand, &pose_identity, sizeof pose_identity) == 0;
     self->parameter_set = parameter_set_check(&self->parameters, tick_s(self));
+    self->untold = 0;
 }
 
 static void receive_hand(controller_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
@@ -74,14 +78,15 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
 
 /* ---- hand and robot, this tick */
 
-/* The encoders were sampled a tick ago, as the last command arrived: with prediction, the hand is taken as it was then. */
+/* The encoders were sampled a tick ago, as the last command arrived: with prediction, once it has begun, the hand is taken as it was then. */
 static void sense(controller_t *self, uint32_t now_us) {
-    if (parameters_predict(&self->parameters)) {
+    if (parameters_predict(&self->parameters) && self->marker_motion.is_running) {
         const pose_t marker = hand_motion_pose(&self->marker_motion, now_us, -tick_s(self));
         self->hand = self->marker_is_hand ? marker : pose_multiply(marker, self->marker_to_hand);
         self->lever_m = vector3_add(self->hand.translation_m, vector3_scale(marker.translation_m, -1.0f));
     } else {
         self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
+        self->lever_m = (vector3_t){0.0f, 0.0f, 0.0f};
     }
 }
 

@@ -48,7 +48,7 @@ static quaternion_t turn_between(quaternion_t a, quaternion_t b) {
 
 /* So long after a sample, a gap begins. */
 static float awaited_s(const hand_motion_t *self) {
-    return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_AHEAD_MAX_S;
+    return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_GRACE_S;
 }
 
 /* How far the motion is extrapolated, how fast it still goes on, and what is left of the newest sample's change. */
@@ -60,11 +60,11 @@ static schedule_t schedule(const hand_motion_t *self, uint32_t now_us, float ahe
     const float since_s = seconds_from(self->taken_us, now_us);
     const float left = 1.0f - since_s / self->interval_s;
     schedule_t result = {self->latency_s + since_s + ahead_s, 1.0f, left > 0.0f ? left : 0.0f};
-    const float overdue_s = since_s + ahead_s - awaited_s(self);
+    const float overdue_s = since_s - awaited_s(self);
     if (overdue_s > 0.0f) {
         const float gap_s = overdue_s < HAND_MOTION_GAP_S ? overdue_s : HAND_MOTION_GAP_S;
         result.pace = 1.0f - gap_s * (1.0f / HAND_MOTION_GAP_S);
-        result.horizon_s = self->latency_s + awaited_s(self) + 0.5f * gap_s * (1.0f + result.pace);
+        result.horizon_s = self->latency_s + awaited_s(self) + 0.5f * gap_s * (1.0f + result.pace) + result.pace * ahead_s;
     }
     return result;
 }
@@ -94,18 +94,19 @@ void hand_motion_reset(hand_motion_t *self) {
     self->is_running = false;
 }
 
-static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us) {
+/* Where the motion is still awaited, a jump fades in; after a gap, or at first, nobody is to be led from where the hand was. */
+static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
     const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
     const twist_t motion = hand_motion_twist(self, now_us, 0.0f);
     stand(self);
-    if (self->has_pose) {
+    if (in_time) {
         self->translation_change.place = difference(pose.translation_m, hand->translation_m);
         self->rotation_change.place = rotation_vector(turn_between(pose.rotation, hand->rotation));
         self->translation_change.velocity = motion.velocity_mps;
         self->rotation_change.velocity = motion.angular_velocity_radps;
     }
     self->pose = *hand;
-    self->has_pose = self->is_running = true;
+    self->is_running = true;
 }
 
 /* Takes an innovation from where the filter has moved in the interval; the change that it makes in the prediction is what was predicted before, less what is now. Rotation vectors are
@@ -158,7 +159,7 @@ void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captur
     const bool in_time = self->is_running && interval_s < awaited_s(self) + HAND_MOTION_GAP_S;
     const bool was_running = self->is_running;
     if (!(in_time && go_on(self, hand, interval_s, now_us, latency_s))) {
-        start_anew(self, hand, now_us);
+        start_anew(self, hand, now_us, in_time);
     }
     if (was_running) {
         learn_interval(self, interval_s);

@@ -2,7 +2,7 @@
  *
  * Any rate from 15 to 500 Hz, irregular and with lost samples; noise and rate are measured (motion_filter.h). Between samples the
  * prediction is continuous: what a new sample changes in it fades in over one interval. When no sample comes for
- * HAND_MOTION_AWAITED_INTERVALS usual ones and HAND_MOTION_AHEAD_MAX_S, the motion slows down linearly and stands HAND_MOTION_GAP_S later;
+ * HAND_MOTION_AWAITED_INTERVALS usual ones and HAND_MOTION_GRACE_S, the motion slows down linearly and stands HAND_MOTION_GAP_S later;
  * after a gap of more than all that, the next sample starts anew. */
 #ifndef COMANIP_HAND_MOTION_H
 #define COMANIP_HAND_MOTION_H
@@ -15,8 +15,7 @@
 #define HAND_MOTION_AWAITED_INTERVALS 2.5f
 #define HAND_MOTION_GAP_S 0.05f
 
-/* What is asked for further ahead of now is taken for the beginning of a gap. */
-#define HAND_MOTION_AHEAD_MAX_S 0.005f
+#define HAND_MOTION_GRACE_S 0.005f
 
 /* From a sample's capture to its being taken over, as it is believed: what is less or more counts as these. Below 0, as a latency known
  * wrongly leads there. */
@@ -29,7 +28,6 @@ typedef struct {
 } hand_motion_change_t;
 
 typedef struct {
-    bool has_pose;   /* since init */
     bool is_running; /* since reset */
     pose_t pose;     /* at captured_us */
     motion_filter_t translation, rotation; /* the rotation as rotation vectors from `pose` on */

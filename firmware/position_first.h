@@ -15,7 +15,7 @@
  * that position gives way by some 0.1 mm at most; the margin keeps an orientation that cannot be reached from driving joints to their ends,
  * where the position would be lost; one that can be reached is. A = I + damping (J_p J_p^T)^-1 damps the
  * directions of the position alone, so that neither noise nor tremor is magnified near a singular posture, and the rest of the arm's
- * freedom, which orientation has, keeps its rate. D = a little damping + a share of what Gauss-Newton's J_p^T J_p leaves out of V's Hessian, sum_j |(a_i x e) . m_j|
+ * freedom, which orientation has, keeps its rate. D = a little damping + a share of what Gauss-Newton's J_p^T J_p leaves out of V's Hessian, sum_j |(a_min(i,j) x e) . m_max(i,j)|
  * (Gershgorin's bound; a_i and m_j are the joints' axes and moments): where the arm is stretched out after a target beyond its reach, it
  * keeps the loop's rate at K. */
 #ifndef COMANIP_POSITION_FIRST_H

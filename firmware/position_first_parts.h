@@ -36,7 +36,7 @@ static inline float position_first_stiffness(float turned_rad2) {
 /* What the cofactors of J_p J_p^T + floor I are to be multiplied with, for the task's damping. The determinant is at least floor^2 times the
  * largest eigenvalue; where the arm is singular twice, rounding would leave less, or nothing. */
 static inline float position_first_task_scale(float determinant, float trace) {
-    const float least = POSITION_FIRST_TASK_FLOOR_M2 * POSITION_FIRST_TASK_FLOOR_M2 / 3.0f * trace;
+    const float least = trace * (POSITION_FIRST_TASK_FLOOR_M2 * POSITION_FIRST_TASK_FLOOR_M2 / 3.0f + 1e-9f * trace);
     return POSITION_FIRST_TASK_DAMPING_M2 / (determinant > least ? determinant : least);
 }
 

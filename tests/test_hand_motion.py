@@ -302,7 +302,7 @@ def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
     t, got = run(lambda t: (0.4 * t * X, turn([0, 0, 1], t)), 3.0, rate_hz, lost=lambda t: t > 2)
     speed, step = got[:, 7], np.diff(got[:, 4])
     last_s = np.floor(2 * rate_hz) / rate_hz + 0.004
-    gap_s = last_s + lib.HAND_MOTION_AWAITED_INTERVALS / rate_hz + lib.HAND_MOTION_AHEAD_MAX_S
+    gap_s = last_s + lib.HAND_MOTION_AWAITED_INTERVALS / rate_hz + lib.HAND_MOTION_GRACE_S
     assert speed[(t > last_s) & (t < gap_s - 0.001)] == pytest.approx(0.4, abs=2e-3)
     during = (t > gap_s - 0.002) & (t < gap_s + GAP_S + 0.004)
     assert np.abs(np.diff(speed[during])).max() < 1.2 * 0.4 * 1e-3 / GAP_S
