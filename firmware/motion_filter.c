@@ -9,7 +9,7 @@
 
 #define NOISE_MIN 0.2f /* times the scale's */
 #define NOISE_MAX 100.0f
-/* A single difference of innovations counts at most so many times the variance so far: an outlier does not pass for noise. */
+/* A single second difference of innovations counts at most so many times the variance so far: an outlier does not pass for noise. */
 #define OUTLIER_VARIANCES 9.0f
 
 #define INTERVAL_S 0.004f /* that MOTION_FILTER_MEMORY_S refers to */
@@ -58,7 +58,9 @@ static vector3_t shorten(vector3_t v, float length_max) {
 /* Innovations of white noise have the variance noise / kept^3 and are white. */
 static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s, float kept) {
     const vector3_t change = vector3_add(innovation, vector3_scale(self->innovation, -1.0f));
-    const float measured = cube(kept) * vector3_dot(change, change) * (1.0f / 6.0f); /* three components, two innovations */
+    const vector3_t bend = vector3_add(change, vector3_scale(self->innovation_change, -1.0f));
+    self->innovation_change = change;
+    const float measured = cube(kept) * vector3_dot(bend, bend) * (1.0f / 18.0f); /* three components, variances 1 + 4 + 1 */
     const float believed = clamp(measured, 0.0f, OUTLIER_VARIANCES * self->noise_variance);
     self->noise_time_s = clamp(self->noise_time_s + interval_s, 0.0f, NOISE_S);
     const float variance = self->noise_variance + (believed - self->noise_variance) * (interval_s / self->noise_time_s);

@@ -2,7 +2,7 @@
  * filter of third order (N. Morrison, "Introduction to Sequential Smoothing and Prediction", 1969), that is, a critically damped
  * alpha-beta-gamma filter. How long its memory is follows from the samples, so that no tracker needs tuning:
  *
- *   noise   by the differences of successive innovations, which motion hardly changes;
+ *   noise   by the second differences of the innovations, which motion hardly changes;
  *   trend   the innovations averaged over the memory: as large as the noise makes it while the filter follows, larger when the motion is
  *           faster than the memory is short;
  *   memory  shortens at once, in inverse proportion to the trend's square beyond what noise explains; otherwise it grows again with
@@ -20,6 +20,8 @@
 #define MOTION_FILTER_SETTLE_S 1.0f
 /* Without innovations the acceleration fades with this time constant. */
 #define MOTION_FILTER_ACCELERATION_S 0.15f
+/* So far ahead it is counted on. Further, it would magnify a hand that shakes: at 4 Hz it turns round within 60 ms. */
+#define MOTION_FILTER_ACCELERATION_AHEAD_S 0.03f
 
 /* What is usual of the quantity, in its unit (m, rad). */
 typedef struct {
@@ -30,6 +32,7 @@ typedef struct {
 typedef struct {
     vector3_t velocity, acceleration; /* at the newest sample */
     vector3_t innovation;             /* of the newest sample */
+    vector3_t innovation_change;      /* from the sample before */
     vector3_t trend;
     float noise_variance; /* per component */
     float noise_time_s;   /* that it has been measured for, up to NOISE_S of motion_filter.c */
@@ -42,13 +45,19 @@ void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scal
 /* At rest again; the noise stays measured. */
 void motion_filter_restart(motion_filter_t *self);
 
-/* From the newest sample to ahead_s after it, as the motion goes on: constant acceleration. */
+static inline float motion_filter_accelerated_s(float ahead_s) {
+    return ahead_s < MOTION_FILTER_ACCELERATION_AHEAD_S ? ahead_s : MOTION_FILTER_ACCELERATION_AHEAD_S;
+}
+
+/* From the newest sample to ahead_s after it, as the motion goes on: constant acceleration for MOTION_FILTER_ACCELERATION_AHEAD_S, constant
+ * velocity from then on. */
 static inline vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s) {
-    const vector3_t mean_velocity = vector3_add(self->velocity, vector3_scale(self->acceleration, 0.5f * ahead_s));
-    return vector3_scale(mean_velocity, ahead_s);
+    const float accelerated_s = motion_filter_accelerated_s(ahead_s);
+    return vector3_add(vector3_scale(self->velocity, ahead_s),
+                       vector3_scale(self->acceleration, accelerated_s * (ahead_s - 0.5f * accelerated_s)));
 }
 static inline vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s) {
-    return vector3_add(self->velocity, vector3_scale(self->acceleration, ahead_s));
+    return vector3_add(self->velocity, vector3_scale(self->acceleration, motion_filter_accelerated_s(ahead_s)));
 }
 
 /* Takes a sample, interval_s > 0 after the last. innovation: the sample less where displacement(interval_s) leads. Returns what of the
