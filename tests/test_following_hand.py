@@ -69,7 +69,7 @@ def test_a_clutch_in_motion_keeps_the_hands_speed():
 def test_a_gap_in_motion_ends_in_a_smooth_stop():
     bench = started(stale_periods=25)
     move(bench, [0, SPEED_MPS, 0], 600)
-    hand, bench.hand = bench.hand, None
+    bench.hand = None
     begun = position(bench)
     bench.tick(80)  # 100 ms until it counts as stale: the prediction has faded before
     assert bench.mode == lib.MODE_COOPERATING
@@ -77,7 +77,35 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
     bench.tick(60)
     assert bench.mode == lib.MODE_HOLD and (bench.velocity_radps == 0).all()
     assert (position(bench) - begun)[1] < SPEED_MPS * 0.08
+
+
+@pytest.mark.parametrize("ticks_lost", [100, 1500])
+def test_after_a_loss_nobody_is_led_from_where_the_hand_was(ticks_lost):
+    """The tracker is lost, the hand moves on by 200 mm and is still: a start as soon as it can be moves nothing."""
+    bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
+    assert bench.write(lib.PARAMETER_TASK_BLEND_S, 0.0) == lib.RESULT_ACCEPTED
+    hand, bench.hand = bench.hand, None
+    bench.tick(ticks_lost)
     bench.hand = hand
+    bench.move_hand([0.2, 0, 0])
+    while bench.mode != lib.MODE_READY:
+        bench.tick()
+    robot = position(bench)
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
+    bench.tick(500)
+    assert np.linalg.norm(position(bench) - robot) < 1e-3
+
+
+def test_prediction_switched_on_begins_with_the_hand_as_it_is():
+    bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
+    assert bench.write(lib.PARAMETER_PREDICTION, 0.0) == lib.RESULT_ACCEPTED
+    bench.move_hand([0.2, 0, 0])
+    bench.tick(50)
+    assert bench.write(lib.PARAMETER_PREDICTION, 1.0) == lib.RESULT_ACCEPTED
+    robot = position(bench)
+    assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
+    bench.tick(500)
+    assert np.linalg.norm(position(bench) - robot) < 1e-3
 
 
 def test_the_reference_is_the_estimate_and_not_one_sample(rng):

@@ -145,6 +145,8 @@ def _report(results: Results, choice: Choice, scenes: dict, left_out: dict[str, 
 
 def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.recordings
+    if not folder.is_dir() and folder != RECORDINGS_FOLDER:
+        raise CampaignError(f"{folder}: no such folder: expected one with recordings (docs/recordings.md)")
     if not folder.is_dir():
         print(f"comanip.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); give another one")
         return 0

@@ -28,18 +28,33 @@ def _assignment(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(f"'{text}': expected NAME=NUMBER, a parameter of the firmware") from None
 
 
+def _within(low: float, high: float):
+    """A number of that range, for argparse."""
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"'{text}': expected a number from {low:g} to {high:g}")
+        return value
+
+    return parse
+
+
 def _parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="comanip.following.one", description=__doc__)
     parser.add_argument("recordings", nargs="+", type=Path, help="CSV files of docs/recordings.md")
     parser.add_argument("--set", dest="parameters", nargs="+", type=_assignment, default=[], metavar="NAME=VALUE")
     parser.add_argument("--paper-law", action="store_true", help="the paper's law with its best gains")
     parser.add_argument("--task", choices=sorted(START_DEG), default="teleop")
-    parser.add_argument("--rate-hz", type=float, default=250.0)
-    parser.add_argument("--latency-ms", type=float, default=4.0)
-    parser.add_argument("--noise-mm", type=float, default=0.05)
-    parser.add_argument("--announced-error-ms", type=float, default=0.0, help="the announced latency less the true one")
-    parser.add_argument("--rotation-scale", type=float, default=0.3)
-    parser.add_argument("--position-scale", type=float, help=f"default {SHARE:g} of the largest that is in reach")
+    parser.add_argument("--rate-hz", type=_within(15, 1000), default=250.0)
+    parser.add_argument("--latency-ms", type=_within(0, 500), default=4.0)
+    parser.add_argument("--noise-mm", type=_within(0, 100), default=0.05)
+    parser.add_argument("--announced-error-ms", type=_within(-500, 500), default=0.0, help="the announced latency less the true one")
+    parser.add_argument("--rotation-scale", type=_within(0, 1), default=0.3)
+    parser.add_argument("--position-scale", type=_within(0, 10), help=f"default {SHARE:g} of the largest that is in reach")
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args(argv)
 
@@ -54,10 +69,10 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.seed,
     )
     follower = firmware({**(PARAMETERS[plan.PAPER] if arguments.paper_law else {}), **dict(arguments.parameters)})
+    recordings = [read(path) for path in arguments.recordings]
     print(f"noise at rest {noise_at_rest_um(arm, arguments.task, tracker, follower):.1f} um")
     print(f"{'recording':<26}{'scale':>8}{'RMS':>8}{'max mm':>8}{'deg':>7}{'delay ms':>10}{'acc m/s2':>10}{'limit %':>9}")
-    for path in arguments.recordings:
-        recording = read(path)
+    for recording in recordings:
         scale = arguments.position_scale
         if scale is None:
             start_rad = np.radians(START_DEG[arguments.task])
@@ -73,7 +88,10 @@ def run(arguments: argparse.Namespace) -> None:
 def main(argv: list[str] | None = None) -> int:
     try:
         run(_parse(argv))
-    except (LoopError, RecordingError, OSError) as error:
+    except OSError as error:
+        print(f"comanip.following.one: {error.filename}: {error.strerror}", file=sys.stderr)
+        return 2
+    except (LoopError, RecordingError) as error:
         print(f"comanip.following.one: {error}", file=sys.stderr)
         return 2
     return 0

@@ -40,8 +40,11 @@ def read(path: Path) -> Recording:
         header = file.readline().strip()
         if header != HEADER:
             raise RecordingError(f"{path}:1: header '{header[:60]}': expected '{HEADER}'")
+        lines = [line for line in file if line.strip()]
+        if not lines:
+            raise RecordingError(f"{path}: no samples after the header: expected two or more")
         try:
-            rows = np.loadtxt(file, delimiter=",", ndmin=2)
+            rows = np.loadtxt(lines, delimiter=",", ndmin=2)
         except ValueError as error:
             raise RecordingError(f"{path}: {error}") from None
     if len(rows) < 2 or rows.shape[1] != 8 or not np.isfinite(rows).all() or (np.diff(rows[:, 0]) <= 0).any():
