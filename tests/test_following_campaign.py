@@ -293,7 +293,10 @@ def test_results_of_another_firmware_are_not_used(tmp_path):
     assert Results.open(path, "new").values == {}
 
 
-def test_without_recordings_it_says_so(tmp_path, capsys):
+def test_without_recordings_it_says_so(tmp_path, capsys, monkeypatch):
+    assert program.main(["--out", str(tmp_path), "--recordings", str(tmp_path / "none")]) == 2
+    assert "none: no such folder" in capsys.readouterr().err
+    monkeypatch.setattr(program, "RECORDINGS_FOLDER", tmp_path / "none")  # the default one: a checkout alone
     assert program.main(["--out", str(tmp_path), "--recordings", str(tmp_path / "none")]) == 0
     assert "skipped: there is no folder" in capsys.readouterr().out
     assert campaign(tmp_path) == 2
