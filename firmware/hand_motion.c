@@ -109,8 +109,9 @@ static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us,
     self->is_running = true;
 }
 
-/* Takes an innovation from where the filter has moved in the interval; the change that it makes in the prediction is what was predicted before, less what is now. Rotation vectors are
- * added as if turns commuted: the prediction is continuous to first order in the angle that it extrapolates by. */
+/* Takes an innovation from where the filter has moved in the interval. The change that it makes in the prediction is what was predicted
+ * before, less what is now. Rotation vectors are added as if turns commuted: the prediction is continuous to first order in the angle that
+ * it extrapolates by. */
 static vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, const motion_filter_scale_t *scale, vector3_t moved,
                         vector3_t innovation, float interval_s, schedule_t before, float latency_s) {
     const vector3_t old_place = place_at(filter, change, before);
@@ -137,7 +138,7 @@ static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uin
         update(&self->translation, &self->translation_change, &translation_scale, moved_m, way_m, interval_s, before, latency_s);
     const vector3_t correction_rad = update(&self->rotation, &self->rotation_change, &rotation_scale, turned_rad, rotation_vector(turn),
                                       interval_s, before, latency_s);
-    const quaternion_t corrected = {1.0f, 0.5f * correction_rad.x, 0.5f * correction_rad.y, 0.5f * correction_rad.z}; /* small, and made unit below */
+    const quaternion_t corrected = {1.0f, 0.5f * correction_rad.x, 0.5f * correction_rad.y, 0.5f * correction_rad.z}; /* unit below */
     self->pose.translation_m = vector3_add(predicted.translation_m, correction_m);
     self->pose.rotation = quaternion_normalise(quaternion_multiply(corrected, predicted.rotation));
     return true;

@@ -11,13 +11,16 @@
  *
  *     (J_p^T A J_p + w (J_r^T J_r + k) + D) [u_error u_motion] = [K (J_p^T e + w (2 J_r^T v + k x))   J_p^T xi_p + w J_r^T xi_r].
  *
- * The matrix is positive definite, so that for a constant k and a target that stands V only falls, and the arm comes to rest. w is so small
- * that position gives way by some 0.1 mm at most; the margin keeps an orientation that cannot be reached from driving joints to their ends,
- * where the position would be lost; one that can be reached is. A = I + damping (J_p J_p^T)^-1 damps the
- * directions of the position alone, so that neither noise nor tremor is magnified near a singular posture, and the rest of the arm's
- * freedom, which orientation has, keeps its rate. D = a little damping + a share of what Gauss-Newton's J_p^T J_p leaves out of V's Hessian, sum_j |(a_min(i,j) x e) . m_max(i,j)|
- * (Gershgorin's bound; a_i and m_j are the joints' axes and moments): where the arm is stretched out after a target beyond its reach, it
- * keeps the loop's rate at K. */
+ * The matrix is positive definite, so that for a constant k and a target that stands V only falls, and the arm comes to rest.
+ *
+ *   w       is so small that position gives way by a few tenths of a millimetre at most.
+ *   margin  keeps an orientation that cannot be reached from driving joints to their ends, where the position would be lost. A reachable
+ *           orientation is met.
+ *   A       = I + damping (J_p J_p^T)^-1 damps the directions of the position alone: neither noise nor tremor is magnified near a
+ *           singular posture, and the freedom that is left to the orientation keeps its rate.
+ *   D       = a little damping + a share of what Gauss-Newton's J_p^T J_p leaves out of V's Hessian: on the diagonal
+ *           sum_j |(a_min(i,j) x e) . m_max(i,j)|, Gershgorin's bound, with the joints' axes a and moments m. Where the arm is stretched
+ *           out after a target beyond its reach, it keeps the loop's rate at K. */
 #ifndef COMANIP_POSITION_FIRST_H
 #define COMANIP_POSITION_FIRST_H
 

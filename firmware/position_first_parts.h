@@ -10,7 +10,7 @@
 #define POSITION_FIRST_TASK_FLOOR_M2 1e-5f
 #define POSITION_FIRST_CURVATURE_SHARE 0.25f
 #define POSITION_FIRST_STIFFNESS 5.0f /* of k: holds a joint in the margin against any orientation, 2 |v| <= 2 */
-#define POSITION_FIRST_TURN_RAD4 0.073f /* k is half of that where the orientation is off by 0.52 rad, 30 degrees, and little up to half of these */
+#define POSITION_FIRST_TURN_RAD4 0.073f /* k reaches half of that at 0.52 rad, 30 degrees */
 
 /* How far the joint is within the margin of its lower end, less of its upper end. */
 static inline float position_first_out_of_margin(const arm_joint_t *joint, float position_rad) {
