@@ -201,7 +201,7 @@ DO_NOT_TILT = ("name: pouring, task: pour, after", "name: pouring, task: upright
         ("mirror", (CARRY, CARRY + "      - {do: release}\n"), {"carried_for"}),
         ("mirror", (CARRY, CARRY.replace("0.02, 0, 0], duration_s: 2", "0.03, 0, 0], duration_s: 0.1")), {"force_peak"}),
         ("crank", ("turns: 3.05", "turns: 2.5"), {"turns"}),
-        ("crank", ("elbow_m: [0.60, -0.16, -0.06]", "elbow_m: [0.60, -0.16, -0.06]\n    grip_force_limit_N: 2"),
+        ("crank", ("elbow_m: [0.60, -0.16, -0.06]", "elbow_m: [0.60, -0.16, -0.06]\n    grip_force_limit_N: 0.7"),
          {"handle_drops"}),
     ],
 )  # fmt: skip
