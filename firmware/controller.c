@@ -26,7 +26,10 @@ static void apply_parameters(controller_t *self) {
     parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
-    if (!parameters_predict(&self->parameters)) { /* switched on again, it begins with the next sample */
+    self->predicts = parameters_predict(&self->parameters);
+    self->changes_posture = parameters_change_posture(&self->parameters);
+    hand_tracker_interpolate(&self->hand_tracker, !self->predicts);
+    if (!self->predicts) { /* switched on again, prediction begins with the next sample */
         hand_motion_init(&self->marker_motion);
     }
     self->marker_is_hand = memcmp(&self->marker_to_hand, &pose_identity, sizeof pose_identity) == 0;
@@ -39,10 +42,10 @@ static void receive_hand(controller_t *self, const hand_pose_t *pose, uint32_t r
         self->receiver.protocol.rejected += pose->valid;
         return;
     }
-    if (parameters_predict(&self->parameters)) {
+    if (self->predicts) {
         const int32_t later_us = (int32_t)(1e6f * self->parameters.value[PARAMETER_TRACKER_LATENCY_S]);
-        const pose_t marker = hand_tracker_newest(&self->hand_tracker);
-        hand_motion_sample(&self->marker_motion, &marker, hand_tracker_captured_us(&self->hand_tracker) - (uint32_t)later_us, now_us);
+        const uint32_t captured_us = hand_tracker_captured_us(&self->hand_tracker) - (uint32_t)later_us;
+        hand_motion_sample(&self->marker_motion, hand_tracker_newest(&self->hand_tracker), captured_us, now_us);
     }
 }
 
@@ -80,10 +83,13 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
 
 /* The encoders were sampled a tick ago, as the last command arrived: with prediction, once it has begun, the hand is taken as it was then. */
 static void sense(controller_t *self, uint32_t now_us) {
-    if (parameters_predict(&self->parameters) && self->marker_motion.is_running) {
-        const pose_t marker = hand_motion_pose(&self->marker_motion, now_us, -tick_s(self));
-        self->hand = self->marker_is_hand ? marker : pose_multiply(marker, self->marker_to_hand);
-        self->lever_m = vector3_add(self->hand.translation_m, vector3_scale(marker.translation_m, -1.0f));
+    if (self->predicts && self->marker_motion.is_running) {
+        self->hand = hand_motion_pose(&self->marker_motion, now_us, -tick_s(self));
+        if (!self->marker_is_hand) {
+            const vector3_t marker_m = self->hand.translation_m;
+            self->hand = pose_multiply(self->hand, self->marker_to_hand);
+            self->lever_m = vector3_add(self->hand.translation_m, vector3_scale(marker_m, -1.0f));
+        }
     } else {
         self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
         self->lever_m = (vector3_t){0.0f, 0.0f, 0.0f};
@@ -405,7 +411,7 @@ static void follow(controller_t *self, uint32_t now_us, joint_ends_t ends) {
         .ends = ends,
     };
     const posture_change_config_t config = {self->arm, &self->position_first_config, &self->joint_limits_config};
-    const bool may_change_posture = parameters_change_posture(&self->parameters) && !self->cooperation.latched;
+    const bool may_change_posture = self->changes_posture && !self->cooperation.latched;
     if (may_change_posture && posture_change_step(&self->posture_change, &config, &request, self->wanted_radps)) {
         memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
         return;
@@ -449,7 +455,7 @@ static void aim(controller_t *self, uint32_t now_us) {
     cooperation_update(&self->cooperation, &self->hand, blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? tick_s(self) : 0.0f;
     const joint_ends_t ends = joint_limits_ends(self->arm, &self->joint_limits_config, self->joints.position_rad);
-    if (parameters_predict(&self->parameters)) {
+    if (self->predicts) {
         follow(self, now_us, ends);
     } else {
         velocity_law(self, ends);
@@ -461,13 +467,11 @@ static void aim(controller_t *self, uint32_t now_us) {
 static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
     /* A stop is driven to its end before the brakes close. */
     bool moving = is_engaged(self) || !joint_limits_at_rest(&self->limits, self->arm);
-    joint_command_t command;
-    for (int i = 0; i < ARM_MAX_JOINTS; i++) {
-        const bool is_there = i < self->arm->joint_count;
-        command.mode[i] = is_there && moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;
-        command.position_rad[i] = is_there ? self->limits.position_rad[i] : 0.0f;
-        command.velocity_radps[i] = is_there ? self->limits.velocity_radps[i] : 0.0f;
-        command.torque_Nm[i] = 0.0f;
+    joint_command_t command = {0}; /* braked */
+    for (int i = 0; i < self->arm->joint_count; i++) {
+        command.mode[i] = moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;
+        command.position_rad[i] = self->limits.position_rad[i];
+        command.velocity_radps[i] = self->limits.velocity_radps[i];
     }
     can_frame_t frame;
     if (joint_command_pack(&command, &frame) == PROTOCOL_OK) {

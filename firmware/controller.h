@@ -46,6 +46,7 @@ typedef struct {
     position_first_config_t position_first_config;
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
+    bool predicts, changes_posture;
     pose_t marker_to_hand;
     bool marker_is_hand; /* marker_to_hand is the identity, and need not be computed with */
 

@@ -215,8 +215,9 @@ twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand
     const vector3_t turning_radps = vector3_scale(carried(carry, hand->angular_velocity_radps), self->loop.unscale);
     vector3_t relation_mps = vector3_cross(turning_radps, self->relation_m);
     if (self->relation.slope != 0.0f) {
-        const vector3_t hand_z = {0.0f, 0.0f, self->relation.slope * virtual_hand_mps.x};
-        relation_mps = vector3_add(relation_mps, quaternion_rotate(self->target.rotation, hand_z));
+        const quaternion_t r = self->target.rotation;
+        const vector3_t hand_z = {2.0f * (r.x * r.z + r.w * r.y), 2.0f * (r.y * r.z - r.w * r.x), 1.0f - 2.0f * (r.x * r.x + r.y * r.y)};
+        relation_mps = vector3_add(relation_mps, vector3_scale(hand_z, self->relation.slope * virtual_hand_mps.x));
     }
     return (twist_t){vector3_add(virtual_hand_mps, vector3_scale(relation_mps, -1.0f)), turning_radps};
 }

@@ -25,6 +25,12 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
+/* x < limit, for a limit that is +0 or more: as whole numbers, the bits of negative floats are below those of the others, which are ordered
+ * as they are. So is -0 below +0; and x = NaN answers by its sign. */
+static inline bool float_is_below(float x, float limit) {
+    return (int32_t)float_bits(x) < (int32_t)float_bits(limit);
+}
+
 /* The whole number that is left of x and half more, away from 0: the nearest one, but for x itself being rounded up when half is added.
  * |x| below 2^31; NaN is not one. */
 static inline int32_t float_nearest(float x) {

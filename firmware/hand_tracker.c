@@ -16,9 +16,17 @@
 void hand_tracker_init(hand_tracker_t *self, uint32_t period_us) {
     *self = (hand_tracker_t){
         .period_us = period_us,
+        .interpolates = true,
         .from = pose_identity,
         .to = pose_identity,
     };
+}
+
+void hand_tracker_interpolate(hand_tracker_t *self, bool interpolates) {
+    if (interpolates && !self->interpolates) {
+        self->from = self->to; /* what came before was not kept */
+    }
+    self->interpolates = interpolates;
 }
 
 void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status) {
@@ -57,8 +65,10 @@ bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_
     self->received_us = received_us;
 
     pose_t sample = {quaternion_normalise(pose->rotation), pose->position_m};
-    self->from = self->has_pose ? hand_tracker_pose(self, now_us) : sample;
-    sample.rotation = quaternion_align(sample.rotation, self->from.rotation);
+    if (self->interpolates) {
+        self->from = self->has_pose ? hand_tracker_pose(self, now_us) : sample;
+        sample.rotation = quaternion_align(sample.rotation, self->from.rotation);
+    }
     self->to = sample;
     self->blend_start_us = now_us;
     self->has_pose = true;
@@ -74,10 +84,6 @@ uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us) {
 
 uint32_t hand_tracker_captured_us(const hand_tracker_t *self) {
     return self->received_us - self->age_at_reception_us - self->latency_us;
-}
-
-pose_t hand_tracker_newest(const hand_tracker_t *self) {
-    return self->to;
 }
 
 bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods) {
@@ -96,7 +102,7 @@ bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale
 
 pose_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us) {
     uint32_t elapsed_us = now_us - self->blend_start_us;
-    if (elapsed_us >= self->period_us) {
+    if (!self->interpolates || elapsed_us >= self->period_us) {
         return self->to;
     }
     return pose_interpolate(self->from, self->to, (float)elapsed_us / (float)self->period_us);

@@ -16,12 +16,16 @@ typedef struct {
     uint32_t last_stamp_us;   /* tracker's clock, of the newest pose */
     uint32_t received_us;     /* of the newest valid pose */
     uint32_t age_at_reception_us; /* how much later it came than the fastest frame */
+    bool interpolates;
     uint32_t blend_start_us;
     pose_t from, to; /* interpolated over one period: marker in the tracker frame */
 } hand_tracker_t;
 
 /* period_us: until the tracker announces its own. */
 void hand_tracker_init(hand_tracker_t *self, uint32_t period_us);
+
+/* Whether hand_tracker_pose() interpolates, as it does from the beginning. If not, it is the newest pose, and to receive one costs less. */
+void hand_tracker_interpolate(hand_tracker_t *self, bool interpolates);
 
 /* Takes over the announced period, if it is within 1 and 100 ms: with a longer one, blind cooperation could last long; and the announced
  * latency, up to 100 ms. */
@@ -40,7 +44,9 @@ uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
 uint32_t hand_tracker_captured_us(const hand_tracker_t *self);
 
 /* The newest valid pose: the marker in the tracker frame. The identity at first. */
-pose_t hand_tracker_newest(const hand_tracker_t *self);
+static inline const pose_t *hand_tracker_newest(const hand_tracker_t *self) {
+    return &self->to;
+}
 
 /* No valid pose for stale_periods of the tracker's own periods; and, once stale, until one comes with at most half that
  * age, so that a pose that is late again and again does not flap. Call it once per tick: what has been stale for a second is

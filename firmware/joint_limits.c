@@ -17,8 +17,9 @@
  * this, and the arm swings as it arrives. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
+/* Of none that is negative. */
 static float smaller(float a, float b) {
-    return a < b ? a : b;
+    return float_is_below(a, b) ? a : b;
 }
 
 static float clamp(float x, float low, float high) {
@@ -29,22 +30,22 @@ static float clamp(float x, float low, float high) {
  * v^2 / (2 a) + v a / (2 j) = distance. Until a command acts, the joint travels on with the commands under way, which while it
  * brakes are the faster the older they are. */
 static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad) {
-    if (distance_rad <= 0.0f) {
+    if (!float_is_below(0.0f, distance_rad)) {
         return 0.0f;
     }
     const float squared = plan->twice_braking_radps2 * distance_rad + plan->ramp_square;
-    if (plan->fastest_square <= squared) { /* as a rule: without a square root */
+    if (!float_is_below(squared, plan->fastest_square)) { /* as a rule: without a square root */
         return plan->speed_max_radps;
     }
     const float speed = __builtin_sqrtf(squared) - plan->coasting_radps;
-    return speed > 0.0f ? smaller(speed, plan->speed_max_radps) : 0.0f;
+    return float_is_below(0.0f, speed) ? smaller(speed, plan->speed_max_radps) : 0.0f;
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
  * when the speed is above a / K, the linear speed. Above it the speed is held to the one that stops on the way to go; below, the
  * law's own. */
 static float approach_speed(float wanted_speed_radps, float linear_radps) {
-    if (wanted_speed_radps <= linear_radps) {
+    if (!float_is_below(linear_radps, wanted_speed_radps)) {
         return wanted_speed_radps;
     }
     /* tangent to the line u = K x at u = a / K, then v^2 = 2 a (x - a / (2 K^2)) */
@@ -105,6 +106,8 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
         .coasting_radps = coasting_radps,
         .near_end_rad = JOINT_LIMITS_AT_LIMIT_RAD +
                         0.5f * (coasting_radps * coasting_radps - ramp_radps * ramp_radps) / braking_radps2,
+        .reference_min_rad = joint->position_min_rad + POSITION_RESOLUTION_RAD,
+        .reference_max_rad = joint->position_max_rad - POSITION_RESOLUTION_RAD,
     };
 }
 
@@ -124,7 +127,7 @@ static float approach_scale(const joint_limits_plan_t plan[], int joint_count, c
     for (int i = 0; i < joint_count; i++) {
         const float speed = __builtin_fabsf(error_radps[i]);
         const float allowed_radps = approach_speed(speed, plan[i].linear_radps);
-        if (speed > allowed_radps) {
+        if (float_is_below(allowed_radps, speed)) {
             scale = smaller(scale, allowed_radps / speed);
         }
     }
@@ -148,7 +151,7 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         wanted_radps[i] = error_scale * error_radps[i] + feedforward_radps[i];
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
         const float speed = __builtin_fabsf(wanted_radps[i]);
-        if (speed > config->plan[i].speed_max_radps) {
+        if (float_is_below(config->plan[i].speed_max_radps, speed)) {
             scale = smaller(scale, config->plan[i].speed_max_radps / speed);
         }
     }
@@ -172,10 +175,9 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         self->change_steps[i] = way_steps < 0 ? -next_change(plan, -way_steps, -last_steps) : next_change(plan, way_steps, last_steps);
         self->velocity_steps[i] += self->change_steps[i];
         self->velocity_radps[i] = (float)self->velocity_steps[i] * VELOCITY_RESOLUTION_RADPS;
-        if (finite) { /* not quite to the ends, so that the rounded reference on the bus is within them */
-            self->position_rad[i] = clamp(measured_rad[i] + self->velocity_radps[i] * config->tick_s,
-                                          joint->position_min_rad + POSITION_RESOLUTION_RAD,
-                                          joint->position_max_rad - POSITION_RESOLUTION_RAD);
+        if (finite) {
+            const float reference_rad = measured_rad[i] + self->velocity_radps[i] * config->tick_s;
+            self->position_rad[i] = clamp(reference_rad, plan->reference_min_rad, plan->reference_max_rad);
         }
     }
     return finite;
@@ -187,8 +189,8 @@ joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *co
         const arm_joint_t *joint = &arm->joints[i];
         const float near_end_rad = config->plan[i].near_end_rad;
         const unsigned bit = 1u << i;
-        lower |= measured_rad[i] - joint->position_min_rad < near_end_rad ? bit : 0u;
-        upper |= joint->position_max_rad - measured_rad[i] < near_end_rad ? bit : 0u;
+        lower |= float_is_below(measured_rad[i] - joint->position_min_rad, near_end_rad) ? bit : 0u;
+        upper |= float_is_below(joint->position_max_rad - measured_rad[i], near_end_rad) ? bit : 0u;
     }
     return (joint_ends_t){(uint8_t)lower, (uint8_t)upper};
 }

@@ -37,6 +37,7 @@ typedef struct {
     float fastest_square;     /* of the stopping speed from which on speed_max_radps holds */
     float coasting_radps;     /* what is lost of the stopping speed to that, and to commands under way */
     float near_end_rad;       /* nearer to an end, the joint counts as standing there */
+    float reference_min_rad, reference_max_rad; /* not quite the ends, so that the rounded reference on the bus is within them */
 } joint_limits_plan_t;
 
 typedef struct {

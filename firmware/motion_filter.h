@@ -11,6 +11,7 @@
 #define COMANIP_MOTION_FILTER_H
 
 #include "dual_quaternion.h"
+#include "float_bits.h"
 
 /* The shortest memory, in motion, at the scale's noise and 4 ms between samples; it grows with the eighth root of the noise's variance
  * times the interval (a Kalman filter's for white jerk with the sixth; recordings ask for less), and shrinks in very fast motion. */
@@ -25,7 +26,7 @@
 
 /* What is usual of the quantity, in its unit (m, rad). */
 typedef struct {
-    float noise; /* standard deviation per component: assumed at first; 0.2 to 100 times as much is believed */
+    float noise_variance; /* per component: assumed at first; 0.2^2 to 100^2 times as much is believed */
     float velocity_max, acceleration_max; /* bounds of the estimates' magnitudes, in unit/s and unit/s^2 */
 } motion_filter_scale_t;
 
@@ -45,23 +46,30 @@ void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scal
 /* At rest again; the noise stays measured. */
 void motion_filter_restart(motion_filter_t *self);
 
-static inline float motion_filter_accelerated_s(float ahead_s) {
-    return ahead_s < MOTION_FILTER_ACCELERATION_AHEAD_S ? ahead_s : MOTION_FILTER_ACCELERATION_AHEAD_S;
+/* A time after the newest sample, for as many filters as there are: the motion goes on with constant acceleration for
+ * MOTION_FILTER_ACCELERATION_AHEAD_S, with constant velocity from then on. */
+typedef struct {
+    float ahead_s, accelerated_s;
+    float curve_s2; /* of the acceleration, in the displacement */
+} motion_filter_ahead_t;
+
+static inline motion_filter_ahead_t motion_filter_ahead(float ahead_s) {
+    const bool is_accelerated = float_is_below(ahead_s, MOTION_FILTER_ACCELERATION_AHEAD_S);
+    const float accelerated_s = is_accelerated ? ahead_s : MOTION_FILTER_ACCELERATION_AHEAD_S;
+    return (motion_filter_ahead_t){ahead_s, accelerated_s, accelerated_s * (ahead_s - 0.5f * accelerated_s)};
 }
 
-/* From the newest sample to ahead_s after it, as the motion goes on: constant acceleration for MOTION_FILTER_ACCELERATION_AHEAD_S, constant
- * velocity from then on. */
-static inline vector3_t motion_filter_displacement(const motion_filter_t *self, float ahead_s) {
-    const float accelerated_s = motion_filter_accelerated_s(ahead_s);
-    return vector3_add(vector3_scale(self->velocity, ahead_s),
-                       vector3_scale(self->acceleration, accelerated_s * (ahead_s - 0.5f * accelerated_s)));
+/* From the newest sample until then; and the velocity then. */
+static inline vector3_t motion_filter_displacement(const motion_filter_t *self, const motion_filter_ahead_t *then) {
+    return vector3_add(vector3_scale(self->velocity, then->ahead_s), vector3_scale(self->acceleration, then->curve_s2));
 }
-static inline vector3_t motion_filter_velocity(const motion_filter_t *self, float ahead_s) {
-    return vector3_add(self->velocity, vector3_scale(self->acceleration, motion_filter_accelerated_s(ahead_s)));
+static inline vector3_t motion_filter_velocity(const motion_filter_t *self, const motion_filter_ahead_t *then) {
+    return vector3_add(self->velocity, vector3_scale(self->acceleration, then->accelerated_s));
 }
 
-/* Takes a sample, interval_s > 0 after the last. innovation: the sample less where displacement(interval_s) leads. Returns what of the
- * innovation is to be added to there: the filter keeps no position, so that a rotation may be one. */
-vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s);
+/* Takes a sample, after the last by interval->ahead_s > 0. innovation: the sample less where displacement(interval) leads. Returns what of
+ * the innovation is to be added to there: the filter keeps no position, so that a rotation may be one. */
+vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
+                               const motion_filter_ahead_t *interval);
 
 #endif

@@ -2,6 +2,7 @@
 #ifndef COMANIP_POSITION_FIRST_PARTS_H
 #define COMANIP_POSITION_FIRST_PARTS_H
 
+#include "float_bits.h"
 #include "ldlt.h"
 #include "position_first.h"
 
@@ -17,14 +18,14 @@ static inline float position_first_out_of_margin(const arm_joint_t *joint, float
     const float above_lower_rad = position_rad - joint->position_min_rad;
     const float below_upper_rad = joint->position_max_rad - position_rad;
     float way_rad = 0.0f;
-    way_rad += above_lower_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - above_lower_rad : 0.0f;
-    way_rad -= below_upper_rad < POSITION_FIRST_MARGIN_RAD ? POSITION_FIRST_MARGIN_RAD - below_upper_rad : 0.0f;
+    way_rad += float_is_below(above_lower_rad, POSITION_FIRST_MARGIN_RAD) ? POSITION_FIRST_MARGIN_RAD - above_lower_rad : 0.0f;
+    way_rad -= float_is_below(below_upper_rad, POSITION_FIRST_MARGIN_RAD) ? POSITION_FIRST_MARGIN_RAD - below_upper_rad : 0.0f;
     return way_rad;
 }
 
 /* How much of the position error counts. */
 static inline float position_first_share(float distance_m) {
-    return distance_m > POSITION_FIRST_ERROR_MAX_M ? POSITION_FIRST_ERROR_MAX_M / distance_m : 1.0f;
+    return float_is_below(POSITION_FIRST_ERROR_MAX_M, distance_m) ? POSITION_FIRST_ERROR_MAX_M / distance_m : 1.0f;
 }
 
 /* k, of |2 v|^2. */
@@ -37,12 +38,12 @@ static inline float position_first_stiffness(float turned_rad2) {
  * largest eigenvalue; where the arm is singular twice, rounding would leave less, or nothing. */
 static inline float position_first_task_scale(float determinant, float trace) {
     const float least = trace * (POSITION_FIRST_TASK_FLOOR_M2 * POSITION_FIRST_TASK_FLOOR_M2 / 3.0f + 1e-9f * trace);
-    return POSITION_FIRST_TASK_DAMPING_M2 / (determinant > least ? determinant : least);
+    return POSITION_FIRST_TASK_DAMPING_M2 / (float_is_below(determinant, least) ? least : determinant);
 }
 
 /* Of a joint, on the diagonal: without the curvature. weighted_stiffness: w k. */
 static inline float position_first_damping(float weighted_stiffness, float way_out_rad) {
-    return POSITION_FIRST_DAMPING_M2 + (way_out_rad != 0.0f ? weighted_stiffness : 0.0f);
+    return POSITION_FIRST_DAMPING_M2 + (float_magnitude_bits(way_out_rad) != 0u ? weighted_stiffness : 0.0f);
 }
 
 typedef struct {

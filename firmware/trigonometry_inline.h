@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 
+#include "float_bits.h"
 #include "trigonometry.h"
 
 /* Minimax polynomials on [-pi/2, pi/2]: the sine is x + x^3 (SINE_3 + ...), the cosine 1 - x^2 / 2 + x^4 (COSINE_4 + ...). */
@@ -17,7 +18,7 @@
 #define COSINE_10 -2.61935497e-7f
 
 static inline bool sine_cosine_is_small(float angle_rad) {
-    return __builtin_fabsf(angle_rad) <= 1.57079637f;
+    return float_magnitude_bits(angle_rad) <= float_magnitude_bits(1.57079637f);
 }
 
 static inline sine_cosine_t sine_cosine_small(float angle_rad) {
