@@ -4,7 +4,7 @@
 #include "../bitexact/records.h"
 
 typedef enum { COUNTED_NOTHING = 0, COUNTED_STEP, COUNTED_TICK, COUNTED_TICK_TORSO, COUNTED_TICK_GENERAL, COUNTED_TICK_ENDS,
-               COUNTED_TICK_GENERAL_ENDS, COUNTED_TICK_BLEND } counted_t;
+               COUNTED_TICK_GENERAL_ENDS, COUNTED_TICK_BLEND, COUNTED_ESTIMATE, COUNTED_PREDICTION, COUNTED_LAW, COUNTED_LAW_ENDS } counted_t;
 
 /* A way from a call of count_begin() to the next of count_end() is counted: see plugin.c. */
 void count_begin(void);
@@ -26,6 +26,8 @@ static void told(counted_t what) {
 /* Copies, which are not on the stack: it is as large as the product needs it. */
 static cooperation_t cooperation;
 static velocity_control_config_t config;
+static hand_motion_t motion;
+static position_first_config_t position_first_config;
 
 /* Algorithm 1, kinematics and law (4), as the controller calls them. */
 static void tick(const float position_rad[], const pose_t *hand, joint_ends_t ends, float blend, counted_t what) {
@@ -54,6 +56,33 @@ static void ticks(const float position_rad[], const pose_t *hand) {
     tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_ENDS);
 }
 
+/* What prediction is made of, as the controller calls it: a sample, 4 ms after the last and just taken; the motion at the command's instant,
+ * and the target's; the law. */
+static void predicted_ticks(const float position_rad[], const pose_t *sample) {
+    const float ahead_s = 0.003f;
+    const uint32_t captured_us = motion.captured_us + 4000u, now_us = captured_us + 4000u;
+    count_begin();
+    hand_motion_sample(&motion, sample, captured_us, now_us);
+    count_end();
+    told(COUNTED_ESTIMATE);
+    count_begin();
+    const pose_t hand = hand_motion_pose(&motion, now_us, -0.001f);
+    const twist_t hand_moves = hand_motion_twist(&motion, now_us, ahead_s);
+    const twist_t target_moves = cooperation_target_motion(&cooperation, &hand_moves);
+    count_end();
+    told(COUNTED_PREDICTION);
+    for (int at_ends = 0; at_ends < 2; at_ends++) {
+        const joint_ends_t ends = {at_ends ? 0x5 : 0, at_ends ? 0xA : 0};
+        const position_first_request_t request = {position_rad, &cooperation.target, &target_moves, ends};
+        float error_radps[ARM_MAX_JOINTS], motion_radps[ARM_MAX_JOINTS];
+        count_begin();
+        cooperation_update(&cooperation, &hand, 1.0f);
+        (void)arm_hoap3_right.position_first(&arm_hoap3_right, &position_first_config, &request, error_radps, motion_radps);
+        count_end();
+        told(at_ends ? COUNTED_LAW_ENDS : COUNTED_LAW);
+    }
+}
+
 /* A made-up state: the robot's hand at the start is where its joints say. */
 static void run_state(const record_t *record, const controller_t *controller) {
     struct {
@@ -65,7 +94,11 @@ static void run_state(const record_t *record, const controller_t *controller) {
     config = controller->velocity_control_config;
     cooperation_start(&cooperation, &controller->cooperation_config, &task_table[record->count], pose_identity,
                       arm_hoap3_right.forward_kinematics(&arm_hoap3_right, state.position_rad));
+    position_first_config = controller->position_first_config;
+    hand_motion_init(&motion);
+    hand_motion_sample(&motion, &state.hand, 0u, 4000u);
     ticks(state.position_rad, &state.hand);
+    predicted_ticks(state.position_rad, &state.hand);
 }
 
 static void drop(void *context, const can_frame_t *frame) {
@@ -94,7 +127,10 @@ void firmware_main(void) {
             if (controller.supervisor.mode == MODE_COOPERATING && controller.velocity_control_config.isotropic.applies) {
                 cooperation = controller.cooperation;
                 config = controller.velocity_control_config;
+                position_first_config = controller.position_first_config;
+                motion = controller.marker_motion;
                 ticks(controller.joints.position_rad, &controller.hand);
+                predicted_ticks(controller.joints.position_rad, hand_tracker_newest(&controller.hand_tracker));
             }
         } else {
             record_boot(&record, &controller);
