@@ -17,10 +17,13 @@ Q_X_MINUS_90 = oracle.rotation([1, 0, 0], -np.pi / 2)  # the paper's (9)
 
 class Bench:
     """position_rad: where the arm stands. hand: pose (8,) of the person's hand in torso axes, or None for no frames.
-    prediction: off, so that the hand may jump and is met as law (4) has it. store_result: how the port's store ends a saving, store_ticks after it began; stored: what it was to save, each time."""
+    prediction: unless told, Bench.prediction: off, so that the hand may jump and is met as law (4) has it. store_result: how the port's store
+    ends a saving, store_ticks after it began; stored: what it was to save, each time."""
+
+    prediction = False
 
     def __init__(
-        self, position_deg=(90, -5, 0, -90), now_us: int = 0, parameters=None, boot_result: int = 0, prediction: bool = False
+        self, position_deg=(90, -5, 0, -90), now_us: int = 0, parameters=None, boot_result: int = 0, prediction: bool | None = None
     ):
         self.position_rad = np.radians(np.array(position_deg, float))
         self.hand = oracle.pose(oracle.rotation([0, 1, 0], np.pi / 2), [0.4, 0.2, 0.1])
@@ -46,7 +49,7 @@ class Bench:
         if parameters is None:
             parameters = ffi.new("parameters_t *")
             lib.parameters_set_defaults(parameters)
-            parameters.value[lib.PARAMETER_PREDICTION] = prediction
+            parameters.value[lib.PARAMETER_PREDICTION] = self.prediction if prediction is None else prediction
         lib.controller_set_parameters(self.controller, parameters, boot_result)
 
     # ---- frames in
