@@ -7,6 +7,7 @@ import oracle
 import pytest
 from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, Bench
+from simulation import EXIT_CHECK_FAILED, run
 
 TICK_S = 1e-3
 CLASSIC_TICK_S = 4e-3
@@ -141,6 +142,22 @@ def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_it_is_me
     assert not status_bit(bench)
     assert bench.save() == lib.RESULT_ACCEPTED and len(bench.stored) == 1
     assert bench.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
+
+
+@pytest.mark.parametrize(
+    ("profile", "parameters"),
+    [
+        ("fd", {"command_delay_s": 0.02, "following_gain_per_s": 60}),
+        ("classic", {"gain_x_per_s": 100, "gain_dual_y_per_s": 90, "command_delay_s": 0.02, "prediction": 0}),
+    ],
+)
+def test_the_simulator_names_all_parameters_of_a_refused_start(tmp_path, profile, parameters):
+    written = [part for name, value in parameters.items() for part in ("--param", f"{name}={value}")]
+    done = run(tmp_path / "out", "--scenario", "teleop", "--profile", profile, *written)
+    assert done.status == EXIT_CHECK_FAILED
+    assert "refused by the firmware: parameters_unstable (mode ready): " in done.summary["reason"]
+    for name, value in parameters.items():
+        assert name == "prediction" or f"{name} = {value:g}" in done.summary["reason"]
 
 
 def test_a_stored_set_that_is_unstable_stays_is_told_at_boot_and_not_started():

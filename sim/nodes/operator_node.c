@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "../../firmware/parameters.h"
 #include "../bus/endpoint.h"
@@ -9,6 +10,8 @@
 #include "../scenario/step_wait.h"
 
 #define TEXT_BYTES 160
+#define REFUSAL_BYTES 420 /* ten parameters with their values */
+#define NAMING_NS 10000000 /* the firmware names the parameters that it refuses, one a tick: 4 ms on classic CAN */
 #define CLOSING_STEPS 2
 #define LISTENS_TO                                                                                                   \
     (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) |                                       \
@@ -32,8 +35,10 @@ struct operator_node {
     task_id_t task;
     bool latched;
     uint8_t custom_form; /* task_form_t of the last task that was defined */
+    char refusal[REFUSAL_BYTES]; /* "": none, or it is told */
+    int64_t refusal_ns, named_ns; /* when it came, and the last parameter that it names */
     bool failed;
-    char failure[3 * TEXT_BYTES];
+    char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
 };
 
 static int64_t ns_from_s(double seconds) {
@@ -95,11 +100,26 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     if (result == RESULT_ACCEPTED) {
         finish_step(self, now_ns);
     } else {
-        char what[TEXT_BYTES];
-        (void)snprintf(what, sizeof what, "refused by the firmware: %s (mode %s)", result_name((uint8_t)result),
+        (void)snprintf(self->refusal, sizeof self->refusal, "refused by the firmware: %s (mode %s)", result_name((uint8_t)result),
                        mode_name((uint8_t)self->mode));
-        fail(self, now_ns, what);
+        self->refusal_ns = self->named_ns = now_ns;
+        if (result != RESULT_PARAMETERS_UNSTABLE) {
+            fail(self, now_ns, self->refusal);
+        }
     }
+}
+
+/* A parameter that makes the set unstable, of a refusal that has come. */
+static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
+    if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
+        value->parameter >= PARAMETER_COUNT) {
+        return;
+    }
+    const char *separator = self->named_ns == self->refusal_ns ? ": " : ", ";
+    self->named_ns = now_ns;
+    const size_t used = strlen(self->refusal);
+    (void)snprintf(self->refusal + used, sizeof self->refusal - used, "%s%s = %g", separator,
+                   parameter_table[value->parameter].name, (double)value->value);
 }
 
 static bool awaits(const operator_node_t *self, operator_action_t action) {
@@ -122,11 +142,13 @@ static void on_message(void *context, frame_kind_t kind, const can_frame_t *mess
         if (ack.command == (uint8_t)self->steps[self->current].command) {
             on_result(self, ack.sequence, ack.result, end_ns);
         }
-    } else if (kind == FRAME_PARAMETER_VALUE && awaits(self, OPERATOR_WRITE_PARAMETER)) {
+    } else if (kind == FRAME_PARAMETER_VALUE) {
         parameter_value_t value;
         parameter_value_unpack(message, &value);
-        if (value.parameter == self->steps[self->current].parameter) {
+        if (awaits(self, OPERATOR_WRITE_PARAMETER) && value.parameter == self->steps[self->current].parameter) {
             on_result(self, value.sequence, value.result, end_ns);
+        } else {
+            add_to_refusal(self, &value, end_ns);
         }
     } else if (kind == FRAME_GRIPPER_STATE && awaits(self, OPERATOR_MOVE_GRIPPER)) {
         gripper_state_t state;
@@ -274,7 +296,11 @@ void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns
     if (self->failed || self->current >= end || (!self->begun && !begin_step(self, from_ns, until_ns))) {
         return;
     }
-    if (self->steps[self->current].action == OPERATOR_AWAIT_MODE) {
+    if (self->refusal[0] != '\0') {
+        if (from_ns - self->named_ns > NAMING_NS) {
+            fail(self, self->refusal_ns, self->refusal);
+        }
+    } else if (self->steps[self->current].action == OPERATOR_AWAIT_MODE) {
         await_mode(self, from_ns);
     } else if (self->sendings == 0) {
         send_step(self, self->due_ns);
