@@ -156,7 +156,7 @@ def monitor(
 ) -> None:  # fmt: skip
     """Show mode, reason, ages, rates, load, errors and decoded signals. Sends nothing."""
     if once and duration is None and log is None:
-        raise ToolError("--once: without an end, expected --duration SECONDS or --log LOG with it")
+        raise ToolError("--once: nothing says when to end: give --duration SECONDS or --log LOG as well")
     if log is not None:
         _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
         return
