@@ -63,7 +63,7 @@ typedef struct {
     hand_motion_t marker_motion; /* in the tracker frame */
     joint_feedback_t joints;
     pose_t hand; /* human's hand in the tracker frame, this tick; with prediction, when the encoders were sampled */
-    vector3_t lever_m; /* with prediction: from the marker to the hand, then */
+    vector3_t lever_m; /* with prediction: from the marker to the hand, then; where the marker is the hand, not kept */
 
     supervisor_t supervisor;
     supervisor_inputs_t supervisor_inputs;

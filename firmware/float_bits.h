@@ -25,10 +25,15 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
-/* x < limit, for a limit that is +0 or more: as whole numbers, the bits of negative floats are below those of the others, which are ordered
- * as they are. So is -0 below +0; and x = NaN answers by its sign. */
+/* x < limit, unless both are negative: as whole numbers, the bits of negative floats are below those of the others, which are ordered as they
+ * are. -0 is below +0. A NaN answers by its sign, which differs between processors: none may get here where the answer counts. */
 static inline bool float_is_below(float x, float limit) {
     return (int32_t)float_bits(x) < (int32_t)float_bits(limit);
+}
+
+/* Neither may be negative. */
+static inline float float_smaller(float a, float b) {
+    return float_is_below(a, b) ? a : b;
 }
 
 /* The whole number that is left of x and half more, away from 0: the nearest one, but for x itself being rounded up when half is added.

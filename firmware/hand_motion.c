@@ -119,8 +119,8 @@ typedef struct {
 /* Takes an innovation from where the filter has moved in the interval. The change that it makes in the prediction is what was predicted
  * before, less what is now. Rotation vectors are added as if turns commuted: the prediction is continuous to first order in the angle that
  * it extrapolates by. */
-static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, const motion_filter_scale_t *scale, vector3_t moved,
-                        vector3_t innovation, const sample_times_t *at) {
+static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, const motion_filter_scale_t *scale,
+                               vector3_t moved, vector3_t innovation, const sample_times_t *at) {
     const vector3_t old_place = place_at(filter, change, &at->before);
     const vector3_t old_velocity = velocity_at(filter, change, &at->before);
     const vector3_t correction = motion_filter_update(filter, scale, innovation, &at->interval);
@@ -138,7 +138,7 @@ static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uin
     const pose_t predicted = displace(self->pose, moved_m, turned_rad);
     const vector3_t way_m = difference(hand->translation_m, predicted.translation_m);
     const quaternion_t turn = turn_between(hand->rotation, predicted.rotation);
-    if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* nor is what is no number */
+    if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* NaN is none either */
         return false;
     }
     const vector3_t correction_m = update(&self->translation, &self->translation_change, &translation_scale, moved_m, way_m, &at);

@@ -17,11 +17,6 @@
  * this, and the arm swings as it arrives. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
-/* Of none that is negative. */
-static float smaller(float a, float b) {
-    return float_is_below(a, b) ? a : b;
-}
-
 static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
@@ -38,7 +33,7 @@ static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad)
         return plan->speed_max_radps;
     }
     const float speed = __builtin_sqrtf(squared) - plan->coasting_radps;
-    return float_is_below(0.0f, speed) ? smaller(speed, plan->speed_max_radps) : 0.0f;
+    return float_is_below(0.0f, speed) ? float_smaller(speed, plan->speed_max_radps) : 0.0f;
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
@@ -87,7 +82,7 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
     const float acceleration_radps2 = (float)change_max_steps * VELOCITY_RESOLUTION_RADPS / tick_s;
     const float jerk_radps3 = (float)jerk_steps * VELOCITY_RESOLUTION_RADPS / (tick_s * tick_s);
     const float braking_radps2 =
-        smaller(JOINT_LIMITS_BRAKING_RESERVE * acceleration_radps2, __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
+        float_smaller(JOINT_LIMITS_BRAKING_RESERVE * acceleration_radps2, __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
     /* A command stays for a tick; the velocity follows the stopping speed later by half the time of a ramp. */
@@ -128,7 +123,7 @@ static float approach_scale(const joint_limits_plan_t plan[], int joint_count, c
         const float speed = __builtin_fabsf(error_radps[i]);
         const float allowed_radps = approach_speed(speed, plan[i].linear_radps);
         if (float_is_below(allowed_radps, speed)) {
-            scale = smaller(scale, allowed_radps / speed);
+            scale = float_smaller(scale, allowed_radps / speed);
         }
     }
     return scale;
@@ -152,7 +147,7 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
         const float speed = __builtin_fabsf(wanted_radps[i]);
         if (float_is_below(config->plan[i].speed_max_radps, speed)) {
-            scale = smaller(scale, config->plan[i].speed_max_radps / speed);
+            scale = float_smaller(scale, config->plan[i].speed_max_radps / speed);
         }
     }
     for (int i = 0; i < arm->joint_count; i++) {

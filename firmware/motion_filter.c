@@ -7,7 +7,7 @@
 /* From so many times the expected trend's square on, the shortest memory shrinks with the eighth root of what there is more. */
 #define TREND_FAST 10.0f
 
-#define NOISE_MIN 0.2f /* times the scale's */
+#define NOISE_MIN 0.2f /* times the scale's standard deviation */
 #define NOISE_MAX 100.0f
 /* A single second difference of innovations counts at most so many times the variance so far: an outlier does not pass for noise. */
 #define OUTLIER_VARIANCES 9.0f
@@ -46,14 +46,9 @@ static float cube(float x) {
     return x * x * x;
 }
 
-/* Of none that is negative. */
-static float smaller(float a, float b) {
-    return float_is_below(a, b) ? a : b;
-}
-
-/* Between two of which none is negative. */
+/* None of the three may be negative. */
 static float clamp(float x, float min, float max) {
-    return float_is_below(x, min) ? min : smaller(x, max);
+    return float_is_below(x, min) ? min : float_smaller(x, max);
 }
 
 /* x^(1/8) of a normal number, within 0.4 %: three square roots would cost twice as much where there is no floating-point unit. An eighth of
@@ -77,8 +72,8 @@ static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *sc
     const vector3_t bend = vector3_add(change, vector3_scale(self->innovation_change, -1.0f));
     self->innovation_change = change;
     const float measured = cube(kept) * vector3_dot(bend, bend) * (1.0f / 18.0f); /* three components, variances 1 + 4 + 1 */
-    const float believed = smaller(measured, OUTLIER_VARIANCES * self->noise_variance);
-    self->noise_time_s = smaller(self->noise_time_s + interval_s, NOISE_S);
+    const float believed = float_smaller(measured, OUTLIER_VARIANCES * self->noise_variance);
+    self->noise_time_s = float_smaller(self->noise_time_s + interval_s, NOISE_S);
     const float variance = self->noise_variance + (believed - self->noise_variance) * (interval_s / self->noise_time_s);
     self->noise_variance =
         clamp(variance, NOISE_MIN * NOISE_MIN * scale->noise_variance, NOISE_MAX * NOISE_MAX * scale->noise_variance);

@@ -17,7 +17,7 @@
  * times the interval (a Kalman filter's for white jerk with the sixth; recordings ask for less), and shrinks in very fast motion. */
 #define MOTION_FILTER_MEMORY_S 0.038f
 /* The longest memory, at rest, in shortest ones. */
-#define MOTION_FILTER_REST_RATIO 3.8f
+#define MOTION_FILTER_REST_RATIO 2.8f
 #define MOTION_FILTER_SETTLE_S 1.0f
 /* Without innovations the acceleration fades with this time constant. */
 #define MOTION_FILTER_ACCELERATION_S 0.15f

@@ -1,7 +1,5 @@
 #include "velocity_control.h"
 
-#include "velocity_control_general.h"
-
 /* Without refinement, the rounding of J^T W J is the error of the law, divided by the damping. Axes are unit vectors, levers are
  * short: the rotation's weight counts most. What is beyond these bounds, which were found by measurement (tests/
  * test_velocity_control.py), takes the general law, which refines. */
@@ -39,14 +37,5 @@ void velocity_control_prepare(velocity_control_config_t *config) {
         config->isotropic.pull_translation = 2.0f * config->gain_per_s[4];
         config->isotropic.diagonal = ratio + damping;
         config->isotropic.trace_max = damping / TRACE_DAMPING_MIN - (float)ARM_MAX_JOINTS * ratio;
-    }
-}
-
-void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
-                      float velocity_radps[]) {
-    if (config->isotropic.applies) {
-        arm->isotropic(arm, config, request, velocity_radps);
-    } else {
-        velocity_control_general(arm, config, request, velocity_radps);
     }
 }

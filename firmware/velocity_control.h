@@ -45,9 +45,20 @@ typedef struct velocity_request {
 /* Once, after the other members of the config are set. */
 void velocity_control_prepare(velocity_control_config_t *config);
 
+/* As velocity_control(), for any diagonals K and W and any damping, with the 8 x n Jacobian: what that takes where its fast way does not
+ * apply. */
+void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
+                              float velocity_radps[]);
+
 /* velocity_radps: joint_count values, without limits. But no joint at an end goes beyond it: solved again without those that would, the
  * law lets the other joints do what they can instead of counting on them. */
-void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
-                      float velocity_radps[]);
+static inline void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
+                                    float velocity_radps[]) {
+    if (config->isotropic.applies) {
+        arm->isotropic(arm, config, request, velocity_radps);
+    } else {
+        velocity_control_general(arm, config, request, velocity_radps);
+    }
+}
 
 #endif

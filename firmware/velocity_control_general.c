@@ -1,4 +1,4 @@
-#include "velocity_control_general.h"
+#include "velocity_control.h"
 
 #include <string.h>
 

@@ -1,7 +1,6 @@
 #include "velocity_control_isotropic.h"
 
 #include "joint_ends.h"
-#include "velocity_control_general.h"
 
 /* Law (4) without vec8, where one gain and one weight stand for rotation, and one for translation.
  *

@@ -34,7 +34,7 @@
 #include "scene/scene.h"
 
 #define WORLD_TICK_NS 1000000
-#define WORLD_TEXT_BYTES 500
+#define WORLD_TEXT_BYTES 900 /* an operator's failure, and what is said of the tracker beside it */
 
 typedef struct world world_t;
 

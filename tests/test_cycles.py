@@ -74,14 +74,14 @@ def test_what_is_beyond_its_budget_is_told_with_the_difference():
 
 
 def test_what_was_asked_and_is_missed_is_told():
-    results = {image: {states: {name: {unit: {"maximum": 700} for unit in ("instructions", "cycles")} for name in ("step", "tick")}
+    results = {image: {states: {name: {unit: {"maximum": 700} for unit in ("instructions", "cycles")} for name in ("step", "step_not_predicted", "tick")}
                        for states in ("recorded", "not_predicted")} for image in ("cortex-m4f", "cortex-m3")}  # fmt: skip
     assert cycles.missed(results) == []
     results["cortex-m4f"]["recorded"]["step"]["instructions"]["maximum"] = 8001
-    results["cortex-m3"]["not_predicted"]["step"]["cycles"]["maximum"] = 72_001
+    results["cortex-m3"]["not_predicted"]["step_not_predicted"]["cycles"]["maximum"] = 72_001
     assert cycles.missed(results) == [
         "cortex-m4f, recorded: step: maximum of instructions 8001, asked 8000",
-        "cortex-m3, not_predicted: step: maximum of cycles 72001, asked 72000",
+        "cortex-m3, not_predicted: step_not_predicted: maximum of cycles 72001, asked 72000",
     ]
 
 

@@ -180,7 +180,7 @@ class Reference:
         self.trend = theta * self.trend + (1 - theta) * rho
         excess = np.sum(self.trend**2) / (3 * self.variance / theta**3 * (1 - theta) / (1 + theta))
         shortest = 0.038 * (self.variance * dt / (5e-5**2 * 0.004) / max(excess / 10, 1)) ** (1 / 8)
-        self.memory = min(self.memory + (3.8 * shortest - self.memory) * dt, 3.8 * shortest / max(excess, 1e-9))
+        self.memory = min(self.memory + (2.8 * shortest - self.memory) * dt, 2.8 * shortest / max(excess, 1e-9))
         self.memory = max(self.memory, shortest)
         theta = np.exp(-dt / self.memory)
         self.p = p + (1 - theta**3) * rho

@@ -52,6 +52,27 @@ class Tracker:
         return np.frombuffer(ffi.buffer(result), np.float32).copy()
 
 
+# ---- without interpolation
+
+
+def test_switched_to_and_fro_it_interpolates_from_where_the_hand_was():
+    """Never from a pose of before the switch."""
+    tracker = Tracker()
+    tracker.receive(0, 0, x_m=0.1)
+    tracker.receive(4000, 4000, x_m=0.2)
+    lib.hand_tracker_interpolate(tracker.state, False)
+    assert oracle.translation(tracker.pose(4100))[0] == pytest.approx(0.2, abs=1e-6)
+    tracker.receive(8000, 8000, x_m=0.5)
+    assert oracle.translation(tracker.pose(8000))[0] == pytest.approx(0.5, abs=1e-6)
+    lib.hand_tracker_interpolate(tracker.state, True)
+    for t_us in (8100, 10_000):
+        assert oracle.translation(tracker.pose(t_us))[0] == pytest.approx(0.5, abs=1e-6)
+    lib.hand_tracker_interpolate(tracker.state, True)  # as it was: nothing happens
+    tracker.receive(12_000, 12_000, x_m=0.6)
+    lib.hand_tracker_interpolate(tracker.state, True)
+    assert oracle.translation(tracker.pose(14_000))[0] == pytest.approx(0.55, abs=1e-6)
+
+
 # ---- age
 
 

@@ -75,7 +75,7 @@ def test_the_trackers_clock_does_not_matter(tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [([], ["the arm could follow ", "of the hand's motion, needs 1 s"]), (["--param", "trace=0"], ["the trace is switched off"])],
+    [([], ["the arm could follow ", "of the hand's motion, and 1 s are needed"]), (["--param", "trace=0"], ["the trace is switched off"])],
     ids=["still", "no trace"],
 )
 def test_what_cannot_be_measured_is_null_and_says_why(tmp_path, arguments, words):

@@ -5,7 +5,6 @@
 #include "../position_first_parts.h"
 #include "../trigonometry_inline.h"
 #include "../velocity_control.h"
-#include "../velocity_control_general.h"
 
 static const arm_joint_t joints[4] = {
     {{{0.707106781f, -0.707106781f, 0.0f, 0.0f}, {-0.035f, -0.111f, 0.125f}}, {0.0f, 0.0f, 1.0f}, -1.57079633f, 2.61799388f, 4.76f, 10000.0f},

@@ -34,8 +34,7 @@ def source(arm: Arm, origin: str) -> str:
     ]
     return "\n".join([
         f"/* Made by `make arms` from {origin}: edit that. How: host_tools/comanip/arm_law.py, arm_position_first.py. */",
-        f'#include "{arm.name}.h"', "", '#include "../joint_ends.h"', '#include "../position_first_parts.h"', '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"',
-        '#include "../velocity_control_general.h"', "",
+        f'#include "{arm.name}.h"', "", '#include "../joint_ends.h"', '#include "../position_first_parts.h"', '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
         "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {", *forward_kinematics(arm), "}", "",

@@ -44,8 +44,9 @@ def core_sources() -> list[Path]:
 
 
 def umbrella(sources: list[Path]) -> str:
-    """Includes the header of each source."""
-    return "".join(f'#include "{source.with_suffix(".h")}"\n' for source in sources)
+    """Includes the header of each source that has one of its own."""
+    headers = [source.with_suffix(".h") for source in sources]
+    return "".join(f'#include "{header}"\n' for header in headers if header.is_file())
 
 
 def preprocessed(includes: str, folder: Path, *options: str) -> str:

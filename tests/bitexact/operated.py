@@ -22,7 +22,7 @@ class Operated(Bench):
     """A bench whose hand goes to and fro. ticks_read: the inbox of each tick, for the runner; seen: how many ticks were of a kind."""
 
     def __init__(self, rng: np.random.Generator):
-        super().__init__()
+        super().__init__(prediction=True)
         self._rng, self._gap_until = rng, 0
         self.ticks_read: list[bytes] = []
         self.seen: Counter[str] = Counter()

@@ -4,7 +4,7 @@
 #include "../bitexact/records.h"
 
 typedef enum { COUNTED_NOTHING = 0, COUNTED_STEP, COUNTED_TICK, COUNTED_TICK_TORSO, COUNTED_TICK_GENERAL, COUNTED_TICK_ENDS,
-               COUNTED_TICK_GENERAL_ENDS, COUNTED_TICK_BLEND, COUNTED_ESTIMATE, COUNTED_PREDICTION, COUNTED_LAW, COUNTED_LAW_ENDS } counted_t;
+               COUNTED_TICK_GENERAL_ENDS, COUNTED_TICK_BLEND, COUNTED_ESTIMATE, COUNTED_PREDICTION, COUNTED_LAW, COUNTED_LAW_ENDS, COUNTED_STEP_NOT_PREDICTED } counted_t;
 
 /* A way from a call of count_begin() to the next of count_end() is counted: see plugin.c. */
 void count_begin(void);
@@ -123,7 +123,7 @@ void firmware_main(void) {
             count_begin();
             controller_step(&controller, record.now_us, &inbox, &outbox);
             count_end();
-            told(COUNTED_STEP);
+            told(controller.predicts ? COUNTED_STEP : COUNTED_STEP_NOT_PREDICTED);
             if (controller.supervisor.mode == MODE_COOPERATING && controller.velocity_control_config.isotropic.applies) {
                 cooperation = controller.cooperation;
                 config = controller.velocity_control_config;
