@@ -22,6 +22,7 @@ JOINTS = 4
 RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # the manual: one degree inside the stops
 VELOCITY_MAX_RAW = 4760  # mrad/s
 VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
+JERK_STEP_RAW = 10  # 10,000 rad/s^3: by which that step differs from the last tick's
 OVERSHOOT_RAD = 5 / PULSES_PER_RAD  # of the measured position past the usable range, a hundredth of the way to the stop
 
 MOTION_START_S = 2.0
@@ -66,7 +67,9 @@ def assert_limits(frames: dict) -> None:
 
     velocity = raw_array(commands, "velocity_{}_radps")
     assert np.abs(velocity).max() <= VELOCITY_MAX_RAW
-    assert np.abs(np.diff(velocity, axis=0, prepend=0)).max() <= VELOCITY_STEP_RAW
+    steps = np.diff(velocity, axis=0, prepend=0)
+    assert np.abs(steps).max() <= VELOCITY_STEP_RAW
+    assert np.abs(np.diff(steps, axis=0, prepend=0)).max() <= JERK_STEP_RAW
 
     drive_mode = raw_array(commands, "mode_{}")
     assert set(np.unique(drive_mode)) <= {0, 1}
@@ -152,13 +155,20 @@ HOLD, RETURN = ("hold", "tracker_stale"), ("cooperating", "tracker_returned")
 
 
 def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
-    """Each command in the hold takes the whole step that the acceleration limit allows, less one of rounding, towards
-    rest, and stays there; the arm itself then stands."""
+    """In the hold each joint comes to rest within v / a + 2.5 a / j and two ticks, and stays there: when the deceleration has grown, by steps
+    that the jerk limit allows, each command takes the whole step that the acceleration limit allows, less one of rounding, until it
+    must shrink again. The arm itself then stands."""
     commands = frames["JointCmd"]
     first, end = np.searchsorted(commands.t_s, [from_s, until_s])
     speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])
+    ramp_ticks = VELOCITY_STEP_RAW / JERK_STEP_RAW
+    ticks = np.arange(len(speed))[:, None]
+    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it speeds up"
+    assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
+    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # all that the steps of a shrinking deceleration add up to, and one more
     before, after = speed[:-1], speed[1:]
-    assert np.all(after <= np.maximum(0, before - (VELOCITY_STEP_RAW - 1)))
+    steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
+    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes by less than the limit"
     at_rest = np.flatnonzero(~speed.any(axis=1))
     if len(at_rest) > 60:
         position = measured_positions_rad(frames)[first + at_rest[0] + 50 : end - 1]  # 50 ms for the drives to settle
