@@ -94,6 +94,18 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
         os.close(master)
 
 
+def wait_until_written(*files: Path) -> None:
+    """What is still on its way to the listeners' files is there when they have not grown for two seconds: on a busy machine a slow listener
+    is many frames behind."""
+    sizes, since_s, deadline_s = None, time.monotonic(), time.monotonic() + 120
+    while time.monotonic() - since_s < 2:
+        assert time.monotonic() < deadline_s, f"{files} go on growing: {sizes}"
+        time.sleep(0.2)
+        now = [file.stat().st_size for file in files]
+        if now != sizes:
+            sizes, since_s = now, time.monotonic()
+
+
 def record_run(bus: Bus, *logger_options: str) -> int:
     """candump and python-can's logger listen from before the firmware's boot to after the plant's end. Gives the plant's
     status."""
@@ -107,7 +119,7 @@ def record_run(bus: Bus, *logger_options: str) -> int:
         )  # fmt: skip
         wait_for_listeners(bus.interface, others + 2)
         status = run_to_end(bus, 2.5)
-        time.sleep(1)  # for what is still on its way to the listeners' files
+        wait_until_written(bus.folder / "candump.log", bus.folder / "python.log")
         for process in (candump, logger):
             process.send_signal(signal.SIGINT)
             process.wait()
