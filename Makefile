@@ -37,8 +37,7 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc bus-report check-c target \
-    target-deps clean
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc bus-report target target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
@@ -182,18 +181,11 @@ bus-doc: deps ## write docs/bus.md anew from the DBC
 bus-report: deps ## load and worst-case response time of every frame; also build/reports/bus.json
 	@$(PYTHON) -m comanip.bus_report $(BUILD)/reports/bus.json
 
-check-c: $(GENERATED)/.generated ## compile all C with clang as well, warnings as errors
-	@command -v clang >/dev/null || { echo "make check-c: needs clang (Debian and Ubuntu: apt-get install clang)" >&2; exit 1; }
-	@for source in $(CORE_SOURCES) firmware/main.c; do for profile in BOTH FD_ONLY CLASSIC_ONLY; do \
-	    clang $(CORE_CFLAGS) -DCAN_$$profile -fsyntax-only $$source || exit 1; done; done
-	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
-	@for source in $(wildcard hal/host/*.c) hal/no_store.c $(wildcard sim/*.c sim/*/*.c); do clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
-	@echo "clang: no warnings"
-
 include tests/rest/rest.mk
 
 include hal/target.mk
 include host_tools/hub/hub.mk
+include host_tools/check.mk
 
 clean: ## remove what was built (not .venv/)
 	rm -rf $(BUILD) host_tools/comanip/_core*.so

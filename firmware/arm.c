@@ -18,7 +18,8 @@ const char *arm_check(const arm_t *arm) {
         return "arm table: joint_count must be 1 to 8";
     }
     if (arm->forward_kinematics == NULL || arm->isotropic == NULL || arm->position_first == NULL) {
-        return "arm table: forward_kinematics, isotropic and position_first must be functions, for any arm or for this one";
+        return "arm table: forward_kinematics, isotropic and position_first must be functions, for any arm or for this "
+               "one";
     }
     if (!is_pose(arm->effector)) {
         return "arm table: effector is not a pose";

@@ -1,6 +1,7 @@
 /* A serial arm described by a constant table, and its kinematics.
  *
- * Frames: torso (x forward, y left, z up) -> joint 0 -> ... -> hand (z forward, x up when the forearm points forward). */
+ * Frames: torso (x forward, y left, z up) -> joint 0 -> ... -> hand (z forward, x up when the forearm points forward).
+ */
 #ifndef COMANIP_ARM_H
 #define COMANIP_ARM_H
 
@@ -19,9 +20,9 @@ typedef struct arm arm_t;
 /* One revolute joint: from the previous joint's moving frame (the torso for the first) by `fixed`, then a rotation of
  * the joint's angle about `axis`. */
 typedef struct {
-    pose_t fixed;            /* translation within 100 m */
-    vector3_t axis;          /* unit, in the frame reached by `fixed` */
-    float position_min_rad;  /* usable range, already inside the mechanical stops; within +-8 rad */
+    pose_t fixed;           /* translation within 100 m */
+    vector3_t axis;         /* unit, in the frame reached by `fixed` */
+    float position_min_rad; /* usable range, already inside the mechanical stops; within +-8 rad */
     float position_max_rad;
     float velocity_max_radps; /* > 0, at most 32 */
     float jerk_max_radps3;    /* 1,000 (a step of the bus's resolution in a tick of 1 ms) to 1e6 */
@@ -41,21 +42,22 @@ typedef void arm_isotropic_law_t(const arm_t *arm, const struct velocity_control
 
 /* The law that puts position first, as position_first(). */
 typedef float arm_position_first_t(const arm_t *arm, const struct position_first_config *config,
-                                   const struct position_first_request *request, float error_radps[], float motion_radps[]);
+                                   const struct position_first_request *request, float error_radps[],
+                                   float motion_radps[]);
 
 struct arm {
     const char *name;
     uint8_t id;          /* FirmwareIdentity.arm in the DBC */
     uint8_t joint_count; /* 1..ARM_MAX_JOINTS */
     const arm_joint_t *joints;
-    pose_t effector; /* from the last joint's moving frame to the hand */
+    pose_t effector;                      /* from the last joint's moving frame to the hand */
     arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or what `make arms` wrote for just this arm */
-    arm_isotropic_law_t *isotropic;       /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
+    arm_isotropic_law_t *isotropic; /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
     arm_position_first_t *position_first; /* position_first(), or what `make arms` wrote for just this arm */
 };
 
-/* The hand seen from the torso, and each joint's axis seen from the hand, a line: its direction, and its moment about the hand's
- * origin, p x axis with p a point on it. */
+/* The hand seen from the torso, and each joint's axis seen from the hand, a line: its direction, and its moment about
+ * the hand's origin, p x axis with p a point on it. */
 typedef struct {
     pose_t hand;
     vector3_t axis[ARM_MAX_JOINTS];
@@ -65,15 +67,15 @@ typedef struct {
 /* NULL if the table is complete and within the ranges above, else a line that names the defect. */
 const char *arm_check(const arm_t *arm);
 
-/* Hand pose seen from the torso (equation (3)), of any arm; arm->forward_kinematics() is faster where it can be. position_rad:
- * joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
+/* Hand pose seen from the torso (equation (3)), of any arm; arm->forward_kinematics() is faster where it can be.
+ * position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
 /* Of the arm's joints. */
 void arm_lines(const arm_t *arm, const float position_rad[], arm_lines_t *lines);
 
-/* A line seen from the hand as a dual quaternion, halved: the hand's dual quaternion times it is the joint's column of the
- * analytic 8 x n Jacobian, d(vec8 hand) / d(position), with the sign of that dual quaternion. */
+/* A line seen from the hand as a dual quaternion, halved: the hand's dual quaternion times it is the joint's column of
+ * the analytic 8 x n Jacobian, d(vec8 hand) / d(position), with the sign of that dual quaternion. */
 dual_quaternion_t arm_half_line(vector3_t axis, vector3_t moment_m);
 
 #endif

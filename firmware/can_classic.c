@@ -5,7 +5,7 @@
 #include "comanip_dbc.h"
 #include "rotation_code.h"
 
-#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                      \
+#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                        \
     {id, bytes, data_id, period_ms, timeout_ms, to_firmware},
 const frame_description_t classic_table[CLASSIC_FRAME_COUNT] = {COMANIP_CLASSIC_FRAMES(FRAME_ROW)};
 
@@ -15,11 +15,11 @@ typedef uint8_t message_t[CAN_FRAME_MAX_BYTES];
 typedef uint8_t part_t[CLASSIC_MAX_BYTES];
 
 /* `raw` is a message's or a part's struct of the generated code. */
-#define FROM_MESSAGE(name, raw)                                                                                      \
-    struct comanip_##name##_t raw;                                                                                   \
+#define FROM_MESSAGE(name, raw)                                                                                        \
+    struct comanip_##name##_t raw;                                                                                     \
     (void)comanip_##name##_unpack(&raw, message, sizeof(message_t))
-#define FROM_PART(name, raw, i)                                                                                      \
-    struct comanip_classic_##name##_t raw;                                                                           \
+#define FROM_PART(name, raw, i)                                                                                        \
+    struct comanip_classic_##name##_t raw;                                                                             \
     (void)comanip_classic_##name##_unpack(&raw, part[i], sizeof(part_t))
 #define TO_MESSAGE(name, raw) (void)comanip_##name##_pack(message, &(raw), sizeof(message_t))
 #define TO_PART(name, raw, i) (void)comanip_classic_##name##_pack(part[i], &(raw), sizeof(part_t))
@@ -73,48 +73,49 @@ static void decode_short_rotation(const rotation_code_t *code, int16_t *w, int16
     *z = (int16_t)divide_rounding(quaternion[3], SHORT_STEP);
 }
 
-#define PUT_ROTATION(code, raw, prefix)                                                                              \
-    do {                                                                                                             \
-        (raw).prefix##_a = (code).smaller[0];                                                                        \
-        (raw).prefix##_b = (code).smaller[1];                                                                        \
-        (raw).prefix##_c = (code).smaller[2];                                                                        \
-        (raw).prefix##_largest = (code).largest;                                                                     \
+#define PUT_ROTATION(code, raw, prefix)                                                                                \
+    do {                                                                                                               \
+        (raw).prefix##_a = (code).smaller[0];                                                                          \
+        (raw).prefix##_b = (code).smaller[1];                                                                          \
+        (raw).prefix##_c = (code).smaller[2];                                                                          \
+        (raw).prefix##_largest = (code).largest;                                                                       \
     } while (0)
-#define GET_ROTATION(raw, prefix)                                                                                    \
+#define GET_ROTATION(raw, prefix)                                                                                      \
     {.smaller = {(raw).prefix##_a, (raw).prefix##_b, (raw).prefix##_c}, .largest = (raw).prefix##_largest}
 
 /* ---- messages of one frame with the same signals */
 
 #define COPY(signal) to.signal = from.signal;
-#define SAME_SIGNALS(name, SIGNALS, fits)                                                                            \
-    static bool split_##name(const message_t message, part_t part[]) {                                               \
-        FROM_MESSAGE(name, from);                                                                                    \
-        struct comanip_classic_##name##_t to = {0};                                                                  \
-        SIGNALS(COPY)                                                                                                \
-        TO_PART(name, to, 0);                                                                                        \
-        return fits;                                                                                                 \
-    }                                                                                                                \
-    static void join_##name(part_t part[], message_t message) {                                                      \
-        FROM_PART(name, from, 0);                                                                                    \
-        struct comanip_##name##_t to = {0};                                                                          \
-        SIGNALS(COPY)                                                                                                \
-        TO_MESSAGE(name, to);                                                                                        \
+#define SAME_SIGNALS(name, SIGNALS, fits)                                                                              \
+    static bool split_##name(const message_t message, part_t part[]) {                                                 \
+        FROM_MESSAGE(name, from);                                                                                      \
+        struct comanip_classic_##name##_t to = {0};                                                                    \
+        SIGNALS(COPY)                                                                                                  \
+        TO_PART(name, to, 0);                                                                                          \
+        return fits;                                                                                                   \
+    }                                                                                                                  \
+    static void join_##name(part_t part[], message_t message) {                                                        \
+        FROM_PART(name, from, 0);                                                                                      \
+        struct comanip_##name##_t to = {0};                                                                            \
+        SIGNALS(COPY)                                                                                                  \
+        TO_MESSAGE(name, to);                                                                                          \
     }
 
 #define OPERATION_MAX 15u
 
-#define FIRMWARE_STATUS_SIGNALS(X)                                                                                   \
-    X(mode) X(latched) X(stop_category) X(rest_not_assured) X(changes_posture) X(reason)                             \
-    X(task) X(speed_limit_percent) X(rejected_frames)
+/* clang-format off */
+#define FIRMWARE_STATUS_SIGNALS(X)                                                                                     \
+    X(mode) X(latched) X(stop_category) X(rest_not_assured) X(changes_posture) X(reason) X(task)                       \
+    X(speed_limit_percent) X(rejected_frames)
+/* clang-format on */
 #define COMMAND_ACK_SIGNALS(X) X(result) X(command) X(sequence)
 #define PARAMETER_VALUE_SIGNALS(X) X(result) X(parameter) X(sequence) X(value)
 #define OPERATOR_COMMAND_SIGNALS(X) X(command) X(sequence) X(task)
 #define PARAMETER_ACCESS_SIGNALS(X) X(operation) X(parameter) X(sequence) X(value)
 #define GRIPPER_COMMAND_SIGNALS(X) X(action) X(sequence)
 #define GRIPPER_STATE_SIGNALS(X) X(state) X(sequence) X(opening_percent) X(force_n)
-#define CLEARANCE_SIGNALS(X)                                                                                         \
-    X(person_m) X(self_m) X(person_valid) X(self_valid) X(person)                                                    \
-    X(person_part) X(robot_part) X(arm_part) X(body_part)
+#define CLEARANCE_SIGNALS(X)                                                                                           \
+    X(person_m) X(self_m) X(person_valid) X(self_valid) X(person) X(person_part) X(robot_part) X(arm_part) X(body_part)
 
 SAME_SIGNALS(firmware_status, FIRMWARE_STATUS_SIGNALS, true)
 SAME_SIGNALS(command_ack, COMMAND_ACK_SIGNALS, true)
@@ -137,8 +138,8 @@ static bool split_hand_pose(const message_t message, part_t part[]) {
     rotation_code_t code = {0};
     if (from.valid != 0u) {
         const int32_t fine[3] = {from.x_m, from.y_m, from.z_m}, quaternion[4] = {from.qw, from.qx, from.qy, from.qz};
-        rotation.valid = coarsen_position(fine, &position.x_m, &position.y_m, &position.z_m) &&
-                         rotation_encode(quaternion, &code);
+        rotation.valid =
+            coarsen_position(fine, &position.x_m, &position.y_m, &position.z_m) && rotation_encode(quaternion, &code);
     }
     PUT_ROTATION(code, rotation, q);
     TO_PART(hand_position, position, 0);
@@ -178,7 +179,8 @@ uint32_t classic_unwrap_stamp(message_t message, uint32_t expected_us) {
 
 static bool split_tracker_status(const message_t message, part_t part[]) {
     FROM_MESSAGE(tracker_status, from);
-    struct comanip_classic_tracker_clock_t clock = {.fault = from.fault, .t_us = from.t_us, .period_us = from.period_us};
+    struct comanip_classic_tracker_clock_t clock = {
+        .fault = from.fault, .t_us = from.t_us, .period_us = from.period_us};
     struct comanip_classic_tracker_status_t status = {
         .latency_us = from.latency_us, .lost_samples = from.lost_samples, .range_errors = from.range_errors};
     TO_PART(tracker_clock, clock, 0);
@@ -217,22 +219,23 @@ static bool split_joint_command(int32_t position, int16_t velocity, int16_t torq
 static bool split_joint_commands(const message_t message, part_t part[]) {
     FROM_MESSAGE(joint_cmd, from);
     bool fits = true;
-#define SPLIT_JOINT(i)                                                                                               \
-    fits = split_joint_command(from.position_##i##_rad, from.velocity_##i##_radps, from.torque_##i##_nm,             \
-                               from.mode_##i, part[i]) && fits;
+#define SPLIT_JOINT(i)                                                                                                 \
+    fits = split_joint_command(from.position_##i##_rad, from.velocity_##i##_radps, from.torque_##i##_nm,               \
+                               from.mode_##i, part[i]) &&                                                              \
+           fits;
     FOR_EACH_JOINT(SPLIT_JOINT)
     return fits;
 }
 
 static void join_joint_commands(part_t part[], message_t message) {
     struct comanip_joint_cmd_t to = {0};
-#define JOIN_JOINT(i)                                                                                                \
-    {                                                                                                                \
-        FROM_PART(joint_cmd0, from, i);                                                                              \
-        to.mode_##i = from.mode;                                                                                     \
-        to.position_##i##_rad = from.position_rad;                                                                   \
-        to.velocity_##i##_radps = from.velocity_radps;                                                               \
-        to.torque_##i##_nm = (int16_t)(TORQUE_STEP * from.torque_nm);                                                \
+#define JOIN_JOINT(i)                                                                                                  \
+    {                                                                                                                  \
+        FROM_PART(joint_cmd0, from, i);                                                                                \
+        to.mode_##i = from.mode;                                                                                       \
+        to.position_##i##_rad = from.position_rad;                                                                     \
+        to.velocity_##i##_radps = from.velocity_radps;                                                                 \
+        to.torque_##i##_nm = (int16_t)(TORQUE_STEP * from.torque_nm);                                                  \
     }
     FOR_EACH_JOINT(JOIN_JOINT)
     TO_MESSAGE(joint_cmd, to);
@@ -344,9 +347,11 @@ static void join_firmware_identity(part_t part[], message_t message) {
 }
 
 /* Received kinds by the names of their counters, which have four bits in either frame of this profile. */
-#define FOR_EACH_COUNTER(X)                                                                                          \
-    X(joint_state_0) X(joint_state_1) X(joint_state_2) X(joint_state_3) X(joint_state_4) X(joint_state_5)            \
+/* clang-format off */
+#define FOR_EACH_COUNTER(X)                                                                                            \
+    X(joint_state_0) X(joint_state_1) X(joint_state_2) X(joint_state_3) X(joint_state_4) X(joint_state_5)              \
     X(joint_state_6) X(joint_state_7) X(operator_command) X(task_define) X(parameter_access)
+/* clang-format on */
 
 static bool split_tick_trace(const message_t message, part_t part[]) {
     FROM_MESSAGE(tick_trace, from);
@@ -414,8 +419,7 @@ typedef struct {
     void (*join)(part_t part[], message_t message);
 } codec_t;
 
-#define JOINT_STATE_ROW(i)                                                                                           \
-    [FRAME_JOINT_STATE##i] = {CLASSIC_JOINT_STATE##i, 1, split_joint_state, join_joint_state},
+#define JOINT_STATE_ROW(i) [FRAME_JOINT_STATE##i] = {CLASSIC_JOINT_STATE##i, 1, split_joint_state, join_joint_state},
 
 static const codec_t codec_table[FRAME_KIND_COUNT] = {
     [FRAME_FIRMWARE_STATUS] = {CLASSIC_FIRMWARE_STATUS, 1, split_firmware_status, join_firmware_status},
@@ -426,8 +430,8 @@ static const codec_t codec_table[FRAME_KIND_COUNT] = {
     [FRAME_TICK_TRACE] = {CLASSIC_TICK_TRACE, 5, split_tick_trace, join_tick_trace},
     [FRAME_CLEARANCE] = {CLASSIC_CLEARANCE, 1, split_clearance, join_clearance},
     [FRAME_HAND_POSE] = {CLASSIC_HAND_POSITION, 2, split_hand_pose, join_hand_pose},
-    FOR_EACH_JOINT(JOINT_STATE_ROW)
-    [FRAME_GRIPPER_STATE] = {CLASSIC_GRIPPER_STATE, 1, split_gripper_state, join_gripper_state},
+    FOR_EACH_JOINT(JOINT_STATE_ROW)[FRAME_GRIPPER_STATE] = {CLASSIC_GRIPPER_STATE, 1, split_gripper_state,
+                                                            join_gripper_state},
     [FRAME_OPERATOR_COMMAND] = {CLASSIC_OPERATOR_COMMAND, 1, split_operator_command, join_operator_command},
     [FRAME_TASK_DEFINE] = {CLASSIC_TASK_DEFINE, 4, split_task_define, join_task_define},
     [FRAME_PARAMETER_ACCESS] = {CLASSIC_PARAMETER_ACCESS, 1, split_parameter_access, join_parameter_access},

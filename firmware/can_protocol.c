@@ -7,7 +7,7 @@
 #include "comanip_schema.h"
 #include "float_bits.h"
 
-#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                      \
+#define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                        \
     [FRAME_##name] = {id, bytes, data_id, period_ms, timeout_ms, to_firmware},
 const frame_description_t frame_table[FRAME_KIND_COUNT] = {COMANIP_FRAMES(FRAME_ROW)};
 
@@ -24,10 +24,8 @@ static bool is_authentic(protocol_receiver_t *self, const can_frame_t *frame, fr
 }
 
 bool protocol_find(uint16_t id, frame_kind_t *kind) {
-#define ID_CASE(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                        \
-    case id:                                                                                                         \
-        *kind = FRAME_##name;                                                                                        \
-        return true;
+#define ID_CASE(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                          \
+    case id: *kind = FRAME_##name; return true;
     switch (id) { /* the compiler searches faster than a loop over the table */
         COMANIP_FRAMES(ID_CASE)
     default: return false;
@@ -76,13 +74,13 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
     return 0;
 }
 
-#define QUANTISE(fits, value, SIGNAL)                                                                                \
+#define QUANTISE(fits, value, SIGNAL)                                                                                  \
     quantise((value), COMANIP_##SIGNAL##_PER_UNIT, COMANIP_##SIGNAL##_RAW_MIN, COMANIP_##SIGNAL##_RAW_MAX, &(fits))
 
 /* The raw value goes into `raw_member`, of the C type `raw_type`. */
 #define PACK(fits, value, SIGNAL, raw_type, raw_member) ((raw_member) = (raw_type)QUANTISE(fits, value, SIGNAL))
 
-#define UNPACK(SIGNAL, raw) ((float)(raw)*COMANIP_##SIGNAL##_RESOLUTION)
+#define UNPACK(SIGNAL, raw) ((float)(raw) * COMANIP_##SIGNAL##_RESOLUTION)
 
 static protocol_status_t status_of(bool fits) {
     return fits ? PROTOCOL_OK : PROTOCOL_OUT_OF_RANGE;
@@ -158,10 +156,10 @@ protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t
         velocity[i] = QUANTISE(fits, message->velocity_radps[i], JOINT_CMD_VELOCITY_0_RADPS);
         torque[i] = QUANTISE(fits, message->torque_Nm[i], JOINT_CMD_TORQUE_0_NM);
     }
-#define PACK_JOINT(i)                                                                                                \
-    raw.mode_##i = (uint8_t)message->mode[i];                                                                        \
-    raw.position_##i##_rad = position[i];                                                                            \
-    raw.velocity_##i##_radps = (int16_t)velocity[i];                                                                 \
+#define PACK_JOINT(i)                                                                                                  \
+    raw.mode_##i = (uint8_t)message->mode[i];                                                                          \
+    raw.position_##i##_rad = position[i];                                                                              \
+    raw.velocity_##i##_radps = (int16_t)velocity[i];                                                                   \
     raw.torque_##i##_nm = (int16_t)torque[i];
     FOR_EACH_JOINT(PACK_JOINT)
     raw.e2e_crc = 0; /* e2e_protect()'s, as the counter */
@@ -174,10 +172,10 @@ protocol_status_t joint_command_pack(const joint_command_t *message, can_frame_t
 void joint_command_unpack(const can_frame_t *frame, joint_command_t *message) {
     struct comanip_joint_cmd_t raw;
     (void)comanip_joint_cmd_unpack(&raw, frame->data, frame->length);
-#define UNPACK_JOINT(i)                                                                                              \
-    message->mode[i] = (drive_mode_t)raw.mode_##i;                                                                   \
-    message->position_rad[i] = UNPACK(JOINT_CMD_POSITION_##i##_RAD, raw.position_##i##_rad);                         \
-    message->velocity_radps[i] = UNPACK(JOINT_CMD_VELOCITY_##i##_RADPS, raw.velocity_##i##_radps);                   \
+#define UNPACK_JOINT(i)                                                                                                \
+    message->mode[i] = (drive_mode_t)raw.mode_##i;                                                                     \
+    message->position_rad[i] = UNPACK(JOINT_CMD_POSITION_##i##_RAD, raw.position_##i##_rad);                           \
+    message->velocity_radps[i] = UNPACK(JOINT_CMD_VELOCITY_##i##_RADPS, raw.velocity_##i##_radps);                     \
     message->torque_Nm[i] = UNPACK(JOINT_CMD_TORQUE_##i##_NM, raw.torque_##i##_nm);
     FOR_EACH_JOINT(UNPACK_JOINT)
 }
@@ -343,10 +341,8 @@ protocol_status_t parameter_value_pack(const parameter_value_t *message, can_fra
 void parameter_value_unpack(const can_frame_t *frame, parameter_value_t *message) {
     struct comanip_parameter_value_t raw;
     (void)comanip_parameter_value_unpack(&raw, frame->data, frame->length);
-    *message = (parameter_value_t){.parameter = raw.parameter,
-                                   .sequence = raw.sequence,
-                                   .result = (result_t)raw.result,
-                                   .value = raw.value};
+    *message = (parameter_value_t){
+        .parameter = raw.parameter, .sequence = raw.sequence, .result = (result_t)raw.result, .value = raw.value};
 }
 
 protocol_status_t firmware_identity_pack(const firmware_identity_t *message, can_frame_t *frame) {
@@ -371,19 +367,19 @@ void firmware_identity_unpack(const can_frame_t *frame, firmware_identity_t *mes
 }
 
 /* Received kinds and their counters in TickTrace; TickTrace.received has a bit for each, in this order. */
-#define FOR_EACH_RECEIVED(X)                                                                                         \
-    X(FRAME_HAND_POSE, hand_pose)                                                                                    \
-    X(FRAME_TRACKER_STATUS, tracker_status)                                                                          \
-    X(FRAME_JOINT_STATE0, joint_state_0)                                                                             \
-    X(FRAME_JOINT_STATE1, joint_state_1)                                                                             \
-    X(FRAME_JOINT_STATE2, joint_state_2)                                                                             \
-    X(FRAME_JOINT_STATE3, joint_state_3)                                                                             \
-    X(FRAME_JOINT_STATE4, joint_state_4)                                                                             \
-    X(FRAME_JOINT_STATE5, joint_state_5)                                                                             \
-    X(FRAME_JOINT_STATE6, joint_state_6)                                                                             \
-    X(FRAME_JOINT_STATE7, joint_state_7)                                                                             \
-    X(FRAME_OPERATOR_COMMAND, operator_command)                                                                      \
-    X(FRAME_TASK_DEFINE, task_define)                                                                                \
+#define FOR_EACH_RECEIVED(X)                                                                                           \
+    X(FRAME_HAND_POSE, hand_pose)                                                                                      \
+    X(FRAME_TRACKER_STATUS, tracker_status)                                                                            \
+    X(FRAME_JOINT_STATE0, joint_state_0)                                                                               \
+    X(FRAME_JOINT_STATE1, joint_state_1)                                                                               \
+    X(FRAME_JOINT_STATE2, joint_state_2)                                                                               \
+    X(FRAME_JOINT_STATE3, joint_state_3)                                                                               \
+    X(FRAME_JOINT_STATE4, joint_state_4)                                                                               \
+    X(FRAME_JOINT_STATE5, joint_state_5)                                                                               \
+    X(FRAME_JOINT_STATE6, joint_state_6)                                                                               \
+    X(FRAME_JOINT_STATE7, joint_state_7)                                                                               \
+    X(FRAME_OPERATOR_COMMAND, operator_command)                                                                        \
+    X(FRAME_TASK_DEFINE, task_define)                                                                                  \
     X(FRAME_PARAMETER_ACCESS, parameter_access)
 
 #define HAND_AGE_MAX_US 0xFFFFFFu
@@ -398,9 +394,9 @@ protocol_status_t tick_trace_pack(const tick_trace_t *message, can_frame_t *fram
     raw.hand_age_us = message->hand_age_us < HAND_AGE_MAX_US ? message->hand_age_us : HAND_AGE_MAX_US;
     raw.received = 0;
     uint16_t bit = 1;
-#define PACK_COUNTER(kind, signal)                                                                                   \
-    raw.signal##_counter = message->last[kind].counter;                                                              \
-    raw.received = (uint16_t)(raw.received | (message->last[kind].started ? bit : 0u));                              \
+#define PACK_COUNTER(kind, signal)                                                                                     \
+    raw.signal##_counter = message->last[kind].counter;                                                                \
+    raw.received = (uint16_t)(raw.received | (message->last[kind].started ? bit : 0u));                                \
     bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(PACK_COUNTER)
     /* A target beyond what the frame carries is said to be none; the trace goes out. */
@@ -435,9 +431,9 @@ void tick_trace_unpack(const can_frame_t *frame, tick_trace_t *message) {
         .rejected_frames = raw.rejected_frames,
     };
     uint16_t bit = 1;
-#define UNPACK_COUNTER(kind, signal)                                                                                 \
-    message->last[kind].counter = raw.signal##_counter;                                                              \
-    message->last[kind].started = (raw.received & bit) != 0u;                                                        \
+#define UNPACK_COUNTER(kind, signal)                                                                                   \
+    message->last[kind].counter = raw.signal##_counter;                                                                \
+    message->last[kind].started = (raw.received & bit) != 0u;                                                          \
     bit = (uint16_t)(bit << 1);
     FOR_EACH_RECEIVED(UNPACK_COUNTER)
 }

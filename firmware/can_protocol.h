@@ -1,6 +1,6 @@
-/* The CAN FD frames of comanip.dbc in SI units: scaling, rounding, range checks and end-to-end protection over the generated
- * packing of raw integers. Ids, layouts, scales and Data IDs stand in the DBC alone. can_transport.h is for nodes, which may
- * be on classic CAN as well:
+/* The CAN FD frames of comanip.dbc in SI units: scaling, rounding, range checks and end-to-end protection over the
+ * generated packing of raw integers. Ids, layouts, scales and Data IDs stand in the DBC alone. can_transport.h is for
+ * nodes, which may be on classic CAN as well:
  *
  *   sending:   X_pack(&message, &frame); transport_send(&sender, &frame, ...);
  *   receiving: if (transport_receive(&receiver, &frame, &kind) == PROTOCOL_OK) X_unpack(&frame, &message);
@@ -61,7 +61,7 @@ typedef enum {
 typedef struct {
     uint16_t id;
     uint8_t length;
-    uint16_t data_id; /* 0: without end-to-end protection */
+    uint16_t data_id;   /* 0: without end-to-end protection */
     uint16_t period_ms; /* 0: sent on events */
     uint16_t timeout_ms;
     bool to_firmware; /* the firmware receives it */
@@ -86,8 +86,8 @@ bool protocol_find(uint16_t id, frame_kind_t *kind);
 /* Frames of other systems stay as they are. */
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
-/* Frames sent on events are accepted whatever number of them was lost, for a sender that was restarted must be heard; only a
- * repetition is refused. Every refusal is counted. */
+/* Frames sent on events are accepted whatever number of them was lost, for a sender that was restarted must be heard;
+ * only a repetition is refused. Every refusal is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
 /* ---- tracker -> firmware */
@@ -161,7 +161,7 @@ typedef enum {
 } command_t;
 
 typedef struct {
-    uint8_t command; /* command_t, or a number unknown to this firmware */
+    uint8_t command;  /* command_t, or a number unknown to this firmware */
     uint8_t sequence; /* comes back in the acknowledgement */
     uint8_t task;     /* task_id_t; COMMAND_SELECT only */
 } operator_command_t;
@@ -198,8 +198,8 @@ void parameter_access_unpack(const can_frame_t *frame, parameter_access_t *messa
 /* ---- firmware -> operator */
 
 typedef enum {
-    MODE_IDLE = 0,        /* drives or tracker are not there yet */
-    MODE_READY = 1,       /* all inputs are fresh; waits for the start command */
+    MODE_IDLE = 0,  /* drives or tracker are not there yet */
+    MODE_READY = 1, /* all inputs are fresh; waits for the start command */
     MODE_COOPERATING = 2,
     MODE_HOLD = 3,  /* the tracker is stale: the arm stands; goes on by itself when poses return */
     MODE_FAULT = 4, /* latched: left by the stop command once the cause is gone */
@@ -248,11 +248,11 @@ typedef struct {
     reason_t reason;
     stop_category_t stop_category;
     task_id_t task;
-    bool latched;             /* q_task is latched (section V-B.3) */
-    bool rest_not_assured;    /* the arm may go on moving while the hand rests: see parameter_set.h */
-    bool changes_posture;     /* the arm is on its way to another posture, out of a dead end: see posture_change.h */
+    bool latched;              /* q_task is latched (section V-B.3) */
+    bool rest_not_assured;     /* the arm may go on moving while the hand rests: see parameter_set.h */
+    bool changes_posture;      /* the arm is on its way to another posture, out of a dead end: see posture_change.h */
     float speed_limit_percent; /* of the arm's velocity limits */
-    uint8_t rejected_frames;  /* modulo 256 */
+    uint8_t rejected_frames;   /* modulo 256 */
 } firmware_status_t;
 
 typedef struct {
@@ -277,12 +277,13 @@ typedef struct {
 
 typedef struct {
     uint32_t now_us;
-    e2e_receiver_t last[FRAME_KIND_COUNT]; /* of received kinds: the last frame whose CRC was right, if there has been one */
+    e2e_receiver_t
+        last[FRAME_KIND_COUNT]; /* of received kinds: the last frame whose CRC was right, if there has been one */
     bool target_valid;
-    pose_t target;            /* robot hand in the torso frame */
-    uint32_t hand_age_us;     /* limited to 24 bits */
-    bool drives_fresh;        /* all drives had answered in time */
-    uint8_t rejected_frames;  /* modulo 256, this tick's included */
+    pose_t target;           /* robot hand in the torso frame */
+    uint32_t hand_age_us;    /* limited to 24 bits */
+    bool drives_fresh;       /* all drives had answered in time */
+    uint8_t rejected_frames; /* modulo 256, this tick's included */
 } tick_trace_t;
 
 /* CANopen's NMT states. */
@@ -346,14 +347,14 @@ typedef enum {
 } person_part_t;
 
 typedef enum { /* the arm with what it carries, then the rest */
-    ROBOT_PART_FOREARM = 0,
-    ROBOT_PART_GRIPPER = 1,
-    ROBOT_PART_CUP = 2,
-    ROBOT_PART_HELD = 3, /* the rod in the gripper */
-    ROBOT_PART_UPPER_ARM = 4,
-    ROBOT_PART_SHOULDER = 5,
-    ROBOT_PART_TORSO = 6,
-    ROBOT_PART_HEAD = 7,
+               ROBOT_PART_FOREARM = 0,
+               ROBOT_PART_GRIPPER = 1,
+               ROBOT_PART_CUP = 2,
+               ROBOT_PART_HELD = 3, /* the rod in the gripper */
+               ROBOT_PART_UPPER_ARM = 4,
+               ROBOT_PART_SHOULDER = 5,
+               ROBOT_PART_TORSO = 6,
+               ROBOT_PART_HEAD = 7,
 } robot_part_t;
 
 typedef struct {

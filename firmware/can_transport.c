@@ -100,7 +100,7 @@ void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, 
 
 /* Places in `pending` of the kinds that have parts. */
 static const uint8_t pending_place[FRAME_KIND_COUNT] = {
-    [FRAME_FIRMWARE_IDENTITY] = 0, [FRAME_JOINT_CMD] = 1, [FRAME_TICK_TRACE] = 2,
+    [FRAME_FIRMWARE_IDENTITY] = 0, [FRAME_JOINT_CMD] = 1,   [FRAME_TICK_TRACE] = 2,
     [FRAME_HAND_POSE] = 3,         [FRAME_TASK_DEFINE] = 4, [FRAME_TRACKER_STATUS] = 5,
 };
 
@@ -123,8 +123,8 @@ static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
 }
 
 /* Makes the message of the parts. */
-static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t counter,
-                     uint8_t part[][CLASSIC_MAX_BYTES], can_frame_t *frame) {
+static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t counter, uint8_t part[][CLASSIC_MAX_BYTES],
+                     can_frame_t *frame) {
     frame->id = frame_table[kind].id;
     frame->length = frame_table[kind].length;
     classic_join(kind, part, frame->data);
@@ -162,8 +162,7 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
     if (place >= parts) {
         return PROTOCOL_UNKNOWN_ID; /* a joint that the arm does not have */
     }
-    e2e_status_t status =
-        e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
+    e2e_status_t status = e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
     const uint8_t counter = self->classic[number].counter;
     if (parts == 1u && status != E2E_WRONG_CRC) {
         self->protocol.e2e[kind] = self->classic[number];

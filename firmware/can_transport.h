@@ -1,6 +1,6 @@
-/* Messages over the bus, in either profile: a message is a frame of can_protocol.h, in the layout that it has on CAN FD. On
- * classic CAN it goes in the frames of can_classic.h, which are put together again only if their counters are equal and
- * they came within one timeout: no message is ever torn. */
+/* Messages over the bus, in either profile: a message is a frame of can_protocol.h, in the layout that it has on CAN
+ * FD. On classic CAN it goes in the frames of can_classic.h, which are put together again only if their counters are
+ * equal and they came within one timeout: no message is ever torn. */
 #ifndef COMANIP_CAN_TRANSPORT_H
 #define COMANIP_CAN_TRANSPORT_H
 
@@ -19,13 +19,13 @@ typedef struct {
 
 void transport_sender_init(transport_sender_t *self, can_profile_t profile, uint8_t joint_count);
 
-/* Protects the message, in place, and sends its frames, at most TRANSPORT_MAX_FRAMES. False: nothing was sent, classic CAN cannot
- * carry a value of it. */
+/* Protects the message, in place, and sends its frames, at most TRANSPORT_MAX_FRAMES. False: nothing was sent, classic
+ * CAN cannot carry a value of it. */
 bool transport_send(transport_sender_t *self, can_frame_t *message, const can_sink_t *sink);
 
 typedef struct {
     uint8_t counter;
-    uint8_t received; /* parts, one bit each; 0: none is waiting */
+    uint8_t received;  /* parts, one bit each; 0: none is waiting */
     uint32_t begun_us; /* reception of the first of them */
     uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES];
 } transport_pending_t;
@@ -39,7 +39,7 @@ typedef struct {
 typedef struct {
     can_profile_t profile;
     uint8_t joint_count;
-    uint32_t kinds; /* that are listened to, one bit for each frame_kind_t */
+    uint32_t kinds;               /* that are listened to, one bit for each frame_kind_t */
     protocol_receiver_t protocol; /* classic CAN: counters of the last whole messages */
     e2e_receiver_t classic[CLASSIC_FRAME_COUNT];
     transport_pending_t pending[TRANSPORT_LONG_KINDS];
@@ -49,8 +49,8 @@ typedef struct {
 /* kinds: (1 << FRAME_...) | ..., or TRANSPORT_ALL_KINDS. */
 void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, uint8_t joint_count, uint32_t kinds);
 
-/* PROTOCOL_OK: *frame has become the message, received when its last part was. Refusals are counted as in protocol_check();
- * frames of other kinds than those listened to are PROTOCOL_UNKNOWN_ID. */
+/* PROTOCOL_OK: *frame has become the message, received when its last part was. Refusals are counted as in
+ * protocol_check(); frames of other kinds than those listened to are PROTOCOL_UNKNOWN_ID. */
 protocol_status_t transport_receive(transport_receiver_t *self, can_frame_t *frame, frame_kind_t *kind);
 
 /* The message's only frame, or its first. */

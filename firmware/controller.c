@@ -10,8 +10,8 @@
 #define CATCHING_UP_SPEED 0.55f
 #define CAUGHT_UP_M 1e-3f
 
-#define LISTENS_TO                                                                                                   \
-    (UINT32_C(1) << FRAME_HAND_POSE | UINT32_C(1) << FRAME_TRACKER_STATUS | UINT32_C(0xFF) << FRAME_JOINT_STATE0 |    \
+#define LISTENS_TO                                                                                                     \
+    (UINT32_C(1) << FRAME_HAND_POSE | UINT32_C(1) << FRAME_TRACKER_STATUS | UINT32_C(0xFF) << FRAME_JOINT_STATE0 |     \
      UINT32_C(1) << FRAME_OPERATOR_COMMAND | UINT32_C(1) << FRAME_TASK_DEFINE | UINT32_C(1) << FRAME_PARAMETER_ACCESS)
 
 static float tick_s(const controller_t *self) {
@@ -81,7 +81,8 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
 
 /* ---- hand and robot, this tick */
 
-/* The encoders were sampled a tick ago, as the last command arrived: with prediction, once it has begun, the hand is taken as it was then. */
+/* The encoders were sampled a tick ago, as the last command arrived: with prediction, once it has begun, the hand is
+ * taken as it was then. */
 static void sense(controller_t *self, uint32_t now_us) {
     if (self->predicts && self->marker_motion.is_running) {
         self->hand = hand_motion_pose(&self->marker_motion, now_us, -tick_s(self));
@@ -118,8 +119,8 @@ static void supervise(controller_t *self, uint32_t now_us) {
     self->supervisor_inputs = (supervisor_inputs_t){
         .drives_fresh = joint_feedback_check_fresh(&self->joints, self->arm->joint_count, now_us),
         .drive_error = joint_feedback_has_error(&self->joints, self->arm->joint_count),
-        .tracker_fresh = !hand_tracker_check_stale(&self->hand_tracker, now_us,
-                                                   self->parameters.value[PARAMETER_STALE_PERIODS]),
+        .tracker_fresh =
+            !hand_tracker_check_stale(&self->hand_tracker, now_us, self->parameters.value[PARAMETER_STALE_PERIODS]),
         .finite = self->finite,
     };
     supervisor_update(&self->supervisor, &self->supervisor_inputs);
@@ -143,7 +144,8 @@ static float blend(const controller_t *self) {
     return s * s * s * (10.0f + s * (6.0f * s - 15.0f));
 }
 
-/* What the law would say of a target that is the robot's own pose: nothing for the error. The target's motion goes on. */
+/* What the law would say of a target that is the robot's own pose: nothing for the error. The target's motion goes on.
+ */
 static void meet_target(controller_t *self) {
     memset(self->wanted_radps, 0, sizeof self->wanted_radps);
 }
@@ -165,7 +167,8 @@ static void select_task(controller_t *self, task_id_t id, const task_t *task, fl
     }
 }
 
-/* They may be written, one by one, but not be driven or kept. Whose request this refuses is told of each parameter involved. */
+/* They may be written, one by one, but not be driven or kept. Whose request this refuses is told of each parameter
+ * involved. */
 static result_t stable_required(controller_t *self, uint8_t sequence) {
     if (self->parameter_set.verdict != PARAMETER_SET_UNSTABLE) {
         return RESULT_ACCEPTED;
@@ -306,12 +309,13 @@ static void send_parameter(controller_t *self, controller_outbox_t *outbox, uint
 
 /* What the boot announcement says of a parameter. */
 static result_t announced_result(const controller_t *self, uint8_t parameter) {
-    const bool unstable = self->parameter_set.verdict == PARAMETER_SET_UNSTABLE && (self->parameter_set.involved >> parameter & 1u) != 0u;
+    const bool unstable =
+        self->parameter_set.verdict == PARAMETER_SET_UNSTABLE && (self->parameter_set.involved >> parameter & 1u) != 0u;
     return unstable ? RESULT_PARAMETERS_UNSTABLE : self->boot_result;
 }
 
-/* A parameter that is written before its turn is announced first, so that what was in force at boot is on the bus, and a
- * replay can begin with it. */
+/* A parameter that is written before its turn is announced first, so that what was in force at boot is on the bus, and
+ * a replay can begin with it. */
 static void access_parameter(controller_t *self, controller_outbox_t *outbox, const parameter_access_t *access) {
     const bool announced = access->parameter + 1u < self->announced;
     if (access->operation == PARAMETER_WRITE && access->parameter < PARAMETER_COUNT && !announced) {
@@ -416,8 +420,8 @@ static void follow(controller_t *self, uint32_t now_us, joint_ends_t ends) {
         memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
         return;
     }
-    const float distance_m = self->arm->position_first(self->arm, &self->position_first_config, &request, self->wanted_radps,
-                                                       self->feedforward_radps);
+    const float distance_m = self->arm->position_first(self->arm, &self->position_first_config, &request,
+                                                       self->wanted_radps, self->feedforward_radps);
     if (may_change_posture) {
         posture_change_watch(&self->posture_change, &config, &request, distance_m);
     }
@@ -436,8 +440,8 @@ static void velocity_law(controller_t *self, joint_ends_t ends) {
     velocity_control(self->arm, &self->velocity_control_config, &request, self->wanted_radps);
 }
 
-/* What the joints shall do: nothing, unless in cooperation. The law waits in a tick in which the cooperation changes, as both would make it
- * too long; never twice running, so that whoever goes on changing does not stop the law. */
+/* What the joints shall do: nothing, unless in cooperation. The law waits in a tick in which the cooperation changes,
+ * as both would make it too long; never twice running, so that whoever goes on changing does not stop the law. */
 static void aim(controller_t *self, uint32_t now_us) {
     const bool has_waited = self->law_waited;
     self->law_waited = false;
@@ -513,10 +517,10 @@ static void send_status(controller_t *self, controller_outbox_t *outbox) {
 }
 
 static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
-    heartbeat_state_t state = self->announced == 0u                   ? HEARTBEAT_BOOT_UP
-                              : self->supervisor.mode == MODE_FAULT   ? HEARTBEAT_STOPPED
-                              : self->supervisor.mode == MODE_IDLE    ? HEARTBEAT_PRE_OPERATIONAL
-                                                                      : HEARTBEAT_OPERATIONAL;
+    heartbeat_state_t state = self->announced == 0u                 ? HEARTBEAT_BOOT_UP
+                              : self->supervisor.mode == MODE_FAULT ? HEARTBEAT_STOPPED
+                              : self->supervisor.mode == MODE_IDLE  ? HEARTBEAT_PRE_OPERATIONAL
+                                                                    : HEARTBEAT_OPERATIONAL;
     can_frame_t frame;
     (void)firmware_heartbeat_pack(state, &frame);
     send(self, outbox, &frame);

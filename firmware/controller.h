@@ -4,8 +4,8 @@
  *
  * On CAN FD a tick is 1 ms, on classic CAN 4 ms.
  *
- * A pure function of the state, the time, the frames received and how a saving ended: the same log gives the same bytes on
- * every target. */
+ * A pure function of the state, the time, the frames received and how a saving ended: the same log gives the same bytes
+ * on every target. */
 #ifndef COMANIP_CONTROLLER_H
 #define COMANIP_CONTROLLER_H
 
@@ -21,8 +21,10 @@
 #include "supervisor.h"
 #include "velocity_control.h"
 
-#define CONTROLLER_INBOX_FRAMES 16 /* CAN FD: eight drives, tracker and operator send 13 a tick; more wait for the next */
-#define CONTROLLER_CYCLIC_FRAMES 17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat; identity, or two ParameterValue */
+#define CONTROLLER_INBOX_FRAMES                                                                                        \
+    16 /* CAN FD: eight drives, tracker and operator send 13 a tick; more wait for the next */
+#define CONTROLLER_CYCLIC_FRAMES                                                                                       \
+    17 /* on classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat; identity, or two ParameterValue */
 /* An answer to each frame, with the announcement of a parameter before it; and that a saving is over. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
@@ -35,13 +37,13 @@ typedef struct {
 
 typedef struct {
     can_sink_t sink; /* gets the tick's frames as they are made, at most CONTROLLER_OUTBOX_FRAMES */
-    bool save; /* the parameters shall be saved; until an inbox says that it is over, this is not asked again */
+    bool save;       /* the parameters shall be saved; until an inbox says that it is over, this is not asked again */
 } controller_outbox_t;
 
 typedef struct {
     const arm_t *arm;
     parameters_t parameters;
-    parameter_set_t parameter_set; /* what they are together */
+    parameter_set_t parameter_set;                     /* what they are together */
     velocity_control_config_t velocity_control_config; /* views of the parameters, made anew when one is written */
     position_first_config_t position_first_config;
     joint_limits_config_t joint_limits_config;
@@ -55,7 +57,7 @@ typedef struct {
     uint32_t tick_ms;
     struct {
         frame_kind_t kind;
-        uint8_t place; /* in the inbox */
+        uint8_t place;                  /* in the inbox */
     } request[CONTROLLER_INBOX_FRAMES]; /* this tick's operator frames */
     uint8_t request_count;
 
@@ -77,17 +79,17 @@ typedef struct {
     bool law_waited;          /* in this tick, for that */
     float wanted_radps[ARM_MAX_JOINTS];      /* the law's, for the error */
     float feedforward_radps[ARM_MAX_JOINTS]; /* the law's, for the target's own motion: 0 without prediction */
-    bool catching_up; /* the target was out of reach, or too fast, and has not been met since */
+    bool catching_up;                        /* the target was out of reach, or too fast, and has not been met since */
     posture_change_t posture_change;
     joint_limits_t limits;
     bool finite; /* the last tick's numbers were */
 
     uint32_t tick;
-    uint16_t announced; /* frames of the boot announcement sent so far */
+    uint16_t announced;   /* frames of the boot announcement sent so far */
     result_t boot_result; /* as it tells it of each parameter */
     bool saving;
     uint8_t save_parameter, save_sequence; /* of the request, for its answer */
-    uint64_t untold; /* parameters, a bit each, still to be named to whoever was refused for them */
+    uint64_t untold;         /* parameters, a bit each, still to be named to whoever was refused for them */
     uint8_t untold_sequence; /* of that request */
 } controller_t;
 
@@ -99,8 +101,8 @@ void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile
 void controller_set_parameters(controller_t *self, const parameters_t *parameters, result_t result);
 
 /* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first, and
- * afterwards the messages that they were. A frame stamped after now_us, as one that came while the inbox was filled, counts
- * as received at now_us. outbox: its sink gets the frames to send, in that order; `save` is set. */
+ * afterwards the messages that they were. A frame stamped after now_us, as one that came while the inbox was filled,
+ * counts as received at now_us. outbox: its sink gets the frames to send, in that order; `save` is set. */
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox);
 
 #endif

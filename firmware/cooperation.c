@@ -7,13 +7,13 @@ __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion
 
 /* ---- the loop's constants
  *
- * With q_H^E = (r, t), its start (r_0, t_0), the tracker's rotation c = conj(q_Tv^E), the scale s, and q_Hv0^H0 = (r_v, t_v), the
- * lines up to (7) give the virtual hand
+ * With q_H^E = (r, t), its start (r_0, t_0), the tracker's rotation c = conj(q_Tv^E), the scale s, and q_Hv0^H0 = (r_v,
+ * t_v), the lines up to (7) give the virtual hand
  *
  *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0),      p_0 that of the start,
  *
- * and q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) turns r by c from the left and r_v conj(r_k) from the right, and takes t_k, turned
- * by the result, from the translation. */
+ * and q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) turns r by c from the left and r_v conj(r_k) from the right, and
+ * takes t_k, turned by the result, from the translation. */
 
 /* The matrix of r -> left r right on w x y z. Its columns are left 1, left i, left j, left k, times right. */
 static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4]) {
@@ -96,7 +96,8 @@ static task_relation_t relation_in_force(const cooperation_t *self, float blend)
     return blend < 1.0f ? task_relation_interpolate(&self->blend_from, &relation, blend) : relation;
 }
 
-void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task, pose_t hand, pose_t robot) {
+void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task, pose_t hand,
+                       pose_t robot) {
     self->config = *config;
     self->task = *task;
     self->latched = false;
@@ -149,7 +150,7 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
 /* The target of rotation r. */
 static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_t r) {
     const cooperation_loop_t *loop = &self->loop;
-    const float(*carry)[3] = loop->carry;
+    const float (*carry)[3] = loop->carry;
     const float t_x = hand_m.x - loop->hand_start_m.x;
     const float t_y = hand_m.y - loop->hand_start_m.y;
     const float t_z = hand_m.z - loop->hand_start_m.z;
@@ -189,7 +190,7 @@ void cooperation_update(cooperation_t *self, const pose_t *hand, float blend) {
         update_and_settle(self, hand, blend);
         return;
     }
-    const float(*turn)[4] = (const float(*)[4])self->loop.turn;
+    const float (*turn)[4] = (const float (*)[4])self->loop.turn;
     const float w = hand->rotation.w, x = hand->rotation.x, y = hand->rotation.y, z = hand->rotation.z;
     const quaternion_t r = {
         (turn[0][0] * w + turn[0][1] * x) + (turn[0][2] * y + turn[0][3] * z),
@@ -210,13 +211,14 @@ static vector3_t carried(const float carry[3][3], vector3_t v) {
 
 /* The derivative of set_target(): the target turns as the hand does, about the virtual hand. */
 twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand) {
-    const float(*carry)[3] = (const float(*)[3])self->loop.carry;
+    const float (*carry)[3] = (const float (*)[3])self->loop.carry;
     const vector3_t virtual_hand_mps = carried(carry, hand->velocity_mps);
     const vector3_t turning_radps = vector3_scale(carried(carry, hand->angular_velocity_radps), self->loop.unscale);
     vector3_t relation_mps = vector3_cross(turning_radps, self->relation_m);
     if (self->relation.slope != 0.0f) {
         const quaternion_t r = self->target.rotation;
-        const vector3_t hand_z = {2.0f * (r.x * r.z + r.w * r.y), 2.0f * (r.y * r.z - r.w * r.x), 1.0f - 2.0f * (r.x * r.x + r.y * r.y)};
+        const vector3_t hand_z = {2.0f * (r.x * r.z + r.w * r.y), 2.0f * (r.y * r.z - r.w * r.x),
+                                  1.0f - 2.0f * (r.x * r.x + r.y * r.y)};
         relation_mps = vector3_add(relation_mps, vector3_scale(hand_z, self->relation.slope * virtual_hand_mps.x));
     }
     return (twist_t){vector3_add(virtual_hand_mps, vector3_scale(relation_mps, -1.0f)), turning_radps};

@@ -63,7 +63,8 @@ quaternion_t quaternion_from_matrix(const float matrix[9]) {
 }
 
 quaternion_t quaternion_interpolate(quaternion_t a, quaternion_t b, float s) {
-    return quaternion_normalise(quaternion_add(quaternion_scale(a, 1.0f - s), quaternion_scale(quaternion_align(b, a), s)));
+    return quaternion_normalise(
+        quaternion_add(quaternion_scale(a, 1.0f - s), quaternion_scale(quaternion_align(b, a), s)));
 }
 
 dual_quaternion_t dual_quaternion_add(dual_quaternion_t a, dual_quaternion_t b) {

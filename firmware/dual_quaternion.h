@@ -4,8 +4,8 @@
  * x = r + eps * 1/2 * t * r with rotation r and translation t [m] (equation (2)); its 8 floats lie in memory as
  * [rw rx ry rz dw dx dy dz], the paper's vec8. x and -x are the same pose.
  *
- * Everything is by value and total; NaN goes in and comes out. Unit inputs give results that are unit within rounding; only
- * the functions that say so normalise. */
+ * Everything is by value and total; NaN goes in and comes out. Unit inputs give results that are unit within rounding;
+ * only the functions that say so normalise. */
 #ifndef COMANIP_DUAL_QUATERNION_H
 #define COMANIP_DUAL_QUATERNION_H
 
@@ -70,8 +70,8 @@ quaternion_t quaternion_normalise(quaternion_t a);
 /* Whichever of a and -a, the same rotation, lies on the reference's side. */
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
-/* The vector rotated by the unit quaternion, r v conj(r), as (w^2 - u . u) v + 2 (u . v) u + 2 w u x v with u the vector part: where the
- * rotation is unit but for rounding, the result's length is off, never its direction. */
+/* The vector rotated by the unit quaternion, r v conj(r), as (w^2 - u . u) v + 2 (u . v) u + 2 w u x v with u the
+ * vector part: where the rotation is unit but for rounding, the result's length is off, never its direction. */
 static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
     const vector3_t r = {rotation.x, rotation.y, rotation.z};
     const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));

@@ -19,11 +19,12 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
 
 /* ---- Profile 5 */
 
-/* CRC-16/CCITT by words, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1, and modulo 2 squares have no mixed terms: P^2 =
- * x^32 + x^24 + x^10 + 1. The remainder by it is a word, of which the remainder by P is taken in the end.
+/* CRC-16/CCITT by words, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1, and modulo 2 squares have no
+ * mixed terms: P^2 = x^32 + x^24 + x^10 + 1. The remainder by it is a word, of which the remainder by P is taken in the
+ * end.
  *
- * With y the part that moves out at the top, its quotient is y + D y + D^2 y + ... with D y what overflows again, here of y (x^24 + x^10 +
- * 1). That is (1 + D) (1 + D^2) (1 + D^4) ... y. */
+ * With y the part that moves out at the top, its quotient is y + D y + D^2 y + ... with D y what overflows again, here
+ * of y (x^24 + x^10 + 1). That is (1 + D) (1 + D^2) (1 + D^4) ... y. */
 static uint32_t crc_word(uint32_t crc, uint32_t word) {
     uint32_t q = crc ^ crc >> 8 ^ crc >> 22;
     q ^= q >> 16;
@@ -38,7 +39,9 @@ static uint32_t crc_end(uint32_t y) {
     return (q ^ q << 5 ^ q << 12) & 0xFFFFu;
 }
 
-#define CRC_START 0x84CFu /* x^-16 0xFFFF modulo P: what is before the first word, so that the CRC starts from 0xFFFF */
+#define CRC_START                                                                                                      \
+    0x84CFu /* x^-16 0xFFFF modulo P: what is before the first word, so that the CRC starts from 0xFFFF                \
+             */
 
 static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
     const uint32_t id = (data_id & 0xFFu) << 8 | data_id >> 8;

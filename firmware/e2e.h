@@ -1,11 +1,11 @@
 /* End-to-end protection. Source: AUTOSAR FO R22-11, PRS_E2EProtocol.
  *
- * Profile 5 (6.6), on CAN FD: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2, implicit
- * 16-bit Data ID, low byte first, after the data.
+ * Profile 5 (6.6), on CAN FD: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2,
+ * implicit 16-bit Data ID, low byte first, after the data.
  *
  * Profile 2 (6.4), on classic CAN: CRC-8 (0x2F, initial and final XOR 0xFF) at byte 0, 4-bit counter in the low half of
- * byte 1, implicit Data ID after the data: one of 16, by the counter, E2E_PROFILE2_DATA_ID. It is weaker: one wrong frame in
- * 256 has a right CRC, and a frame that is late by 16 looks new. */
+ * byte 1, implicit Data ID after the data: one of 16, by the counter, E2E_PROFILE2_DATA_ID. It is weaker: one wrong
+ * frame in 256 has a right CRC, and a frame that is late by 16 looks new. */
 #ifndef COMANIP_E2E_H
 #define COMANIP_E2E_H
 

@@ -25,8 +25,9 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
-/* x < limit, unless both are negative: as whole numbers, the bits of negative floats are below those of the others, which are ordered as they
- * are. -0 is below +0. A NaN answers by its sign, which differs between processors: none may get here where the answer counts. */
+/* x < limit, unless both are negative: as whole numbers, the bits of negative floats are below those of the others,
+ * which are ordered as they are. -0 is below +0. A NaN answers by its sign, which differs between processors: none may
+ * get here where the answer counts. */
 static inline bool float_is_below(float x, float limit) {
     return (int32_t)float_bits(x) < (int32_t)float_bits(limit);
 }
@@ -36,8 +37,8 @@ static inline float float_smaller(float a, float b) {
     return float_is_below(a, b) ? a : b;
 }
 
-/* The whole number that is left of x and half more, away from 0: the nearest one, but for x itself being rounded up when half is added.
- * |x| below 2^31; NaN is not one. */
+/* The whole number that is left of x and half more, away from 0: the nearest one, but for x itself being rounded up
+ * when half is added. |x| below 2^31; NaN is not one. */
 static inline int32_t float_nearest(float x) {
     const uint32_t half_bits = (float_bits(x) & 0x80000000u) | 0x3F000000u;
     float half;

@@ -2,8 +2,10 @@
 
 #include "float_bits.h"
 
-static const motion_filter_scale_t translation_scale = {.noise_variance = 5e-5f * 5e-5f, .velocity_max = 20.0f, .acceleration_max = 200.0f};
-static const motion_filter_scale_t rotation_scale = {.noise_variance = 1e-3f * 1e-3f, .velocity_max = 50.0f, .acceleration_max = 1000.0f};
+static const motion_filter_scale_t translation_scale = {
+    .noise_variance = 5e-5f * 5e-5f, .velocity_max = 20.0f, .acceleration_max = 200.0f};
+static const motion_filter_scale_t rotation_scale = {
+    .noise_variance = 1e-3f * 1e-3f, .velocity_max = 50.0f, .acceleration_max = 1000.0f};
 
 #define INTERVAL_FIRST_S 0.01f
 #define INTERVAL_MIN_S 0.0005f
@@ -32,7 +34,8 @@ static inline pose_t displace(pose_t pose, vector3_t way_m, vector3_t turn_rad) 
     };
 }
 
-/* The rotation vector of a unit quaternion with w > 0, by the series of 2 asin(|v|): within 1e-4 rad up to 1 rad, 18 % short at pi. */
+/* The rotation vector of a unit quaternion with w > 0, by the series of 2 asin(|v|): within 1e-4 rad up to 1 rad, 18 %
+ * short at pi. */
 static vector3_t rotation_vector(quaternion_t q) {
     const vector3_t v = {q.x, q.y, q.z};
     const float square = vector3_dot(v, v);
@@ -69,12 +72,15 @@ static inline schedule_t schedule(const hand_motion_t *self, uint32_t now_us, fl
     return (schedule_t){motion_filter_ahead(horizon_s), pace, float_is_below(0.0f, left) ? left : 0.0f};
 }
 
-static inline vector3_t place_at(const motion_filter_t *filter, const hand_motion_change_t *change, const schedule_t *at) {
+static inline vector3_t place_at(const motion_filter_t *filter, const hand_motion_change_t *change,
+                                 const schedule_t *at) {
     return vector3_add(motion_filter_displacement(filter, &at->horizon), vector3_scale(change->place, at->left));
 }
 
-static inline vector3_t velocity_at(const motion_filter_t *filter, const hand_motion_change_t *change, const schedule_t *at) {
-    return vector3_add(vector3_scale(motion_filter_velocity(filter, &at->horizon), at->pace), vector3_scale(change->velocity, at->left));
+static inline vector3_t velocity_at(const motion_filter_t *filter, const hand_motion_change_t *change,
+                                    const schedule_t *at) {
+    return vector3_add(vector3_scale(motion_filter_velocity(filter, &at->horizon), at->pace),
+                       vector3_scale(change->velocity, at->left));
 }
 
 void hand_motion_init(hand_motion_t *self) {
@@ -94,7 +100,8 @@ void hand_motion_reset(hand_motion_t *self) {
     self->is_running = false;
 }
 
-/* Where the motion is still awaited, a jump fades in; after a gap, or at first, nobody is to be led from where the hand was. */
+/* Where the motion is still awaited, a jump fades in; after a gap, or at first, nobody is to be led from where the hand
+ * was. */
 static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
     const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
     const twist_t motion = hand_motion_twist(self, now_us, 0.0f);
@@ -116,15 +123,17 @@ typedef struct {
     motion_filter_ahead_t latency;  /* from it to now */
 } sample_times_t;
 
-/* Takes an innovation from where the filter has moved in the interval. The change that it makes in the prediction is what was predicted
- * before, less what is now. Rotation vectors are added as if turns commuted: the prediction is continuous to first order in the angle that
- * it extrapolates by. */
-static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change, const motion_filter_scale_t *scale,
-                               vector3_t moved, vector3_t innovation, const sample_times_t *at) {
+/* Takes an innovation from where the filter has moved in the interval. The change that it makes in the prediction is
+ * what was predicted before, less what is now. Rotation vectors are added as if turns commuted: the prediction is
+ * continuous to first order in the angle that it extrapolates by. */
+static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change,
+                               const motion_filter_scale_t *scale, vector3_t moved, vector3_t innovation,
+                               const sample_times_t *at) {
     const vector3_t old_place = place_at(filter, change, &at->before);
     const vector3_t old_velocity = velocity_at(filter, change, &at->before);
     const vector3_t correction = motion_filter_update(filter, scale, innovation, &at->interval);
-    const vector3_t new_place = vector3_add(vector3_add(moved, correction), motion_filter_displacement(filter, &at->latency));
+    const vector3_t new_place =
+        vector3_add(vector3_add(moved, correction), motion_filter_displacement(filter, &at->latency));
     change->place = difference(old_place, new_place);
     change->velocity = difference(old_velocity, motion_filter_velocity(filter, &at->latency));
     return correction;
@@ -132,7 +141,8 @@ static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *ch
 
 /* False: the pose is no continuation. */
 static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uint32_t now_us, float latency_s) {
-    const sample_times_t at = {schedule(self, now_us, 0.0f), motion_filter_ahead(interval_s), motion_filter_ahead(latency_s)};
+    const sample_times_t at = {schedule(self, now_us, 0.0f), motion_filter_ahead(interval_s),
+                               motion_filter_ahead(latency_s)};
     const vector3_t moved_m = motion_filter_displacement(&self->translation, &at.interval);
     const vector3_t turned_rad = motion_filter_displacement(&self->rotation, &at.interval);
     const pose_t predicted = displace(self->pose, moved_m, turned_rad);
@@ -141,10 +151,12 @@ static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uin
     if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* NaN is none either */
         return false;
     }
-    const vector3_t correction_m = update(&self->translation, &self->translation_change, &translation_scale, moved_m, way_m, &at);
+    const vector3_t correction_m =
+        update(&self->translation, &self->translation_change, &translation_scale, moved_m, way_m, &at);
     const vector3_t correction_rad =
         update(&self->rotation, &self->rotation_change, &rotation_scale, turned_rad, rotation_vector(turn), &at);
-    const quaternion_t corrected = {1.0f, 0.5f * correction_rad.x, 0.5f * correction_rad.y, 0.5f * correction_rad.z}; /* unit below */
+    const quaternion_t corrected = {1.0f, 0.5f * correction_rad.x, 0.5f * correction_rad.y,
+                                    0.5f * correction_rad.z}; /* unit below */
     self->pose.translation_m = vector3_add(predicted.translation_m, correction_m);
     self->pose.rotation = quaternion_normalise(quaternion_multiply(corrected, predicted.rotation));
     return true;

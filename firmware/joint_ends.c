@@ -4,7 +4,8 @@ uint8_t joint_ends_leave_out(joint_ends_t ends, int joint_count, const float vel
     unsigned beyond = 0;
     for (int i = 0; i < joint_count; i++) {
         const unsigned bit = 1u << i;
-        if (((ends.lower & bit) != 0u && velocity_radps[i] < 0.0f) || ((ends.upper & bit) != 0u && velocity_radps[i] > 0.0f)) {
+        if (((ends.lower & bit) != 0u && velocity_radps[i] < 0.0f) ||
+            ((ends.upper & bit) != 0u && velocity_radps[i] > 0.0f)) {
             beyond |= bit;
         }
     }

@@ -13,17 +13,17 @@
 /* A quotient that is a whole number but for float32's rounding counts as that number. */
 #define ROUNDING_STEPS 1e-3f
 
-/* a^2 / j at most: braking is planned with less than the acceleration limit where the jerk limit lets it grow too slowly. More than
- * this, and the arm swings as it arrives. */
+/* a^2 / j at most: braking is planned with less than the acceleration limit where the jerk limit lets it grow too
+ * slowly. More than this, and the arm swings as it arrives. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
 static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The largest speed, up to the limit, from which a joint still stops within the distance, its deceleration growing from 0:
- * v^2 / (2 a) + v a / (2 j) = distance. Until a command acts, the joint travels on with the commands under way, which while it
- * brakes are the faster the older they are. */
+/* The largest speed, up to the limit, from which a joint still stops within the distance, its deceleration growing from
+ * 0: v^2 / (2 a) + v a / (2 j) = distance. Until a command acts, the joint travels on with the commands under way,
+ * which while it brakes are the faster the older they are. */
 static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad) {
     if (!float_is_below(0.0f, distance_rad)) {
         return 0.0f;
@@ -37,8 +37,8 @@ static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad)
 }
 
 /* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
- * when the speed is above a / K, the linear speed. Above it the speed is held to the one that stops on the way to go; below, the
- * law's own. */
+ * when the speed is above a / K, the linear speed. Above it the speed is held to the one that stops on the way to go;
+ * below, the law's own. */
 static float approach_speed(float wanted_speed_radps, float linear_radps) {
     if (!float_is_below(linear_radps, wanted_speed_radps)) {
         return wanted_speed_radps;
@@ -56,10 +56,10 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The change of velocity in this tick, towards a velocity that is `way` steps higher, 0 or more; the last tick's change was `last`. The
- * largest that does not pass it: a change x that falls by J a tick adds up to (k + 1) x - T(k), where k = floor(x / J) is the number of
- * ticks that follow and T(k) = J k (k + 1) / 2. As x is within J of the last change, its k is within 1 of that one's. Where even
- * last - J passes it, that one. */
+/* The change of velocity in this tick, towards a velocity that is `way` steps higher, 0 or more; the last tick's change
+ * was `last`. The largest that does not pass it: a change x that falls by J a tick adds up to (k + 1) x - T(k), where k
+ * = floor(x / J) is the number of ticks that follow and T(k) = J k (k + 1) / 2. As x is within J of the last change,
+ * its k is within 1 of that one's. Where even last - J passes it, that one. */
 static int32_t next_change(const joint_limits_plan_t *plan, int32_t way, int32_t last) {
     const int32_t jerk = plan->jerk_steps;
     int32_t k = last > 0 ? last / jerk : 0;
@@ -81,8 +81,8 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
     const int32_t jerk_steps = steps_below(joint->jerk_max_radps3 * tick_s * tick_s);
     const float acceleration_radps2 = (float)change_max_steps * VELOCITY_RESOLUTION_RADPS / tick_s;
     const float jerk_radps3 = (float)jerk_steps * VELOCITY_RESOLUTION_RADPS / (tick_s * tick_s);
-    const float braking_radps2 =
-        float_smaller(JOINT_LIMITS_BRAKING_RESERVE * acceleration_radps2, __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
+    const float braking_radps2 = float_smaller(JOINT_LIMITS_BRAKING_RESERVE * acceleration_radps2,
+                                               __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
     /* A command stays for a tick; the velocity follows the stopping speed later by half the time of a ramp. */
@@ -130,14 +130,15 @@ static float approach_scale(const joint_limits_plan_t plan[], int joint_count, c
 }
 
 /* The way that a joint goes at most until a change that increases its speed has come down to 0. */
-static float ramp_way(const joint_limits_config_t *config, const joint_limits_plan_t *plan, float speed_radps, int32_t change_steps) {
+static float ramp_way(const joint_limits_config_t *config, const joint_limits_plan_t *plan, float speed_radps,
+                      int32_t change_steps) {
     const float change = (float)change_steps;
     const float ticks = change * plan->ramp_ticks_per_step;
     return config->tick_s * ticks * (speed_radps + 0.5f * VELOCITY_RESOLUTION_RADPS * change * ticks);
 }
 
-bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[],
-                        const float error_radps[], const float feedforward_radps[]) {
+bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config,
+                        const float measured_rad[], const float error_radps[], const float feedforward_radps[]) {
     const float error_scale = approach_scale(config->plan, arm->joint_count, error_radps);
     float wanted_radps[ARM_MAX_JOINTS];
     bool finite = true;
@@ -158,7 +159,8 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         if (finite) {
             velocity_steps = float_nearest(scale * wanted_radps[i] * VELOCITY_STEPS_PER_RADPS);
             const bool upwards = velocity_steps > 0;
-            float way_rad = upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
+            float way_rad =
+                upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
             const int32_t growth = upwards ? last_steps : -last_steps;
             if (growth > 0) {
                 way_rad -= ramp_way(config, plan, __builtin_fabsf(self->velocity_radps[i]), growth);
@@ -167,7 +169,8 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
             velocity_steps = clamp_steps(velocity_steps, upwards ? 0 : -allowed_steps, upwards ? allowed_steps : 0);
         }
         const int32_t way_steps = velocity_steps - self->velocity_steps[i];
-        self->change_steps[i] = way_steps < 0 ? -next_change(plan, -way_steps, -last_steps) : next_change(plan, way_steps, last_steps);
+        self->change_steps[i] =
+            way_steps < 0 ? -next_change(plan, -way_steps, -last_steps) : next_change(plan, way_steps, last_steps);
         self->velocity_steps[i] += self->change_steps[i];
         self->velocity_radps[i] = (float)self->velocity_steps[i] * VELOCITY_RESOLUTION_RADPS;
         if (finite) {

@@ -4,12 +4,14 @@
 #define NOISE_S 1.0f
 #define NOISE_TIME_MIN_S 0.03f
 
-/* From so many times the expected trend's square on, the shortest memory shrinks with the eighth root of what there is more. */
+/* From so many times the expected trend's square on, the shortest memory shrinks with the eighth root of what there is
+ * more. */
 #define TREND_FAST 10.0f
 
 #define NOISE_MIN 0.2f /* times the scale's standard deviation */
 #define NOISE_MAX 100.0f
-/* A single second difference of innovations counts at most so many times the variance so far: an outlier does not pass for noise. */
+/* A single second difference of innovations counts at most so many times the variance so far: an outlier does not pass
+ * for noise. */
 #define OUTLIER_VARIANCES 9.0f
 
 #define INTERVAL_S 0.004f /* that MOTION_FILTER_MEMORY_S refers to */
@@ -30,8 +32,9 @@ void motion_filter_restart(motion_filter_t *self) {
     };
 }
 
-/* What is kept of the past after a time, exp(-x) with x >= 0 in units of the memory, and what is not. As 1 / (1 + x + x^2/2 + x^3/6):
- * falls monotonically from 1 to 0, by at most 0.03 above the exponential (at x = 2.9), by 2e-4 at x = 0.3. */
+/* What is kept of the past after a time, exp(-x) with x >= 0 in units of the memory, and what is not. As 1 / (1 + x +
+ * x^2/2 + x^3/6): falls monotonically from 1 to 0, by at most 0.03 above the exponential (at x = 2.9), by 2e-4 at x =
+ * 0.3. */
 typedef struct {
     float kept, forgotten;
 } fading_t;
@@ -51,8 +54,9 @@ static float clamp(float x, float min, float max) {
     return float_is_below(x, min) ? min : float_smaller(x, max);
 }
 
-/* x^(1/8) of a normal number, within 0.4 %: three square roots would cost twice as much where there is no floating-point unit. An eighth of
- * the exponent, and of the mantissa as if it were a logarithm, is within 4 %; then one step of Newton. */
+/* x^(1/8) of a normal number, within 0.4 %: three square roots would cost twice as much where there is no
+ * floating-point unit. An eighth of the exponent, and of the mantissa as if it were a logarithm, is within 4 %; then
+ * one step of Newton. */
 static float eighth_root(float x) {
     const uint32_t guess_bits = (float_bits(x) >> 3) + 0x378B6000u;
     float guess;
@@ -67,11 +71,13 @@ static vector3_t shorten(vector3_t v, float length_max) {
 }
 
 /* Innovations of white noise have the variance noise / kept^3 and are white. */
-static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s, float kept) {
+static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
+                          float interval_s, float kept) {
     const vector3_t change = vector3_add(innovation, vector3_scale(self->innovation, -1.0f));
     const vector3_t bend = vector3_add(change, vector3_scale(self->innovation_change, -1.0f));
     self->innovation_change = change;
-    const float measured = cube(kept) * vector3_dot(bend, bend) * (1.0f / 18.0f); /* three components, variances 1 + 4 + 1 */
+    const float measured =
+        cube(kept) * vector3_dot(bend, bend) * (1.0f / 18.0f); /* three components, variances 1 + 4 + 1 */
     const float believed = float_smaller(measured, OUTLIER_VARIANCES * self->noise_variance);
     self->noise_time_s = float_smaller(self->noise_time_s + interval_s, NOISE_S);
     const float variance = self->noise_variance + (believed - self->noise_variance) * (interval_s / self->noise_time_s);
@@ -79,7 +85,8 @@ static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *sc
         clamp(variance, NOISE_MIN * NOISE_MIN * scale->noise_variance, NOISE_MAX * NOISE_MAX * scale->noise_variance);
 }
 
-static void adapt_memory(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation, float interval_s, fading_t past) {
+static void adapt_memory(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
+                         float interval_s, fading_t past) {
     const vector3_t kept = vector3_scale(self->trend, past.kept);
     self->trend = vector3_add(kept, vector3_scale(innovation, past.forgotten));
     const float trend_square = vector3_dot(self->trend, self->trend);
@@ -116,6 +123,7 @@ vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_
     const vector3_t velocity = motion_filter_velocity(self, interval);
     const vector3_t acceleration = vector3_scale(self->acceleration, acceleration_kept);
     self->velocity = shorten(vector3_add(velocity, vector3_scale(innovation, velocity_gain)), scale->velocity_max);
-    self->acceleration = shorten(vector3_add(acceleration, vector3_scale(innovation, acceleration_gain)), scale->acceleration_max);
+    self->acceleration =
+        shorten(vector3_add(acceleration, vector3_scale(innovation, acceleration_gain)), scale->acceleration_max);
     return vector3_scale(innovation, now.forgotten * (1.0f + now.kept + now.kept * now.kept));
 }

@@ -1,20 +1,21 @@
-/* Velocity and acceleration of a quantity with three components from noisy samples at irregular times: the fading-memory polynomial
- * filter of third order (N. Morrison, "Introduction to Sequential Smoothing and Prediction", 1969), that is, a critically damped
- * alpha-beta-gamma filter. How long its memory is follows from the samples, so that no tracker needs tuning:
+/* Velocity and acceleration of a quantity with three components from noisy samples at irregular times: the
+ * fading-memory polynomial filter of third order (N. Morrison, "Introduction to Sequential Smoothing and Prediction",
+ * 1969), that is, a critically damped alpha-beta-gamma filter. How long its memory is follows from the samples, so that
+ * no tracker needs tuning:
  *
  *   noise   by the second differences of the innovations, which motion hardly changes;
- *   trend   the innovations averaged over the memory: as large as the noise makes it while the filter follows, larger when the motion is
- *           faster than the memory is short;
- *   memory  shortens at once, in inverse proportion to the trend's square beyond what noise explains; otherwise it grows again with
- *           MOTION_FILTER_SETTLE_S. */
+ *   trend   the innovations averaged over the memory: as large as the noise makes it while the filter follows, larger
+ * when the motion is faster than the memory is short; memory  shortens at once, in inverse proportion to the trend's
+ * square beyond what noise explains; otherwise it grows again with MOTION_FILTER_SETTLE_S. */
 #ifndef COMANIP_MOTION_FILTER_H
 #define COMANIP_MOTION_FILTER_H
 
 #include "dual_quaternion.h"
 #include "float_bits.h"
 
-/* The shortest memory, in motion, at the scale's noise and 4 ms between samples; it grows with the eighth root of the noise's variance
- * times the interval (a Kalman filter's for white jerk with the sixth; recordings ask for less), and shrinks in very fast motion. */
+/* The shortest memory, in motion, at the scale's noise and 4 ms between samples; it grows with the eighth root of the
+ * noise's variance times the interval (a Kalman filter's for white jerk with the sixth; recordings ask for less), and
+ * shrinks in very fast motion. */
 #define MOTION_FILTER_MEMORY_S 0.038f
 /* The longest memory, at rest, in shortest ones. */
 #define MOTION_FILTER_REST_RATIO 2.8f
@@ -67,8 +68,9 @@ static inline vector3_t motion_filter_velocity(const motion_filter_t *self, cons
     return vector3_add(self->velocity, vector3_scale(self->acceleration, then->accelerated_s));
 }
 
-/* Takes a sample, after the last by interval->ahead_s > 0. innovation: the sample less where displacement(interval) leads. Returns what of
- * the innovation is to be added to there: the filter keeps no position, so that a rotation may be one. */
+/* Takes a sample, after the last by interval->ahead_s > 0. innovation: the sample less where displacement(interval)
+ * leads. Returns what of the innovation is to be added to there: the filter keeps no position, so that a rotation may
+ * be one. */
 vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
                                const motion_filter_ahead_t *interval);
 

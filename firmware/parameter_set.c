@@ -51,5 +51,6 @@ parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s
     if (involved == 0u) { /* near its target; it swings where it is stretched out after one beyond its reach */
         return (parameter_set_t){PARAMETER_SET_MAY_SWING, bit(PARAMETER_PREDICTION)};
     }
-    return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE, involved};
+    return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,
+                             involved};
 }

@@ -2,10 +2,10 @@
 
 #define PI 3.14159265358979324f
 
-/* In the order of parameter_id_t. Gain, weights and damping of law (4): the best of a search over the five experiments (docs/gains.md). With
- * prediction 0 they give a 4-joint arm equal rates in all directions and near-exact position, at the cost of orientation; weights of 1
- * in the torso frame are the paper. A higher gain lags less than these 29 ms, but turns the tracker's noise into
- * accelerations at the limit. The law with prediction: docs/control.md. */
+/* In the order of parameter_id_t. Gain, weights and damping of law (4): the best of a search over the five experiments
+ * (docs/gains.md). With prediction 0 they give a 4-joint arm equal rates in all directions and near-exact position, at
+ * the cost of orientation; weights of 1 in the torso frame are the paper. A higher gain lags less than these 29 ms, but
+ * turns the tracker's noise into accelerations at the limit. The law with prediction: docs/control.md. */
 const parameter_description_t parameter_table[PARAMETER_COUNT] = {
     /* name, minimum, maximum, default, whole numbers only */
     {"gain_w_per_s", 0.0f, 500.0f, 35.0f, false},

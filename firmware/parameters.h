@@ -10,10 +10,10 @@
 
 /* Numbers and names are those of the DBC (ParameterValue.parameter). Vectors stand in a row: FIRST + component. */
 typedef enum {
-    PARAMETER_GAIN_PER_S = 0,                    /* 8: diagonal of K, order of vec8 */
-    PARAMETER_WEIGHT = 8,                        /* 8: diagonal of W */
-    PARAMETER_DAMPING = 16,                      /* lambda */
-    PARAMETER_ERROR_FRAME = 17,                  /* error_frame_t */
+    PARAMETER_GAIN_PER_S = 0,   /* 8: diagonal of K, order of vec8 */
+    PARAMETER_WEIGHT = 8,       /* 8: diagonal of W */
+    PARAMETER_DAMPING = 16,     /* lambda */
+    PARAMETER_ERROR_FRAME = 17, /* error_frame_t */
     PARAMETER_MOTION_SCALE = 18,
     PARAMETER_TRACKER_ROTATION_RAD = 19,         /* 3: rotation vector of q_Tv^E */
     PARAMETER_MARKER_TO_HAND_ROTATION_RAD = 22,  /* 3: rotation vector of the hand seen from the marker */
@@ -26,11 +26,12 @@ typedef enum {
     PARAMETER_COMMAND_DELAY_S = 35,
     PARAMETER_STALE_PERIODS = 36,
     PARAMETER_TRACE = 37, /* 1: TickTrace is sent */
-    PARAMETER_PREDICTION = 38, /* 1: the hand's motion is predicted and fed forward, position_first.h; 0: interpolated, law (4) */
-    PARAMETER_FOLLOWING_GAIN_PER_S = 39,   /* position_first_config_t's K */
-    PARAMETER_ORIENTATION_WEIGHT_M2 = 40,  /* position_first_config_t's w */
-    PARAMETER_TRACKER_LATENCY_S = 41,      /* added to the latency that the tracker announces */
-    PARAMETER_POSTURE_CHANGE = 42, /* 1: with prediction, the arm leaves dead ends, posture_change.h */
+    PARAMETER_PREDICTION =
+        38, /* 1: the hand's motion is predicted and fed forward, position_first.h; 0: interpolated, law (4) */
+    PARAMETER_FOLLOWING_GAIN_PER_S = 39,  /* position_first_config_t's K */
+    PARAMETER_ORIENTATION_WEIGHT_M2 = 40, /* position_first_config_t's w */
+    PARAMETER_TRACKER_LATENCY_S = 41,     /* added to the latency that the tracker announces */
+    PARAMETER_POSTURE_CHANGE = 42,        /* 1: with prediction, the arm leaves dead ends, posture_change.h */
     PARAMETER_COUNT = 43
 } parameter_id_t;
 

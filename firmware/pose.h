@@ -1,5 +1,5 @@
-/* A pose as rotation and translation: what the tick computes with. The same pose as the dual quaternion r + eps 1/2 t r of
- * dual_quaternion.h; (r, t) and (-r, t) are the same one. */
+/* A pose as rotation and translation: what the tick computes with. The same pose as the dual quaternion r + eps 1/2 t r
+ * of dual_quaternion.h; (r, t) and (-r, t) are the same one. */
 #ifndef COMANIP_POSE_H
 #define COMANIP_POSE_H
 

@@ -5,18 +5,19 @@
 
 /* All vectors are seen from the hand. */
 typedef struct {
-    vector3_t way_m;     /* e */
-    vector3_t turn_rad;  /* 2 v */
-    float stiffness;     /* k */
+    vector3_t way_m;    /* e */
+    vector3_t turn_rad; /* 2 v */
+    float stiffness;    /* k */
     twist_t motion;
-    float distance_m;    /* without the cap */
+    float distance_m; /* without the cap */
 } pose_error_t;
 
 static pose_error_t error_of(const pose_t *hand, const position_first_request_t *request) {
     const quaternion_t to_hand = quaternion_conjugate(hand->rotation);
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(hand->translation_m, -1.0f));
     const float distance_m = __builtin_sqrtf(vector3_dot(way_m, way_m));
-    const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, request->target->rotation), quaternion_identity);
+    const quaternion_t d =
+        quaternion_align(quaternion_multiply(to_hand, request->target->rotation), quaternion_identity);
     const vector3_t turn_rad = {2.0f * d.x, 2.0f * d.y, 2.0f * d.z};
     return (pose_error_t){
         .way_m = quaternion_rotate(to_hand, vector3_scale(way_m, position_first_share(distance_m))),
@@ -34,7 +35,8 @@ typedef struct {
 
 /* Task damping times (J_p J_p^T + floor I)^-1. */
 static symmetric_t task_damping(const arm_lines_t *lines, int joint_count) {
-    symmetric_t m = {POSITION_FIRST_TASK_FLOOR_M2, 0.0f, 0.0f, POSITION_FIRST_TASK_FLOOR_M2, 0.0f, POSITION_FIRST_TASK_FLOOR_M2};
+    symmetric_t m = {POSITION_FIRST_TASK_FLOOR_M2, 0.0f, 0.0f,
+                     POSITION_FIRST_TASK_FLOOR_M2, 0.0f, POSITION_FIRST_TASK_FLOOR_M2};
     for (int i = 0; i < joint_count; i++) {
         const vector3_t moment = lines->moment_m[i];
         m.xx += moment.x * moment.x;
@@ -98,8 +100,8 @@ static void leave_out(position_first_equations_t *self, int joint_count, uint8_t
     }
 }
 
-void position_first_solve(position_first_equations_t *equations, int joint_count, joint_ends_t ends, float error_radps[],
-                          float motion_radps[]) {
+void position_first_solve(position_first_equations_t *equations, int joint_count, joint_ends_t ends,
+                          float error_radps[], float motion_radps[]) {
     uint8_t out = 0;
     for (;;) {
         float sum_radps[ARM_MAX_JOINTS];

@@ -56,8 +56,8 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
     begin_candidate(self, arm, 0);
 }
 
-/* A step of the candidate: the law's, for a second at K = 1/s. Within what can be reached by the limits, where a joint counts as at its
- * end. Returns how far from the target the hand was before. */
+/* A step of the candidate: the law's, for a second at K = 1/s. Within what can be reached by the limits, where a joint
+ * counts as at its end. Returns how far from the target the hand was before. */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     const arm_t *arm = config->arm;
@@ -93,7 +93,8 @@ static void keep_nearest(posture_change_t *self, const float position_rad[], int
 }
 
 /* After all seeds, the nearest goes on, so that the law finds little to do there for the orientation either. */
-static void search(posture_change_t *self, const posture_change_config_t *config, const position_first_request_t *request) {
+static void search(posture_change_t *self, const posture_change_config_t *config,
+                   const position_first_request_t *request) {
     const float distance_m = improve(self, config, request->target);
     const bool is_met = distance_m < MET_M;
     if (self->seed == SEEDS) {
@@ -127,7 +128,8 @@ static float hand_speed(const arm_t *arm, const float position_rad[], const floa
 }
 
 /* All joints in proportion: a straight line between two postures within the ranges is within them. */
-static void go(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[], float velocity_radps[]) {
+static void go(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[],
+               float velocity_radps[]) {
     const arm_t *arm = config->arm;
     const float fraction = config->limits->speed_fraction;
     const float share = fraction < POSTURE_CHANGE_JOINT_SHARE ? fraction : POSTURE_CHANGE_JOINT_SHARE;
@@ -154,8 +156,8 @@ void posture_change_init(posture_change_t *self) {
     memset(self, 0, sizeof *self);
 }
 
-bool posture_change_step(posture_change_t *self, const posture_change_config_t *config, const position_first_request_t *request,
-                         float error_radps[]) {
+bool posture_change_step(posture_change_t *self, const posture_change_config_t *config,
+                         const position_first_request_t *request, float error_radps[]) {
     const int joint_count = config->arm->joint_count;
     if (self->phase != POSTURE_WATCHED && is_away(self, request, POSTURE_CHANGE_AWAY_M)) {
         watch_anew(self, request, 0.0f);
@@ -179,8 +181,8 @@ bool posture_change_step(posture_change_t *self, const posture_change_config_t *
     return true;
 }
 
-void posture_change_watch(posture_change_t *self, const posture_change_config_t *config, const position_first_request_t *request,
-                          float distance_m) {
+void posture_change_watch(posture_change_t *self, const posture_change_config_t *config,
+                          const position_first_request_t *request, float distance_m) {
     if (self->phase != POSTURE_WATCHED) {
         return;
     }

@@ -28,7 +28,8 @@ bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code) {
     for (int i = 0, place = 0; i < 4; i++) {
         if (i != code->largest) {
             int64_t c = divide_rounding(sign * quaternion[i] * ENCODE, ONE << 8);
-            c = c > ROTATION_CODE_MAX ? ROTATION_CODE_MAX : c; /* two are the largest, and the norm is a little above 1 */
+            c = c > ROTATION_CODE_MAX ? ROTATION_CODE_MAX
+                                      : c; /* two are the largest, and the norm is a little above 1 */
             code->smaller[place++] = (int16_t)(c < -ROTATION_CODE_MAX ? -ROTATION_CODE_MAX : c);
         }
     }

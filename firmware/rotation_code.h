@@ -1,5 +1,5 @@
-/* A rotation in 47 bits: the three smaller components of its unit quaternion, for the largest follows from them. In integers, so
- * that all targets compute the same bits. */
+/* A rotation in 47 bits: the three smaller components of its unit quaternion, for the largest follows from them. In
+ * integers, so that all targets compute the same bits. */
 #ifndef COMANIP_ROTATION_CODE_H
 #define COMANIP_ROTATION_CODE_H
 

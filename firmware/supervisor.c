@@ -37,9 +37,7 @@ void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs) {
     reason_t cause;
     switch (self->mode) {
     case MODE_IDLE:
-    case MODE_READY:
-        follow_readiness(self, inputs);
-        break;
+    case MODE_READY: follow_readiness(self, inputs); break;
     case MODE_COOPERATING:
     case MODE_HOLD:
         if (fault_present(inputs, &cause)) {
@@ -50,8 +48,7 @@ void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs) {
             enter(self, MODE_COOPERATING, REASON_TRACKER_RETURNED);
         }
         break;
-    case MODE_FAULT:
-        break;
+    case MODE_FAULT: break;
     }
 }
 
@@ -67,9 +64,7 @@ result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs) 
     reason_t cause;
     switch (self->mode) {
     case MODE_COOPERATING:
-    case MODE_HOLD:
-        enter(self, MODE_READY, REASON_OPERATOR_STOP);
-        break;
+    case MODE_HOLD: enter(self, MODE_READY, REASON_OPERATOR_STOP); break;
     case MODE_FAULT:
         if (fault_present(inputs, &cause)) {
             return RESULT_FAULT_PRESENT;
@@ -77,8 +72,7 @@ result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs) 
         enter(self, MODE_IDLE, REASON_FAULT_CLEARED);
         break;
     case MODE_IDLE:
-    case MODE_READY:
-        break;
+    case MODE_READY: break;
     }
     return RESULT_ACCEPTED;
 }

@@ -31,8 +31,8 @@ typedef struct {
 /* Table I. */
 extern const task_t task_table[TASK_BUILT_IN_COUNT];
 
-/* q_task as a function of how far the human's hand has moved along the torso's x axis since the start: that displacement times
- * `slope` adds to the translation along z. */
+/* q_task as a function of how far the human's hand has moved along the torso's x axis since the start: that
+ * displacement times `slope` adds to the translation along z. */
 typedef struct {
     pose_t pose;
     float slope; /* 0: constant */

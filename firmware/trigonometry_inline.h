@@ -1,4 +1,5 @@
-/* sine_cosine() in line, and what it is made of: for the half angles of joints, which are within +-pi/2, nothing is called. */
+/* sine_cosine() in line, and what it is made of: for the half angles of joints, which are within +-pi/2, nothing is
+ * called. */
 #ifndef COMANIP_TRIGONOMETRY_INLINE_H
 #define COMANIP_TRIGONOMETRY_INLINE_H
 
@@ -7,7 +8,8 @@
 #include "float_bits.h"
 #include "trigonometry.h"
 
-/* Minimax polynomials on [-pi/2, pi/2]: the sine is x + x^3 (SINE_3 + ...), the cosine 1 - x^2 / 2 + x^4 (COSINE_4 + ...). */
+/* Minimax polynomials on [-pi/2, pi/2]: the sine is x + x^3 (SINE_3 + ...), the cosine 1 - x^2 / 2 + x^4 (COSINE_4 +
+ * ...). */
 #define SINE_3 -0.166666567f
 #define SINE_5 8.33301712e-3f
 #define SINE_7 -1.98066016e-4f

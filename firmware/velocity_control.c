@@ -1,10 +1,10 @@
 #include "velocity_control.h"
 
-/* Without refinement, the rounding of J^T W J is the error of the law, divided by the damping. Axes are unit vectors, levers are
- * short: the rotation's weight counts most. What is beyond these bounds, which were found by measurement (tests/
- * test_velocity_control.py), takes the general law, which refines. */
-#define DAMPING_MIN 1e-5f         /* of the largest weight */
-#define ROTATION_WEIGHT_MAX 1.0f  /* or this part of the translation's: */
+/* Without refinement, the rounding of J^T W J is the error of the law, divided by the damping. Axes are unit vectors,
+ * levers are short: the rotation's weight counts most. What is beyond these bounds, which were found by measurement
+ * (tests/ test_velocity_control.py), takes the general law, which refines. */
+#define DAMPING_MIN 1e-5f        /* of the largest weight */
+#define ROTATION_WEIGHT_MAX 1.0f /* or this part of the translation's: */
 #define ROTATION_TO_TRANSLATION_MAX 0.25f
 #define TRACE_DAMPING_MIN 1e-6f /* of the trace of J^T W J, as it is running */
 

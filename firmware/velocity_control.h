@@ -4,7 +4,8 @@
  *
  * the n x n form of the paper's J^T (J J^T + lambda I)^-1 K e, to which it is equal for W = I.
  *
- * It is isotropic when K and W have one value for rotation and one for translation: then it need not be taken in vec8. */
+ * It is isotropic when K and W have one value for rotation and one for translation: then it need not be taken in vec8.
+ */
 #ifndef COMANIP_VELOCITY_CONTROL_H
 #define COMANIP_VELOCITY_CONTROL_H
 
@@ -18,20 +19,21 @@ typedef enum {
                                error, so that W is a true trade-off between position and orientation */
 } error_frame_t;
 
-/* What is constant in the normal equations, times 4, so that they are free of halves, and divided by the translation's weight. */
+/* What is constant in the normal equations, times 4, so that they are free of halves, and divided by the translation's
+ * weight. */
 typedef struct {
-    bool applies;           /* isotropic, and with so much damping that float32 solves it without refinement */
+    bool applies; /* isotropic, and with so much damping that float32 solves it without refinement */
     float weight_rotation;
     float pull_rotation, pull_translation; /* 2 weight gain */
-    float diagonal;         /* of the rotation and the damping: weight_rotation + 4 lambda */
-    float trace_max;        /* of the translation's part: beyond, the damping is too little */
+    float diagonal;                        /* of the rotation and the damping: weight_rotation + 4 lambda */
+    float trace_max;                       /* of the translation's part: beyond, the damping is too little */
 } velocity_isotropic_t;
 
 typedef struct velocity_control_config {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
-    float damping;       /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, of all joints, which float32 does not
-                            carry through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
+    float damping; /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, of all joints, which float32 does
+                      not carry through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
     error_frame_t error_frame;
     velocity_isotropic_t isotropic; /* by velocity_control_prepare() */
 } velocity_control_config_t;
@@ -45,15 +47,15 @@ typedef struct velocity_request {
 /* Once, after the other members of the config are set. */
 void velocity_control_prepare(velocity_control_config_t *config);
 
-/* As velocity_control(), for any diagonals K and W and any damping, with the 8 x n Jacobian: what that takes where its fast way does not
- * apply. */
-void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
-                              float velocity_radps[]);
+/* As velocity_control(), for any diagonals K and W and any damping, with the 8 x n Jacobian: what that takes where its
+ * fast way does not apply. */
+void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
+                              const velocity_request_t *request, float velocity_radps[]);
 
-/* velocity_radps: joint_count values, without limits. But no joint at an end goes beyond it: solved again without those that would, the
- * law lets the other joints do what they can instead of counting on them. */
-static inline void velocity_control(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
-                                    float velocity_radps[]) {
+/* velocity_radps: joint_count values, without limits. But no joint at an end goes beyond it: solved again without those
+ * that would, the law lets the other joints do what they can instead of counting on them. */
+static inline void velocity_control(const arm_t *arm, const velocity_control_config_t *config,
+                                    const velocity_request_t *request, float velocity_radps[]) {
     if (config->isotropic.applies) {
         arm->isotropic(arm, config, request, velocity_radps);
     } else {

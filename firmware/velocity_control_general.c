@@ -38,15 +38,16 @@ static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternio
 typedef struct {
     int joint_count;
     dual_quaternion_t hand;
-    dual_quaternion_t half_line[ARM_MAX_JOINTS]; /* the joints' axes seen from the hand, halved: J's columns are hand * half_line */
+    dual_quaternion_t
+        half_line[ARM_MAX_JOINTS]; /* the joints' axes seen from the hand, halved: J's columns are hand * half_line */
     const float *weight;
     float wanted[8]; /* K e */
     float damping;
     ldlt_t normal;
 } equations_t;
 
-/* J^T W e. The product with the hand is taken once for all joints: its rounding is then an error of e, which is harmless, where rounded
- * columns would be an error of J, which damping of 1e-4 magnifies. */
+/* J^T W e. The product with the hand is taken once for all joints: its rounding is then an error of e, which is
+ * harmless, where rounded columns would be an error of J, which damping of 1e-4 magnifies. */
 static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {

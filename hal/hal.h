@@ -20,10 +20,12 @@ can_profile_t hal_can_profile(void);
  * as a simulation or a process does. A tick that was missed is not made up for. */
 bool hal_wait_tick(uint32_t *now_us);
 
-/* Next received frame, oldest first, with its time of reception, which may be after that of the tick. False: none left. */
+/* Next received frame, oldest first, with its time of reception, which may be after that of the tick. False: none left.
+ */
 bool hal_can_receive(can_frame_t *frame);
 
-/* Queues a frame, CAN FD or classic as it says. False: the queue is full and the frame is dropped (the port counts it). Never blocks. */
+/* Queues a frame, CAN FD or classic as it says. False: the queue is full and the frame is dropped (the port counts it).
+ * Never blocks. */
 bool hal_can_send(const can_frame_t *frame);
 
 /* Once per tick. The platform stops the drives if it is not called for 10 ms. */
@@ -41,8 +43,9 @@ typedef enum {
 /* The record as it was at hal_init(), up to `capacity` bytes of it, and how many these are. False: there is none. */
 bool hal_store_read(void *bytes, size_t capacity, size_t *length);
 
-/* Begins to write another record in its place, from a copy, and returns at once: flash and disks take longer than a tick.
- * Whatever interrupts it, the next boot reads the former record or this one. Not while one is HAL_STORE_WRITING. */
+/* Begins to write another record in its place, from a copy, and returns at once: flash and disks take longer than a
+ * tick. Whatever interrupts it, the next boot reads the former record or this one. Not while one is HAL_STORE_WRITING.
+ */
 void hal_store_write(const void *bytes, size_t length);
 
 /* Of the last write. */

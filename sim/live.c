@@ -6,8 +6,9 @@
 #define LATE_TOLERATED_NS 10000000
 
 static void tell_how_to_listen(const live_t *self) {
-    (void)printf("the bus is live on %s hub %s; to listen, beside this: make candump, or build/host/with-can candump -ta %s\n",
-                 self->hub.hub > 0 ? "its own" : "the running", self->options->hub, self->options->hub);
+    (void)printf(
+        "the bus is live on %s hub %s; to listen, beside this: make candump, or build/host/with-can candump -ta %s\n",
+        self->hub.hub > 0 ? "its own" : "the running", self->options->hub, self->options->hub);
     if (!self->hub.is_exclusive) {
         (void)printf("listeners on this hub hear each other, too; none of them reaches the simulator\n");
     }

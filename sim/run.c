@@ -163,19 +163,16 @@ int run_main(const run_mode_t *mode, int argc, char *argv[]) {
     static scenario_t scenario;
     find_scenario_folder(scenario_folder);
     switch (options_parse(&options, argc, argv, error)) {
-    case OPTIONS_SHOW_HELP:
-        help_print();
-        return EXIT_SUCCESS;
+    case OPTIONS_SHOW_HELP: help_print(); return EXIT_SUCCESS;
     case OPTIONS_SHOW_SCENARIOS:
         return help_print_scenarios(scenario_folder, error, sizeof error) ? EXIT_SUCCESS
                                                                           : run_complain(mode->program, error);
-    case OPTIONS_WRONG:
-        return run_complain(mode->program, error);
-    case OPTIONS_RUN:
-        break;
+    case OPTIONS_WRONG: return run_complain(mode->program, error);
+    case OPTIONS_RUN: break;
     }
     if (mode->is_live && (options.hub != NULL || options.real_time)) {
-        return run_complain(mode->program, "--hub and --real-time: expected by comanip-sim only; this program has a bus of its own");
+        return run_complain(mode->program,
+                            "--hub and --real-time: expected by comanip-sim only; this program has a bus of its own");
     }
     if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
         return run_complain(mode->program, error);

@@ -1,5 +1,5 @@
-/* What the programs that run a scenario share: the command line, the world, its files, the report. They differ in the bus
- * and in what makes time go on. */
+/* What the programs that run a scenario share: the command line, the world, its files, the report. They differ in the
+ * bus and in what makes time go on. */
 #ifndef COMANIP_SIM_RUN_H
 #define COMANIP_SIM_RUN_H
 
@@ -10,7 +10,7 @@
 
 typedef struct {
     const char *program; /* its name, before every complaint */
-    bool is_live; /* its bus is a real one, in real time */
+    bool is_live;        /* its bus is a real one, in real time */
     bus_t *(*create_bus)(can_profile_t profile, char error[], size_t error_size);
     /* Runs the world to its end. */
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);

@@ -116,8 +116,7 @@ static void fail_as_operator(world_t *self) {
         (void)snprintf(text, sizeof text,
                        "%s; %s%" PRIu64 " samples are beyond the %.3f m a frame can carry: is the file in mm, or the "
                        "tracker mounted too far away?",
-                       reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors,
-                       range_m);
+                       reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors, range_m);
     }
     world_fail(self, text);
 }
@@ -133,8 +132,8 @@ static bool everybody_is_done(const world_t *self) {
 /* Says what everybody is about. */
 static void fail_as_overdue(world_t *self) {
     char text[WORLD_TEXT_BYTES];
-    size_t used = (size_t)snprintf(text, sizeof text, "not everything was done in the scenario's %g s: ",
-                                   self->scenario->duration_s);
+    size_t used = (size_t)snprintf(text, sizeof text,
+                                   "not everything was done in the scenario's %g s: ", self->scenario->duration_s);
     for (size_t i = 0; i < self->scenario->person_count; i++) {
         person_program_describe(self->program[i], text + used, sizeof text - used);
         used = strlen(text);
@@ -254,12 +253,12 @@ bool world_advance(world_t *self) {
     const int64_t now_ns = self->now_ns, next_ns = now_ns + WORLD_TICK_NS;
     look(self);
 
-    tracker_node_step(self->tracker, now_ns, next_ns);   /* queue what falls due in this tick */
+    tracker_node_step(self->tracker, now_ns, next_ns); /* queue what falls due in this tick */
     proximity_node_step(self->proximity_sensor, &self->clearance, now_ns, next_ns);
     gripper_node_step(self->gripper, now_ns, next_ns);
     operator_node_step(self->operator, now_ns, next_ns);
-    bus_run_until(self->bus, next_ns);                   /* drives latch their commands and sample their encoders */
-    drive_node_step(self->drives, next_ns, TICK_S);      /* commands -> motors */
+    bus_run_until(self->bus, next_ns);              /* drives latch their commands and sample their encoders */
+    drive_node_step(self->drives, next_ns, TICK_S); /* commands -> motors */
     move(self);
 
     watch(self);

@@ -1,6 +1,6 @@
 /* The simulated world: a physical scene with robot and people, and on one bus its drives, gripper, tracker, proximity
- * sensor and operator, in virtual time and lockstep, watched by monitors that see the bus and the physics and nothing of
- * the firmware. The firmware joins through the host port (hal/host). */
+ * sensor and operator, in virtual time and lockstep, watched by monitors that see the bus and the physics and nothing
+ * of the firmware. The firmware joins through the host port (hal/host). */
 #ifndef COMANIP_SIM_WORLD_H
 #define COMANIP_SIM_WORLD_H
 
@@ -43,8 +43,8 @@ struct world {
     const scenario_t *scenario; /* as the seed varied it */
     events_t events;
     int64_t now_ns;
-    int64_t end_ns;    /* an upper bound until everybody is done */
-    double stop_s;     /* when the operator's stop was due; negative: not yet */
+    int64_t end_ns;     /* an upper bound until everybody is done */
+    double stop_s;      /* when the operator's stop was due; negative: not yet */
     bool has_fixed_end; /* --duration: it goes on to its end though everybody is done */
     bool is_shortened;  /* and ends before the scenario's time is over: what is not done by then is nobody's failure */
     bool has_recording;
@@ -76,14 +76,14 @@ struct world {
     trace_csv_t trace;
 
     const volatile sig_atomic_t *interrupted; /* set from outside to end the run */
-    uint64_t firmware_overflows; /* frames lost in the firmware's receive queue: counted by the host port */
+    uint64_t firmware_overflows;           /* frames lost in the firmware's receive queue: counted by the host port */
     void (*on_tick)(const world_t *world); /* NULL, or called after each tick: it watches and changes nothing */
-    const live_bus_timing_t *timing; /* NULL, or how the run kept up with real time */
-    char failure[WORLD_TEXT_BYTES]; /* why the run ended early; "" */
+    const live_bus_timing_t *timing;       /* NULL, or how the run kept up with real time */
+    char failure[WORLD_TEXT_BYTES];        /* why the run ended early; "" */
 };
 
-/* options and scenario must outlive the world, which owns the bus from here on, even if this fails. Reads the recordings
- * and writes nothing. On failure false, and one line in `error`. */
+/* options and scenario must outlive the world, which owns the bus from here on, even if this fails. Reads the
+ * recordings and writes nothing. On failure false, and one line in `error`. */
 bool world_init(world_t *self, const options_t *options, const scenario_t *scenario, bus_t *bus,
                 const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
 

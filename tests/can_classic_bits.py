@@ -12,8 +12,18 @@ NOT_STUFFED = [1, 1, 1, *[1] * 7, *[1] * 3]  # CRC delimiter, ACK, its delimiter
 
 def unstuffed(identifier: int, data: bytes) -> list[int]:
     """SOF, id, RTR, IDE, FDF, DLC, data, CRC."""
-    covered = [0, *bits(identifier, 11), 0, 0, 0, *bits(len(data), 4), *(bit for octet in data for bit in bits(octet, 8))]
-    octets = int("".join(map(str, covered)), 2).to_bytes((len(covered) + 7) // 8, "big")  # zeros before do not change it
+    covered = [
+        0,
+        *bits(identifier, 11),
+        0,
+        0,
+        0,
+        *bits(len(data), 4),
+        *(bit for octet in data for bit in bits(octet, 8)),
+    ]
+    octets = int("".join(map(str, covered)), 2).to_bytes(
+        (len(covered) + 7) // 8, "big"
+    )  # zeros before do not change it
     return covered + bits(Crc15.calc(octets), 15)
 
 

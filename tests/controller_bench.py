@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import numpy as np
-
 import oracle
 from comanip._core import ffi, lib
 
 TICK_US = 1000
 TRACKER_PERIOD_TICKS = 4
 JOINTS = 4
-FRAME_ID = {name: lib.frame_table[getattr(lib, f"FRAME_{name}")].id for name in (
-    "FIRMWARE_STATUS", "COMMAND_ACK", "PARAMETER_VALUE", "FIRMWARE_IDENTITY", "JOINT_CMD", "TICK_TRACE", "FIRMWARE_HEARTBEAT")}
+FRAME_ID = {
+    name: lib.frame_table[getattr(lib, f"FRAME_{name}")].id
+    for name in (
+        "FIRMWARE_STATUS",
+        "COMMAND_ACK",
+        "PARAMETER_VALUE",
+        "FIRMWARE_IDENTITY",
+        "JOINT_CMD",
+        "TICK_TRACE",
+        "FIRMWARE_HEARTBEAT",
+    )
+}
 Q_X_MINUS_90 = oracle.rotation([1, 0, 0], -np.pi / 2)  # the paper's (9)
 
 
@@ -23,7 +32,12 @@ class Bench:
     prediction = False
 
     def __init__(
-        self, position_deg=(90, -5, 0, -90), now_us: int = 0, parameters=None, boot_result: int = 0, prediction: bool | None = None
+        self,
+        position_deg=(90, -5, 0, -90),
+        now_us: int = 0,
+        parameters=None,
+        boot_result: int = 0,
+        prediction: bool | None = None,
     ):
         self.position_rad = np.radians(np.array(position_deg, float))
         self.hand = oracle.pose(oracle.rotation([0, 1, 0], np.pi / 2), [0.4, 0.2, 0.1])
@@ -64,7 +78,9 @@ class Bench:
         """The hand as the tracker sees it: (9) turned back."""
         tracker = oracle.pose(Q_X_MINUS_90, [0, 0, 0])
         seen = oracle.multiply(tracker, self.hand)
-        message = ffi.new("hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid})
+        message = ffi.new(
+            "hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid}
+        )
         t, r = oracle.translation(seen), seen[:4]
         message.position_m = {"x": t[0], "y": t[1], "z": t[2]}
         message.rotation = {"w": r[0], "x": r[1], "y": r[2], "z": r[3]}

@@ -58,7 +58,9 @@ def main() -> int:
     expected = arguments.seconds * arguments.rate
     with running() as hub:
         ready, results = multiprocessing.Semaphore(0), multiprocessing.Queue()
-        listeners = [multiprocessing.Process(target=listen, args=(str(hub.path), ready, results)) for _ in range(LISTENERS)]
+        listeners = [
+            multiprocessing.Process(target=listen, args=(str(hub.path), ready, results)) for _ in range(LISTENERS)
+        ]
         for listener in listeners:
             listener.start()
         for _ in listeners:
@@ -67,10 +69,14 @@ def main() -> int:
         hub.wait_for_clients(LISTENERS + 2)
         took_s = send(sender, arguments.rate, arguments.seconds)
         got = [results.get(timeout=2 * LONGEST_WAIT_S) for _ in listeners]
-        cpu_s = sum(int(part) for part in open(f"/proc/{hub.process.pid}/stat").read().split()[13:15]) / os.sysconf("SC_CLK_TCK")
+        cpu_s = sum(int(part) for part in open(f"/proc/{hub.process.pid}/stat").read().split()[13:15]) / os.sysconf(
+            "SC_CLK_TCK"
+        )
         dropped = hub.stderr().count("is dropped: it reads too slowly")
         stalled.close()
-    print(f"sent {expected} frames in {took_s:.2f} s ({expected / took_s:.0f}/s); the hub used {cpu_s:.1f} s of processor time")
+    print(
+        f"sent {expected} frames in {took_s:.2f} s ({expected / took_s:.0f}/s); the hub used {cpu_s:.1f} s of processor time"
+    )
     for count, latest_s in got:
         print(f"listener: {count} frames, {expected - count} lost, {1e3 * latest_s:.1f} ms late at worst")
     print(f"stalled listener: {'dropped' if dropped == 1 else f'{dropped} were dropped'}")

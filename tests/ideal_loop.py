@@ -4,9 +4,8 @@ are told, no bus, no encoder. Written from the paper and from the headers' descr
 from __future__ import annotations
 
 import numpy as np
-from dqrobotics import vec8
-
 import oracle
+from dqrobotics import vec8
 
 TICK_S = 1e-3
 VELOCITY_MAX = 4.76
@@ -17,7 +16,7 @@ RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # what the speed changes by whi
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)  # and where the stopping speed is 0
 RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # changes per tick that end after 0, 1, 2... ticks,
-RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)         # and what the velocity changes by in all
+RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # and what the velocity changes by in all
 
 
 def limited(wanted, last, last_change, q, gain, acceleration=25.0):
@@ -46,14 +45,23 @@ def law_with_blocked_joints(jacobian, hand, target, q, *settings):
         wanted = np.zeros(len(q))
         if free.any():
             wanted[free] = oracle.law(jacobian[None][:, :, free], hand[None], target[None], *settings)[0]
-        blocked = ((wanted > 0) & (JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD)) | ((wanted < 0) & (q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD))
+        blocked = ((wanted > 0) & (JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD)) | (
+            (wanted < 0) & (q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD)
+        )
         if not blocked.any():
             return wanted
         free &= ~blocked
 
 
-def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray, gain=35.0, weight=None, damping=1e-2,
-        error_frame="target") -> np.ndarray:
+def run(
+    targets: np.ndarray,
+    cooperating: np.ndarray,
+    q0: np.ndarray,
+    gain=35.0,
+    weight=None,
+    damping=1e-2,
+    error_frame="target",
+) -> np.ndarray:
     """targets (N, 8), one a tick; cooperating (N,) bool: elsewhere the arm brakes. Returns the hand (N, 8) at each tick,
     before that tick's command acts."""
     arm = oracle.hoap3()

@@ -28,8 +28,12 @@ class Image:
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
     # Not as part of the make that runs the tests: its job server is not open to us, and says so.
-    environment = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    return subprocess.run(["make", "-s", *arguments], cwd=REPOSITORY, capture_output=True, text=True, env=environment)
+    environment = {
+        name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")
+    }
+    return subprocess.run(
+        ["make", "-s", *arguments], cwd=REPOSITORY, capture_output=True, text=True, check=False, env=environment
+    )
 
 
 def read() -> dict[str, Image]:

@@ -62,7 +62,9 @@ def is_authentic(frame: Seen) -> bool | None:
         return None
     if not frame.name.startswith("Classic"):
         return p05.e2e_p05_check(frame.data, data_id.value)
-    return p02.e2e_p02_check(frame.data, bytes((data_id.value + 16 * n) % 256 for n in range(16)), length=len(frame.data))
+    return p02.e2e_p02_check(
+        frame.data, bytes((data_id.value + 16 * n) % 256 for n in range(16)), length=len(frame.data)
+    )
 
 
 class Bus:

@@ -16,9 +16,7 @@ from dqrobotics.robot_modeling import DQ_SerialManipulatorDH, DQ_SerialManipulat
 
 def quaternion_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     aw, av, bw, bv = a[..., :1], a[..., 1:], b[..., :1], b[..., 1:]
-    return np.concatenate(
-        [aw * bw - (av * bv).sum(-1, keepdims=True), aw * bv + bw * av + np.cross(av, bv)], axis=-1
-    )
+    return np.concatenate([aw * bw - (av * bv).sum(-1, keepdims=True), aw * bv + bw * av + np.cross(av, bv)], axis=-1)
 
 
 def quaternion_conjugate(a: np.ndarray) -> np.ndarray:

@@ -39,18 +39,27 @@ def run(folder: Path, scenario: str, image: str | None) -> bytes:
 
 def main(argv: list[str]) -> int:
     build = Path(argv[0]).resolve()
-    built = make("PROFILE=fd", *(str(elf_of(image).relative_to(REPOSITORY)) for image in IMAGES), str(PROGRAM.relative_to(REPOSITORY)))
+    built = make(
+        "PROFILE=fd",
+        *(str(elf_of(image).relative_to(REPOSITORY)) for image in IMAGES),
+        str(PROGRAM.relative_to(REPOSITORY)),
+    )
     if built.returncode != 0:
         raise SystemExit(f"make pil-matrix: {built.stderr}")
     results = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        hosts = dict(zip(SCENARIOS, pool.map(lambda scenario: run(build / "pil-matrix", scenario, None), SCENARIOS), strict=True))
+        hosts = dict(
+            zip(SCENARIOS, pool.map(lambda scenario: run(build / "pil-matrix", scenario, None), SCENARIOS), strict=True)
+        )
         jobs = [(scenario, image) for scenario in SCENARIOS for image in IMAGES]
         logs = pool.map(lambda job: run(build / "pil-matrix", *job), jobs)
         for (scenario, image), log in zip(jobs, logs, strict=True):
             commands, equal = joint_commands(log), log != b"" and log == hosts[scenario]
             results.append({"scenario": scenario, "image": image, "joint_commands": commands, "equal": equal})
-            print(f"{scenario:8} {image:14} {commands:6} joint commands, bus log {'equal' if equal else 'DIFFERS'}", flush=True)
+            print(
+                f"{scenario:8} {image:14} {commands:6} joint commands, bus log {'equal' if equal else 'DIFFERS'}",
+                flush=True,
+            )
     report = build / "reports" / "pil.json"
     report.parent.mkdir(parents=True, exist_ok=True)
     report.write_text(json.dumps(results, indent=1) + "\n")

@@ -46,7 +46,7 @@ def load() -> tuple[cffi.FFI, object]:
     ffi = cffi.FFI()
     with tempfile.TemporaryDirectory(dir=BUILD) as name:
         folder = Path(name)
-        ffi.cdef(declarations((REPOSITORY / "sim" / f"{part}.h" for part in PARTS)) + ODE)
+        ffi.cdef(declarations(REPOSITORY / "sim" / f"{part}.h" for part in PARTS) + ODE)
         library = folder / "plant.so"
         command = [*COMPILE, "-shared", *sources, "-lode", "-lm", "-o", str(library)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)

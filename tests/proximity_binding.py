@@ -17,7 +17,17 @@ PARTS = (
     "proximity/convex_shape", "proximity/proximity", "robot/robot_model",
 )  # fmt: skip
 WITHOUT_HEADER = ("bus/endpoint", "proximity/body_shapes", "proximity/convex_overlap", "proximity/convex_support")
-PROTOCOL = ("can_classic", "can_protocol", "can_transport", "comanip_dbc", "dual_quaternion", "pose", "e2e", "rotation_code", "trigonometry")
+PROTOCOL = (
+    "can_classic",
+    "can_protocol",
+    "can_transport",
+    "comanip_dbc",
+    "dual_quaternion",
+    "pose",
+    "e2e",
+    "rotation_code",
+    "trigonometry",
+)
 FAKE_SCENE = REPOSITORY / "tests" / "fake_scene.h"
 
 

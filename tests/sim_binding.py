@@ -33,7 +33,9 @@ PARTS = [
 ] + [REPOSITORY / "tests" / "stand_in_scene"]  # fmt: skip
 FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]
 ENDPOINT = REPOSITORY / "sim" / "bus" / "endpoint.c"
-SOURCES = [part.with_suffix(".c") for part in PARTS] + [ENDPOINT] + sorted(file for file in FIRMWARE if file.name != "main.c")
+SOURCES = (
+    [part.with_suffix(".c") for part in PARTS] + [ENDPOINT] + sorted(file for file in FIRMWARE if file.name != "main.c")
+)
 HEADERS = [part.with_suffix(".h") for part in PARTS]
 
 COMPILE = [

@@ -68,7 +68,9 @@ def call(
 ) -> subprocess.CompletedProcess:
     """The simulator with these arguments, turned into text."""
     command = [str(SIMULATOR), *_plain([str(argument) for argument in arguments])]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd, env=environment)
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, cwd=cwd, env=environment
+    )
 
 
 def run(out: Path, *arguments: object, cwd: Path | None = None, environment: dict[str, str] | None = None,

@@ -14,7 +14,7 @@ typedef struct {
     double crank_turns;
     bool can_grip;
     bool holds[SCENARIO_MAX_OBJECTS]; /* in the first person's hand */
-    int closings, openings; /* calls */
+    int closings, openings;           /* calls */
 } fake_state_t;
 
 fake_state_t *stand_in_scene_state(scene_t *self);

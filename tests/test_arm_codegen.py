@@ -36,7 +36,9 @@ def solve(law, arm, configuration, q, target, lower=0, upper=0) -> np.ndarray:
 def hand_pose(arm, q) -> tuple[np.ndarray, np.ndarray]:
     pose = arm.table.forward_kinematics(arm.table, ffi.new("float[8]", q.tolist()))
     rotation, translation = pose.rotation, pose.translation_m
-    return np.array([rotation.w, rotation.x, rotation.y, rotation.z]), np.array([translation.x, translation.y, translation.z])
+    return np.array([rotation.w, rotation.x, rotation.y, rotation.z]), np.array(
+        [translation.x, translation.y, translation.z]
+    )
 
 
 @pytest.fixture
@@ -140,7 +142,17 @@ def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
 # ---- arms of any kind
 
 FIRMWARE = REPOSITORY / "firmware"
-LAW_SOURCES = ("arm", "dual_quaternion", "joint_ends", "ldlt", "pose", "position_first", "trigonometry", "velocity_control", "velocity_control_general")
+LAW_SOURCES = (
+    "arm",
+    "dual_quaternion",
+    "joint_ends",
+    "ldlt",
+    "pose",
+    "position_first",
+    "trigonometry",
+    "velocity_control",
+    "velocity_control_general",
+)
 
 
 def position_first(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
@@ -149,7 +161,10 @@ def position_first(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
     config = ffi.new("position_first_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
     twist = ffi.new("twist_t *", (motion[:3].tolist(), motion[3:].tolist()))
-    request = ffi.new("position_first_request_t *", {"position_rad": position, "target": pose, "motion": twist, "ends": (lower, upper)})
+    request = ffi.new(
+        "position_first_request_t *",
+        {"position_rad": position, "target": pose, "motion": twist, "ends": (lower, upper)},
+    )
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
     distance = law(arm.table, config, request, for_error, for_motion)
     return np.array([*list(for_error)[: arm.joint_count], *list(for_motion)[: arm.joint_count], distance])
@@ -208,7 +223,10 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
 
     def row_pose(row):
         x, z = (oracle.rotation(axis, np.radians(angle)) for axis, angle in (([1, 0, 0], row[0]), ([0, 0, 1], row[3])))
-        return oracle.multiply(oracle.pose(x, [0, 0, 0]), oracle.multiply(oracle.pose([1, 0, 0, 0], [row[1], 0, row[2]]), oracle.pose(z, [0, 0, 0])))
+        return oracle.multiply(
+            oracle.pose(x, [0, 0, 0]),
+            oracle.multiply(oracle.pose([1, 0, 0, 0], [row[1], 0, row[2]]), oracle.pose(z, [0, 0, 0])),
+        )
 
     fixed, effector = np.array([row_pose(row) for row in rows[:-1]]), row_pose(rows[-1])
     q = rng.uniform(-2.9, 2.9, (200, n)).astype(np.float32)
@@ -223,8 +241,12 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
         for weight in ((1.0, 1.0), (0.01, 100.0)):
             configuration = config(weight=weight, frame=frame)
             assert configuration.isotropic.applies
-            expected = oracle.law(jacobian, hand, targets.astype(float), 35.0, np.repeat(weight, 4), np.float32(0.01), frame_name)
-            found = np.array([solve(lib.velocity_control, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
+            expected = oracle.law(
+                jacobian, hand, targets.astype(float), 35.0, np.repeat(weight, 4), np.float32(0.01), frame_name
+            )
+            found = np.array(
+                [solve(lib.velocity_control, arm, configuration, *pair) for pair in zip(q, targets, strict=True)]
+            )
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
             # the arms reach up to 2 m, HOAP-3 0.3: the rounding of J^T W J grows with the square
             bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
@@ -232,7 +254,10 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             # at ends: as the law for any arm, which is held against double precision above
             for pair in zip(q, targets, strict=True):
                 lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
-                written, general = (solve(law, arm, configuration, *pair, lower, upper) for law in (lib.velocity_control, lib.velocity_control_general))
+                written, general = (
+                    solve(law, arm, configuration, *pair, lower, upper)
+                    for law in (lib.velocity_control, lib.velocity_control_general)
+                )
                 sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
                 assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
                 if np.array_equal(written == 0, general == 0):  # else rounding decided who is left out
@@ -256,11 +281,31 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
 
 def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
     """Right angles and lengths of 0 leave out much of the formulas: no variable must be left over."""
-    flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror", "-fsyntax-only"]
+    flags = [
+        "-std=c11",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Wconversion",
+        "-Wdouble-promotion",
+        "-Wshadow",
+        "-Werror",
+        "-fsyntax-only",
+    ]
     written = []
-    rows_of = [[(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]]  # had unused variables
+    rows_of = [
+        [(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]
+    ]  # had unused variables
     for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
-        rows_of.append([tuple(float(x) for x in (*rng.choice(RIGHT_ANGLES, 1), *rng.choice([0.0, 0.1], 2), *rng.choice(RIGHT_ANGLES, 1))) for _ in range(n + 1)])
+        rows_of.append(
+            [
+                tuple(
+                    float(x)
+                    for x in (*rng.choice(RIGHT_ANGLES, 1), *rng.choice([0.0, 0.1], 2), *rng.choice(RIGHT_ANGLES, 1))
+                )
+                for _ in range(n + 1)
+            ]
+        )
     for number, rows in enumerate(rows_of):
         path = tmp_path / f"arm_{number}.toml"
         write_description(path, rows[:-1], rows[-1])
@@ -268,7 +313,7 @@ def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
         for made in (path.with_suffix(".c"), path.with_suffix(".h")):
             made.write_text(made.read_text().replace('"../', f'"{FIRMWARE}/'))
         written.append(str(path.with_suffix(".c")))
-    assert subprocess.run(["gcc", *flags, *written], capture_output=True, text=True).stderr == ""
+    assert subprocess.run(["gcc", *flags, *written], capture_output=True, text=True, check=True).stderr == ""
 
 
 # ---- descriptions
@@ -326,14 +371,20 @@ def test_jerk_limits_are_the_arms_or_a_joints_own(tmp_path):
     assert described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + joint).jerk_max_radps3 == [2e4, 2e4]
     arm = described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + "jerk_max_radps3 = 3e3\n" + joint)
     assert arm.jerk_max_radps3 == [3e3, 2e4]
-    first, second = [line for line in arm_codegen.source(arm, "arm.toml").splitlines() if line.endswith("},") and "{{{" in line]
+    first, second = [
+        line for line in arm_codegen.source(arm, "arm.toml").splitlines() if line.endswith("},") and "{{{" in line
+    ]
     assert first.endswith(" 3000.0f},") and second.endswith(" 20000.0f},")
 
 
 def test_a_description_is_modified_dh(tmp_path):
     """The torso-to-joint transform of one row, Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), by numpy."""
-    arm = described(tmp_path, GOOD.replace("alpha_deg = 90.0", "alpha_deg = 30.0\na_m = 0.2\nd_m = 0.3\ntheta_deg = 40.0"))
+    arm = described(
+        tmp_path, GOOD.replace("alpha_deg = 90.0", "alpha_deg = 30.0\na_m = 0.2\nd_m = 0.3\ntheta_deg = 40.0")
+    )
     x, z = oracle.rotation([1, 0, 0], np.radians(30)), oracle.rotation([0, 0, 1], np.radians(40))
-    expected = oracle.multiply(oracle.pose(x, [0, 0, 0]), oracle.multiply(oracle.pose([1, 0, 0, 0], [0.2, 0, 0.3]), oracle.pose(z, [0, 0, 0])))
+    expected = oracle.multiply(
+        oracle.pose(x, [0, 0, 0]), oracle.multiply(oracle.pose([1, 0, 0, 0], [0.2, 0, 0.3]), oracle.pose(z, [0, 0, 0]))
+    )
     (fixed,) = arm.fixed
     assert oracle.pose_distance(oracle.pose(fixed.rotation, fixed.translation_m), expected) < 1e-12

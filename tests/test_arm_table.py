@@ -9,7 +9,9 @@ from comanip._core import ffi, lib
 UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
 
 
-def verdict(joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object) -> str | None:
+def verdict(
+    joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object
+) -> str | None:
     """Of a table of two good joints whose last one is changed."""
     joints = ffi.new("arm_joint_t[2]")
     for joint in joints:

@@ -17,17 +17,26 @@ def measured(ours: float, pinocchio: float, wdls: float, heap: float = 0.0) -> d
     def entry(ns: float, allocations: float = 0.0) -> dict:
         return {"times_ours": ns / ours, "heap_allocations": allocations}
 
-    return {bench.OURS[0]: entry(ours, heap), bench.OURS[1]: entry(ours), "Pinocchio, double": entry(pinocchio), "KDL, wdls": entry(wdls)}
+    return {
+        bench.OURS[0]: entry(ours, heap),
+        bench.OURS[1]: entry(ours),
+        "Pinocchio, double": entry(pinocchio),
+        "KDL, wdls": entry(wdls),
+    }
 
 
 def test_a_ratio_that_is_missed_is_told():
     assert bench.missed(4, measured(100, 501, 2001)) == []
-    assert bench.missed(4, measured(100, 490, 2001)) == ["n = 4: Pinocchio, double takes 4.9 times as long as ours, asked 5"]
+    assert bench.missed(4, measured(100, 490, 2001)) == [
+        "n = 4: Pinocchio, double takes 4.9 times as long as ours, asked 5"
+    ]
     assert bench.missed(6, measured(100, 501, 1950)) == ["n = 6: KDL, wdls takes 19.5 times as long as ours, asked 20"]
 
 
 def test_the_heap_is_told():
-    assert bench.missed(7, measured(100, 600, 3000, heap=0.5)) == ["n = 7: comanip, specialised takes 0.5 times a tick from the heap"]
+    assert bench.missed(7, measured(100, 600, 3000, heap=0.5)) == [
+        "n = 7: comanip, specialised takes 0.5 times a tick from the heap"
+    ]
 
 
 def test_a_ratio_is_that_of_the_rounds():
@@ -52,7 +61,9 @@ def test_the_constants_for_the_peers_are_algorithm_1(n, tmp_path):
     left, right, relation = np.array(lines[0]), np.array(lines[1]), np.array(lines[2])
     for hand in case.hands[::97]:
         turned = oracle.quaternion_multiply(oracle.quaternion_multiply(left[:4], hand[:4]), right[:4])
-        place = right[4:] + oracle.rotate(left[:4], oracle.translation(hand) - left[4:]) - oracle.rotate(turned, relation)
+        place = (
+            right[4:] + oracle.rotate(left[:4], oracle.translation(hand) - left[4:]) - oracle.rotate(turned, relation)
+        )
         expected = case.algorithm.target(oracle.unit(hand))
         assert oracle.pose_distance(oracle.pose(turned, place), expected) < 1e-6
 

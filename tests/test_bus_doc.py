@@ -9,10 +9,9 @@ import bus_log
 import numpy as np
 import pytest
 from bus_log import DBC
-from simulation import REPOSITORY, SIMULATOR, run
-
 from comanip import bus_doc
 from comanip._core import lib
+from simulation import REPOSITORY, SIMULATOR, run
 
 BUS_MD = REPOSITORY / "docs" / "bus.md"
 
@@ -25,7 +24,9 @@ def test_the_document_is_current():
 def test_every_frame_and_signal_is_there():
     """Read back from the text: ids, lengths, periods and start bits, against cantools."""
     text = BUS_MD.read_text()
-    rows = re.findall(r"^\| (0x\w+)(?:\.\.(0x\w+))? \| \[\w+(?:\.\.\d)?\]\(#\w+\) \| (\d+) \| ([\w ]+) \|", text, re.MULTILINE)
+    rows = re.findall(
+        r"^\| (0x\w+)(?:\.\.(0x\w+))? \| \[\w+(?:\.\.\d)?\]\(#\w+\) \| (\d+) \| ([\w ]+) \|", text, re.MULTILINE
+    )
     told = {}
     for first, last, length, period in rows:
         for frame_id in range(int(first, 16), int(last or first, 16) + 1):
@@ -44,7 +45,9 @@ def test_every_frame_and_signal_is_there():
 
 def test_anchors_lead_to_sections():
     text = BUS_MD.read_text()
-    headings = {re.sub(r"[^\w-]", "", h.lower().replace(" ", "-")) for h in re.findall(r"^##+ (.+)$", text, re.MULTILINE)}
+    headings = {
+        re.sub(r"[^\w-]", "", h.lower().replace(" ", "-")) for h in re.findall(r"^##+ (.+)$", text, re.MULTILINE)
+    }
     assert set(re.findall(r"\]\(#([\w-]+)\)", text)) == headings
 
 
@@ -53,7 +56,11 @@ def test_ranges_fit_into_their_bits(message):
     for signal in message.signals:
         assert signal.minimum is not None and signal.maximum > signal.minimum or signal.choices, signal.name
         if not signal.is_float:
-            low, high = (-(1 << signal.length - 1), (1 << signal.length - 1) - 1) if signal.is_signed else (0, (1 << signal.length) - 1)
+            low, high = (
+                (-(1 << signal.length - 1), (1 << signal.length - 1) - 1)
+                if signal.is_signed
+                else (0, (1 << signal.length) - 1)
+            )
             assert float(signal.minimum) >= low * float(signal.scale) - 1e-9, signal.name
             assert float(signal.maximum) <= high * float(signal.scale) * (1 + 1e-9) + 1e-9, signal.name
         for value in signal.choices or {}:

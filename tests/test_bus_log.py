@@ -53,7 +53,20 @@ def by_id(frames: list[LoggedFrame]) -> dict[int, list[LoggedFrame]]:
 @pytest.fixture(scope="module")
 def eventful(tmp_path_factory) -> Run:
     """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
-    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    arguments = [
+        "--scenario",
+        "mirror",
+        "--duration",
+        "13",
+        "--clutch",
+        "7",
+        "--gap",
+        "4:0.2",
+        "--dropout",
+        "0.02",
+        "--tracker-clock",
+        "4294000000",
+    ]
     arguments += [f"--param={name}={value}" for name, value in WRITTEN.items()]
     return run(tmp_path_factory.mktemp("eventful"), *arguments).require_pass()
 

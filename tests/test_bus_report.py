@@ -62,8 +62,12 @@ def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
     absent = {"ClassicFirmwareBuild", "ClassicFirmwareIdentity"}
     absent |= {f"ClassicJoint{kind}{joint}" for kind in ("Cmd", "State") for joint in range(joints, 8)}
     messages = [*CLASSIC_MESSAGES, DBC.get_message_by_name("FirmwareHeartbeat")]
-    rare = {f"ClassicTask{part}": 100 for part in ("Translation", "Rotation", "Inverse")}  # with the parts of a TaskDefine
-    expected = {m.name: (m.frame_id, m.length, m.cycle_time or rare.get(m.name, 4)) for m in messages if m.name not in absent}
+    rare = {
+        f"ClassicTask{part}": 100 for part in ("Translation", "Rotation", "Inverse")
+    }  # with the parts of a TaskDefine
+    expected = {
+        m.name: (m.frame_id, m.length, m.cycle_time or rare.get(m.name, 4)) for m in messages if m.name not in absent
+    }
     assert {row["name"]: (row["id"], row["bytes"], row["period_ms"]) for row in rows} == expected
     share = sum(1e-3 * row["longest_us"] / row["period_ms"] for row in rows if row["cyclic"])
     assert by_profile[CLASSIC, joints]["load_cyclic_percent"] == pytest.approx(100 * share)

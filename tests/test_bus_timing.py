@@ -12,7 +12,16 @@ import numpy as np
 import pytest
 from bus_log import DBC
 from can_fd_bits import LENGTHS, frame_duration_ns
-from comanip.bus_traffic import ANSWER_US, COMPUTING_US, Frame, classic_boot_frames, classic_frames, fd_boot_frames, fd_frames, streams
+from comanip.bus_traffic import (
+    ANSWER_US,
+    COMPUTING_US,
+    Frame,
+    classic_boot_frames,
+    classic_frames,
+    fd_boot_frames,
+    fd_frames,
+    streams,
+)
 from comanip.frame_length import BitRates, longest
 from comanip.response_time import analyse
 from hypothesis import given, settings
@@ -51,7 +60,9 @@ def test_arbitration_under_contention(traffic):
     free_ns = 0
     for identifier, data, end_ns, _ in bus.heard:
         start_ns = end_ns - frame_duration_ns(identifier, data)
-        assert start_ns == max(free_ns, min(item[1] for item in waiting)), "starts when the wire is free and one is ready"
+        assert start_ns == max(free_ns, min(item[1] for item in waiting)), (
+            "starts when the wire is free and one is ready"
+        )
         own = min(item for item in waiting if item[1] <= start_ns)
         assert (own[0], own[3]) == (identifier, data), "the lowest id of all that are ready"
         waiting.remove(own)
@@ -64,7 +75,10 @@ def test_arbitration_under_contention(traffic):
 def worst_situation(frames: list[Frame], frame: Frame) -> tuple[int, int]:
     """How long the frame takes on the simulated bus, since it was queued and since the firmware's frames were: the longest
     of lower priority has just begun when all others of higher priority are queued."""
-    node = {name: number for number, name in enumerate(("Firmware", "Drives", "Tracker", "Operator", "Gripper", "Proximity"))}
+    node = {
+        name: number
+        for number, name in enumerate(("Firmware", "Drives", "Tracker", "Operator", "Gripper", "Proximity"))
+    }
     bus = Bus(len(node))
     sent_by = {message.frame_id: node[message.senders[0]] for message in DBC.messages}
     payload = {item.name: longest(item.identifier, item.length, RATES).payload for item in frames}
@@ -239,13 +253,15 @@ class Log:
         return latency_ns + count * message.cycle_time * MS_NS if message.cycle_time else None
 
 
-@pytest.fixture(scope="module", params=[(s, p) for p in PROFILES for s in EXPERIMENTS], ids=lambda param: "-".join(param))
+@pytest.fixture(scope="module", params=[(s, p) for p in PROFILES for s in EXPERIMENTS], ids="-".join)
 def logged(request, tmp_path_factory):
     scenario, profile = request.param
     out = tmp_path_factory.mktemp(scenario)
     done = run(out, "--scenario", experiment(scenario), "--seed", 1, "--profile", profile)
     frames = bus_log.read(done.log)
-    return Log(PROFILES[profile], frames, {name: np.rint(own.t_s * 1e9).astype(np.int64) for name, own in frames.items()})
+    return Log(
+        PROFILES[profile], frames, {name: np.rint(own.t_s * 1e9).astype(np.int64) for name, own in frames.items()}
+    )
 
 
 BOOT_NS = 100 * MS_NS  # at 1 kHz

@@ -207,7 +207,11 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         assert lib.tick_trace_pack(trace, frame) == lib.PROTOCOL_OK
         decoded = message.decode(bytes(frame.data)[: frame.length])
         assert {name: decoded[f"{name}_counter"] for name in RECEIVED} == counters
-        assert (decoded["now_us"], decoded["hand_age_us"], decoded["target_valid"]) == (trace.now_us, trace.hand_age_us, 1)
+        assert (decoded["now_us"], decoded["hand_age_us"], decoded["target_valid"]) == (
+            trace.now_us,
+            trace.hand_age_us,
+            1,
+        )
         assert (decoded["drives_fresh"], decoded["rejected_frames"]) == (trace.drives_fresh, trace.rejected_frames)
         position = [decoded[f"target_{c}_m"] for c in "xyz"]
         rotation = [decoded[f"target_q{c}"] for c in "wxyz"]
@@ -215,7 +219,9 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
         assert np.abs(target[:4] - rotation).max() < 0.5 * 2**-14 + 1e-7
         back = ffi.new("tick_trace_t *")
         lib.tick_trace_unpack(frame, back)
-        unpacked = np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(back.target))), np.float32)
+        unpacked = np.frombuffer(
+            ffi.buffer(ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(back.target))), np.float32
+        )
         assert oracle.pose_distance(unpacked, target) < 2e-4
         assert {name: back.last[kind].counter for name, kind in RECEIVED.items()} == counters
         assert (back.now_us, back.hand_age_us) == (trace.now_us, trace.hand_age_us)
@@ -233,7 +239,12 @@ def test_tick_trace_limits_the_age_and_marks_a_target_it_cannot_carry(dbc):
 
 def test_heartbeat(dbc):
     frame = ffi.new("can_frame_t *")
-    for state in (lib.HEARTBEAT_BOOT_UP, lib.HEARTBEAT_STOPPED, lib.HEARTBEAT_OPERATIONAL, lib.HEARTBEAT_PRE_OPERATIONAL):
+    for state in (
+        lib.HEARTBEAT_BOOT_UP,
+        lib.HEARTBEAT_STOPPED,
+        lib.HEARTBEAT_OPERATIONAL,
+        lib.HEARTBEAT_PRE_OPERATIONAL,
+    ):
         assert lib.firmware_heartbeat_pack(state, frame) == lib.PROTOCOL_OK
         message = dbc.get_message_by_frame_id(frame.id)
         assert (message.name, message.length) == ("FirmwareHeartbeat", frame.length)
@@ -326,7 +337,9 @@ def frame_of(message, data: bytes | None = None):
 
 def checked(receiver, frame) -> int:
     kind = ffi.new("frame_kind_t *")
-    return lib.protocol_check(receiver, frame, kind[0]) if lib.protocol_find(frame.id, kind) else lib.PROTOCOL_UNKNOWN_ID
+    return (
+        lib.protocol_check(receiver, frame, kind[0]) if lib.protocol_find(frame.id, kind) else lib.PROTOCOL_UNKNOWN_ID
+    )
 
 
 def test_every_protected_frame_verifies_with_autosar_e2e(rng):

@@ -78,9 +78,10 @@ def heard(tmp_path_factory) -> Listened:
         "candump filtered": ("candump", "-L", "vcan0,180:7F0"),
         "python-can": (SCRIPTS / "python", "-c", python_can),
     }
-    with running("--listen-only", "--socketcand", "0") as hub, can.Bus(
-        "vcan0", interface="socketcand", host="127.0.0.1", port=hub.port
-    ) as bus:
+    with (
+        running("--listen-only", "--socketcand", "0") as hub,
+        can.Bus("vcan0", interface="socketcand", host="127.0.0.1", port=hub.port) as bus,
+    ):
         tools = {name: Tool(hub, WITH_CAN, *command) for name, command in commands.items()}
         stalled, talking = hub.connect(), hub.connect()
         hub.wait_for_clients(len(tools) + 2)
@@ -316,7 +317,8 @@ def kernel_accepts(received: int, filters: list[tuple[int, int]], join: bool) ->
 
 @pytest.mark.parametrize("join", [False, True])
 @pytest.mark.parametrize(
-    "filters", [[], *[[pair] for pair in FILTERS], FILTERS[:2], FILTERS[1:4], [(0x20000123, 0x7FF), (0x20000124, 0x7FF)]]
+    "filters",
+    [[], *[[pair] for pair in FILTERS], FILTERS[:2], FILTERS[1:4], [(0x20000123, 0x7FF), (0x20000124, 0x7FF)]],
 )
 def test_receive_filters_are_the_kernels(hub, filters, join):
     sender = hub.connect()
@@ -408,7 +410,13 @@ def test_cantools_monitor_decodes(hub, unheard):
     frame = next(frame for frame in reversed(logged(unheard)) if frame[0] == status.frame_id)
     expected = status.decode(frame[1])
     with tool(hub, SCRIPTS / "cantools", "monitor", dbc, *tap(hub), terminal=True) as monitor:
-        shown(hub, sender, monitor, [fd(*frame)], rf"FirmwareStatus\((?:.|\n)*mode: {expected['mode']}(?:.|\n)*reason: {expected['reason']}")
+        shown(
+            hub,
+            sender,
+            monitor,
+            [fd(*frame)],
+            rf"FirmwareStatus\((?:.|\n)*mode: {expected['mode']}(?:.|\n)*reason: {expected['reason']}",
+        )
 
 
 def test_python_can_sends_through_socketcand(hub):

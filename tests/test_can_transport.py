@@ -149,7 +149,9 @@ def random_value(signal, rng):
         return int(rng.integers(16))
     if signal.unit == "m" and signal.is_signed:
         return float(rng.integers(-3_200_000, 3_200_000)) / 1e6
-    low, high = (-(1 << signal.length - 1), (1 << signal.length - 1) - 1) if signal.is_signed else (0, (1 << signal.length) - 1)
+    low, high = (
+        (-(1 << signal.length - 1), (1 << signal.length - 1) - 1) if signal.is_signed else (0, (1 << signal.length) - 1)
+    )
     raw = int(rng.integers(low, high, endpoint=True, dtype=np.int64 if low else np.uint64))
     return raw if signal.scale == 1 else raw * signal.scale
 
@@ -162,7 +164,9 @@ def random_messages(rng):
         for names, _ in QUATERNIONS.get(message.name, ()):
             values |= dict(zip(names.split(), random_rotation(rng)))
         data = message.encode(values, strict=False)
-        frame = ffi.new("can_frame_t *", {"id": message.frame_id, "length": message.length, "data": data.ljust(64, b"\0")})
+        frame = ffi.new(
+            "can_frame_t *", {"id": message.frame_id, "length": message.length, "data": data.ljust(64, b"\0")}
+        )
         frame.fd = True
         yield message, values, frame
 
@@ -368,9 +372,14 @@ def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
     samples = [sender.send(pose_message(*sample(i)), i * POSE_PERIOD_US) for i in range(17)]
     assert payload(samples[0][0])[1] & 15 == payload(samples[16][0])[1] & 15
     assert receiver.take(samples[0][0])[0] == lib.PROTOCOL_INCOMPLETE
-    assert receiver.take(samples[16][1])[0] == lib.PROTOCOL_INCOMPLETE, "the position is of sample 0, the rotation of 16"
+    assert receiver.take(samples[16][1])[0] == lib.PROTOCOL_INCOMPLETE, (
+        "the position is of sample 0, the rotation of 16"
+    )
 
-@pytest.mark.parametrize("name", ["HandPose", "JointCmd", "TickTrace", "TaskDefine", "TrackerStatus", "FirmwareIdentity"])
+
+@pytest.mark.parametrize(
+    "name", ["HandPose", "JointCmd", "TickTrace", "TaskDefine", "TrackerStatus", "FirmwareIdentity"]
+)
 def test_long_messages_need_all_their_parts(rng, name):
     """In any order; one part less, and nothing comes; the next message is whole again."""
     for message, _, frame in random_messages(rng):
@@ -394,7 +403,9 @@ def test_a_command_has_as_many_parts_as_the_arm_has_joints():
         assert [named(part) for part in parts] == [f"ClassicJointCmd{i}" for i in range(joints)]
         found = ffi.new("joint_command_t *")
         lib.joint_command_unpack(Receiver(joints=joints).message(parts), found)
-        assert np.allclose(list(found.velocity_radps), [0.1 * (i + 1) if i < joints else 0 for i in range(8)], atol=1e-3)
+        assert np.allclose(
+            list(found.velocity_radps), [0.1 * (i + 1) if i < joints else 0 for i in range(8)], atol=1e-3
+        )
 
 
 def test_commands_for_joints_that_the_arm_does_not_have_are_others_business():

@@ -15,7 +15,7 @@ from comanip import logs
 from comanip.replay import Replay, Report
 from comanip_command import call
 from live import Seen, is_authentic
-from simulation import EXPERIMENTS, EXIT_WRONG_USE, REPOSITORY, Run, experiment, modes, run
+from simulation import EXIT_WRONG_USE, EXPERIMENTS, REPOSITORY, Run, experiment, modes, run
 from test_bus_log import by_id, logged_frames
 
 CLASSIC = ("--profile", "classic")
@@ -49,7 +49,20 @@ def test_their_logs_replay_byte_for_byte(experiment_run):
 @pytest.fixture(scope="module")
 def eventful(tmp_path_factory) -> Run:
     """Writes, select, start, clutch, stop; a gap and lost samples, so holds; a tracker's clock that wraps."""
-    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    arguments = [
+        "--scenario",
+        "mirror",
+        "--duration",
+        "13",
+        "--clutch",
+        "7",
+        "--gap",
+        "4:0.2",
+        "--dropout",
+        "0.02",
+        "--tracker-clock",
+        "4294000000",
+    ]
     return run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75", *CLASSIC).require_pass()
 
 
@@ -135,13 +148,28 @@ def test_commands_stay_within_the_limits(frames):
     logged = by_id(frames)
     for joint in range(4):
         message = DBC.get_message_by_name(f"ClassicJointCmd{joint}")
-        speeds = np.array([message.decode(f.data, decode_choices=False)["velocity_radps"] for f in logged[message.frame_id]])
+        speeds = np.array(
+            [message.decode(f.data, decode_choices=False)["velocity_radps"] for f in logged[message.frame_id]]
+        )
         assert np.abs(speeds).max() <= 4.76 + 1e-9
         assert np.abs(np.diff(speeds)).max() <= 4e-3 * 25 + 1e-9
 
 
 def test_two_runs_are_byte_identical(eventful, tmp_path):
-    arguments = "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
+    arguments = [
+        "--scenario",
+        "mirror",
+        "--duration",
+        "13",
+        "--clutch",
+        "7",
+        "--gap",
+        "4:0.2",
+        "--dropout",
+        "0.02",
+        "--tracker-clock",
+        "4294000000",
+    ]
     again = run(tmp_path / "again", *arguments, "--param", "motion_scale=0.75", *CLASSIC).require_pass()
     assert again.log.read_bytes() == eventful.log.read_bytes()
 
@@ -151,7 +179,11 @@ def test_a_task_can_be_defined(tmp_path):
     done = run(tmp_path / "out", "--scenario", "teleop", "--define", "constant:0,0,0.05:1,0,0,0:1,0,0,0:1", *CLASSIC)
     names = [NAME[frame.frame_id] for frame in logged_frames(done.log)]
     assert [names.count(f"ClassicTask{part}") for part in ("Define", "Translation", "Rotation", "Inverse")] == [1] * 4
-    acks = [DBC.decode_message(f.frame_id, f.data) for f in logged_frames(done.log) if NAME[f.frame_id] == "ClassicCommandAck"]
+    acks = [
+        DBC.decode_message(f.frame_id, f.data)
+        for f in logged_frames(done.log)
+        if NAME[f.frame_id] == "ClassicCommandAck"
+    ]
     assert ("define", "accepted") in {(str(ack["command"]), str(ack["result"])) for ack in acks}
     assert call("replay", done.log).returncode == EQUAL
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-import pytest
-
 import bus_log
 import ideal_loop
+import numpy as np
 import oracle
+import pytest
 import simulation
 
 RECORDINGS = simulation.REPOSITORY.parent / "shared" / "data" / "hand_motion"
@@ -50,7 +49,9 @@ def test_the_simulated_hand_stays_with_the_ideal_loop(tmp_path, recording, scale
     path = RECORDINGS / f"{recording}.csv"
     if not path.exists():
         pytest.skip(f"needs the recorded hand {path}, which is not part of this checkout")
-    run = simulation.run(tmp_path / "out", "--scenario", "teleop", "--tracker", path, "--scale", scale, *LAW_4).require_pass()
+    run = simulation.run(
+        tmp_path / "out", "--scenario", "teleop", "--tracker", path, "--scale", scale, *LAW_4
+    ).require_pass()
     assert run.summary["reach"]["out_of_reach_s"] == 0
     frames = bus_log.read(run.log)
     now_us, targets, cooperating = targets_of(frames)
@@ -100,7 +101,17 @@ def test_gain_margin(tmp_path, gain_per_s):
     rest, a joint's count that is one off makes a command of gain x one count."""
     recording = minimum_jerk_move(tmp_path / "move.csv", [0.03, 0, 0])
     run = simulation.run(
-        tmp_path / "out", "--scenario", "teleop", "--tracker", recording, "--noise-mm", 0, "--noise-deg", 0, *LAW_4, *all_gains(gain_per_s)
+        tmp_path / "out",
+        "--scenario",
+        "teleop",
+        "--tracker",
+        recording,
+        "--noise-mm",
+        0,
+        "--noise-deg",
+        0,
+        *LAW_4,
+        *all_gains(gain_per_s),
     )
     commands = bus_log.read(run.log)["JointCmd"]
     velocity = bus_log.joint_array(commands, "velocity_{}_radps", JOINTS)

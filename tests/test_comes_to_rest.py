@@ -52,7 +52,9 @@ checks: []
 def scene(folder: Path, *, by_m="[-0.02, 0.02, 0]", tremor_mm=0.1, steps=("do: rest, duration_s: 3",), task="teleop",
           operator=()) -> Path:  # fmt: skip
     file = folder / "scene.yaml"
-    lines = ["\n".join(f"{indent}- {{{step}}}" for step in part) for indent, part in (("      ", steps), ("  ", operator))]
+    lines = [
+        "\n".join(f"{indent}- {{{step}}}" for step in part) for indent, part in (("      ", steps), ("  ", operator))
+    ]
     text = SCENE.format(by_m=by_m, tremor_mm=tremor_mm, steps=lines[0], task=task, operator=lines[1])
     file.write_text(text)
     return file
@@ -89,7 +91,13 @@ def assert_swings(done) -> None:
 
 def test_a_still_hand_out_of_reach_fails_with_the_former_law(tmp_path):
     """The arm stretches towards a hand that went away and stands still, and swings for ever: such a run once passed."""
-    file = scene(tmp_path, by_m="[0.25, 0, 0]", tremor_mm=0, steps=["do: rest, duration_s: 8"], operator=["do: stop, after: ann.done"])
+    file = scene(
+        tmp_path,
+        by_m="[0.25, 0, 0]",
+        tremor_mm=0,
+        steps=["do: rest, duration_s: 8"],
+        operator=["do: stop, after: ann.done"],
+    )
     assert_swings(run(tmp_path / "out", "--scenario", file, "--seed", 0, *QUIET, *FORMER_LAW))
 
 
@@ -99,7 +107,9 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
         pytest.skip(f"needs {file}")
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *FORMER_LAW)
     assert_swings(done)
-    assert re.search(r"target out of reach 9\.\d+ of 10\.\d+ s, could be followed for 0\.\d+ of 10\.\d+ s", done.summary["reason"])
+    assert re.search(
+        r"target out of reach 9\.\d+ of 10\.\d+ s, could be followed for 0\.\d+ of 10\.\d+ s", done.summary["reason"]
+    )
 
 
 # ---- what it measures
@@ -141,7 +151,9 @@ def test_the_limit_is_five_times_what_noise_does(tmp_path, tremor_mm, arguments)
     rms = max(np.sqrt(np.mean(trace[f"dq{i}_command_radps"][at_start] ** 2)) for i in range(4))
     rest = rest_of(done)
     if rest["limit"] > 0.02:
-        assert 2 < rest["limit"] / rms < 15, "between 2 and 15 times what this law does; 5 times what the computation says"
+        assert 2 < rest["limit"] / rms < 15, (
+            "between 2 and 15 times what this law does; 5 times what the computation says"
+        )
     assert rest["limit"] == pytest.approx(max(0.02, 5 * noise_radps(tremor_mm, arguments)), rel=1e-3)
 
 
@@ -181,7 +193,11 @@ def assert_told(done, told: str, *words: str) -> None:
 @pytest.mark.parametrize(
     ("options", "arguments", "words"),
     [
-        ({"steps": ["do: rest, duration_s: 1.5"]}, [], ["needs 2.5 s: end the program of ann with {do: rest, duration_s: 3}"]),
+        (
+            {"steps": ["do: rest, duration_s: 1.5"]},
+            [],
+            ["needs 2.5 s: end the program of ann with {do: rest, duration_s: 3}"],
+        ),
         ({}, ["--duration", 3], ["beyond the end of the run"]),
         ({}, ["--gap", "3:20"], ["needs 2.5 s"]),
         ({"tremor_mm": 20}, [], ["noise and tremor hide it: ", "4.76 rad/s"]),
@@ -241,7 +257,9 @@ def test_a_phase_counts_from_two_and_a_half_seconds_on():
 def test_only_the_last_second_is_judged(at, seen):
     """Any joint, either way; and what comes with the next move is not the rest's."""
     for sign in (1, -1):
-        watch = Watch().ticks(3000, radps=lambda n: sign * (n == at)).ticks(500, aim_m=0.1, radps=lambda n: n == at).end()
+        watch = (
+            Watch().ticks(3000, radps=lambda n: sign * (n == at)).ticks(500, aim_m=0.1, radps=lambda n: n == at).end()
+        )
         assert watch.speed_radps_max == float(seen)
 
 
@@ -252,7 +270,14 @@ def test_the_worst_of_all_phases_counts():
 
 @pytest.mark.parametrize(
     "change",
-    [{"mode": 3}, {"settled_ns": 2_600_000_000}, {"aim_m": 1e-6}, {"holds": True}, {"hand_m": 0.003}, {"turn_rad": 0.02}],
+    [
+        {"mode": 3},
+        {"settled_ns": 2_600_000_000},
+        {"aim_m": 1e-6},
+        {"holds": True},
+        {"hand_m": 0.003},
+        {"turn_rad": 0.02},
+    ],
     ids=["hold", "task", "aim", "grip", "hand", "turn"],
 )
 def test_each_thing_that_moves_ends_the_stillness(change):
@@ -271,5 +296,10 @@ def test_a_hand_that_is_shaken_while_it_should_rest_is_no_excuse():
     """As by an arm that swings and holds the same pipe; one that was at rest for the last second is only too short."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()
     assert shaken.disturbed and not shaken.measured
-    settled = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n) * (n < 2500)).ticks(10, aim_m=0.1).end()
+    settled = (
+        Watch()
+        .ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n) * (n < 2500))
+        .ticks(10, aim_m=0.1)
+        .end()
+    )
     assert not settled.disturbed and not settled.measured

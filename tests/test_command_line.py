@@ -17,9 +17,9 @@ from simulation import (
     EXIT_INTERRUPTED,
     EXIT_PASS,
     EXIT_WRONG_USE,
+    EXPERIMENTS,
     FILES,
     RECORDING_HEADER,
-    EXPERIMENTS,
     SCENARIOS,
     SIMULATOR,
     Run,
@@ -222,7 +222,9 @@ def test_run_without_quiet_ends_with_a_table_and_the_paths(tmp_path):
 
 
 def test_failed_check_is_said_in_all_places(tmp_path):
-    done = run(tmp_path / "out", "--scenario", "teleop", "--param=prediction=0", *(f"--param={gain}=1" for gain in GAINS))
+    done = run(
+        tmp_path / "out", "--scenario", "teleop", "--param=prediction=0", *(f"--param={gain}=1" for gain in GAINS)
+    )
     assert done.status == EXIT_CHECK_FAILED
     failed = [check["name"] for check in done.summary["checks"] if not check["pass"]]
     assert "forward" in failed

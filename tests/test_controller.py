@@ -6,9 +6,8 @@ from __future__ import annotations
 import struct
 
 import numpy as np
-import pytest
-
 import oracle
+import pytest
 from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, JOINTS, TRACKER_PERIOD_TICKS, Bench
 
@@ -132,8 +131,8 @@ def test_stale_tracker_holds_the_arm_and_the_same_reference_is_resumed(lost):
 @pytest.mark.parametrize(
     ("fail", "mend", "reason"),
     [
-        (dict(drives_answer=False), dict(drives_answer=True), lib.REASON_DRIVE_SILENT),
-        (dict(drive_error=lib.DRIVE_ERROR_ENCODER), dict(drive_error=lib.DRIVE_ERROR_NONE), lib.REASON_DRIVE_ERROR),
+        ({"drives_answer": False}, {"drives_answer": True}, lib.REASON_DRIVE_SILENT),
+        ({"drive_error": lib.DRIVE_ERROR_ENCODER}, {"drive_error": lib.DRIVE_ERROR_NONE}, lib.REASON_DRIVE_ERROR),
     ],
 )
 def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
@@ -292,12 +291,20 @@ def announced(bench: Bench, ticks: int) -> list[tuple[int, int, float]]:
 def test_parameters_from_a_store_are_in_force_and_announced():
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
-    for parameter, value in ((lib.PARAMETER_SPEED_FRACTION, 0.25), (lib.PARAMETER_TASK_BLEND_S, 3.0), (lib.PARAMETER_GAIN_PER_S, 11.0)):
+    for parameter, value in (
+        (lib.PARAMETER_SPEED_FRACTION, 0.25),
+        (lib.PARAMETER_TASK_BLEND_S, 3.0),
+        (lib.PARAMETER_GAIN_PER_S, 11.0),
+    ):
         assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_ACCEPTED
     bench = Bench(parameters=parameters)
     assert announced(bench, 50) == [(i, lib.RESULT_ACCEPTED, parameters.value[i]) for i in range(lib.PARAMETER_COUNT)]
     config = bench.controller.velocity_control_config
-    assert (config.gain_per_s[0], bench.controller.joint_limits_config.speed_fraction, bench.controller.blend_s) == (11, 0.25, 3)
+    assert (config.gain_per_s[0], bench.controller.joint_limits_config.speed_fraction, bench.controller.blend_s) == (
+        11,
+        0.25,
+        3,
+    )
 
 
 def test_a_store_that_is_not_valid_is_told_at_boot():
@@ -311,7 +318,11 @@ def test_a_store_that_is_not_valid_is_told_at_boot():
 
 def test_a_parameter_written_before_its_turn_is_announced_first():
     bench = Bench()
-    bench.ask(ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": 30, "sequence": 9, "value": 0.5}))
+    bench.ask(
+        ffi.new(
+            "parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": 30, "sequence": 9, "value": 0.5}
+        )
+    )
     told = announced(bench, 50)
     assert [value for parameter, _, value in told if parameter == 30] == [0, 0.5]
 
@@ -353,7 +364,9 @@ def test_each_request_of_one_tick_gets_its_answer():
     bench = Bench().until_ready()
     for sequence in range(1, 5):
         frame = ffi.new("can_frame_t *")
-        lib.operator_command_pack(ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP, "sequence": sequence}), frame)
+        lib.operator_command_pack(
+            ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP, "sequence": sequence}), frame
+        )
         bench.requests.append(frame)
     bench.tick()
     assert [data[4] for frame_id, data in bench.sent if frame_id == FRAME_ID["COMMAND_ACK"]] == [1, 2, 3, 4]
@@ -369,9 +382,9 @@ def test_with_a_blend_time_the_target_starts_at_the_robot(task):
     bench.tick(1100)
     name = {lib.TASK_TELEOP: "teleop", lib.TASK_POUR: "pour", lib.TASK_MIRROR: "mirror"}[task]
     robot = Bench().robot
-    expected = oracle.Algorithm1(name, oracle.multiply(oracle.pose(oracle.EQUATION_9, [0, 0, 0]), bench.hand), robot).target(
-        oracle.multiply(oracle.pose(oracle.EQUATION_9, [0, 0, 0]), bench.hand)
-    )
+    expected = oracle.Algorithm1(
+        name, oracle.multiply(oracle.pose(oracle.EQUATION_9, [0, 0, 0]), bench.hand), robot
+    ).target(oracle.multiply(oracle.pose(oracle.EQUATION_9, [0, 0, 0]), bench.hand))
     assert oracle.pose_distance(bench.target, expected) < 1e-4
 
 
@@ -470,7 +483,9 @@ def test_no_joint_goes_on_where_the_robot_is_its_own_target(change):
     bench = in_motion()
     if change == "latch measured":
         bench.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED] = 1.0
-    command = {"clutch": lib.COMMAND_CLUTCH, "latch measured": lib.COMMAND_LATCH, "stop and start": lib.COMMAND_STOP}[change]
+    command = {"clutch": lib.COMMAND_CLUTCH, "latch measured": lib.COMMAND_LATCH, "stop and start": lib.COMMAND_STOP}[
+        change
+    ]
     before, robot = bench.velocity_radps, bench.robot
     growth = np.sign(before) * list(bench.controller.limits.change_steps)[:JOINTS]
     if change == "stop and start":  # in one tick: the second is asked for with the first
@@ -527,7 +542,9 @@ def test_a_joint_at_an_end_is_not_asked_to_go_beyond_it():
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)
     joints = [lib.arm_hoap3_right.joints[i] for i in range(JOINTS)]
-    room = np.array([[p - j.position_min_rad, j.position_max_rad - p] for p, j in zip(bench.position_rad, joints, strict=True)])
+    room = np.array(
+        [[p - j.position_min_rad, j.position_max_rad - p] for p, j in zip(bench.position_rad, joints, strict=True)]
+    )
     at_end = room.min(axis=1) < 2.7e-3
     assert at_end.any()
     assert (wanted(bench)[:JOINTS][at_end] == 0).all() and (wanted(bench)[:JOINTS][~at_end] != 0).any()
@@ -551,7 +568,9 @@ def test_marker_lever_arm_is_taken_out():
     bench.hand = oracle.multiply(hand, oracle.conjugate(lever))
     bench.tick(settle_ticks())
     before = settle(bench.start(lib.TASK_TELEOP))
-    turned = oracle.pose(oracle.quaternion_multiply(oracle.rotation([0, 0, 1], 0.3), hand[:4]), oracle.translation(hand))
+    turned = oracle.pose(
+        oracle.quaternion_multiply(oracle.rotation([0, 0, 1], 0.3), hand[:4]), oracle.translation(hand)
+    )
     bench.hand = oracle.multiply(turned, oracle.conjugate(lever))
     settle(bench)
     assert np.abs(moved_mm(bench, before)).max() < 0.03
@@ -563,7 +582,9 @@ def test_start_offset_sends_the_robot_to_the_person():
     assert bench.write(lib.PARAMETER_START_OFFSET_M, 0.03) == ACCEPTED
     robot = bench.robot
     bench.start(lib.TASK_TELEOP)
-    assert moved_mm(bench, robot) == pytest.approx([0, 0, 0], abs=0.05)  # the start's own tick takes the references only
+    assert moved_mm(bench, robot) == pytest.approx(
+        [0, 0, 0], abs=0.05
+    )  # the start's own tick takes the references only
     bench.tick()
     assert moved_mm(bench, robot) == pytest.approx([30, 0, 0], abs=0.05)
 

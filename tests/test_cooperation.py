@@ -55,7 +55,9 @@ def hand_in_tracker(rotation, translation, tracker_rotation=oracle.EQUATION_9) -
 def test_targets_are_algorithm_1(rng, task, placed):
     for _ in range(40):
         hands, robot = motion(rng), oracle.random_poses(rng, 1, 0.3)[0]
-        options = {} if placed == "as in (9)" else {"tracker_rotation": oracle.random_rotations(rng, 1)[0].astype(np.float32)}
+        options = (
+            {} if placed == "as in (9)" else {"tracker_rotation": oracle.random_rotations(rng, 1)[0].astype(np.float32)}
+        )
         reference = oracle.Algorithm1(task, hands[0], robot, options.get("tracker_rotation", oracle.EQUATION_9))
         expected = np.array([reference.target(hand) for hand in hands])
         assert oracle.pose_distance(follow(task, hands, robot, **options), expected).max() < 3e-6
@@ -156,7 +158,8 @@ def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
         expected = oracle.rotation([0, 0, 1], np.pi / 4)
         assert min(np.abs(roll - expected).max(), np.abs(roll + expected).max()) < 1e-6
         in_target = oracle.rotate(
-            oracle.quaternion_conjugate(target[:4].astype(float)), oracle.translation(robot) - oracle.translation(target)
+            oracle.quaternion_conjugate(target[:4].astype(float)),
+            oracle.translation(robot) - oracle.translation(target),
         )
         assert np.abs(in_target - [0.01, 0, -0.05]).max() < 1e-6
 
@@ -228,7 +231,9 @@ def test_latch_commanded_makes_no_step_and_ends_the_mirroring():
 
 def test_latch_measured_keeps_the_relation_being_performed():
     cooperation, before = mirrored_to_30_mm("measured")
-    measured = oracle.multiply(before.astype(float), oracle.pose(oracle.rotation([1, 1, 0], 0.05), [0.002, 0.001, -0.003]))
+    measured = oracle.multiply(
+        before.astype(float), oracle.pose(oracle.rotation([1, 1, 0], 0.05), [0.002, 0.001, -0.003])
+    )
     cooperation.grasp(measured.astype(np.float32))
     after = cooperation.target(hand_in_tracker(ONE, [-0.03, 0.01, 0.02]))
     moved = cooperation.target(hand_in_tracker(ONE, [-0.01, 0.01, 0.02]))
@@ -371,6 +376,9 @@ def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
         twist.velocity_mps, twist.angular_velocity_radps = dict(zip("xyz", velocity)), dict(zip("xyz", turning))
         found = lib.cooperation_target_motion(cooperation._state, twist)
         turned = oracle.quaternion_multiply(after[:4], oracle.quaternion_conjugate(before[:4]))
-        expected = np.r_[(oracle.translation(after) - oracle.translation(before)) / 2, np.sign(turned[0]) * turned[1:]] / apart_s
+        expected = (
+            np.r_[(oracle.translation(after) - oracle.translation(before)) / 2, np.sign(turned[0]) * turned[1:]]
+            / apart_s
+        )
         motion = [getattr(part, axis) for part in (found.velocity_mps, found.angular_velocity_radps) for axis in "xyz"]
         assert motion == pytest.approx(expected, abs=1e-3)

@@ -87,11 +87,24 @@ def test_what_was_asked_and_is_missed_is_told():
 
 def test_the_operated_states_are_of_each_kind():
     seen = operated.run(cycles.OPERATED_TICKS, seed=3).seen
-    kinds = ("start", "select", "latch", "clutch", "define", "read", "stop", "the law waits", "hold", "a joint at an end")
+    kinds = (
+        "start",
+        "select",
+        "latch",
+        "clutch",
+        "define",
+        "read",
+        "stop",
+        "the law waits",
+        "hold",
+        "a joint at an end",
+    )
     assert all(seen[kind] >= 10 for kind in kinds), seen
 
 
-@pytest.mark.skipif(not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps")
+@pytest.mark.skipif(
+    not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps"
+)
 def test_the_counter_counts_what_is_there(tmp_path):
     """A loop of known length: `n` times a subtraction and a branch that is taken but for the last time."""
     source = tmp_path / "loop.S"
@@ -127,7 +140,9 @@ def test_the_counter_counts_what_is_there(tmp_path):
     begin, end = (hex(cycles.symbol("cortex-m4f", elf, name)) for name in ("count_begin", "count_end"))
     argument = f"{plugin},begin={begin},end={end},costs={costs},out={tmp_path / 'counts.bin'}"
     machine = [*IMAGES["cortex-m4f"].emulator, *cycles.bitexact.SEMIHOSTING]
-    subprocess.run([*machine, "-plugin", argument, "-kernel", str(elf)], check=True, stdin=subprocess.DEVNULL, timeout=60)
+    subprocess.run(
+        [*machine, "-plugin", argument, "-kernel", str(elf)], check=True, stdin=subprocess.DEVNULL, timeout=60
+    )
     (pair,) = cycles.np.fromfile(tmp_path / "counts.bin", "<u4").reshape(-1, 2)
     # bx lr, movs, 100 x (subs, bne), bl; cycles 4 + 1 + 100 x 2 + 99 x 3 + 4
     assert list(pair) == [1 + 1 + 200 + 1, 4 + 1 + 200 + 297 + 4]

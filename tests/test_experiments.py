@@ -15,12 +15,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic_run
-from simulation import EXPERIMENTS, REPOSITORY, experiment
-
 from comanip import gain_search
 from comanip.campaign import INPUTS_FILE, CampaignError, Job, run_jobs
-from comanip.experiments import DECISIVE, RECORDING_SEEDS, RECORDINGS, RECORDINGS_FOLDER, RESULT_FILES, Figure, figure_lines, main
+from comanip.experiments import (
+    DECISIVE,
+    RECORDING_SEEDS,
+    RECORDINGS,
+    RECORDINGS_FOLDER,
+    RESULT_FILES,
+    Figure,
+    figure_lines,
+    main,
+)
 from comanip.paper_gains import PAPER_GAINS
+from simulation import EXPERIMENTS, REPOSITORY, experiment
 
 FAKE = """#!{python} -IS
 import json, os, sys, time
@@ -156,7 +164,9 @@ def test_a_failed_run_is_named_and_fails(tmp_path, simulator, monkeypatch, capsy
 
 
 @pytest.mark.parametrize(("caught", "passed"), [([57, 57, 57], True), ([55, 56, 60], True), ([56, 55, 59], False)])
-def test_pouring_is_judged_over_all_seeds_of_a_condition(tmp_path, simulator, recordings, monkeypatch, capsys, caught, passed):
+def test_pouring_is_judged_over_all_seeds_of_a_condition(
+    tmp_path, simulator, recordings, monkeypatch, capsys, caught, passed
+):
     """At least 95 % of 3 x 60 particles: 171. Each single run passes its own check."""
     monkeypatch.setenv("FAKE_CAUGHT", json.dumps(caught))
     assert run(simulator, tmp_path / "out", "--recordings", recordings) == (0 if passed else 1)
@@ -166,7 +176,9 @@ def test_pouring_is_judged_over_all_seeds_of_a_condition(tmp_path, simulator, re
     assert (told in text) == (not passed)
     conditions = json.loads((tmp_path / "out" / "conditions.json").read_text())
     poured = [r.file for r in RECORDINGS if r.scenario == "pour"]
-    assert [(c["recording"], c["runs"], c["poured"]) for c in conditions] == [(None, 2, 120)] + [(f, 3, 180) for f in poured]
+    assert [(c["recording"], c["runs"], c["poured"]) for c in conditions] == [(None, 2, 120)] + [
+        (f, 3, 180) for f in poured
+    ]
     assert [c["caught"] for c in conditions[1:]] == [sum(caught)] * len(poured)
     assert all(c["pass"] == passed and c["limit_percent"] == 95.0 for c in conditions[1:])
 

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, recording_csv, run
-
 from comanip.campaign import Job, Outcome
 from comanip.experiments import Condition
 from comanip.paper_gains import PAPER_GAINS
+from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, recording_csv, run
 
 RECORDINGS = REPOSITORY.parent / "shared" / "data" / "hand_motion"
 
@@ -65,7 +64,12 @@ def test_experiment_passes_with_a_recorded_hand(tmp_path, name):
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
 def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
-    both = ("--tracker", RECORDINGS / "kth_ho_sample_giver.csv", "--tracker-second", RECORDINGS / "kth_ho_sample_taker.csv")
+    both = (
+        "--tracker",
+        RECORDINGS / "kth_ho_sample_giver.csv",
+        "--tracker-second",
+        RECORDINGS / "kth_ho_sample_taker.csv",
+    )
     run(tmp_path / "out", "--scenario", experiment("teleop"), *both).require_pass()
 
 
@@ -82,7 +86,9 @@ def test_who_waits_in_vain_fails_however_long_it_takes(tmp_path, duration):
 
 def test_who_has_too_little_time_is_told_where_he_was(tmp_path):
     done = run(tmp_path / "out", "--scenario", variant(tmp_path, "mirror", ("duration_s: 60", "duration_s: 20")))
-    assert re.search(r"done in the scenario's 20 s: person is at step \d+ of 22, operator is done", done.summary["reason"])
+    assert re.search(
+        r"done in the scenario's 20 s: person is at step \d+ of 22, operator is done", done.summary["reason"]
+    )
 
 
 # ---- each criterion can fail
@@ -93,7 +99,9 @@ def test_tilted_too_early_the_water_misses_the_glass(tmp_path):
     chaotic, but over the seeds together it is 10 % more than `make experiments` lets pass."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
     runs = {seed: run(tmp_path / f"out-{seed}", "--scenario", path, "--seed", seed) for seed in (2, 5)}
-    outcomes = (Outcome(Job("pour", seed, done.out), done.summary["result"], "", done.summary) for seed, done in runs.items())
+    outcomes = (
+        Outcome(Job("pour", seed, done.out), done.summary["result"], "", done.summary) for seed, done in runs.items()
+    )
     together = Condition("pour", None, tuple(outcomes))
     assert not together.passed and together.caught_percent < 90
     assert any("water_caught" in failed(done) for done in runs.values())
@@ -137,7 +145,9 @@ def test_a_recorded_hand_that_leads_the_pipe_into_its_stand_is_told_so(tmp_path)
     """2 m down and forward are 80 mm at the scale of the scenario's `play`: twice of what the pipe was lifted by. The teleoperator does
     not guide what lies about to the taker, and nobody waits until the scenario's time is over."""
     recording = tmp_path / "hand.csv"
-    recording.write_text(recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201))))
+    recording.write_text(
+        recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201)))
+    )
     done = run(tmp_path / "out", "--scenario", experiment("teleop"), "--tracker", recording)
     assert done.status == EXIT_CHECK_FAILED
     (dropped_s,) = (event["t_s"] for event in done.summary["events"] if event["name"] == "pipe.dropped")
@@ -224,9 +234,15 @@ def test_mirrored_motion_of_the_measured_robot(tmp_path):
     """Person +x, robot -x; lateral and vertical motion equal: within 5 % of 30 mm, read from the trace by ourselves."""
     done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
     names = done.trace.open().readline().rstrip().split(",")
-    columns = {name: names.index(name) for name in ("t_s", "hand_x_m", "hand_y_m", "hand_z_m", "person_x_m", "person_y_m", "person_z_m")}
+    columns = {
+        name: names.index(name)
+        for name in ("t_s", "hand_x_m", "hand_y_m", "hand_z_m", "person_x_m", "person_y_m", "person_z_m")
+    }
     rows = [line.split(",") for line in done.trace.read_text().splitlines()[1:]]
-    at = {event["name"]: round(1000 * event["t_s"]) for event in json.loads((done.out / "summary.json").read_text())["events"]}
+    at = {
+        event["name"]: round(1000 * event["t_s"])
+        for event in json.loads((done.out / "summary.json").read_text())["events"]
+    }
 
     def way(who: str, axis: str, start: str, end: str) -> float:
         column = columns[f"{who}_{axis}_m"]

@@ -182,7 +182,9 @@ def test_longer_latency_delays_by_as_much():
 
 def test_noise_at_rest_grows_with_the_trackers():
     former = followers.named(plan.FORMER)
-    small, large = (noise_at_rest_um(ARM, "teleop", dataclasses.replace(TRACKER, noise_m=n), former) for n in (5e-5, 1e-4))
+    small, large = (
+        noise_at_rest_um(ARM, "teleop", dataclasses.replace(TRACKER, noise_m=n), former) for n in (5e-5, 1e-4)
+    )
     assert large / small == pytest.approx(2.0, rel=0.3)
     assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the law filters, and adds nothing
 

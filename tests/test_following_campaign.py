@@ -27,7 +27,9 @@ def sway(frequency_hz: float = 0.5, amplitude_m: float = 0.03) -> Recording:
     t_s = np.arange(0.0, 3.0, 0.01)
     swing = 1.0 - np.cos(2 * np.pi * frequency_hz * t_s)
     still = np.tile([1.0, 0.0, 0.0, 0.0], (len(t_s), 1))
-    return Recording("sway", t_s, amplitude_m / 2 * swing[:, None] * [1.0, 0.5, -0.3], still, np.zeros(len(t_s) - 1, bool))
+    return Recording(
+        "sway", t_s, amplitude_m / 2 * swing[:, None] * [1.0, 0.5, -0.3], still, np.zeros(len(t_s) - 1, bool)
+    )
 
 
 def write(folder, name: str, recording: Recording) -> None:
@@ -95,7 +97,7 @@ def good(loop, follower, condition, setting, name) -> dict:
 
 
 def judge(figure=good, **options) -> Judge:
-    return Judge(results(figure, **options), {setting: NAMES for setting in plan.SETTINGS})
+    return Judge(results(figure, **options), dict.fromkeys(plan.SETTINGS, NAMES))
 
 
 def failed(found: Judge) -> set[str]:
@@ -154,7 +156,11 @@ def test_what_was_not_measured_has_not_passed(lost):
     assert all(not c.passed for c in judged if "half 1" in c.what and "RMS ratio" in c.what)
     assert all(math.isnan(c.value) or math.isnan(c.limit) for c in judged if "noise" in c.what)
     assert all(not c.passed for c in judged if "noise" in c.what)
-    assert all(not c.passed for c in Judge(results(good), {s: () for s in plan.SETTINGS}).criteria(plan.LOOP) if "half" in c.what)
+    assert all(
+        not c.passed
+        for c in Judge(results(good), dict.fromkeys(plan.SETTINGS, ())).criteria(plan.LOOP)
+        if "half" in c.what
+    )
 
 
 def test_peers_are_tuned_on_the_other_half():
@@ -262,7 +268,9 @@ def few_cases(monkeypatch):
 
 
 def campaign(tmp_path, *arguments: str) -> int:
-    return program.main(["--out", str(tmp_path / "out"), "--recordings", str(tmp_path), "--quick", "--jobs", "1", *arguments])
+    return program.main(
+        ["--out", str(tmp_path / "out"), "--recordings", str(tmp_path), "--quick", "--jobs", "1", *arguments]
+    )
 
 
 def test_campaign_measures_reports_and_goes_on(tmp_path, few_cases, capsys, monkeypatch):
@@ -273,7 +281,8 @@ def test_campaign_measures_reports_and_goes_on(tmp_path, few_cases, capsys, monk
     assert "not measured" in out and "former" in out
     document = json.loads((tmp_path / "out" / "following.json").read_text())
     in_loop, in_ode = (
-        next(r for r in document["rows"] if r["loop"] == loop and r["follower"] == plan.FORMER) for loop in (plan.LOOP, plan.ODE)
+        next(r for r in document["rows"] if r["loop"] == loop and r["follower"] == plan.FORMER)
+        for loop in (plan.LOOP, plan.ODE)
     )
     assert in_loop["condition"] == plan.FAST.label and in_loop["delay_ms"] == pytest.approx(in_ode["delay_ms"], abs=0.5)
     assert not any(c["passed"] for c in document["criteria"])
@@ -281,8 +290,12 @@ def test_campaign_measures_reports_and_goes_on(tmp_path, few_cases, capsys, monk
 
     kept = (tmp_path / "out" / "results.jsonl").read_text()
     (tmp_path / "out" / "results.jsonl").write_text(kept + '{"version": "cut sho')
-    monkeypatch.setattr(program, "_in_ode", lambda results, found, *rest: pytest.fail("measured again") if found else None)
-    monkeypatch.setattr(program, "_in_processes", lambda r, work, *rest: pytest.fail("measured again") if list(work) else None)
+    monkeypatch.setattr(
+        program, "_in_ode", lambda results, found, *rest: pytest.fail("measured again") if found else None
+    )
+    monkeypatch.setattr(
+        program, "_in_processes", lambda r, work, *rest: pytest.fail("measured again") if list(work) else None
+    )
     assert campaign(tmp_path) == 1
 
 

@@ -98,7 +98,9 @@ def test_extremes_are_reached_and_never_passed(rng, rates):
                 assert DURATION_NS[rates](identifier, extreme.payload) == extreme.duration_ns
                 assert simulated_ns(rates, identifier, extreme.payload) == extreme.duration_ns
             for _ in range(50):
-                assert least.duration_ns <= simulated_ns(rates, identifier, random_data(rng, length)) <= most.duration_ns
+                assert (
+                    least.duration_ns <= simulated_ns(rates, identifier, random_data(rng, length)) <= most.duration_ns
+                )
 
 
 def test_the_usual_bounds_hold_and_are_near():

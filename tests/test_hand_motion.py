@@ -70,14 +70,18 @@ def run(truth, duration_s, rate_hz=250, latency_s=0.004, noise_m=0.0, rng=None, 
                 noise = 7 * noise_m * rng.standard_normal(3)  # 0.02 degrees at 0.05 mm
                 rotation = oracle.quaternion_multiply(turn(noise, np.linalg.norm(noise)), rotation)
             if not lost(captured[i]):
-                estimate.sample(*change(position, rotation), round((captured[i] + latency_s - believed_s) * 1e6), int(now_us))
+                estimate.sample(
+                    *change(position, rotation), round((captured[i] + latency_s - believed_s) * 1e6), int(now_us)
+                )
             i += 1
         predictions.append(estimate.predict(int(now_us), ahead_s))
     return ticks * 1e-6, np.array(predictions)
 
 
 def angle_between(a, b):
-    return 2 * np.arcsin(np.clip(np.minimum(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)) / 2, 0, 1)) * 2
+    return (
+        2 * np.arcsin(np.clip(np.minimum(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)) / 2, 0, 1)) * 2
+    )
 
 
 # ---- motions known in closed form
@@ -115,7 +119,14 @@ def test_a_hand_that_accelerates_is_followed():
 @pytest.mark.parametrize("rate_hz", [60, 120, 250])
 def test_irregular_and_lost_samples_do_no_harm(rate_hz, rng):
     velocity = np.array([0.3, -0.4, 0.2])
-    t, got = run(lambda t: (velocity * t, IDENTITY), 4.0, rate_hz, rng=rng, jitter=0.4, lost=lambda t: round(t * rate_hz) % 10 == 3)
+    t, got = run(
+        lambda t: (velocity * t, IDENTITY),
+        4.0,
+        rate_hz,
+        rng=rng,
+        jitter=0.4,
+        lost=lambda t: round(t * rate_hz) % 10 == 3,
+    )
     late = t > 3
     assert np.abs(got[late, 4:7] - np.outer(t[late], velocity)).max() < 2e-4
 
@@ -198,7 +209,9 @@ def test_the_filter_is_its_equations(rate_hz, noise_m, rng):
     difference, memories = [], []
     for _ in range(4 * rate_hz):
         t += round(1e6 / rate_hz * rng.uniform(0.8, 1.2)) * 1e-6
-        position = (0.2 * minimum_jerk((t - 2) / 0.6) * np.array([1, -0.5, 2]) + noise_m * rng.standard_normal(3)).astype(np.float32)
+        position = (
+            0.2 * minimum_jerk((t - 2) / 0.6) * np.array([1, -0.5, 2]) + noise_m * rng.standard_normal(3)
+        ).astype(np.float32)
         now_us = round(t * 1e6)
         estimate.sample(position, IDENTITY, now_us, now_us)
         reference.sample(position.astype(float), t)
@@ -227,7 +240,12 @@ def test_the_trackers_place_does_not_matter():
     _, there = run(wander, 1.5, 120, 0.01, change=seen)
     here, there = here[20:], there[20:]
     assert np.abs(there[:, 4:7] - oracle.rotate(placed, here[:, 4:7]) - shift).max() < 2e-6
-    assert angle_between(there[:, :4], oracle.quaternion_multiply(np.broadcast_to(placed, (len(here), 4)), here[:, :4])).max() < 3e-5
+    assert (
+        angle_between(
+            there[:, :4], oracle.quaternion_multiply(np.broadcast_to(placed, (len(here), 4)), here[:, :4])
+        ).max()
+        < 3e-5
+    )
     assert np.abs(there[:, 7:10] - oracle.rotate(placed, here[:, 7:10])).max() < 1e-3
     assert np.abs(there[:, 10:] - oracle.rotate(placed, here[:, 10:])).max() < 1e-3
 
@@ -262,7 +280,9 @@ def test_a_new_sample_makes_no_jump(rate_hz, rng):
 # ---- noise
 
 
-@pytest.mark.parametrize(("rate_hz", "latency_s", "noise_m"), [(250, 0.004, 5e-5), (120, 0.01, 1e-4), (90, 0.03, 5e-4), (30, 0.06, 1e-3)])
+@pytest.mark.parametrize(
+    ("rate_hz", "latency_s", "noise_m"), [(250, 0.004, 5e-5), (120, 0.01, 1e-4), (90, 0.03, 5e-4), (30, 0.06, 1e-3)]
+)
 def test_at_rest_less_is_left_than_one_samples_noise(rate_hz, latency_s, noise_m, rng):
     """What a start, clutch or latch takes for its reference: a single sample would leave noise_m for good."""
     t, got = run(still, 15.0, rate_hz, latency_s, noise_m, rng)
@@ -328,7 +348,9 @@ def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
 def test_after_a_gap_it_starts_anew_without_a_spike(rate_hz, gap_s):
     """The hand went on meanwhile: the speed told never exceeds the hand's by much, and soon it is met again."""
     speed = 0.3
-    t, got = run(lambda t: (0.1 * np.sin(speed / 0.1 * t) * X, IDENTITY), 4.0, rate_hz, lost=lambda t: 1.5 < t < 1.5 + gap_s)
+    t, got = run(
+        lambda t: (0.1 * np.sin(speed / 0.1 * t) * X, IDENTITY), 4.0, rate_hz, lost=lambda t: 1.5 < t < 1.5 + gap_s
+    )
     assert np.abs(got[t > 0.5, 7]).max() < 1.5 * speed
     met = t > 1.5 + gap_s + 0.35
     assert np.abs(got[met, 4] - 0.1 * np.sin(speed / 0.1 * t[met])).max() < 3e-3
@@ -390,7 +412,11 @@ def test_whatever_comes_the_estimate_is_finite_and_bounded(rng):
         estimate, now_us, captured_us = Estimate(), 0, 0
         for _ in range(3000):
             now_us += int(rng.integers(0, 20_000))
-            captured_us = int(rng.choice([captured_us, captured_us + 1, now_us, now_us - rng.integers(0, 10**6), rng.integers(0, WRAP)]))
+            captured_us = int(
+                rng.choice(
+                    [captured_us, captured_us + 1, now_us, now_us - rng.integers(0, 10**6), rng.integers(0, WRAP)]
+                )
+            )
             rotation = rng.standard_normal(4)
             estimate.sample(rng.uniform(-far_m, far_m, 3), rotation / np.linalg.norm(rotation), captured_us, now_us)
             got = estimate.predict(now_us + int(rng.integers(0, 100_000)), float(rng.uniform(-0.01, 0.05)))
@@ -406,7 +432,8 @@ def test_whatever_comes_the_estimate_is_finite_and_bounded(rng):
 
 
 @pytest.mark.parametrize(
-    ("rate_hz", "latency_s", "noise_m", "part"), [(250, 0.004, 5e-5, 0.2), (120, 0.01, 1e-4, 0.2), (90, 0.03, 5e-4, 0.4)]
+    ("rate_hz", "latency_s", "noise_m", "part"),
+    [(250, 0.004, 5e-5, 0.2), (120, 0.01, 1e-4, 0.2), (90, 0.03, 5e-4, 0.4)],
 )
 def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_s, noise_m, part, rng):
     """A minimum-jerk reach of 0.2 m in 1 s, there and back: RMS against the instantaneous true hand, beside hand_tracker's."""
@@ -415,7 +442,9 @@ def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_
         return 0.2 * (minimum_jerk((t - 2) / 1.0) - minimum_jerk((t - 4) / 1.0))
 
     t, got = run(lambda t: (place(t) * X, IDENTITY), 6.0, rate_hz, latency_s, noise_m, rng)
-    interpolated = place(t - latency_s - 1.5 / rate_hz)  # of the newest sample half an interval old in the mean, reached one later
+    interpolated = place(
+        t - latency_s - 1.5 / rate_hz
+    )  # of the newest sample half an interval old in the mean, reached one later
     late = t > 1
     predicted = np.sqrt(np.mean((got[late, 4] - place(t[late])) ** 2))
     assert predicted < part * np.sqrt(np.mean((interpolated[late] - place(t[late])) ** 2))

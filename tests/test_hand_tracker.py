@@ -25,7 +25,9 @@ class Tracker:
     def now(self, t_us: int) -> int:
         return (self.now_zero + t_us) % WRAP
 
-    def receive(self, measured_us: int, received_us: int, x_m=0.0, rotation=(1, 0, 0, 0), valid=True, taken_us=None) -> bool:
+    def receive(
+        self, measured_us: int, received_us: int, x_m=0.0, rotation=(1, 0, 0, 0), valid=True, taken_us=None
+    ) -> bool:
         pose = ffi.new(
             "hand_pose_t *",
             {
@@ -48,7 +50,9 @@ class Tracker:
         return lib.hand_tracker_check_stale(self.state, self.now(t_us), periods)
 
     def pose(self, t_us: int) -> np.ndarray:
-        result = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(lib.hand_tracker_pose(self.state, self.now(t_us))))
+        result = ffi.new(
+            "dual_quaternion_t *", lib.pose_to_dual_quaternion(lib.hand_tracker_pose(self.state, self.now(t_us)))
+        )
         return np.frombuffer(ffi.buffer(result), np.float32).copy()
 
 
@@ -93,7 +97,9 @@ def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
         assert tracker.receive(measured_us, received_us)
         for later_us in (0, 300, 2500):
             # the firmware lets its minimum creep by 1 us each 5 ms, so that clocks may drift apart
-            assert tracker.age(received_us + later_us) == pytest.approx(later_us + extra_us, abs=1 + i * PERIOD_US / 5000)
+            assert tracker.age(received_us + later_us) == pytest.approx(
+                later_us + extra_us, abs=1 + i * PERIOD_US / 5000
+            )
 
 
 @pytest.mark.parametrize("clocks", CLOCKS, ids=str)
@@ -110,7 +116,7 @@ def test_a_slow_first_frame_is_put_right_by_the_first_fast_one(clocks):
 def test_clocks_that_drift_apart_do_not_age_the_poses(drift_ppm):
     """Quartz against quartz for ten minutes: the age stays that of the frame."""
     tracker = Tracker()
-    for i in range(0, 150_000):
+    for i in range(150_000):
         measured_us = i * PERIOD_US
         received_us = round(measured_us * (1 + drift_ppm * 1e-6)) + 700
         assert tracker.receive(measured_us, received_us)
@@ -206,7 +212,9 @@ def test_late_and_repeated_frames_are_refused():
     assert oracle.translation(tracker.pose(10 * PERIOD_US))[0] == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(("norm", "taken"), [(1.0, True), (0.9995, True), (1.0005, True), (0.998, False), (1.002, False), (0, False)])
+@pytest.mark.parametrize(
+    ("norm", "taken"), [(1.0, True), (0.9995, True), (1.0005, True), (0.998, False), (1.002, False), (0, False)]
+)
 def test_only_unit_quaternions_are_taken(norm, taken):
     tracker = Tracker()
     assert tracker.receive(0, 0, rotation=norm * oracle.rotation([1, 2, 3], 1.0)) == taken

@@ -40,7 +40,9 @@ def delays_ns(rng, count: int) -> np.ndarray:
     return np.maximum(delays, np.where(place < 8_000_000, 8_000_000 - place, 0)).astype(np.int64)
 
 
-def bus(rng, seconds: float, ppm: float = 0.0, hardware_start_ns: int = 12_345) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def bus(
+    rng, seconds: float, ppm: float = 0.0, hardware_start_ns: int = 12_345
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """True times of the frames by the kernel's clock, both kinds of stamps."""
     count = int(seconds * 1e9 / PERIOD_NS)
     true = START_NS + np.arange(count, dtype=np.int64) * PERIOD_NS

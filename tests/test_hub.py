@@ -56,7 +56,9 @@ def test_everybody_else_gets_each_frame_in_one_order():
             thread.join()
         assert heard[0] == heard[1] == heard[2]
         for i, sender in enumerate(senders):
-            assert [packet for packet in heard[0] if packet in set(sent[i])] == sent[i], "a sender's frames in its order"
+            assert [packet for packet in heard[0] if packet in set(sent[i])] == sent[i], (
+                "a sender's frames in its order"
+            )
             others = [packet for packet in heard[0] if packet not in set(sent[i])]
             assert receive(sender, 2 * per_sender) == others, "a sender gets the others' frames, in the same order"
             sender.setblocking(False)
@@ -338,7 +340,10 @@ def test_taps_survive_fuzzing(program, tmp_path):
     built = REPOSITORY / "build" / "fuzz" / program
     subprocess.run(["make", "-s", f"build/fuzz/{program}"], cwd=REPOSITORY, check=True, capture_output=True)
     (tmp_path / "corpus").mkdir()
-    seeds = {"commands": b"\xa0< open vcan0 >< rawmode >\x90< send 123 2 1 2 >", "frames": b"\x00" + classic(0x1) + b"\x40" + fd(0x1)}
+    seeds = {
+        "commands": b"\xa0< open vcan0 >< rawmode >\x90< send 123 2 1 2 >",
+        "frames": b"\x00" + classic(0x1) + b"\x40" + fd(0x1),
+    }
     for name, seed in seeds.items():
         (tmp_path / "corpus" / name).write_bytes(seed)
     done = subprocess.run(

@@ -37,7 +37,9 @@ def test_a_joint_that_never_answered_is_not_fresh():
     assert is_fresh(feedback([0, 0, 0]), 3, 0)
 
 
-@pytest.mark.parametrize("error", [lib.DRIVE_ERROR_COMMAND_TIMEOUT, lib.DRIVE_ERROR_OVER_TEMPERATURE, lib.DRIVE_ERROR_ENCODER])
+@pytest.mark.parametrize(
+    "error", [lib.DRIVE_ERROR_COMMAND_TIMEOUT, lib.DRIVE_ERROR_OVER_TEMPERATURE, lib.DRIVE_ERROR_ENCODER]
+)
 def test_one_drives_error_is_the_arms(error):
     for joint in range(4):
         made = feedback([0] * 4)

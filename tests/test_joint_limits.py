@@ -18,9 +18,13 @@ TICK_S = 1e-3
 RESOLUTION_RADPS = 1e-3  # of JointCmd's velocity
 
 any_velocity = st.one_of(
-    st.floats(-10, 10), st.sampled_from([0.0, 1e6, -1e6, 3e38, -3e38, math.nan, math.inf, -math.inf]), st.floats(width=32)
+    st.floats(-10, 10),
+    st.sampled_from([0.0, 1e6, -1e6, 3e38, -3e38, math.nan, math.inf, -math.inf]),
+    st.floats(width=32),
 )
-commands = st.lists(st.tuples(st.lists(any_velocity, min_size=N, max_size=N), st.integers(1, 400)), min_size=1, max_size=8)
+commands = st.lists(
+    st.tuples(st.lists(any_velocity, min_size=N, max_size=N), st.integers(1, 400)), min_size=1, max_size=8
+)
 fractions = st.lists(st.floats(0, 1), min_size=N, max_size=N)
 
 
@@ -31,13 +35,17 @@ DEFAULT_JERK = 10_000.0
 def arm_of(jerk: float) -> core.Arm:
     """With HOAP-3's ranges and speeds."""
     ranges = (ARM.position_min_rad, ARM.position_max_rad, ARM.velocity_max_radps)
-    return core.Arm(np.repeat(IDENTITY, N, 0), np.repeat(Z_AXIS, N, 0), *ranges, jerk_max_radps3=np.full(N, jerk, np.float32))
+    return core.Arm(
+        np.repeat(IDENTITY, N, 0), np.repeat(Z_AXIS, N, 0), *ranges, jerk_max_radps3=np.full(N, jerk, np.float32)
+    )
 
 
 class Drives:
     """Joints that follow what is commanded `delay_ticks` after the tick that saw their position, with a lag of first order."""
 
-    def __init__(self, position_rad, delay_ticks: int, acceleration=25.0, jerk=DEFAULT_JERK, lag_s=0.0, tick_s=TICK_S, **config):
+    def __init__(
+        self, position_rad, delay_ticks: int, acceleration=25.0, jerk=DEFAULT_JERK, lag_s=0.0, tick_s=TICK_S, **config
+    ):
         self.position_rad, self.velocity_radps = np.array(position_rad, float), np.zeros(N)
         self.pipe = deque([np.zeros(N)] * delay_ticks)
         self.lag_s, self.tick_s = lag_s, tick_s
@@ -55,7 +63,10 @@ class Drives:
     def tick(self, wanted, measured=None, feedforward=()) -> tuple[bool, np.ndarray]:
         measured = self.position_rad if measured is None else measured
         finite = lib.joint_limits_apply(
-            self.state, self.arm.table, self.config, *(ffi.new("float[8]", list(x)) for x in (measured, wanted, feedforward))
+            self.state,
+            self.arm.table,
+            self.config,
+            *(ffi.new("float[8]", list(x)) for x in (measured, wanted, feedforward)),
         )
         velocity = np.array(list(self.state.velocity_radps)[:N])
         self.pipe.append(velocity)
@@ -97,7 +108,14 @@ accelerations, jerks = st.floats(1, 70), st.floats(1e3, 1e6)
 
 
 @settings(max_examples=150, deadline=None, derandomize=True)
-@given(start=fractions, asked=commands, delay_ticks=st.integers(0, 5), acceleration=accelerations, jerk=jerks, fraction=st.floats(0.01, 1))
+@given(
+    start=fractions,
+    asked=commands,
+    delay_ticks=st.integers(0, 5),
+    acceleration=accelerations,
+    jerk=jerks,
+    fraction=st.floats(0.01, 1),
+)
 def test_no_limit_is_ever_exceeded(start, asked, delay_ticks, acceleration, jerk, fraction):
     drives = Drives(position_at(start), delay_ticks, acceleration, jerk, speed_fraction=fraction)
     judge = Judge(fraction * ARM.velocity_max_radps, acceleration, jerk, TICK_S)
@@ -113,7 +131,9 @@ def test_no_limit_is_ever_exceeded(start, asked, delay_ticks, acceleration, jerk
 
 
 LONGEST_HOLD = {"a tick": 1, "some ticks": 30, "until it is there": 500}
-LAG_AS_DELAY = 1.42  # sqrt(2): in a lag of first order the joint has v lag + a lag^2 to go, in a delay v delay + a delay^2 / 2
+LAG_AS_DELAY = (
+    1.42  # sqrt(2): in a lag of first order the joint has v lag + a lag^2 to go, in a delay v delay + a delay^2 / 2
+)
 
 
 @pytest.mark.parametrize("hold", LONGEST_HOLD)
@@ -280,12 +300,17 @@ NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RA
 
 
 @pytest.mark.parametrize("end", ["low", "high"])
-@pytest.mark.parametrize(("inside_rad", "stands_there"), [(NEAR_END_RAD - 2e-6, True), (NEAR_END_RAD + 2e-6, False), (0, True), (-0.01, True), (0.1, False)])
+@pytest.mark.parametrize(
+    ("inside_rad", "stands_there"),
+    [(NEAR_END_RAD - 2e-6, True), (NEAR_END_RAD + 2e-6, False), (0, True), (-0.01, True), (0.1, False)],
+)
 def test_which_joints_stand_at_an_end_of_their_range(end, inside_rad, stands_there):
     config = Drives(position_at([0.5] * N), 0).config
     for joint in range(N):
         measured = position_at([0.5] * N)
-        measured[joint] = position_at([float(end == "high")] * N)[joint] + (-inside_rad if end == "high" else inside_rad)
+        measured[joint] = position_at([float(end == "high")] * N)[joint] + (
+            -inside_rad if end == "high" else inside_rad
+        )
         ends = lib.joint_limits_ends(ARM.table, config, ffi.new("float[8]", list(measured)))
         there = 1 << joint if stands_there else 0
         assert (ends.lower, ends.upper) == ((0, there) if end == "high" else (there, 0))

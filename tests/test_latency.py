@@ -75,7 +75,10 @@ def test_the_trackers_clock_does_not_matter(tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [([], ["the arm could follow ", "of the hand's motion, and 1 s are needed"]), (["--param", "trace=0"], ["the trace is switched off"])],
+    [
+        ([], ["the arm could follow ", "of the hand's motion, and 1 s are needed"]),
+        (["--param", "trace=0"], ["the trace is switched off"]),
+    ],
     ids=["still", "no trace"],
 )
 def test_what_cannot_be_measured_is_null_and_says_why(tmp_path, arguments, words):
@@ -86,7 +89,9 @@ def test_what_cannot_be_measured_is_null_and_says_why(tmp_path, arguments, words
     assert told["end_to_end_ms"] is None and told["estimate_ms"] is None and told["law_ms"] is None
     assert told["how"]["end_to_end_ms"] == "not measured"
     assert told["tracker_ms"] == 4
-    (line,) = (line for line in call(*options, "--out", tmp_path / "b").stdout.splitlines() if line.startswith("latency [ms]"))
+    (line,) = (
+        line for line in call(*options, "--out", tmp_path / "b").stdout.splitlines() if line.startswith("latency [ms]")
+    )
     for word in words:
         assert word in told["not_measured"] and word in line
 
@@ -103,7 +108,10 @@ def test_a_known_delay_is_found(rng, delay_ms):
         return position_m, Rotation.from_rotvec([0.3 * np.sin(2 * t_s), 0.2 * np.cos(3 * t_s), 0.1]).as_matrix()
 
     fit = ffi.new("delay_fit_t *")
-    for offset_m, lever_m in ((np.array([0.3, 0.1, 0]), np.array([0.1, 0, 0])), (np.zeros(3), np.array([0, -0.05, 0.02]))):
+    for offset_m, lever_m in (
+        (np.array([0.3, 0.1, 0]), np.array([0.1, 0, 0])),
+        (np.zeros(3), np.array([0, -0.05, 0.02])),
+    ):
         for t_s in np.arange(0, 3, 0.01):
             position_m, turn = hand(t_s - 1e-3 * delay_ms)
             at_m = position_m + turn @ lever_m + offset_m + rng.normal(0, 2e-4, 3)

@@ -54,7 +54,9 @@ def test_each_frame_of_a_fourfold_tick():
 
 
 @pytest.mark.parametrize("joint", range(4))
-@pytest.mark.parametrize(("first", "then", "violations"), [(0.010, 0.030, 0), (0.011, 0.022, 1), (0.010, 0.031, 1), (-0.010, -0.031, 1)])
+@pytest.mark.parametrize(
+    ("first", "then", "violations"), [(0.010, 0.030, 0), (0.011, 0.022, 1), (0.010, 0.031, 1), (-0.010, -0.031, 1)]
+)
 def test_jerk(joint, first, then, violations):
     watch = Watch()
     velocity = np.zeros(4)

@@ -9,7 +9,9 @@ import pytest
 from simulation import REPOSITORY
 
 PLACES = 15  # of the smallest receive queue: hal/slcan/slcan_link.h
-FRAMES_A_MS = 6  # each 40 ms, in three of the 4 ms of classic CAN's tick: 18, more than the queue, fewer than queue and inbox
+FRAMES_A_MS = (
+    6  # each 40 ms, in three of the 4 ms of classic CAN's tick: 18, more than the queue, fewer than queue and inbox
+)
 
 HAL = """
 #include "firmware/main.h"
@@ -44,7 +46,11 @@ hal_store_status_t hal_store_status(void) { return HAL_STORE_NONE; }
 def loop(tmp_path_factory):
     folder = tmp_path_factory.mktemp("main_loop")
     (folder / "hal.c").write_text(HAL)
-    sources = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), REPOSITORY / "build/generated/comanip_dbc.c"]
+    sources = [
+        *REPOSITORY.glob("firmware/*.c"),
+        *REPOSITORY.glob("firmware/arms/*.c"),
+        REPOSITORY / "build/generated/comanip_dbc.c",
+    ]
     flags = ["-std=c11", "-O1", "-fPIC", "-shared", f"-I{REPOSITORY}", f"-I{REPOSITORY}/build/generated",
              f"-DPLACES={PLACES}", f"-DFRAMES_A_MS={FRAMES_A_MS}"]  # fmt: skip
     subprocess.run(["gcc", *flags, *sources, folder / "hal.c", "-lm", "-o", folder / "loop.so"], check=True)

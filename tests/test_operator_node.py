@@ -137,8 +137,12 @@ class Bench:
 
     def what(self):
         """One word per frame: the command, task or parameter that it carries."""
-        words = {"OperatorCommand": lambda s: str(s["command"]), "TaskDefine": lambda _: "define",
-                 "ParameterAccess": lambda s: str(s["parameter"]), "GripperCommand": lambda s: f"gripper {s['action']}"}
+        words = {
+            "OperatorCommand": lambda s: str(s["command"]),
+            "TaskDefine": lambda _: "define",
+            "ParameterAccess": lambda s: str(s["parameter"]),
+            "GripperCommand": lambda s: f"gripper {s['action']}",
+        }
         return [words[name](signals) for _, name, signals in self.sent]
 
     def times(self):
@@ -163,8 +167,13 @@ def define(form, x_m=0.0):
 
 
 def test_script_is_done_in_its_order_and_at_its_times(dbc):
-    steps = (SELECT, {**START, "name": "started"}, gripper(True, awaited=["person.there"], delay_s=0.3, name="closed"),
-             command("latch", at_s=3.0), gripper(False))
+    steps = (
+        SELECT,
+        {**START, "name": "started"},
+        gripper(True, awaited=["person.there"], delay_s=0.3, name="closed"),
+        command("latch", at_s=3.0),
+        gripper(False),
+    )
     bench = Bench(dbc, *steps)
     bench.run(2.0)
     assert bench.what() == ["select", "start"]
@@ -229,12 +238,23 @@ def test_latch_and_clutch_wait_for_the_cooperation(dbc):
     assert bench.what() == ["select", "start", "latch"]
 
 
-@pytest.mark.parametrize(("event_s", "order"), [(1.5, ["latch", "gripper close", "clutch"]),
-                                                (2.5, ["latch", "clutch", "gripper close"]),
-                                                (None, ["latch", "clutch"])])
+@pytest.mark.parametrize(
+    ("event_s", "order"),
+    [
+        (1.5, ["latch", "gripper close", "clutch"]),
+        (2.5, ["latch", "clutch", "gripper close"]),
+        (None, ["latch", "clutch"]),
+    ],
+)
 def test_clutch_comes_at_its_time_between_the_steps_that_wait(dbc, event_s, order):
-    bench = Bench(dbc, SELECT, START, command("latch", at_s=1.0), gripper(True, awaited=["person.there"]),
-                  wishes={"clutch_s": 2.0})
+    bench = Bench(
+        dbc,
+        SELECT,
+        START,
+        command("latch", at_s=1.0),
+        gripper(True, awaited=["person.there"]),
+        wishes={"clutch_s": 2.0},
+    )
     if event_s is not None:
         bench.run(event_s)
         bench.raise_event("person.there")
@@ -278,8 +298,11 @@ def test_gripper_that_was_silent_for_a_while_is_asked_again(dbc):
 
 @pytest.mark.parametrize("waits_for", ["an event", "its time", "the cooperation"])
 def test_stop_leaves_out_what_has_not_begun(dbc, waits_for):
-    step = {"an event": gripper(True, awaited=["person.there"]), "its time": gripper(True, at_s=20.0),
-            "the cooperation": command("latch")}[waits_for]
+    step = {
+        "an event": gripper(True, awaited=["person.there"]),
+        "its time": gripper(True, at_s=20.0),
+        "the cooperation": command("latch"),
+    }[waits_for]
     bench = Bench(dbc, SELECT, START, step, gripper(False))
     bench.follows_start = waits_for != "the cooperation"
     bench.run(2.0)

@@ -22,7 +22,7 @@ def python(code: str, path: Path | None = None, **environment: str) -> subproces
 
 def without(*names: str) -> str:
     """Python code after which these modules cannot be imported."""
-    return "import sys; sys.modules.update(dict.fromkeys(%r)); " % (names,)
+    return f"import sys; sys.modules.update(dict.fromkeys({names!r})); "
 
 
 @pytest.fixture(scope="module")

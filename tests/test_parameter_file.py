@@ -182,9 +182,8 @@ def test_killed_within_the_write(hub, file, bytes_written):
     with firmware(hub, "--parameters", file) as (process, client):
         client.write("motion_scale", 0.25)
         resource.prlimit(process.process.pid, resource.RLIMIT_FSIZE, (bytes_written, bytes_written))
-        with pytest.raises(ToolError, match="no ParameterValue"):
-            with operator(hub, attempts=1) as impatient:
-                impatient.save()
+        with pytest.raises(ToolError, match="no ParameterValue"), operator(hub, attempts=1) as impatient:
+            impatient.save()
         process.wait()
         assert process.process.returncode == KILLED_BY_LIMIT
     assert file.read_bytes() == with_scale(0.5)
@@ -196,8 +195,6 @@ def test_killed_within_the_write(hub, file, bytes_written):
         end(process)
     assert [path.name for path in file.parent.iterdir()] == [file.name]
     assert is_whole(file, 2)
-
-
 
 
 WRITER = """
@@ -245,7 +242,12 @@ def test_killed_at_any_moment(tmp_path, rng):
 def mounted(folder: Path):
     """A disk of 64 KiB."""
     folder.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", folder], capture_output=True, check=False).returncode != 0:
+    if (
+        subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", folder], capture_output=True, check=False
+        ).returncode
+        != 0
+    ):
         pytest.skip("only root can mount a small disk")
     try:
         yield folder
@@ -257,7 +259,9 @@ def require_refusal(hub: Hub, process: Tool, file: Path, cause: str) -> None:
     """On the bus, by the command, on the firmware's console; and the firmware goes on."""
     done = comanip(hub, "socketcand", "param", "save")
     assert done.returncode == WRONG_USE
-    assert done.stderr.startswith("comanip: save: refused: store_failed (") and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith("comanip: save: refused: store_failed (") and done.stderr.count("\n") == 1, (
+        done.stderr
+    )
     wanted = f"comanip-firmware: parameters not saved: {file}: {cause}\n"
     assert wanted in process.text()
     assert file.read_bytes() == with_scale(0.5)
@@ -297,7 +301,9 @@ def test_a_file_that_cannot_be_written(hub, file):
     assert file.read_bytes() == with_scale(0.5)
 
 
-@pytest.mark.parametrize(("path", "cause"), [("missing/parameters", "No such file or directory"), (".", "Is a directory")])
+@pytest.mark.parametrize(
+    ("path", "cause"), [("missing/parameters", "No such file or directory"), (".", "Is a directory")]
+)
 def test_a_path_that_cannot_be_one_is_refused_at_the_start(hub, tmp_path, path, cause):
     command = [FIRMWARE, "--can", hub.bus, "--parameters", tmp_path / path]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S, env=hub.environment)
@@ -307,5 +313,10 @@ def test_a_path_that_cannot_be_one_is_refused_at_the_start(hub, tmp_path, path, 
 
 @pytest.mark.parametrize("arguments", [["--parameters"], ["--parameters="], ["--parameters", ""]])
 def test_the_option_wants_a_file(arguments):
-    done = subprocess.run([FIRMWARE, "--can", "vcan0", *arguments], capture_output=True, text=True, check=False, timeout=60)
-    assert (done.returncode, done.stderr) == (WRONG_USE, "comanip-firmware: --parameters '': expected the name of a file\n")
+    done = subprocess.run(
+        [FIRMWARE, "--can", "vcan0", *arguments], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (
+        WRONG_USE,
+        "comanip-firmware: --parameters '': expected the name of a file\n",
+    )

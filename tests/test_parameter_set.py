@@ -14,7 +14,7 @@ CLASSIC_TICK_S = 4e-3
 GAINS = range(lib.PARAMETER_GAIN_PER_S, lib.PARAMETER_GAIN_PER_S + 8)
 WEIGHTS = range(lib.PARAMETER_WEIGHT, lib.PARAMETER_WEIGHT + 8)
 NAMES = [ffi.string(lib.parameter_table[i].name).decode() for i in range(lib.PARAMETER_COUNT)]
-TOO_FAST = {gain: 500.0 for gain in GAINS}
+TOO_FAST = dict.fromkeys(GAINS, 500.0)
 LAW_4 = {lib.PARAMETER_PREDICTION: 0.0}
 FOLLOWING_GAIN = lib.PARAMETER_FOLLOWING_GAIN_PER_S
 
@@ -44,7 +44,9 @@ def test_the_defaults_and_all_that_is_slow_are_accepted(tick_s):
         "weights": dict.fromkeys(WEIGHTS, 0.0),
         "speed": {lib.PARAMETER_SPEED_FRACTION: lib.parameter_table[lib.PARAMETER_SPEED_FRACTION].minimum},
         "acceleration": {
-            lib.PARAMETER_ACCELERATION_LIMIT_RADPS2: lib.parameter_table[lib.PARAMETER_ACCELERATION_LIMIT_RADPS2].minimum
+            lib.PARAMETER_ACCELERATION_LIMIT_RADPS2: lib.parameter_table[
+                lib.PARAMETER_ACCELERATION_LIMIT_RADPS2
+            ].minimum
         },
     }
     for changes in (*slow.values(), slow["gains"] | slow["speed"] | slow["acceleration"]):
@@ -103,7 +105,11 @@ def named(bench: Bench, ticks: int) -> list[tuple[int, int]]:
     found = []
     for _ in range(ticks):
         bench.tick()
-        here = [(d[3], d[4]) for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[5] == lib.RESULT_PARAMETERS_UNSTABLE]
+        here = [
+            (d[3], d[4])
+            for i, d in bench.sent
+            if i == FRAME_ID["PARAMETER_VALUE"] and d[5] == lib.RESULT_PARAMETERS_UNSTABLE
+        ]
         assert len(here) <= 1
         found += here
     return found
@@ -168,7 +174,9 @@ def test_a_stored_set_that_is_unstable_stays_is_told_at_boot_and_not_started():
         bench.tick()
         told |= {d[3]: d[5] for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[4] == 0}
     assert {i for i, result in told.items() if result == lib.RESULT_PARAMETERS_UNSTABLE} == {4, 6}
-    assert {result for i, result in told.items() if i not in (4, 6)} == {lib.RESULT_ACCEPTED} and len(told) == lib.PARAMETER_COUNT
+    assert {result for i, result in told.items() if i not in (4, 6)} == {lib.RESULT_ACCEPTED} and len(
+        told
+    ) == lib.PARAMETER_COUNT
     assert (bench.controller.parameters.value[4], bench.controller.parameters.value[6]) == (500, 400)
     bench.until_ready()
     assert bench.command(lib.COMMAND_START) == lib.RESULT_PARAMETERS_UNSTABLE

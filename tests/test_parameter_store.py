@@ -108,7 +108,9 @@ def test_the_bytes_of_a_record_that_the_firmware_with_38_parameters_wrote_are_re
 @pytest.mark.parametrize("parameter", range(COUNT), ids=NAMES.__getitem__)
 def test_a_value_out_of_range_refuses_the_whole_record(parameter):
     row = ROWS[parameter]
-    below, above = (float(np.nextafter(np.float32(end), np.float32(way))) for end, way in ((row.minimum, -1e9), (row.maximum, 1e9)))
+    below, above = (
+        float(np.nextafter(np.float32(end), np.float32(way))) for end, way in ((row.minimum, -1e9), (row.maximum, 1e9))
+    )
     for value in (below, above, math.nan, math.inf, -math.inf, *([0.5] if row.integer else [])):
         values = list(DEFAULTS)
         values[parameter] = value

@@ -40,7 +40,9 @@ def test_range(parameters, parameter):
     for value in (row.minimum, row.maximum):
         assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_ACCEPTED
         assert parameters.value[parameter] == value
-    below, above = (np.nextafter(np.float32(end), np.float32(way)) for end, way in ((row.minimum, -1e9), (row.maximum, 1e9)))
+    below, above = (
+        np.nextafter(np.float32(end), np.float32(way)) for end, way in ((row.minimum, -1e9), (row.maximum, 1e9))
+    )
     for value in (below, above, math.nan, math.inf, -math.inf, 3e9, -3e9):
         assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_OUT_OF_RANGE
         assert parameters.value[parameter] == row.maximum
@@ -105,7 +107,9 @@ def test_view_of_the_joint_limits(parameters):
     write(parameters, lib.PARAMETER_PREDICTION, [0])
     lib.parameters_joint_limits(parameters, core.Arm.named("hoap3_right").table, 0.001, config)
     assert config.approach_gain_per_s == 77  # law (4)'s
-    for plan in list(config.plan)[:4]:  # it is prepared: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
+    for plan in list(config.plan)[
+        :4
+    ]:  # it is prepared: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
         assert (plan.change_max_steps, plan.jerk_steps) == (12, 10)
 
 

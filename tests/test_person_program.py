@@ -42,10 +42,21 @@ class Person:
             person.name, person.start, person.grip_m, person.tremor_mm = name, hand, GRIP_M.tolist(), tremor_mm
             person.done_event = lib.events_declare(self.events, name, b"done")
         pipe = {"position_m": PIPE_M.tolist(), "rotation": wxyz(PIPE)}
-        self.scenario.object[0] = {"name": b"pipe", "kind": lib.OBJECT_ROD, "pose": pipe, "length_m": 0.4,
-                                   "point": [{"name": b"end", "along_m": 0.2}], "point_count": 1}
-        self.scenario.object[1] = {"name": b"crank", "kind": lib.OBJECT_CRANK, "pose": pipe, "length_m": 0.1,
-                                   "radius_m": 0.06}
+        self.scenario.object[0] = {
+            "name": b"pipe",
+            "kind": lib.OBJECT_ROD,
+            "pose": pipe,
+            "length_m": 0.4,
+            "point": [{"name": b"end", "along_m": 0.2}],
+            "point_count": 1,
+        }
+        self.scenario.object[1] = {
+            "name": b"crank",
+            "kind": lib.OBJECT_CRANK,
+            "pose": pipe,
+            "length_m": 0.1,
+            "radius_m": 0.06,
+        }
         person = self.scenario.person[0]
         person.step_count, person.recorded_step_count = len(steps), len(recorded)
         for target, source in ((person.step, steps), (person.recorded_step, recorded)):
@@ -124,10 +135,20 @@ def test_moves_are_minimum_jerk_whatever_the_step(step_s):
     """From the start, or from where the last one ended; the second begins when the first ends, between two steps."""
     turn, turn_on = Rotation.from_rotvec([0.5, 0.2, -0.4]), Rotation.from_rotvec([-0.3, 0.9, 0.1])
     person = Person(
-        {"action": "move", "duration_s": 0.4015, "displacement_m": [0.1, 0, -0.05],
-         "rotation_vector_rad": turn.as_rotvec().tolist(), "name": "first"},
-        {"action": "move", "duration_s": 0.5, "displacement_m": [0, 0.1, 0], "from_here": True,
-         "rotation_vector_rad": turn_on.as_rotvec().tolist()},
+        {
+            "action": "move",
+            "duration_s": 0.4015,
+            "displacement_m": [0.1, 0, -0.05],
+            "rotation_vector_rad": turn.as_rotvec().tolist(),
+            "name": "first",
+        },
+        {
+            "action": "move",
+            "duration_s": 0.5,
+            "displacement_m": [0, 0.1, 0],
+            "from_here": True,
+            "rotation_vector_rad": turn_on.as_rotvec().tolist(),
+        },
         {"action": "move", "duration_s": 0.3, "displacement_m": [0, 0, 0], "at_s": 1.1},
     )
     t, position_m, rotation = person.run(1.6, step_s)
@@ -158,8 +179,12 @@ def test_a_move_turns_the_shorter_way():
 
 def test_a_step_waits_for_its_time_its_events_and_its_delay():
     move = {"action": "move", "duration_s": 0.1, "displacement_m": [0.1, 0, 0], "from_here": True}
-    person = Person({**move, "at_s": 0.2}, {**move, "awaited": ["bob.there", "robot.holds"], "delay_s": 0.15},
-                    {**move, "delay_s": 0.05}, {**move, "awaited": ["bob.there"], "at_s": 0.3, "patience_s": 0.1})
+    person = Person(
+        {**move, "at_s": 0.2},
+        {**move, "awaited": ["bob.there", "robot.holds"], "delay_s": 0.15},
+        {**move, "delay_s": 0.05},
+        {**move, "awaited": ["bob.there"], "at_s": 0.3, "patience_s": 0.1},
+    )
 
     def before(now_s):
         if now_s == 0.25:
@@ -175,8 +200,10 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
 
 
 def test_patience_ends_with_the_event_that_did_not_happen():
-    person = Person({"action": "rest", "duration_s": 0.2},
-                    {"action": "rest", "awaited": ["bob.there", "robot.holds"], "patience_s": 0.5})
+    person = Person(
+        {"action": "rest", "duration_s": 0.2},
+        {"action": "rest", "awaited": ["bob.there", "robot.holds"], "patience_s": 0.5},
+    )
     person.raise_event("bob.there")
     person.run(0.7)
     assert person.failure is None
@@ -260,8 +287,18 @@ def test_reach_gives_up_after_ten_corrections():
 def test_guide_moves_the_hand_as_the_robot_needs_it(follows):
     """The robot goes 0.8 of the way that the person expects of it: 20 % are left each time. 20 mm after the first move,
     then 4 mm, 0.8 mm, with 0.15 s for the robot to settle before each look."""
-    person = Person({"action": "guide", "what": GRIPPER, "to": PIPE_END, "offset_m": [0, 0, 0.02], "duration_s": 1.0,
-                     "tolerance_m": 0.001, "lift_m": 0.04, "name": "there"})
+    person = Person(
+        {
+            "action": "guide",
+            "what": GRIPPER,
+            "to": PIPE_END,
+            "offset_m": [0, 0, 0.02],
+            "duration_s": 1.0,
+            "tolerance_m": 0.001,
+            "lift_m": 0.04,
+            "name": "there",
+        }
+    )
     goal_m = PIPE_END_M + [0, 0, 0.02]
     start_m = goal_m - [0.06, -0.08, 0]
     person.state.gripper_start_m = start_m.tolist()
@@ -312,8 +349,9 @@ def test_guide_refuses_a_robot_that_does_not_follow():
 
 
 def test_grip_is_tried_for_a_while_and_release_opens():
-    person = Person({"action": "grip", "object": 0, "name": "gripped"}, {"action": "rest", "duration_s": 0.5},
-                    {"action": "release"})
+    person = Person(
+        {"action": "grip", "object": 0, "name": "gripped"}, {"action": "rest", "duration_s": 0.5}, {"action": "release"}
+    )
 
     def before(now_s):
         person.state.can_grip = now_s >= 0.2
@@ -383,9 +421,16 @@ def test_recorded_steps_play_the_recording_from_here(tmp_path):
     """After a move; with the axes of the command line; in a gap of the recording the hand goes on unseen."""
     times_s = [i / 100 for i in range(201) if not 60 < i < 80]
     path = write(tmp_path / "hand.csv", times_s, times_s)
-    person = Person({"action": "rest", "duration_s": 99}, recording=path, axes="-yxz",
-                    recorded=[{"action": "move", "duration_s": 0.5, "displacement_m": [0, 0, 0.1]},
-                              play(from_s=0.2, until_s=1.5), {"action": "rest", "duration_s": 0.1}])
+    person = Person(
+        {"action": "rest", "duration_s": 99},
+        recording=path,
+        axes="-yxz",
+        recorded=[
+            {"action": "move", "duration_s": 0.5, "displacement_m": [0, 0, 0.1]},
+            play(from_s=0.2, until_s=1.5),
+            {"action": "rest", "duration_s": 0.1},
+        ],
+    )
     hidden = []
     t, position_m, _ = person.run(2.1, before=lambda _: hidden.append(lib.person_program_is_hidden(person.program)))
     played = np.clip(t - 0.5, 0, 1.3)

@@ -86,7 +86,9 @@ def test_an_image_that_panics_ends_the_run_with_its_words(image, elf, tmp_path):
 def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
     """Its process group has the emulator and the simulator in it; the files of what has run are written."""
     command = [sys.executable, "-m", "comanip.pil", " ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "out"]
-    with subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True) as process:
+    with subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
+    ) as process:
         assert "in qemu-system" in process.stdout.readline()
         deadline_s = time.monotonic() + TIMEOUT_S
         while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
@@ -105,7 +107,9 @@ def test_wrong_use(tmp_path):
     built = make(str(PROGRAM.relative_to(REPOSITORY)))  # no compiler for a target is needed
     assert built.returncode == 0, built.stderr
     if shutil.which("qemu-system-arm"):
-        missing = pil("qemu-system-arm -machine mps2-an386", tmp_path / "none.elf", PROGRAM, "--out", tmp_path / "out", "--quiet")
+        missing = pil(
+            "qemu-system-arm -machine mps2-an386", tmp_path / "none.elf", PROGRAM, "--out", tmp_path / "out", "--quiet"
+        )
         assert missing.returncode != 0 and "none.elf" in missing.stderr
     alone = subprocess.run([PROGRAM, "--serial", tmp_path / "nothing"], capture_output=True, text=True, check=False)
     assert alone.returncode == EXIT_WRONG_USE and "no serial line there" in alone.stderr

@@ -11,17 +11,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic_run
-from hoap3 import STOPS_DEG
-from matplotlib.image import imread
-from scipy.spatial.transform import Rotation
-from simulation import EXPERIMENTS, experiment
-from simulation import run as simulate
-
 from comanip.arm import Arm
 from comanip.plot import main
 from comanip.plotting import geometry
 from comanip.plotting.run_data import RunDataError, read_run, read_trace
 from comanip.plotting.scenes import SCENES
+from hoap3 import STOPS_DEG
+from matplotlib.image import imread
+from scipy.spatial.transform import Rotation
+from simulation import EXPERIMENTS, experiment
+from simulation import run as simulate
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ALWAYS = {"experiment", "paths", "tracking", "orientation", "joints", "clearance"}
@@ -259,7 +258,9 @@ def test_things_are_as_large_as_in_the_scenario_file(tmp_path, name):
         np.testing.assert_allclose(cup.axis, turn.apply([0.0, 0.0, 1.0]), atol=1e-8)
 
 
-@pytest.mark.parametrize(("name", "curves"), [("pour", "particles"), ("mirror", "object's distance"), ("crank", "turns")])
+@pytest.mark.parametrize(
+    ("name", "curves"), [("pour", "particles"), ("mirror", "object's distance"), ("crank", "turns")]
+)
 def test_a_scene_of_ones_own_is_drawn_with_what_is_in_it(tmp_path, name, curves):
     path = tmp_path / "mine.yaml"
     path.write_text(re.sub(r"^name: .*", "name: mine", experiment(name).read_text(), flags=re.MULTILINE))

@@ -51,11 +51,13 @@ def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
     way, turn = error(q, target)
     distance = np.linalg.norm(way)
     position = distance**2 / 2 if distance <= ERROR_MAX_M else ERROR_MAX_M * (distance - ERROR_MAX_M / 2)
-    cosine_half = np.sqrt(1 - (turn @ turn) / 4)  # the gradient of 4 (1 - cos(angle / 2)) is that of 2 v, the error's turn
+    cosine_half = np.sqrt(
+        1 - (turn @ turn) / 4
+    )  # the gradient of 4 (1 - cos(angle / 2)) is that of 2 v, the error's turn
     return position + WEIGHT * (4 * (1 - cosine_half) + k / 2 * (out_of_margin(q) @ out_of_margin(q)))
 
 
-def law(q, target, motion=np.zeros(6), ends=(0, 0), written_out=False) -> tuple[np.ndarray, np.ndarray, float]:
+def law(q, target, motion=(0.0,) * 6, ends=(0, 0), written_out=False) -> tuple[np.ndarray, np.ndarray, float]:
     arm = core.Arm.named("hoap3_right")
     position = ffi.new("float[]", [float(x) for x in q])
     config = ffi.new("position_first_config_t *", {"gain_per_s": GAIN, "orientation_weight_m2": WEIGHT})
@@ -64,11 +66,15 @@ def law(q, target, motion=np.zeros(6), ends=(0, 0), written_out=False) -> tuple[
         dict(zip("wxyz", map(float, target[:4]))),
         dict(zip("xyz", map(float, oracle.translation(target)))),
     )
-    twist.velocity_mps, twist.angular_velocity_radps = (dict(zip("xyz", map(float, part))) for part in np.split(np.asarray(motion), 2))
+    twist.velocity_mps, twist.angular_velocity_radps = (
+        dict(zip("xyz", map(float, part))) for part in np.split(np.asarray(motion), 2)
+    )
     request = ffi.new("position_first_request_t *", {"position_rad": position, "target": goal, "motion": twist})
     request.ends = {"lower": ends[0], "upper": ends[1]}
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
-    distance = (arm.table.position_first if written_out else lib.position_first)(arm.table, config, request, for_error, for_motion)
+    distance = (arm.table.position_first if written_out else lib.position_first)(
+        arm.table, config, request, for_error, for_motion
+    )
     return np.array(list(for_error)[:JOINTS]), np.array(list(for_motion)[:JOINTS]), distance
 
 
@@ -91,8 +97,12 @@ def cases(rng, count: int):
         hand = hand_at(q)
         reach = 10 ** rng.uniform(-3.5, 0)
         offset = rng.normal(size=3)
-        yield q, oracle.pose(
-            oracle.quaternion_multiply(near, hand[:4]), oracle.translation(hand) + reach * offset / np.linalg.norm(offset)
+        yield (
+            q,
+            oracle.pose(
+                oracle.quaternion_multiply(near, hand[:4]),
+                oracle.translation(hand) + reach * offset / np.linalg.norm(offset),
+            ),
         )
 
 
@@ -118,7 +128,9 @@ def test_it_goes_down_the_potential_of_its_header(rng, written_out):
     """So that it comes to rest: N u = -K grad V, with grad V from differences of V, and N positive definite."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
-        gradient = np.array([(potential(q + h * e, target, k) - potential(q - h * e, target, k)) / (2 * h) for e in np.eye(JOINTS)])
+        gradient = np.array(
+            [(potential(q + h * e, target, k) - potential(q - h * e, target, k)) / (2 * h) for e in np.eye(JOINTS)]
+        )
         normal = matrix(q, target)
         for_error, _, _ = law(q, target, written_out=written_out)
         assert np.linalg.eigvalsh(normal).min() > 0
@@ -133,7 +145,9 @@ def test_no_joint_at_an_end_goes_beyond_it(rng, written_out):
     for q, target in cases(rng, 200):
         lower, upper = int(rng.integers(16)), int(rng.integers(16))
         lower &= ~upper
-        for_error, for_motion, _ = law(q, target, np.r_[rng.normal(0, 0.3, 3), rng.normal(0, 1, 3)], (lower, upper), written_out)
+        for_error, for_motion, _ = law(
+            q, target, np.r_[rng.normal(0, 0.3, 3), rng.normal(0, 1, 3)], (lower, upper), written_out
+        )
         u = for_error + for_motion
         for i in range(JOINTS):
             assert not (lower >> i & 1 and u[i] < 0) and not (upper >> i & 1 and u[i] > 0)
@@ -150,7 +164,12 @@ def test_either_sign_of_the_target_is_the_same_pose(rng, written_out):
 @pytest.mark.parametrize("written_out", [False, True])
 def test_a_posture_that_is_singular_twice_gives_no_wild_velocity(written_out):
     """The arm stretched out, with the hand on the first joint's axis: of three directions one is left."""
-    for q in ([0.3, 0.0, 0.0, 0.0], [0.3, -1.6580, 0.0, 0.0], [1.0, -np.pi / 2, 0.5, 0.0], [1.0, -np.pi / 2, 0.5, -1e-3]):
+    for q in (
+        [0.3, 0.0, 0.0, 0.0],
+        [0.3, -1.6580, 0.0, 0.0],
+        [1.0, -np.pi / 2, 0.5, 0.0],
+        [1.0, -np.pi / 2, 0.5, -1e-3],
+    ):
         hand = hand_at(np.array(q))
         for way in np.vstack([np.eye(3), -np.eye(3)]) * 0.01:
             target = oracle.pose(hand[:4], oracle.translation(hand) + way)

@@ -11,7 +11,11 @@ from controller_bench import FRAME_ID, TICK_US, Bench
 TICK_S = TICK_US * 1e-6
 MOVE_S = 1.0
 # start [deg], the hand's way [m] in torso axes: found among random ones
-DEAD_ENDS = [((81, -90, 20, -79), (-0.04, 0.11, 0.08)), ((74, -95, 1, -76), (0.08, 0.18, -0.07)), ((22, -73, 42, -111), (-0.04, 0.02, 0.04))]
+DEAD_ENDS = [
+    ((81, -90, 20, -79), (-0.04, 0.11, 0.08)),
+    ((74, -95, 1, -76), (0.08, 0.18, -0.07)),
+    ((22, -73, 42, -111), (-0.04, 0.02, 0.04)),
+]
 JOINT_RADPS, HAND_MPS = 0.25 * 4.76, 0.25
 
 
@@ -230,7 +234,11 @@ def test_not_at_an_end_that_does_not_hold_the_hand_off():
 
 def test_not_when_stretched_out_after_a_target_beyond_reach():
     bench = started((60, -40, 0, -30))
-    assert set(carry(bench, [0.25, -0.02, 0.02]) + wait(bench, 2.0)) <= {lib.POSTURE_WATCHED, lib.POSTURE_SEARCHED, lib.POSTURE_LEFT}
+    assert set(carry(bench, [0.25, -0.02, 0.02]) + wait(bench, 2.0)) <= {
+        lib.POSTURE_WATCHED,
+        lib.POSTURE_SEARCHED,
+        lib.POSTURE_LEFT,
+    }
     assert error_m(bench) > 0.05 and at_rest(bench)
 
 
@@ -239,7 +247,12 @@ def test_out_of_reach_it_is_searched_once_and_the_arm_stays():
     bench = started((90, -5, 0, -90))
     phases = carry(bench, [0, 0.5, 0.3]) + wait(bench, 2.0)
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_LEFT and lib.POSTURE_CHANGING not in phases
-    more = [p for _ in range(3) for way in ([0.015, 0, 0], [-0.015, 0, 0]) for p in carry(bench, way, 0.6) + wait(bench, 0.6)]
+    more = [
+        p
+        for _ in range(3)
+        for way in ([0.015, 0, 0], [-0.015, 0, 0])
+        for p in carry(bench, way, 0.6) + wait(bench, 0.6)
+    ]
     assert set(more) == {lib.POSTURE_LEFT}
     again = carry(bench, [0, 0.025, 0], 0.6) + wait(bench, 2.0)
     assert searches(again) == 1 and again[-1] == lib.POSTURE_LEFT

@@ -135,8 +135,15 @@ def test_nonsense_axes_are_refused(tmp_path, axes):
     assert open_recording(path, axes).startswith(f"axes '{axes}': expected ")
 
 
-@pytest.mark.parametrize(("name", "expected_m"), [("cmu_1.csv", [0.3, 0.1, 0.2]), ("ktk_glove.csv", [0.3, 0.1, 0.2]),
-                                                  ("kth_1.csv", [0.1, 0.2, 0.3]), ("my_cmu_.csv", [0.1, 0.2, 0.3])])
+@pytest.mark.parametrize(
+    ("name", "expected_m"),
+    [
+        ("cmu_1.csv", [0.3, 0.1, 0.2]),
+        ("ktk_glove.csv", [0.3, 0.1, 0.2]),
+        ("kth_1.csv", [0.1, 0.2, 0.3]),
+        ("my_cmu_.csv", [0.1, 0.2, 0.3]),
+    ],
+)
 def test_default_axes_follow_the_name(tmp_path, name, expected_m):
     path = write_text(tmp_path / name, QUATERNION_HEADER, ROW.format(0), ROW.format(1))
     _, position_m, _ = sample(open_recording(path), [0.0])
@@ -189,19 +196,28 @@ BAD_MATRIX = "{},0,0,0,1,0,0,0,1,0,0,0,{}"
         ([QUATERNION_HEADER, "0,0.1,0.2,-inf,1,0,0,0"], ":2: z_m is '-inf', expected a number"),
         ([QUATERNION_HEADER, "0,0.1,0.2,0.3,1e999,0,0,0"], ":2: qw is 1e999, expected a finite number"),
         ([QUATERNION_HEADER, "0,2000,0.2,0.3,1,0,0,0"], ":2: x_m is 2000, expected within 1000 m"),
-        ([QUATERNION_HEADER, ROW.format(1), ROW.format(2), ROW.format(1.5)],
-         ":4: t_s is 1.5, expected more than the 2 before it"),
-        ([QUATERNION_HEADER, ROW.format(7.25), ROW.format(7.25)],
-         ":3: t_s is 7.25, expected more than the 7.25 before it"),
+        (
+            [QUATERNION_HEADER, ROW.format(1), ROW.format(2), ROW.format(1.5)],
+            ":4: t_s is 1.5, expected more than the 2 before it",
+        ),
+        (
+            [QUATERNION_HEADER, ROW.format(7.25), ROW.format(7.25)],
+            ":3: t_s is 7.25, expected more than the 7.25 before it",
+        ),
         ([QUATERNION_HEADER, ROW.format(0), ROW.format(1e5)], ":3: t_s is 100000, expected at most 86400 s after"),
         ([QUATERNION_HEADER, "0,0,0,0,1,0,0,0.1"], ":2: norm of qw,qx,qy,qz is 1.00499, expected 1 within 0.001"),
         ([QUATERNION_HEADER, "0,0,0,0,0,0,0,0"], ":2: norm of qw,qx,qy,qz is 0, expected 1 within 0.001"),
-        ([MATRIX_HEADER, BAD_MATRIX.format(0, 1), BAD_MATRIX.format(1, 1.01)],
-         ":3: r11..r33 is no rotation: columns 3 and 3 have the product 1.0201, expected 1 within 0.001"),
+        (
+            [MATRIX_HEADER, BAD_MATRIX.format(0, 1), BAD_MATRIX.format(1, 1.01)],
+            ":3: r11..r33 is no rotation: columns 3 and 3 have the product 1.0201, expected 1 within 0.001",
+        ),
         ([MATRIX_HEADER, BAD_MATRIX.format(0, -1)], ":2: r11..r33 is a reflection: determinant -1, expected 1"),
         ([QUATERNION_HEADER, ROW.format(0), "", ROW.format(1)], ":3: is empty but followed by samples"),
         ([QUATERNION_HEADER, ROW.format(0) + " " * 2000], ":2: is longer than 1022 characters or holds a zero byte"),
-        ([QUATERNION_HEADER, ROW.format(0) + "\0", ROW.format(1)], ":2: is longer than 1022 characters or holds a zero"),
+        (
+            [QUATERNION_HEADER, ROW.format(0) + "\0", ROW.format(1)],
+            ":2: is longer than 1022 characters or holds a zero",
+        ),
     ],
 )
 def test_defects_are_named(tmp_path, lines, message):

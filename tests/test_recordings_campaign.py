@@ -165,7 +165,9 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
     ticks = np.arange(len(speed))[:, None]
     assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it speeds up"
     assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
-    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # all that the steps of a shrinking deceleration add up to, and one more
+    shrinks_below = VELOCITY_STEP_RAW * (
+        ramp_ticks + 1
+    )  # all that the steps of a shrinking deceleration add up to, and one more
     before, after = speed[:-1], speed[1:]
     steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
     assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes by less than the limit"

@@ -41,9 +41,20 @@ def write(path: Path, frames: list[Frame]) -> Path:
 @pytest.fixture(scope="module")
 def eventful(tmp_path_factory) -> list[Frame]:
     """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
-    arguments = (
-        "--scenario mirror --duration 13 --clutch 7 --gap 4:0.2 --dropout 0.02 --tracker-clock 4294000000".split()
-    )
+    arguments = [
+        "--scenario",
+        "mirror",
+        "--duration",
+        "13",
+        "--clutch",
+        "7",
+        "--gap",
+        "4:0.2",
+        "--dropout",
+        "0.02",
+        "--tracker-clock",
+        "4294000000",
+    ]
     done = run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75").require_pass()
     return list(logs.read(done.log))
 
@@ -293,7 +304,9 @@ def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
 def test_savings_end_as_they_had_ended(result, rng):
     """With other answers about the same parameter, with the same number, meanwhile."""
     bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
-    assert bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED  # of several first ones, a replay knows the last
+    assert (
+        bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED
+    )  # of several first ones, a replay knows the last
     bench.store_result = result
     for bench.store_ticks in (1, 2, 7, 40):
         sequence = bench.store_ticks
@@ -303,7 +316,11 @@ def test_savings_end_as_they_had_ended(result, rng):
             if operation != lib.PARAMETER_SAVE:
                 bench.tick(int(rng.integers(1, 3)))
         bench.tick(50)
-    results = [DBC.decode_message(f.frame_id, f.data, decode_choices=False) for f in bench.log if f.frame_id == ID["ParameterValue"]]
+    results = [
+        DBC.decode_message(f.frame_id, f.data, decode_choices=False)
+        for f in bench.log
+        if f.frame_id == ID["ParameterValue"]
+    ]
     assert sum(told["result"] == result and told["sequence"] > 0 for told in results) >= 4
     report = replay(bench.log)
     assert report.difference is None, report.difference

@@ -75,7 +75,10 @@ def test_no_response_is_longer_than_computed(streams, chance: random.Random):
         phases = [chance.randrange(item.period_ns) for item in streams]
         extremes = chance.random() < 0.5
         queue = releases(
-            streams, phases, 2000, lambda s: chance.choice([0, s.jitter_ns]) if extremes else chance.randint(0, s.jitter_ns)
+            streams,
+            phases,
+            2000,
+            lambda s: chance.choice([0, s.jitter_ns]) if extremes else chance.randint(0, s.jitter_ns),
         )
         for frame in PriorityBus(streams).play(list(queue)):
             response = found[frame.stream.name]
@@ -149,9 +152,13 @@ def test_answers_are_not_charged_twice():
     ]
     found = analyse(streams, BIT)
     assert found["other answer"].event_ns == 120 + 100 + 80 + 40 + 40
-    assert found["other answer"].queued_ns == 120 + 80 + 40 + 40 - 10, "queued 10 after the command, while the trace is sent"
+    assert found["other answer"].queued_ns == 120 + 80 + 40 + 40 - 10, (
+        "queued 10 after the command, while the trace is sent"
+    )
     without_trace = analyse([item for item in streams if item.name != "trace"], BIT)
-    assert without_trace["other answer"].event_ns == (120 + 100) + 10 + (120 + 40 + 40), "the long frame comes between as well"
+    assert without_trace["other answer"].event_ns == (120 + 100) + 10 + (120 + 40 + 40), (
+        "the long frame comes between as well"
+    )
 
 
 def test_one_of_several_is_charged_once():

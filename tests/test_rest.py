@@ -129,7 +129,11 @@ def test_the_checks_are_these():
     """Each misses by one case, and holds without it."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
-    for count, bad, failed in ((1, outcome(0.03, 9), [1, 3]), (3, outcome(0.03, 0), [4]), (16, outcome(0.03, 0), [2, 4])):
+    for count, bad, failed in (
+        (1, outcome(0.03, 9), [1, 3]),
+        (3, outcome(0.03, 0), [4]),
+        (16, outcome(0.03, 0), [2, 4]),
+    ):
         outcomes = good.copy()
         outcomes[:count] = bad
         checks, exceptions = rest.rest(outcomes)
@@ -157,7 +161,9 @@ def test_a_reversal_counts_only_between_speeds_above_what_is_rest(tmp_path):
     rates[2100:4100] = np.tile([0.019, -0.019], 1000)
     names = [f"dq{i}_command_radps" for i in range(4)] + [f"q{i}_rad" for i in range(4)]
     names += [f"target_{name}" for name in ("qw", "qx", "qy", "qz", "x_m", "y_m", "z_m")]
-    rows = [",".join(["mode", *names])] + [",".join(["cooperating", f"{rate:.4f}", *["0"] * (len(names) - 1)]) for rate in rates]
+    rows = [",".join(["mode", *names])] + [
+        ",".join(["cooperating", f"{rate:.4f}", *["0"] * (len(names) - 1)]) for rate in rates
+    ]
     (tmp_path / "trace.csv").write_text("\n".join(rows))
     found = rest_ode.outcome(case, tmp_path / "trace.csv")
     assert found["peak_radps"][:, 0] == pytest.approx([0.03, 0.019])
@@ -172,7 +178,9 @@ def test_all_pairs_are_counted(loop):
     """Both ends of each parameter and of each of six groups, less pairs that would set a parameter twice."""
     n = len(loop.names)
     assert {end.name: len(end.parameters) for end in rest_pairs.ends(loop) if len(end.parameters) > 1} == {
-        f"{vector}_{group}": size for vector in ("gain", "weight") for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
+        f"{vector}_{group}": size
+        for vector in ("gain", "weight")
+        for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
     }
     # within a vector, of 8 components and 3 groups, two are apart: 28 of components, 4 + 4 of one and a group of the other half, and the two halves
     within = 28 + 8 + 1
@@ -184,10 +192,19 @@ def test_all_pairs_are_counted(loop):
 
 @pytest.mark.parametrize(
     ("fraction", "peak_radps", "sign_changes", "expected"),
-    [(1.0, 0.47, 2, "rests"), (1.0, 0.48, 2, "moves"), (1.0, 0.021, 3, "swings"), (0.01, 0.0199, 9, "rests"), (0.01, 0.021, 0, "moves")],
+    [
+        (1.0, 0.47, 2, "rests"),
+        (1.0, 0.48, 2, "moves"),
+        (1.0, 0.021, 3, "swings"),
+        (0.01, 0.0199, 9, "rests"),
+        (0.01, 0.021, 0, "moves"),
+    ],
 )
 def test_a_pair_is_judged_by_its_allowed_speed(fraction, peak_radps, sign_changes, expected):
-    pair = (rest_pairs.End("speed_fraction", frozenset(["speed_fraction"]), fraction), rest_pairs.End("trace", frozenset(["trace"]), 0.0))
+    pair = (
+        rest_pairs.End("speed_fraction", frozenset(["speed_fraction"]), fraction),
+        rest_pairs.End("trace", frozenset(["trace"]), 0.0),
+    )
     verdict = rest_pairs.judge(pair, outcome(peak_radps, sign_changes))
     assert (verdict.pair, verdict.what, verdict.warned) == (f"speed_fraction={fraction:g} trace=0", expected, False)
     refused = outcome(peak_radps, sign_changes)
@@ -196,7 +213,10 @@ def test_a_pair_is_judged_by_its_allowed_speed(fraction, peak_radps, sign_change
 
 
 def test_a_refused_set_is_not_run(loop):
-    assert loop.run(rest_cases.pair_cases("choice", 1, 0.0), {"gain_x_per_s": 500.0, "prediction": 0.0})["start"] == rest_loop.UNSTABLE
+    assert (
+        loop.run(rest_cases.pair_cases("choice", 1, 0.0), {"gain_x_per_s": 500.0, "prediction": 0.0})["start"]
+        == rest_loop.UNSTABLE
+    )
 
 
 # ---- the campaign
@@ -205,7 +225,11 @@ def test_a_refused_set_is_not_run(loop):
 def test_the_simulator_runs_the_same_case(loop, tmp_path):
     """A short way in reach with drives as ODE's: the same target, and the joints come to the same posture."""
     case = rest_cases.random_case("choice", 0)
-    case["start_rad"], case["way_m"], case["turn_rad"] = np.radians([60, -30, -10, -80]), [0.02, 0.03, -0.01], [0.1, -0.05, 0.1]
+    case["start_rad"], case["way_m"], case["turn_rad"] = (
+        np.radians([60, -30, -10, -80]),
+        [0.02, 0.03, -0.01],
+        [0.1, -0.05, 0.1],
+    )
     case["end_s"], case["lag_s"], case["dead_time_s"] = (3.0, 4.0), 3e-3, 0.0
     expected = loop.run(case[None], {})[0]
     found = rest_ode.run(case, REPOSITORY / "build" / "host" / "comanip-sim", tmp_path, {})

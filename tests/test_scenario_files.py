@@ -128,9 +128,15 @@ def test_list_shows_each_file_with_its_summary():
 def test_what_is_written_arrives(tmp_path):
     scene = scenario_binding.read(written(tmp_path, SCENE))
     pipe, winch, person, helper = scene.object[0], scene.object[2], scene.person[0], scene.person[1]
-    assert [list(point) for point in (pipe.pose.position_m, scene.cup.mount.position_m)] == [[0.5, -0.5, 0.03], [0.05, 0, 0]]
+    assert [list(point) for point in (pipe.pose.position_m, scene.cup.mount.position_m)] == [
+        [0.5, -0.5, 0.03],
+        [0.05, 0, 0],
+    ]
     assert (pipe.length_m, pipe.radius_m, pipe.mass_kg, winch.radius_m) == (0.3, 0.01, 0.08, 0.05)
-    assert [(ffi.string(pipe.point[i].name), pipe.point[i].along_m) for i in range(2)] == [(b"near", -0.1), (b"far", 0.1)]
+    assert [(ffi.string(pipe.point[i].name), pipe.point[i].along_m) for i in range(2)] == [
+        (b"near", -0.1),
+        (b"far", 0.1),
+    ]
     assert (scene.tracked, person.step_count, person.recorded_step_count, scene.operate_count) == (0, 7, 2, 3)
     assert list(person.step[1].displacement_m) == [0.03, 0, 0]
     assert person.step[2].rotation_vector_rad[2] == pytest.approx(math.radians(10), rel=1e-15)
@@ -142,7 +148,10 @@ def test_what_is_written_arrives(tmp_path):
     events = [ffi.string(scene.events.event[awaited.awaited[i]].name) for i in range(awaited.awaited_count)]
     assert events == [b"person.there", b"helper.done"]
     assert getattr(scene.check[0], "from").s == 1
-    assert (ffi.string(scene.events.event[scene.check[0].until.event].name), scene.check[0].until.s) == (b"person.there", 0.1)
+    assert (ffi.string(scene.events.event[scene.check[0].until.event].name), scene.check[0].until.s) == (
+        b"person.there",
+        0.1,
+    )
     assert (scene.check[1].person, scene.check[1].is_lower_bound, scene.check[1].limit) == (1, True, 1)
 
 
@@ -313,7 +322,9 @@ def test_no_such_file(tmp_path):
     huge = written(tmp_path, SCENE + 1_000_000 * "#")
     assert_refused(tmp_path, huge, f"{huge}: expected a scenario file of at most 1 MB")
     long_path = "x/" * 300
-    assert_refused(tmp_path, Path(long_path), f"--scenario '{long_path[:200]}...': expected a path of at most 511 bytes")
+    assert_refused(
+        tmp_path, Path(long_path), f"--scenario '{long_path[:200]}...': expected a path of at most 511 bytes"
+    )
 
 
 def many(count: int, line: str) -> str:
@@ -394,7 +405,9 @@ def test_a_section_of_the_wrong_form(tmp_path, section):
             scenario_binding.read(written(tmp_path, f"{section}: {wrong}\n" + without(section)))
 
 
-@settings(max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
 def test_any_damage_is_taken_or_refused_in_one_line(tmp_path, data):
     """The sanitiser ends the process at the first fault of the C code."""
@@ -402,7 +415,9 @@ def test_any_damage_is_taken_or_refused_in_one_line(tmp_path, data):
     for _ in range(data.draw(st.integers(1, 3))):
         begin = data.draw(st.integers(0, len(text)))
         end = min(len(text), begin + data.draw(st.integers(0, 12)))
-        insert = data.draw(st.sampled_from(["", "[", "]", "{", "}", ": ", ", ", "-", "\n", "1e9", "x", "'", '"', "\0", "~"]))
+        insert = data.draw(
+            st.sampled_from(["", "[", "]", "{", "}", ": ", ", ", "-", "\n", "1e9", "x", "'", '"', "\0", "~"])
+        )
         text = text[:begin] + insert + text[end:]
     file = written(tmp_path, text)
     try:
@@ -471,7 +486,9 @@ def test_what_the_robot_holds_is_in_its_gripper(tmp_path):
     hand_m = np.array([0.136, -0.1206743, 0.0144224])
     for offset_mm, is_held in ((0, True), (14.9, True), (15.1, False)):
         x, y, z = hand_m + [0.02, 0, -1e-3 * offset_mm]
-        text = refusal_of(tmp_path, ("[0.5, -0.5, 0.03]", f"[{x}, {y}, {z}]"), ("mass_kg: 0.08", "mass_kg: 0.08, held_by: robot"))
+        text = refusal_of(
+            tmp_path, ("[0.5, -0.5, 0.03]", f"[{x}, {y}, {z}]"), ("mass_kg: 0.08", "mass_kg: 0.08, held_by: robot")
+        )
         assert (text == "") == is_held, text
         assert is_held or re.search(r"objects.pipe.held_by 'robot': expected .* 15 mm .*; it is 15.1 mm away", text)
 
@@ -490,7 +507,10 @@ def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
         )
         text = refusal_of(tmp_path, (place, steps + place))
         assert (text == "") == is_slow, text
-        assert is_slow or f"scene.yaml: people.person.{program}[3].duration_s '{duration_s:.6g}': expected more time" in text
+        assert (
+            is_slow
+            or f"scene.yaml: people.person.{program}[3].duration_s '{duration_s:.6g}': expected more time" in text
+        )
 
 
 def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
@@ -546,7 +566,9 @@ def test_water_fits_its_cup(tmp_path):
     assert f"water.particles '{most + 1}': expected at most {most}," in text
     text = refusal_of(tmp_path, ("particle_radius_m: 0.005", "particle_radius_m: 0.03"))
     assert "water.particle_radius_m '0.03': expected less than the robot cup's 0.03 m" in text
-    text = refusal_of(tmp_path, ("mount_rotation: [{axis: y, angle_deg: 90}]", "mount_rotation: [{axis: y, angle_deg: -90}]"))
+    text = refusal_of(
+        tmp_path, ("mount_rotation: [{axis: y, angle_deg: 90}]", "mount_rotation: [{axis: y, angle_deg: -90}]")
+    )
     assert re.search("water.particles '10': expected fewer, or an upright cup", text)
 
 

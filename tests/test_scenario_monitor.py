@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import monitor_binding
 import numpy as np
@@ -64,8 +63,16 @@ class Watch:
         self.motion_scale = motion_scale
         self.scenario = ffi.new("scenario_t *")
         lib.events_init(ffi.addressof(self.scenario, "events"))
-        for name in ("robot.lost", "person.lost", "taker.lost", "robot.opened", "operator.latched", "person.done",
-                     "object0.dropped", "object1.dropped"):
+        for name in (
+            "robot.lost",
+            "person.lost",
+            "taker.lost",
+            "robot.opened",
+            "operator.latched",
+            "person.done",
+            "object0.dropped",
+            "object1.dropped",
+        ):
             lib.events_declare(ffi.addressof(self.scenario, "events"), *(part.encode() for part in name.split(".")))
         self.scenario.person_count, self.scenario.object_count, self.scenario.check_count = 2, 3, len(checks)
         self.scenario.person[0].name, self.scenario.person[1].name = b"person", b"taker"
@@ -288,7 +295,9 @@ BOTH, ALONE, OTHER = ((PERSON, 0), (ROBOT, 0)), ((PERSON, 0),), ((ROBOT, 1),)
 def test_each_drop_of_the_object_counts_in_its_window():
     """What a drop is, the scene says (test_scene.py)."""
     watch = Watch(Check("drops"), Check("drops", object=1), Check("drops", object=2), Check("drops", until=0.009))
-    watch.sample(*[Tick()] * 5, Tick(raises=("object0.dropped",)), *[Tick()] * 5, Tick(raises=("object0.dropped",)), Tick())
+    watch.sample(
+        *[Tick()] * 5, Tick(raises=("object0.dropped",)), *[Tick()] * 5, Tick(raises=("object0.dropped",)), Tick()
+    )
     assert [watch.value(i) for i in range(4)] == [2, 0, 0, 1]
     watch.sample(Tick(raises=("object1.dropped",)))
     assert [watch.value(i) for i in range(4)] == [2, 1, 0, 1]

@@ -96,7 +96,15 @@ def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
 def test_followable_share_does_not_depend_on_the_gain(tmp_path, gain, pass_):
     """A slow law misses the target; neither it nor a fast one chooses how much of the run is judged."""
     axes = [f"gain_{part}{axis}_per_s" for part in ("", "dual_") for axis in "wxyz"]
-    changed = checks(run(tmp_path / "changed", "--scenario", "teleop", "--param=prediction=0", *(f"--param={name}={gain}" for name in axes)))
+    changed = checks(
+        run(
+            tmp_path / "changed",
+            "--scenario",
+            "teleop",
+            "--param=prediction=0",
+            *(f"--param={name}={gain}" for name in axes),
+        )
+    )
     normal = checks(run(tmp_path / "normal", "--scenario", "teleop"))
     share = normal["followable_share"]["value"]
     assert changed["followable_share"]["value"] == pytest.approx(share, abs=25) and share > 60
@@ -139,7 +147,10 @@ def test_recording_out_of_reach_is_told_the_largest_scale_that_is_not(tmp_path, 
         return run(tmp_path / f"out-{by:g}", "--scenario", "teleop", "--tracker", recording, "--scale", f"{by:g}")
 
     reason = scaled(scale).summary["reason"]
-    found = re.search(r"; target out of reach [\d.]+ of [\d.]+ s, could be followed for [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$", reason)
+    found = re.search(
+        r"; target out of reach [\d.]+ of [\d.]+ s, could be followed for [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$",
+        reason,
+    )
     assert found, reason
     assert scaled(float(found[1])).summary["reach"]["out_of_reach_s"] == 0
     assert scaled(float(found[1]) + 0.001).summary["reach"]["out_of_reach_s"] > 0

@@ -31,7 +31,9 @@ def report(maps, budget: Path, out: Path, *options: str) -> int:
 
 def test_totals_are_those_of_the_toolchains_size(maps):
     for image, path in maps.items():
-        told = subprocess.run([IMAGES[image].prefix + "size", path.with_suffix(".elf")], capture_output=True, text=True, check=True)
+        told = subprocess.run(
+            [IMAGES[image].prefix + "size", path.with_suffix(".elf")], capture_output=True, text=True, check=True
+        )
         text, data, bss = map(int, told.stdout.splitlines()[1].split()[:3])
         found = size_report.read_map(path)
         assert (found.total.text, found.total.data, found.total.bss) == (text, data, bss), image
@@ -42,7 +44,10 @@ def test_totals_are_those_of_the_toolchains_size(maps):
 def test_functions_are_counted_in_their_module(maps):
     """What nm says of the symbols of one module is in its figure."""
     listing = subprocess.run(
-        [IMAGES["cortex-m4f"].prefix + "nm", "-S", maps["cortex-m4f"].with_suffix(".elf")], capture_output=True, text=True, check=True
+        [IMAGES["cortex-m4f"].prefix + "nm", "-S", maps["cortex-m4f"].with_suffix(".elf")],
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout
     sizes = {line.split()[3]: int(line.split()[1], 16) for line in listing.splitlines() if len(line.split()) == 4}
     modules = size_report.read_map(maps["cortex-m4f"]).modules

@@ -20,7 +20,9 @@ BUDGET = REPOSITORY / "hal" / "stack_budget.toml"
 
 def graph_of(folder: Path, source: str, indirect: dict[str, list[str]] | None = None) -> Graph:
     (folder / "planted.c").write_text(source)
-    subprocess.run(["gcc", "-O1", "-fno-inline", "-fcallgraph-info=su", "-fstack-usage", "-c", "planted.c"], cwd=folder, check=True)
+    subprocess.run(
+        ["gcc", "-O1", "-fno-inline", "-fcallgraph-info=su", "-fstack-usage", "-c", "planted.c"], cwd=folder, check=True
+    )
     graph = Graph()
     stack_report.read_call_graphs(folder, graph)
     stack_report.resolve(graph, indirect or {})
@@ -48,7 +50,9 @@ def test_the_depth_is_the_sum_along_the_deepest_way(tmp_path):
 
 
 def test_what_has_no_bound_is_refused(tmp_path):
-    recursive = "int f(int n); int g(int n) { return n ? f(n - 1) + 1 : 0; } int f(int n) { return n ? g(n - 1) * 2 : 1; }"
+    recursive = (
+        "int f(int n); int g(int n) { return n ? f(n - 1) + 1 : 0; } int f(int n) { return n ? g(n - 1) * 2 : 1; }"
+    )
     with pytest.raises(UnboundedError, match="recursion: f -> g -> f"):
         graph_of(tmp_path, recursive).depth("f")
     with pytest.raises(UnboundedError, match="no fixed size"):
@@ -83,7 +87,9 @@ def test_the_committed_budget_holds_and_a_smaller_one_does_not(folders, tmp_path
 
 
 def symbol(image: str, folder: Path, name: str) -> int:
-    listing = subprocess.run([IMAGES[image].prefix + "nm", folder / "comanip.elf"], capture_output=True, text=True, check=True).stdout
+    listing = subprocess.run(
+        [IMAGES[image].prefix + "nm", folder / "comanip.elf"], capture_output=True, text=True, check=True
+    ).stdout
     return next(int(line.split()[0], 16) for line in listing.splitlines() if line.endswith(f" {name}"))
 
 
@@ -94,7 +100,11 @@ def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
         pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0
     bounds = json.loads((tmp_path / "stack.json").read_text())[image]
-    names = ("thread_stack_end", "thread_stack_top", "exception_stack_top" if IMAGES[image].is_arm else "trap_stack_top")
+    names = (
+        "thread_stack_end",
+        "thread_stack_top",
+        "exception_stack_top" if IMAGES[image].is_arm else "trap_stack_top",
+    )
     bottom, middle, top = (symbol(image, folders[image], f"link_{name}") for name in names)
     assert (middle - bottom, top - middle) == tuple(bound["budget_bytes"] for bound in bounds.values())
     seen = bottom & 0x0FFFFFFF | 0x20000000 if image == "cortex-m33" else bottom  # the monitor sees what is not secure

@@ -16,7 +16,6 @@ from pathlib import Path
 
 import e2e.p05
 import pytest
-
 from images import IMAGES, REPOSITORY, make
 from slcan_oracle import StockSlcan
 
@@ -60,7 +59,9 @@ def elf(target_build, image):
 # ---- what is linked
 
 
-HEAP_AND_STDIO = re.compile(r"_*(v?(as|d|f|s|sn)?n?i?printf|[mc]alloc|realloc|free|s?brk)(_r)?|.*(malloc|printf|sbrk).*")
+HEAP_AND_STDIO = re.compile(
+    r"_*(v?(as|d|f|s|sn)?n?i?printf|[mc]alloc|realloc|free|s?brk)(_r)?|.*(malloc|printf|sbrk).*"
+)
 LIBM = "acos asin atan atan2 cbrt cos cosh erf exp exp2 expm1 fmod hypot ldexp log log10 log1p log2 pow round scalbn sin sincos sinh tan tanh"
 LIBM = re.compile(rf"_*(ieee754_)?({'|'.join(LIBM.split())})[fl]?|sqrtl?|roundf")
 DOUBLE_ARITHMETIC = re.compile(
@@ -118,10 +119,16 @@ CORE = {"cortex-m3": "7-M", "cortex-m4f": "7E-M", "cortex-m7": "7E-M", "cortex-m
 
 def test_each_image_is_made_for_its_processor(elf, image):
     """As the object files say, by the ABI's addenda for Arm (tag CPU_name) and RISC-V (tag arch)."""
-    told = subprocess.run([IMAGES[image].prefix + "readelf", "-A", str(elf)], check=True, capture_output=True, text=True).stdout
+    told = subprocess.run(
+        [IMAGES[image].prefix + "readelf", "-A", str(elf)], check=True, capture_output=True, text=True
+    ).stdout
     name = re.search('(?:Tag_CPU_name|Tag_RISCV_arch): "([^"]+)"', told)[1]
     assert name.startswith(CORE[image]), name
-    floating_point = {"cortex-m4f": "VFPv4-D16", "cortex-m7": "FPv5/FP-D16 for ARMv8", "cortex-m33": "FPv5/FP-D16 for ARMv8"}.get(image)
+    floating_point = {
+        "cortex-m4f": "VFPv4-D16",
+        "cortex-m7": "FPv5/FP-D16 for ARMv8",
+        "cortex-m33": "FPv5/FP-D16 for ARMv8",
+    }.get(image)
     assert re.findall("Tag_FP_arch: (.+)", told) == ([floating_point] if floating_point else [])
 
 
@@ -161,7 +168,9 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
         deadline = time.monotonic() + 60
         while not done(serial.read_bytes().decode()):
             assert emulator.poll() is None, f"{IMAGES[image].emulator[0]} ended: {emulator.stderr.read()}"
-            assert time.monotonic() < deadline, f"not done after 60 s; the last bytes: {serial.read_bytes().decode()[-300:]!r}"
+            assert time.monotonic() < deadline, (
+                f"not done after 60 s; the last bytes: {serial.read_bytes().decode()[-300:]!r}"
+            )
             time.sleep(0.05)
         answer = ""
         with socket.socket(socket.AF_UNIX) as connection:
@@ -331,8 +340,8 @@ FAULTS = {
     "hang": ("for (;;) { }", {"watchdog: not fed in time"}),
     "busy for 12 ms": (busy(12), {"watchdog: not fed in time"}),
     "invalid address": ("*(volatile int *)0x90000000u = 1", {"bus fault", "access fault", "hard fault"}),
-    "invalid instruction": ("__asm__ volatile(\"udf #0\")", {"usage fault", "illegal instruction", "hard fault"}),
-    "panic": ("hal_panic(\"planted\")", {"planted"}),
+    "invalid instruction": ('__asm__ volatile("udf #0")', {"usage fault", "illegal instruction", "hard fault"}),
+    "panic": ('hal_panic("planted")', {"planted"}),
     "loop ended": ("return", {"the firmware's loop ended"}),
 }
 
@@ -356,7 +365,9 @@ def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_bu
     if not IMAGES[image].is_arm:
         statement = statement.replace("0x90000000u", "0x00200000u").replace("udf #0", "unimp")
     elf = planted(image, tmp_path, statement)
-    text, answer = run(image, elf, tmp_path, lambda t: re.search("#panic: .*\r", t) is not None, monitor=show_drive_enable(image))
+    text, answer = run(
+        image, elf, tmp_path, lambda t: re.search("#panic: .*\r", t) is not None, monitor=show_drive_enable(image)
+    )
     frames, cause = text.split("\r#panic: ")
     assert cause.removesuffix("\r") in causes
     ticks = ticks_us(frames)

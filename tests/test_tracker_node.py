@@ -83,8 +83,12 @@ def vectors(poses):
 
 def test_marker_is_seen_from_the_mounted_tracker(dbc):
     mount_m, mount = np.array([1.0, -2.0, 0.5]), Rotation.from_rotvec([0.3, -1.1, 0.7])
-    tracker_options = quiet(rate_hz=100, latency_s=0.007, mount_translation_m=list(mount_m),
-                            mount_rotation=list(mount.as_quat(scalar_first=True)))
+    tracker_options = quiet(
+        rate_hz=100,
+        latency_s=0.007,
+        mount_translation_m=list(mount_m),
+        mount_rotation=list(mount.as_quat(scalar_first=True)),
+    )
     poses, _, statistics = play(dbc, legs(start_s=0.25), tracker_options)
     position_m, quaternion = vectors(poses)
 
@@ -145,8 +149,11 @@ def test_hand_out_of_sight_is_invalid(dbc):
 def test_hand_is_measured_between_the_ticks(dbc, latency_s):
     """333 Hz fall between ticks of 1 ms: interpolated, and with no latency continued for less than a tick. The error of
     either is at most f'' h^2 of the way f: 5.8 m/s^2 times (1 ms)^2, plus half a micrometre of the frame."""
-    poses, *_ = play(dbc, legs(turn_rad=(0, 0, 0)), quiet(rate_hz=333, latency_s=latency_s, mount_translation_m=[0] * 3,
-                                                         mount_rotation=[1, 0, 0, 0]))
+    poses, *_ = play(
+        dbc,
+        legs(turn_rad=(0, 0, 0)),
+        quiet(rate_hz=333, latency_s=latency_s, mount_translation_m=[0] * 3, mount_rotation=[1, 0, 0, 0]),
+    )
     position_m, _ = vectors(poses)
     t = np.round(np.arange(len(poses)) * 1e9 / 333) * 1e-9
     x = np.clip(t - 0.5, 0, 1)[:, None]

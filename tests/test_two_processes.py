@@ -11,7 +11,19 @@ import subprocess
 import pytest
 from bus_log import DBC
 from comanip_command import call
-from live import ATTEMPTS, CAN_FRAME, CANFD_FRAME, FIRMWARE, INTERFACE, PLANT, REPOSITORY, SLOW, Bus, has_kernel_can, is_authentic
+from live import (
+    ATTEMPTS,
+    CAN_FRAME,
+    CANFD_FRAME,
+    FIRMWARE,
+    INTERFACE,
+    PLANT,
+    REPOSITORY,
+    SLOW,
+    Bus,
+    has_kernel_can,
+    is_authentic,
+)
 from test_bus_log import logged_frames
 
 PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
@@ -28,7 +40,9 @@ def waving(tmp_path_factory) -> str:
     before, rest = text.split("    program:\n")
     operator = rest[rest.index("operator:") : rest.index("tracking:")].replace("at_s: 0.5", "at_s: 100")
     path = tmp_path_factory.mktemp("scene") / "waving.yaml"
-    path.write_text(before + "    program:\n      - {do: rest, at_s: 0.6, duration_s: 0.1}\n" + "".join(to_and_fro) + operator)
+    path.write_text(
+        before + "    program:\n      - {do: rest, at_s: 0.6, duration_s: 0.1}\n" + "".join(to_and_fro) + operator
+    )
     return str(path)
 
 
@@ -127,8 +141,14 @@ def test_each_says_which_bus_it_is_on(together):
     kind = "the kernel's interface" if has_kernel_can() else "the hub "
     assert f"comanip-firmware: {INTERFACE} is {kind}" in firmware
     assert f"comanip-plant: {INTERFACE} is {kind}" in plant
-    stamps = "the kernel's, for the CAN controller tells none" if has_kernel_can() else "when it was looked last, for a hub tells none"
-    assert firmware.count(f"comanip-firmware: times of reception: {stamps}\n") == firmware.count("times of reception") == 1
+    stamps = (
+        "the kernel's, for the CAN controller tells none"
+        if has_kernel_can()
+        else "when it was looked last, for a hub tells none"
+    )
+    assert (
+        firmware.count(f"comanip-firmware: times of reception: {stamps}\n") == firmware.count("times of reception") == 1
+    )
     for told in (firmware, plant):
         assert ("real-time priority" in told) != ("not real-time" in told)
 
@@ -280,8 +300,7 @@ def require_stop_of_the_commands(bus: Bus, start: int) -> None:
         "the brake command",
     )
     speed = [
-        max(abs(command[f"velocity_{i}_radps"]) for i in range(JOINTS))
-        for command in bus.commands(faulted, JOINTS)
+        max(abs(command[f"velocity_{i}_radps"]) for i in range(JOINTS)) for command in bus.commands(faulted, JOINTS)
     ]
     assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "slower and slower"
     assert speed[-1] == 0
@@ -345,7 +364,16 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
         "    for (volatile int forever = 1; forever != 0;) {\n    }\n}\n"
     )
     program = tmp_path / "hanging"
-    names = ("can_classic", "can_protocol", "can_transport", "rotation_code", "e2e", "dual_quaternion", "pose", "trigonometry")
+    names = (
+        "can_classic",
+        "can_protocol",
+        "can_transport",
+        "rotation_code",
+        "e2e",
+        "dual_quaternion",
+        "pose",
+        "trigonometry",
+    )
     sources = [
         *(REPOSITORY / "hal" / "linux").glob("*.c"),
         *(REPOSITORY / "firmware" / f"{name}.c" for name in names),

@@ -38,7 +38,16 @@ def tolerance(weight, damping: float) -> float:
         (100.0, WEIGHTED),
         (np.array([1] * 4 + [100] * 4, np.float32), WEIGHTED),
     ],
-    ids=["paper", "scalar weight", "gain", "both", "weight 10", "weight 100", "position weighted", "default weight, gain"],
+    ids=[
+        "paper",
+        "scalar weight",
+        "gain",
+        "both",
+        "weight 10",
+        "weight 100",
+        "position weighted",
+        "default weight, gain",
+    ],
 )
 def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
@@ -75,7 +84,9 @@ def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, wei
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     for damping in np.geomspace(1.0001e-5, 1e-2, 4) * max(weight):
-        config = ffi.new("velocity_control_config_t *", {"gain_per_s": [35.0] * 8, "weight": weight.tolist(), "damping": damping})
+        config = ffi.new(
+            "velocity_control_config_t *", {"gain_per_s": [35.0] * 8, "weight": weight.tolist(), "damping": damping}
+        )
         lib.velocity_control_prepare(config)
         assert config.isotropic.applies
         u = core.joint_velocity(HOAP3, q, target, 35.0, damping, error_frame, weight)
@@ -136,7 +147,9 @@ def test_no_error_no_velocity(rng, error_frame):
 
 def singular_postures(rng) -> np.ndarray:
     """Elbow straight, upper arm along the pitch axis (roll -90 deg), both; exactly, and at all distances from it."""
-    base = np.radians([[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]])
+    base = np.radians(
+        [[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]]
+    )
     near = np.repeat(base, 2000, axis=0)
     near += 10.0 ** rng.uniform(-9, -2, (len(near), 1)) * rng.normal(size=near.shape)
     return np.vstack([np.repeat(base, 200, axis=0), near]).astype(np.float32)

@@ -1,6 +1,6 @@
 /* SysTick: the 1 kHz tick, and between ticks the microseconds. */
-#include <stdbool.h>
 #include <board.h> /* the image's, by its -I */
+#include <stdbool.h>
 
 #include "../slcan/slcan_hal.h"
 #include "drivers.h"

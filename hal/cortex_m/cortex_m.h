@@ -1,4 +1,5 @@
-/* Registers of the Cortex-M cores that the ports use (ARM DDI 0403, 0419 and 0553, chapter B3 resp. D1), and the interrupt mask. */
+/* Registers of the Cortex-M cores that the ports use (ARM DDI 0403, 0419 and 0553, chapter B3 resp. D1), and the
+ * interrupt mask. */
 #ifndef COMANIP_CORTEX_M_H
 #define COMANIP_CORTEX_M_H
 

@@ -1,6 +1,6 @@
-/* The thread has the process stack, lowest in RAM; exceptions have the main stack above it, and so can tell of a thread that ran
- * out of its own. What lies below faults: by the stack limit of ARMv8-M; by the MPU of ARMv7-M; on ARMv6-M, which may have neither,
- * because there is no memory. */
+/* The thread has the process stack, lowest in RAM; exceptions have the main stack above it, and so can tell of a thread
+ * that ran out of its own. What lies below faults: by the stack limit of ARMv8-M; by the MPU of ARMv7-M; on ARMv6-M,
+ * which may have neither, because there is no memory. */
 #include "cortex_m.h"
 #include "drivers.h"
 

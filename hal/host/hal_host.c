@@ -8,7 +8,9 @@
 #include "../hal.h"
 
 #define RECEIVE_QUEUE_FRAMES 64
-#define COMPUTE_TIME_NS 50000 /* assumed, from the tick to the frames it produces: an order above what the host needs */
+#define COMPUTE_TIME_NS                                                                                                \
+    50000 /* assumed, from the tick to the frames it produces: an order above what the host needs                      \
+           */
 #define WATCHDOG_TIMEOUT_NS 10000000
 
 static struct {

@@ -6,7 +6,8 @@
 
 #include "can_socket.h"
 
-/* error: a frame with CAN_ERR_FLAG. Bus-off, restart and error-passive are told each time, other classes are counted. */
+/* error: a frame with CAN_ERR_FLAG. Bus-off, restart and error-passive are told each time, other classes are counted.
+ */
 void can_errors_tell(can_socket_t *socket, const struct canfd_frame *error);
 
 #endif

@@ -47,15 +47,16 @@ static bool set_filters(int fd, const can_selection_t *selection) {
         return false;
     }
     for (size_t i = 0; i < selection->count; i++) {
-        filter[i] = (struct can_filter){.can_id = selection->ids[i],
-                                        .can_mask = CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG};
+        filter[i] =
+            (struct can_filter){.can_id = selection->ids[i], .can_mask = CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG};
     }
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(selection->count * sizeof filter[0])) == 0;
 }
 
 /* Time stamps are the kernel's, which are those that candump writes, and the controller's where it has any. */
 static bool set_options(int fd, const can_selection_t *selection) {
-    const can_err_mask_t errors = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;
+    const can_err_mask_t errors =
+        CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;
     const unsigned stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                             SOF_TIMESTAMPING_RAW_HARDWARE;
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)) {
@@ -75,9 +76,10 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
         return fail(fd, name, "cannot be opened", error, error_size);
     }
     if (request.ifr_mtu < (int)CANFD_MTU && !selection->classic) {
-        (void)snprintf(error, error_size, "%s: MTU %d, expected %d: CAN FD is switched off (ip link set %s mtu 72; a real "
-                       "controller: ip link set %s type can fd on; a bus without FD: --profile classic)", name,
-                       request.ifr_mtu, (int)CANFD_MTU, name, name);
+        (void)snprintf(error, error_size,
+                       "%s: MTU %d, expected %d: CAN FD is switched off (ip link set %s mtu 72; a real "
+                       "controller: ip link set %s type can fd on; a bus without FD: --profile classic)",
+                       name, request.ifr_mtu, (int)CANFD_MTU, name, name);
         (void)close(fd);
         return -1;
     }

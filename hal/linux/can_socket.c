@@ -118,8 +118,8 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
             count_kernel_drops(self, notes.drops);
         }
         if (take(self, &packet, bytes, frame)) {
-            *reception = (can_reception_t){
-                .unix_ns = notes.unix_ns, .hardware_ns = notes.hardware_ns, .own = notes.own};
+            *reception =
+                (can_reception_t){.unix_ns = notes.unix_ns, .hardware_ns = notes.hardware_ns, .own = notes.own};
             return true;
         }
     }
@@ -159,10 +159,14 @@ void can_socket_report(const can_socket_t *self) {
         const char *what;
         uint64_t count;
     } table[] = {
-        {"frames not sent", counters->send_drops},   {"frames lost in the receive queue", counters->receive_drops},
-        {"foreign frames", counters->ignored},       {"error frames", counters->error_frames},
-        {"times error-passive", counters->error_passive}, {"times bus-off", counters->bus_offs},
-        {"restarts", counters->restarts},            {"times without the bus", counters->losses},
+        {"frames not sent", counters->send_drops},
+        {"frames lost in the receive queue", counters->receive_drops},
+        {"foreign frames", counters->ignored},
+        {"error frames", counters->error_frames},
+        {"times error-passive", counters->error_passive},
+        {"times bus-off", counters->bus_offs},
+        {"restarts", counters->restarts},
+        {"times without the bus", counters->losses},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         if (table[i].count > 0) {

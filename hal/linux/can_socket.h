@@ -27,17 +27,17 @@ typedef struct {
     const char *program; /* for what is told on stderr */
     char name[CAN_SOCKET_NAME_BYTES];
     char hub_path[HUB_PATH_BYTES]; /* "": the kernel's interface */
-    int fd;                               /* to wait for; negative: the hub is gone */
-    bool lost;                            /* told, and not yet back */
-    uint32_t kernel_drops;                /* the kernel's count, as last seen */
-    int64_t retry_ns;                     /* CLOCK_MONOTONIC: when the hub is looked for again */
+    int fd;                        /* to wait for; negative: the hub is gone */
+    bool lost;                     /* told, and not yet back */
+    uint32_t kernel_drops;         /* the kernel's count, as last seen */
+    int64_t retry_ns;              /* CLOCK_MONOTONIC: when the hub is looked for again */
     can_socket_counters_t counters;
 } can_socket_t;
 
 typedef struct {
     int64_t unix_ns;     /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0: a hub has none */
     int64_t hardware_ns; /* the controller's, by a clock of its own; 0: it has none */
-    bool own;        /* sent by this very socket */
+    bool own;            /* sent by this very socket */
 } can_reception_t;
 
 /* Whose frames the socket gets. */
@@ -48,7 +48,8 @@ typedef struct {
     bool own;            /* the socket's own frames, too, in the bus's order: the kernel only, a hub sends none back */
 } can_selection_t;
 
-/* Says on stdout which of the two it is. On failure false, and one line in `error` that names the bus and the remedy. */
+/* Says on stdout which of the two it is. On failure false, and one line in `error` that names the bus and the remedy.
+ */
 bool can_socket_open(can_socket_t *self, const char *program, const char *name, const can_selection_t *selection,
                      char error[], size_t error_size);
 

@@ -36,7 +36,8 @@ static void on_stop(int signal_number) {
     stopped = 1;
 }
 
-bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[], size_t error_size) {
+bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[],
+               size_t error_size) {
     if (parameters != NULL && !store_open(PROGRAM, parameters, error, error_size)) {
         return false;
     }
@@ -104,10 +105,10 @@ static int64_t time_of_reception_ns(const can_reception_t *reception) {
 static void tell_stamps(const can_reception_t *reception) {
     if (!port.has_told_stamps) {
         port.has_told_stamps = true;
-        (void)printf(PROGRAM ": times of reception: %s\n",
-                     reception->hardware_ns != 0 ? "the CAN controller's"
-                     : reception->unix_ns != 0   ? "the kernel's, for the CAN controller tells none"
-                                                 : "when it was looked last, for a hub tells none");
+        (void)printf(PROGRAM ": times of reception: %s\n", reception->hardware_ns != 0 ? "the CAN controller's"
+                                                           : reception->unix_ns != 0
+                                                               ? "the kernel's, for the CAN controller tells none"
+                                                               : "when it was looked last, for a hub tells none");
         (void)fflush(stdout);
     }
 }
@@ -140,6 +141,7 @@ _Noreturn void hal_panic(const char *cause) {
 void port_close(void) {
     can_socket_report(&port.can);
     (void)printf(PROGRAM ": stopped after %" PRIu64 " ticks, %" PRIu64 " missed; %" PRIu64 " frames received, %" PRIu64
-                 " sent\n", port.ticks, port.pace.overruns, port.can.counters.received, port.can.counters.sent);
+                         " sent\n",
+                 port.ticks, port.pace.overruns, port.can.counters.received, port.can.counters.sent);
     can_socket_close(&port.can);
 }

@@ -8,9 +8,10 @@
 
 #include "../../firmware/can_profile.h"
 
-/* Opens the bus and reads what is stored; before firmware_main(). parameters: the store's file, or NULL for none. On failure
- * false, and one line in `error`. */
-bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[], size_t error_size);
+/* Opens the bus and reads what is stored; before firmware_main(). parameters: the store's file, or NULL for none. On
+ * failure false, and one line in `error`. */
+bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[],
+               size_t error_size);
 
 /* After firmware_main(): closes the bus and says on stdout how the run went. */
 void port_close(void);

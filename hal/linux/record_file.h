@@ -14,8 +14,8 @@ typedef enum {
 /* Up to `capacity` bytes of the file. */
 record_file_status_t record_file_read(const char *path, void *bytes, size_t capacity, size_t *length);
 
-/* Writes FILE.tmp beside it, which is then renamed; file and folder are on the disk when this returns. False, with errno: the
- * file is as it was, or, if only the folder could not be synchronised, the new one. */
+/* Writes FILE.tmp beside it, which is then renamed; file and folder are on the disk when this returns. False, with
+ * errno: the file is as it was, or, if only the folder could not be synchronised, the new one. */
 bool record_file_write(const char *path, const void *bytes, size_t length);
 
 #endif

@@ -13,15 +13,15 @@ typedef struct {
     uint32_t slow;
 } run_options_t;
 
-/* Takes --can NAME and --slow N out of the arguments, wherever they stand, and leaves the others in their order; *argc is
- * then their number. On failure false, and one line in `error`. */
+/* Takes --can NAME and --slow N out of the arguments, wherever they stand, and leaves the others in their order; *argc
+ * is then their number. On failure false, and one line in `error`. */
 bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[], size_t error_size);
 
 /* The same for --profile fd|classic, which the plant's simulator takes by itself. */
 bool run_options_take_profile(can_profile_t *profile, int *argc, char *argv[], char error[], size_t error_size);
 
-/* argv[*index] is this option, as "--name value" or "--name=value": moves *index to its last argument and gives its value,
- * NULL if it has none. False: it is another. */
+/* argv[*index] is this option, as "--name value" or "--name=value": moves *index to its last argument and gives its
+ * value, NULL if it has none. False: it is another. */
 bool run_options_is(const char *name, int argc, char *argv[], int *index, const char **value);
 
 #endif

@@ -28,7 +28,8 @@ static struct {
 } store;
 
 bool store_open(const char *program, const char *path, char error[], size_t error_size) {
-    const record_file_status_t found = record_file_read(path, store.read.bytes, sizeof store.read.bytes, &store.read.length);
+    const record_file_status_t found =
+        record_file_read(path, store.read.bytes, sizeof store.read.bytes, &store.read.length);
     if (found == RECORD_FILE_FAILED) {
         (void)snprintf(error, error_size, "--parameters '%.300s': %s", path, strerror(errno));
         return false;
@@ -62,8 +63,9 @@ static void *write_records(void *unused) {
 
 void store_start(void) {
     pthread_t thread;
-    if (store.path != NULL && (sem_init(&store.wanted, 0, 0) != 0 || pthread_create(&thread, NULL, write_records, NULL) != 0 ||
-                               pthread_detach(thread) != 0)) {
+    if (store.path != NULL &&
+        (sem_init(&store.wanted, 0, 0) != 0 || pthread_create(&thread, NULL, write_records, NULL) != 0 ||
+         pthread_detach(thread) != 0)) {
         hal_panic("store: no thread for it");
     }
 }

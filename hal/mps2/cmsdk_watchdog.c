@@ -1,4 +1,5 @@
-/* Watchdog of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.5): expires once into the NMI, twice into a reset. */
+/* Watchdog of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.5): expires once into the NMI, twice into a
+ * reset. */
 #include <board.h> /* the image's, by its -I */
 
 #include "../cortex_m/drivers.h"

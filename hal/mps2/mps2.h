@@ -17,7 +17,7 @@ void uart_tx_handler(void);
 void watchdog_stop(void);
 
 #define BOARD_SYSTICK_HANDLER systick_handler
-#define BOARD_INTERRUPT_HANDLERS \
+#define BOARD_INTERRUPT_HANDLERS                                                                                       \
     [BOARD_UART_RX_INTERRUPT] = uart_rx_handler, [BOARD_UART_TX_INTERRUPT] = uart_tx_handler
 
 #endif

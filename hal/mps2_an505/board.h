@@ -1,4 +1,5 @@
-/* MPS2 board with AN505 (Cortex-M33): what the drivers must know of it (ARM DAI 0505). The image is the secure state's. */
+/* MPS2 board with AN505 (Cortex-M33): what the drivers must know of it (ARM DAI 0505). The image is the secure state's.
+ */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 

@@ -1,5 +1,5 @@
-/* The nRF51's watchdog (manual, chapter 24) can do nothing but reset, and cannot be stopped. So the tick's interrupt looks first,
- * and tells the cause; the watchdog comes in, after twice the time, where even interrupts hang. */
+/* The nRF51's watchdog (manual, chapter 24) can do nothing but reset, and cannot be stopped. So the tick's interrupt
+ * looks first, and tells the cause; the watchdog comes in, after twice the time, where even interrupts hang. */
 #include "watchdog.h"
 
 #include "../cortex_m/drivers.h"

@@ -12,10 +12,10 @@
 #define COUNTS_PER_US (BOARD_TIMER_HZ / 1000000u)
 #define COUNTS_PER_TICK (TICK_US * COUNTS_PER_US)
 
-static volatile uint32_t tick_us; /* time of the last tick */
-static uint64_t next_tick;        /* in counts of the timer */
+static volatile uint32_t tick_us;  /* time of the last tick */
+static uint64_t next_tick;         /* in counts of the timer */
 static volatile uint32_t tick_low; /* low half of the timer at the last tick */
-static uint32_t given_tick_us;    /* the one that clock_wait_tick() gave last */
+static uint32_t given_tick_us;     /* the one that clock_wait_tick() gave last */
 
 static uint64_t timer_now(void) {
     uint32_t high;

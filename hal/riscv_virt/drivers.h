@@ -6,8 +6,8 @@
 
 /* clock.c: the CLINT's machine timer as the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
-uint32_t clock_us(void);        /* monotonic modulo 2^32; also in interrupts */
-uint32_t clock_tick_us(void);   /* time of the last tick */
+uint32_t clock_us(void);      /* monotonic modulo 2^32; also in interrupts */
+uint32_t clock_tick_us(void); /* time of the last tick */
 void clock_handler(void);
 
 /* ns16550.c: 8N1, interrupt-driven, into slcan_hal_link. */
@@ -21,7 +21,8 @@ void plic_handler(void);
 /* port.c: panics if the firmware has not fed the watchdog for too long. Called by the tick. */
 void watchdog_check(void);
 
-/* trap.c: called by startup.S, on the stack of traps. cause: mcause; thread_stack: where the interrupted thread's stack was. */
+/* trap.c: called by startup.S, on the stack of traps. cause: mcause; thread_stack: where the interrupted thread's stack
+ * was. */
 void trap_handler(uint32_t cause, uintptr_t thread_stack);
 
 #endif

@@ -1,4 +1,5 @@
-/* Control and status registers of the RISC-V machine mode that the port uses (privileged specification 1.12, chapter 3). */
+/* Control and status registers of the RISC-V machine mode that the port uses (privileged specification 1.12, chapter
+ * 3). */
 #ifndef COMANIP_RISCV_H
 #define COMANIP_RISCV_H
 
@@ -16,15 +17,15 @@
 #define CSR_ASM(instruction) ".option push\n\t.option arch, +zicsr\n\t" instruction "\n\t.option pop"
 
 static inline void interrupts_off(void) {
-    __asm__ volatile(CSR_ASM("csrc mstatus, %0") ::"r"(MSTATUS_INTERRUPTS) : "memory");
+    __asm__ volatile(CSR_ASM("csrc mstatus, %0")::"r"(MSTATUS_INTERRUPTS) : "memory");
 }
 
 static inline void interrupts_on(void) {
-    __asm__ volatile(CSR_ASM("csrs mstatus, %0") ::"r"(MSTATUS_INTERRUPTS) : "memory");
+    __asm__ volatile(CSR_ASM("csrs mstatus, %0")::"r"(MSTATUS_INTERRUPTS) : "memory");
 }
 
 static inline void interrupts_enable(uint32_t mie) {
-    __asm__ volatile(CSR_ASM("csrs mie, %0") ::"r"(mie) : "memory");
+    __asm__ volatile(CSR_ASM("csrs mie, %0")::"r"(mie) : "memory");
 }
 
 /* Returns when an interrupt is pending, even while they are off. */

@@ -24,23 +24,15 @@ static _Noreturn void fault(const char *kind, uintptr_t thread_stack) {
 
 void trap_handler(uint32_t cause, uintptr_t thread_stack) {
     switch (cause) {
-    case CAUSE_TIMER:
-        clock_handler();
-        break;
-    case CAUSE_EXTERNAL:
-        plic_handler();
-        break;
+    case CAUSE_TIMER: clock_handler(); break;
+    case CAUSE_EXTERNAL: plic_handler(); break;
     case CAUSE_FETCH_ACCESS:
     case CAUSE_LOAD_ACCESS:
-    case CAUSE_STORE_ACCESS:
-        fault("access fault", thread_stack);
+    case CAUSE_STORE_ACCESS: fault("access fault", thread_stack);
     case CAUSE_FETCH_MISALIGNED:
     case CAUSE_LOAD_MISALIGNED:
-    case CAUSE_STORE_MISALIGNED:
-        fault("misaligned access", thread_stack);
-    case CAUSE_ILLEGAL_INSTRUCTION:
-        fault("illegal instruction", thread_stack);
-    default:
-        hal_panic("unexpected trap");
+    case CAUSE_STORE_MISALIGNED: fault("misaligned access", thread_stack);
+    case CAUSE_ILLEGAL_INSTRUCTION: fault("illegal instruction", thread_stack);
+    default: hal_panic("unexpected trap");
     }
 }

@@ -1,7 +1,7 @@
-/* An image in lockstep with a simulator at the other end of its serial line: the simulator says when a tick is, with what
- * time, and when each frame was received; the image says when it has sent all of a tick. So neither the line's speed nor the
- * emulator's has a part in what is computed. Beside the frames of the bus three of their own go over the line, with ids that
- * no node has. */
+/* An image in lockstep with a simulator at the other end of its serial line: the simulator says when a tick is, with
+ * what time, and when each frame was received; the image says when it has sent all of a tick. So neither the line's
+ * speed nor the emulator's has a part in what is computed. Beside the frames of the bus three of their own go over the
+ * line, with ids that no node has. */
 #ifndef COMANIP_LOCKSTEP_H
 #define COMANIP_LOCKSTEP_H
 
@@ -13,8 +13,10 @@
 
 /* A frame that carries a time. */
 static inline can_frame_t lockstep_frame(uint16_t id, uint32_t time_us) {
-    return (can_frame_t){.id = id, .length = 4, .data = {(uint8_t)time_us, (uint8_t)(time_us >> 8), (uint8_t)(time_us >> 16),
-                                                         (uint8_t)(time_us >> 24)}};
+    return (can_frame_t){
+        .id = id,
+        .length = 4,
+        .data = {(uint8_t)time_us, (uint8_t)(time_us >> 8), (uint8_t)(time_us >> 16), (uint8_t)(time_us >> 24)}};
 }
 
 static inline uint32_t lockstep_time_us(const can_frame_t *frame) {

@@ -52,15 +52,10 @@ size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]) {
 static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
     self->digits = 0;
     switch (letter) {
-    case 't':
-        self->max_length_code = CLASSIC_MAX_LENGTH_CODE;
-        return SLCAN_STATE_ID;
+    case 't': self->max_length_code = CLASSIC_MAX_LENGTH_CODE; return SLCAN_STATE_ID;
     case 'd':
-    case 'b':
-        self->max_length_code = LENGTH_CODE_COUNT - 1;
-        return SLCAN_STATE_ID;
-    case '\a': /* an adapter's refusal: a line of its own, without CR */
-        return SLCAN_STATE_START;
+    case 'b': self->max_length_code = LENGTH_CODE_COUNT - 1; return SLCAN_STATE_ID;
+    case '\a': /* an adapter's refusal: a line of its own, without CR */ return SLCAN_STATE_START;
     case 'T':
     case 'D':
     case 'B':
@@ -82,10 +77,8 @@ static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
     case 'v':
     case 'N':
     case 'Z':
-    case 'z': /* also an adapter's acknowledgements */
-        return SLCAN_STATE_IGNORE;
-    default:
-        return SLCAN_STATE_MALFORMED;
+    case 'z': /* also an adapter's acknowledgements */ return SLCAN_STATE_IGNORE;
+    default: return SLCAN_STATE_MALFORMED;
     }
 }
 
@@ -112,8 +105,7 @@ static slcan_state_t take_digit(slcan_decoder_t *self, unsigned value, can_frame
         self->digits++;
         return self->digits == 2u * frame->length ? SLCAN_STATE_COMPLETE : SLCAN_STATE_DATA;
     }
-    default: /* more digits than the length code announced */
-        return SLCAN_STATE_MALFORMED;
+    default: /* more digits than the length code announced */ return SLCAN_STATE_MALFORMED;
     }
 }
 
@@ -121,13 +113,10 @@ static slcan_event_t finish(slcan_decoder_t *self) {
     slcan_state_t last = self->state;
     self->state = SLCAN_STATE_START;
     switch (last) {
-    case SLCAN_STATE_COMPLETE:
-        return SLCAN_FRAME;
+    case SLCAN_STATE_COMPLETE: return SLCAN_FRAME;
     case SLCAN_STATE_START: /* an empty line is an adapter's consent */
-    case SLCAN_STATE_IGNORE:
-        return SLCAN_IGNORED;
-    default:
-        return SLCAN_MALFORMED;
+    case SLCAN_STATE_IGNORE: return SLCAN_IGNORED;
+    default: return SLCAN_MALFORMED;
     }
 }
 

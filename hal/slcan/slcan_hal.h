@@ -1,6 +1,6 @@
 /* What a port with a UART instead of a CAN controller shares: it provides the functions below, and gets hal_can_send()
- * (slcan_hal.c), and hal_wait_tick() with hal_can_receive(): free_running.c, or lockstep.c for an image that a simulator
- * steps. */
+ * (slcan_hal.c), and hal_wait_tick() with hal_can_receive(): free_running.c, or lockstep.c for an image that a
+ * simulator steps. */
 #ifndef COMANIP_SLCAN_HAL_H
 #define COMANIP_SLCAN_HAL_H
 

@@ -46,12 +46,9 @@ void slcan_link_put_byte(slcan_link_t *self, uint8_t byte, uint32_t now_us) {
         frame->timestamp_us = now_us;
         atomic_store_explicit(&self->rx_head, after(head, SLCAN_LINK_RX_FRAMES), memory_order_release);
         break;
-    case SLCAN_MALFORMED:
-        self->counters.rx_malformed++;
-        break;
+    case SLCAN_MALFORMED: self->counters.rx_malformed++; break;
     case SLCAN_PENDING:
-    case SLCAN_IGNORED:
-        break;
+    case SLCAN_IGNORED: break;
     }
 }
 

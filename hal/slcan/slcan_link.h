@@ -9,8 +9,9 @@
 
 #include "slcan.h"
 
-#define SLCAN_LINK_RX_FRAMES 16u   /* one place stays free: 15 frames; eight drives, tracker and operator send 13 in a millisecond */
-#define SLCAN_LINK_TX_BYTES 1024u  /* one place stays free: a tick sends 288 bytes as a rule */
+#define SLCAN_LINK_RX_FRAMES                                                                                           \
+    16u /* one place stays free: 15 frames; eight drives, tracker and operator send 13 in a millisecond */
+#define SLCAN_LINK_TX_BYTES 1024u /* one place stays free: a tick sends 288 bytes as a rule */
 
 /* Nothing is lost in silence. Each has one writer. */
 typedef struct {

@@ -14,7 +14,9 @@ _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 def _built_in() -> dict[str, object]:
     """The arm tables linked into the firmware, by name."""
     symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_"))
-    tables = [symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_t")]
+    tables = [
+        symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_t")
+    ]
     return {ffi.string(table.name).decode(): table for table in tables}
 
 
@@ -73,7 +75,9 @@ class Arm:
         for row, joint in enumerate(joints):
             joint.fixed = _pose(fixed[row])
             ffi.memmove(ffi.addressof(joint, "axis"), axis[row].tobytes(), 12)
-            joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps, joint.jerk_max_radps3 = (v[row] for v in limits)
+            joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps, joint.jerk_max_radps3 = (
+                v[row] for v in limits
+            )
         table = ffi.new("arm_t *")
         self._keep_alive = (joints, ffi.new("char[]", name.encode()), table)
         table.name = self._keep_alive[1]

@@ -96,7 +96,9 @@ def _range_rad(place: str, value: object, margin_deg: float) -> tuple[float, flo
     most = math.degrees(POSITION_MAX_RAD)
     low, high = (_number(place, end, -most - margin_deg, most + margin_deg) for end in value)
     if not low + margin_deg < high - margin_deg:
-        raise ArmError(f"{place}: {value!r}: expected the lower end first, and room for the margin of {margin_deg:g} at both")
+        raise ArmError(
+            f"{place}: {value!r}: expected the lower end first, and room for the margin of {margin_deg:g} at both"
+        )
     return math.radians(low + margin_deg), math.radians(high - margin_deg)
 
 

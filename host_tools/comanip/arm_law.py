@@ -28,10 +28,7 @@ def constants(numbers: np.ndarray) -> list[Term]:
 
 
 def cross(block: Block, a: Vector, b: Vector) -> Vector:
-    return [
-        block.add(block.multiply(a[i], b[j]), -block.multiply(a[j], b[i]))
-        for i, j in ((1, 2), (2, 0), (0, 1))
-    ]
+    return [block.add(block.multiply(a[i], b[j]), -block.multiply(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1))]
 
 
 def add(block: Block, a: Vector, b: Vector) -> Vector:
@@ -75,7 +72,9 @@ class Joint:
 def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> list[Joint]:
     """From the variables of the C code that are sine and cosine of half the angle, as measured: without the joint's offset."""
     joints = []
-    for offset_deg, sine, cosine in zip(arm.offset_deg, (Term(1.0, s) for s in sines), (Term(1.0, c) for c in cosines), strict=True):
+    for offset_deg, sine, cosine in zip(
+        arm.offset_deg, (Term(1.0, s) for s in sines), (Term(1.0, c) for c in cosines), strict=True
+    ):
         twice = block.whole(block.add(sine, sine))
         full = (block.add(ONE, -block.multiply(twice, sine)), block.multiply(twice, cosine))
         joints.append(Joint(*ahead(block, *full, offset_deg), *ahead(block, cosine, sine, offset_deg / 2)))
@@ -85,7 +84,10 @@ def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> l
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
     """Cosine and sine of the angle that is `angle_deg` further."""
     c, s = constants([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
-    return [block.add(block.multiply(c, cosine), -block.multiply(s, sine)), block.add(block.multiply(s, cosine), block.multiply(c, sine))]
+    return [
+        block.add(block.multiply(c, cosine), -block.multiply(s, sine)),
+        block.add(block.multiply(s, cosine), block.multiply(c, sine)),
+    ]
 
 
 def rotated(block: Block, matrix: np.ndarray, v: Vector) -> Vector:
@@ -104,7 +106,9 @@ class Seen:
     turn: Quaternion
 
 
-def to_middle(block: Block, arm: Arm, joints: list[Joint], middle: int, v: Vector, start: int, is_point: bool) -> Vector:
+def to_middle(
+    block: Block, arm: Arm, joints: list[Joint], middle: int, v: Vector, start: int, is_point: bool
+) -> Vector:
     """From the moving frame of joint start - 1 (the torso for 0) to the frame of joint `middle`, before that one turns."""
     for i in range(start, middle + 1):
         if is_point:
@@ -115,7 +119,15 @@ def to_middle(block: Block, arm: Arm, joints: list[Joint], middle: int, v: Vecto
     return v
 
 
-def see(block: Block, arm: Arm, joints: list[Joint], target: Vector, target_rotation: Quaternion, middle: int, right_first: bool) -> Seen:
+def see(
+    block: Block,
+    arm: Arm,
+    joints: list[Joint],
+    target: Vector,
+    target_rotation: Quaternion,
+    middle: int,
+    right_first: bool,
+) -> Seen:
     n = len(arm.twist)
 
     def from_hand_side(v: Vector, end: int, is_point: bool) -> Vector:
@@ -169,10 +181,19 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)
-    way = [at_target.whole(at_target.multiply(half, at_target.add(t, -h))) for t, h in zip(seen.target, seen.hand, strict=True)]
+    way = [
+        at_target.whole(at_target.multiply(half, at_target.add(t, -h)))
+        for t, h in zip(seen.target, seen.hand, strict=True)
+    ]
     turn = [Term(1.0, f"turn_{axis}") for axis in "xyz"]
     rotation, translation = Term(1.0, "pull_rotation"), Term(1.0, "law->pull_translation")
-    results = {at_target: [*way, *(at_target.multiply(rotation, x) for x in turn), *(at_target.multiply(translation, x) for x in way)]}
+    results = {
+        at_target: [
+            *way,
+            *(at_target.multiply(rotation, x) for x in turn),
+            *(at_target.multiply(translation, x) for x in way),
+        ]
+    }
 
     torso = to_middle(in_torso, arm, joints, middle, [ZERO] * 3, 0, is_point=True)
     target, hand = ([in_torso.whole(in_torso.multiply(half, in_torso.add(x, -o))) for x, o in zip(p, torso, strict=True)]
@@ -181,7 +202,9 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
     moved = add(in_torso, [in_torso.multiply(Term(1.0, "turn_w"), x) for x in target], cross(in_torso, target, turn))
     dual = add(in_torso, [in_torso.multiply(side, x) for x in moved], [-x for x in hand])
     scalar = in_torso.multiply(translation, in_torso.multiply(side, -in_torso.dot(target, turn)))
-    pull_turn = add(in_torso, [in_torso.multiply(rotation, x) for x in turn], [in_torso.multiply(scalar, -x) for x in hand])
+    pull_turn = add(
+        in_torso, [in_torso.multiply(rotation, x) for x in turn], [in_torso.multiply(scalar, -x) for x in hand]
+    )
     results[in_torso] = [*(-x for x in hand), *pull_turn, *(in_torso.multiply(translation, x) for x in dual)]
 
     text = "\n".join(equations)
@@ -199,9 +222,10 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
 def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]]:
     """The normal equations: the lower triangle as matrix_ij, the right-hand side as pull_i."""
     block = Block("n")
-    n = len(seen.axes)
     rotation, diagonal = Term(1.0, "law->weight_rotation"), Term(1.0, "law->diagonal")
-    offset, turn, dual = ([Term(1.0, f"{part}_{axis}") for axis in "xyz"] for part in ("offset", "pull_turn", "pull_dual"))
+    offset, turn, dual = (
+        [Term(1.0, f"{part}_{axis}") for axis in "xyz"] for part in ("offset", "pull_turn", "pull_dual")
+    )
     moved: list[list[Term]] = []
     results: dict[str, Term] = {}
     entries: dict[tuple[int, int], Term] = {}
@@ -223,10 +247,14 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
               "        velocity_control_general(arm, config, request, velocity_radps);",
               "        return;", "    }"]  # fmt: skip
     lines += [f"    const float {name} = {value(term)};" for name, term in {**named, **pulls}.items()]
-    return lines, {place: ZERO if term.is_zero else Term(1.0, f"matrix_{place[0]}{place[1]}") for place, term in entries.items()}
+    return lines, {
+        place: ZERO if term.is_zero else Term(1.0, f"matrix_{place[0]}{place[1]}") for place, term in entries.items()
+    }
 
 
-def assign(lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]) -> str | None:
+def assign(
+    lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]
+) -> str | None:
     """first - a b - c d ...; without the products of which a factor is 0."""
     terms = [f"{a} * {b}" for a, b in products if a and b]
     if not terms:
@@ -279,7 +307,10 @@ def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
     pull = [f"{pulls}_{i}" for i in range(n)]
     speed = [f"{pulls}_speed_{i}" for i in range(n)]
     for i in range(n):
-        pull[i] = assign(lines, f"{pulls}_carried_{i}", pull[i], [(factor[i, k], pull[k]) for k in range(min(i, eliminated))]) or pull[i]
+        pull[i] = (
+            assign(lines, f"{pulls}_carried_{i}", pull[i], [(factor[i, k], pull[k]) for k in range(min(i, eliminated))])
+            or pull[i]
+        )
     if n == 1:
         lines.append(f"    const float {speed[0]} = {pull[0]} * inverse_0;")
     else:
@@ -320,7 +351,11 @@ def solve_at_ends(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
               "        if (more == 0u) {", "            return;", "        }"]  # fmt: skip
     for joint in range(n):
         zeros = [term.variable for (i, j), term in matrix.items() if i != j and joint in (i, j) and term.variable]
-        lines += [f"        if ((more & {1 << joint}) != 0) {{", f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;", "        }"]
+        lines += [
+            f"        if ((more & {1 << joint}) != 0) {{",
+            f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;",
+            "        }",
+        ]
     return [*lines, "    }", "}"]
 
 
@@ -336,7 +371,11 @@ def sines_and_cosines(n: int) -> list[str]:
         steps.append(f"{name}_{{i}} = {first} * z_{{i}};")
         for other in others:
             last = other == others[-1]
-            steps.append(f"{name}_{{i}} = {name}_{{i}} + {other};" if last else f"{name}_{{i}} = ({name}_{{i}} + {other}) * z_{{i}};")
+            steps.append(
+                f"{name}_{{i}} = {name}_{{i}} + {other};"
+                if last
+                else f"{name}_{{i}} = ({name}_{{i}} + {other}) * z_{{i}};"
+            )
     steps.append("sine_{i} = sine_{i} * (z_{i} * half_{i}) + half_{i};")
     steps.append("cosine_{i} = cosine_{i} * (z_{i} * z_{i}) + (1.0f - 0.5f * z_{i});")
     lines += [f"        {step.format(i=i)}" for step in steps for i in joints]
@@ -398,8 +437,12 @@ def forward_kinematics(arm: Arm) -> list[str]:
     joints = joints_of(block, arm, *([f"half_{i}.{part}" for i in range(n)] for part in ("sine", "cosine")))
     rotation, translation = constants(arm.effector.rotation), constants(arm.effector.translation_m)
     for joint, twist in zip(reversed(joints), reversed(arm.twist), strict=True):
-        rotation = quaternion_product(block, constants(twist.rotation), quaternion_product(block, joint.quaternion, rotation))
-        translation = add(block, rotated(block, twist.matrix, joint.turned(block, translation)), constants(twist.translation_m))
+        rotation = quaternion_product(
+            block, constants(twist.rotation), quaternion_product(block, joint.quaternion, rotation)
+        )
+        translation = add(
+            block, rotated(block, twist.matrix, joint.turned(block, translation)), constants(twist.translation_m)
+        )
     lines += block.text([*rotation, *translation])
     members = [", ".join(value(x) for x in part) for part in (rotation, translation)]
     return [*lines, f"    return (pose_t){{{{{members[0]}}}, {{{members[1]}}}}};"]

@@ -37,14 +37,18 @@ def task_damping(block: Block, moments: list[Vector]) -> list[Vector]:
         cofactor[i][j] = cofactor[j][i] = block.add(block.multiply(m[a][c], m[b][d]), -block.multiply(m[a][d], m[b][c]))
     determinant, trace = block.dot(m[0], cofactor[0]), block.sum(m[i][i] for i in range(3))
     scale = block.apply("position_first_task_scale({}, {})", determinant, trace)
-    return [[block.add(block.multiply(scale, cofactor[i][j]), ONE if i == j else ZERO) for j in range(3)] for i in range(3)]
+    return [
+        [block.add(block.multiply(scale, cofactor[i][j]), ONE if i == j else ZERO) for j in range(3)] for i in range(3)
+    ]
 
 
 def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     n = len(arm.twist)
     block = Block("m")
     joints = joints_of(block, arm, *([f"{part}_{i}" for i in range(n)] for part in ("sine", "cosine")))
-    seen = see(block, arm, joints, named("target->translation_m"), named("target->rotation", "wxyz"), middle, right_first)
+    seen = see(
+        block, arm, joints, named("target->translation_m"), named("target->rotation", "wxyz"), middle, right_first
+    )
     velocity, angular_velocity = (
         to_middle(block, arm, joints, middle, named(f"request->motion->{part}"), 0, is_point=False)
         for part in ("velocity_mps", "angular_velocity_radps")
@@ -72,7 +76,9 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
         out = block.apply(f"position_first_out_of_margin(&joints[{i}], position_rad[{i}])")
         pull = block.add(block.multiply(weight, block.dot(axis, turn)), block.multiply(weighted_stiffness, out))
         results[f"error_{i}"] = block.multiply(gain, block.add(block.dot(moment, way), pull))
-        results[f"motion_{i}"] = block.add(block.dot(moment, velocity), block.multiply(weight, block.dot(axis, angular_velocity)))
+        results[f"motion_{i}"] = block.add(
+            block.dot(moment, velocity), block.multiply(weight, block.dot(axis, angular_velocity))
+        )
         damping.append(block.apply("position_first_damping({}, {})", weighted_stiffness, out))
         damped = [block.dot(row, moment) for row in task]
         for j in range(i + 1):

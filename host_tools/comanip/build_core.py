@@ -117,7 +117,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Compiles the firmware into the Python module comanip._core.")
     parser.add_argument("--generated", type=Path, required=True, help="where codegen.py wrote its sources")
     parser.add_argument("--build-dir", type=Path, required=True, help="for objects and intermediate files")
-    parser.add_argument("--cflags", required=True, help="how the firmware is compiled: standard, optimisation, warnings")
+    parser.add_argument(
+        "--cflags", required=True, help="how the firmware is compiled: standard, optimisation, warnings"
+    )
     arguments = parser.parse_args()
     build(arguments.generated.resolve(), arguments.build_dir.resolve(), shlex.split(arguments.cflags))
 

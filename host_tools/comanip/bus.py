@@ -15,7 +15,9 @@ from comanip.logs import from_message
 from comanip.transport import Profile, Receiver, Sender, profile_of
 
 CONNECT_S = 2.0
-LISTEN_S = 0.8  # for what tells the bus's profile: a status comes each 2 or 8 ms, the hub's socketcand begins after 300 ms
+LISTEN_S = (
+    0.8  # for what tells the bus's profile: a status comes each 2 or 8 ms, the hub's socketcand begins after 300 ms
+)
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,9 @@ def open_bus(address: BusAddress) -> LiveBus:
     try:
         if options:  # python-can itself tries for ten seconds
             socket.create_connection((address.host, address.port), CONNECT_S).close()
-        bus = can.Bus(interface=address.interface, channel=address.channel, fd=address.profile is not Profile.CLASSIC, **options)
+        bus = can.Bus(
+            interface=address.interface, channel=address.channel, fd=address.profile is not Profile.CLASSIC, **options
+        )
     except (can.CanError, OSError, ImportError, ValueError, TypeError, NotImplementedError) as error:
         raise ToolError(
             f"{address}: cannot be opened: {error}; `comanip doctor` tells which buses this machine has"

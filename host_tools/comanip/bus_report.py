@@ -16,7 +16,16 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from comanip.bus_traffic import ASSUMPTIONS, NS_PER_MS, Frame, classic_boot_frames, classic_frames, fd_boot_frames, fd_frames, streams
+from comanip.bus_traffic import (
+    ASSUMPTIONS,
+    NS_PER_MS,
+    Frame,
+    classic_boot_frames,
+    classic_frames,
+    fd_boot_frames,
+    fd_frames,
+    streams,
+)
 from comanip.frame_length import BitRates
 from comanip.response_time import analyse, load
 
@@ -167,7 +176,9 @@ def show(results: Sequence[Result], console: Console) -> None:
     for profile in dict.fromkeys(item.profile for item in results):
         console.print()
         console.print(details([item for item in results if item.profile == profile]))
-    console.print("\nFrames count in their longest form over all payloads, with stuffing. Response: from the tick or the queueing")
+    console.print(
+        "\nFrames count in their longest form over all payloads, with stuffing. Response: from the tick or the queueing"
+    )
     console.print("to the end of the frame; ! marks what is late: after its period. Assumed:")
     for line in ASSUMPTIONS:
         console.print(f"- {line}", highlight=False)

@@ -112,15 +112,22 @@ def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
         period_ms = message.cycle_time or (DEFINE_MS if is_other_part else event_ms)
         answers = sync if state is not None else None
         early_ms = event_ms - tick_ms if one_of and not is_other_part else 0
-        frames.append(Frame(message.name, message.frame_id, message.length, period_ms, batch, one_of, answers, early_ms))
+        frames.append(
+            Frame(message.name, message.frame_id, message.length, period_ms, batch, one_of, answers, early_ms)
+        )
     state = next(frame for frame in frames if frame.name == f"{prefix}GripperState")
-    return [*frames, replace(state, name=f"{state.name}, answer", period_ms=event_ms, answers=f"{prefix}GripperCommand")]
+    return [
+        *frames,
+        replace(state, name=f"{state.name}, answer", period_ms=event_ms, answers=f"{prefix}GripperCommand"),
+    ]
 
 
 def _boot_frames(is_for_classic: bool) -> list[Frame]:
     """What comes at boot, beside all others."""
     tick_ms = CLASSIC_TICK_MS if is_for_classic else FD_TICK_MS
-    periods_ms = dict.fromkeys(BOOT_ONLY, BOOT_MS) | dict.fromkeys(("ParameterValue", f"{CLASSIC}ParameterValue"), tick_ms)
+    periods_ms = dict.fromkeys(BOOT_ONLY, BOOT_MS) | dict.fromkeys(
+        ("ParameterValue", f"{CLASSIC}ParameterValue"), tick_ms
+    )
     return [
         Frame(f"{message.name}, boot", message.frame_id, message.length, periods_ms[message.name], batch=TICK)
         for message in _messages(is_for_classic)

@@ -47,7 +47,9 @@ def write_each_byte_once(text: str) -> str:
     def rewritten(match: re.Match) -> str:
         body, seen = match["body"], set()
         if "switch" in body:
-            raise SystemExit("codegen: a message has multiplexed signals, expected none: each byte of a frame is written in any case")
+            raise SystemExit(
+                "codegen: a message has multiplexed signals, expected none: each byte of a frame is written in any case"
+            )
 
         def first(write: re.Match) -> str:
             again = write["byte"] in seen
@@ -58,7 +60,12 @@ def write_each_byte_once(text: str) -> str:
         empty = [f"    dst_p[{byte}] = 0u;\n" for byte in range(int(match["size"])) if str(byte) not in seen]
         return "".join(empty) + body
 
-    return re.sub(r"    memset\(&dst_p\[0\], 0, (?P<size>\d+)\);\n(?P<body>.*?)(?=\n    return )", rewritten, text, flags=re.DOTALL)
+    return re.sub(
+        r"    memset\(&dst_p\[0\], 0, (?P<size>\d+)\);\n(?P<body>.*?)(?=\n    return )",
+        rewritten,
+        text,
+        flags=re.DOTALL,
+    )
 
 
 def raw_limits(signal) -> tuple[int, int]:
@@ -99,7 +106,9 @@ def check_joints_are_scaled_alike(message: Message) -> None:
     for signal in message.signals:
         own = (signal.length, signal.is_signed, signal.scale)
         if scaling.setdefault(re.sub(r"_\d(?=_|$)", "", signal.name), own) != own:
-            raise SystemExit(f"codegen: {message.name}: {signal.name} is scaled otherwise than joint 0's: one loop serves all eight")
+            raise SystemExit(
+                f"codegen: {message.name}: {signal.name} is scaled otherwise than joint 0's: one loop serves all eight"
+            )
 
 
 def frame_rows(messages: list[Message]) -> list[str]:
@@ -135,7 +144,9 @@ def schema_header(database) -> str:
             prefix = f"COMANIP_{camel_to_snake_case(message.name).upper()}_{signal.name.upper()}"
             low, high = raw_limits(signal)
             if float(signal.scale) != 1.0 and max(abs(low), abs(high)) > RAW_MAX:
-                raise SystemExit(f"codegen: {message.name}.{signal.name}: raw values to {max(abs(low), abs(high))}, expected at most {RAW_MAX}")
+                raise SystemExit(
+                    f"codegen: {message.name}.{signal.name}: raw values to {max(abs(low), abs(high))}, expected at most {RAW_MAX}"
+                )
             if signal.choices:
                 lines.append(f"#define {prefix}_NAMES {names_by_value(signal)}")
             if float(signal.scale) == 1.0:

@@ -109,7 +109,9 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
     if not 0 <= identifier < 1 << 11:
         raise ValueError(f"id {identifier:#x}: expected 11 bits, 0x000 to 0x7FF")
     if length not in (FD_LENGTHS if is_fd else range(9)):
-        raise ValueError(f"length {length}: expected {'0 to 8, 12, 16, 20, 24, 32, 48 or 64' if is_fd else '0 to 8'} bytes")
+        raise ValueError(
+            f"length {length}: expected {'0 to 8, 12, 16, 20, 24, 32, 48 or 64' if is_fd else '0 to 8'} bytes"
+        )
     # After SOF. FD: id, RRS, IDE, FDF, res, BRS | ESI, DLC; classic: id, RTR, IDE, FDF, DLC.
     nominal = _bits(identifier, 11) + ([0, 0, 1, 0, 1] if is_fd else [0, 0, 0, *_bits(length, 4)])
     fast = [0, *_bits(FD_LENGTHS.index(length), 4)] if is_fd else []

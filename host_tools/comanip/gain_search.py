@@ -77,7 +77,11 @@ class Candidate:
     def parameters(self) -> tuple[tuple[str, float], ...]:
         if self.law == "paper":
             return law_parameters(TORSO, self.gain_per_s, self.gain_per_s * self.ratio, 1.0, 1.0, self.damping)
-        return (("prediction", 1.0), ("following_gain_per_s", self.gain_per_s), ("orientation_weight_m2", 1 / self.ratio))
+        return (
+            ("prediction", 1.0),
+            ("following_gain_per_s", self.gain_per_s),
+            ("orientation_weight_m2", 1 / self.ratio),
+        )
 
 
 @dataclass(frozen=True)
@@ -287,7 +291,9 @@ def positive_number(text: str) -> float:
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="comanip.gain_search", description="Searches gains for law (4).")
     parser.add_argument("--out", type=Path, required=True, help="folder for tried.csv and gains.md")
-    parser.add_argument("--budget-s", type=positive_number, default=3600.0, help="wall time at most, about (default 3600)")
+    parser.add_argument(
+        "--budget-s", type=positive_number, default=3600.0, help="wall time at most, about (default 3600)"
+    )
     parser.add_argument("--seeds", type=positive_integer, default=5, help="of the confirming runs (default 5)")
     parser.add_argument("--scenarios", nargs="+", choices=SCENARIOS, default=list(SCENARIOS), help="default: all")
     parser.add_argument("--laws", nargs="+", choices=("paper", "ours"), default=["paper", "ours"], help="default: both")

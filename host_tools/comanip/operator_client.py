@@ -28,7 +28,9 @@ class RefusedError(ToolError):
     def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
         self.result, self.involved = result, involved or {}
         named = ", ".join(f"{name} = {value:g}" for name, value in self.involved.items())
-        super().__init__(f"{request}: refused: {result}{_WHY.get(result, '').format(named=named or 'the firmware named none')}")
+        super().__init__(
+            f"{request}: refused: {result}{_WHY.get(result, '').format(named=named or 'the firmware named none')}"
+        )
 
 
 _WHY = {

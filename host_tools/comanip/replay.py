@@ -46,7 +46,8 @@ def _native_log(ffi, frames: Sequence[Frame]):
         raise AssertionError("can_frame_t has another layout than replay.py thinks")
     pack = _CAN_FRAME.pack
     packed = b"".join(
-        pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.fd, f.data) for f in frames
+        pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.fd, f.data)
+        for f in frames
     )
     return ffi.from_buffer("can_frame_t[]", packed)
 
@@ -60,7 +61,11 @@ def _identity(frames: Sequence[Frame]) -> dict | None:
     damaged."""
     receiver = Receiver()
     for frame in frames:
-        if frame.message is None or frame.name not in ("FirmwareIdentity", "ClassicFirmwareBuild", "ClassicFirmwareIdentity"):
+        if frame.message is None or frame.name not in (
+            "FirmwareIdentity",
+            "ClassicFirmwareBuild",
+            "ClassicFirmwareIdentity",
+        ):
             continue
         if not is_classic(frame.name) and not has_right_crc(frame):
             return decode(frame) | {"build_hash": None}
@@ -163,7 +168,9 @@ class Replay:
         """After the last tick that the log tells of."""
         for place in range(self._state.former_tick_place, len(self.frames)):
             if _is_damaged(self.frames[place]):
-                return Difference("damaged: its CRC is wrong; the log ends before a tick reads it", place, self.frames[place])
+                return Difference(
+                    "damaged: its CRC is wrong; the log ends before a tick reads it", place, self.frames[place]
+                )
         return None
 
     def _found(self) -> Difference | None:

@@ -157,7 +157,9 @@ def _answer(
     first_identifier = min(answer.identifier for answer in [stream, *answers])
     again_ns = asked.period_ns + asked.earliest_ns
     ends = [known[answer.name].event_ns for answer in [stream, *answers]]
-    if any(other.identifier >= first_identifier for other in rest) or any(end is None or end > again_ns for end in ends):
+    if any(other.identifier >= first_identifier for other in rest) or any(
+        end is None or end > again_ns for end in ends
+    ):
         return None
 
     base_ns = max(blocking_ns, *(answer.longest_ns for answer in [stream, *answers]))

@@ -149,7 +149,10 @@ def main(argv: Sequence[str]) -> int:
     show(images, Console(width=WIDTH))
     report.parent.mkdir(parents=True, exist_ok=True)
     content = {
-        name: {"total_bytes": asdict(image.total), "modules_bytes": {m: asdict(size) for m, size in image.modules.items()}}
+        name: {
+            "total_bytes": asdict(image.total),
+            "modules_bytes": {m: asdict(size) for m, size in image.modules.items()},
+        }
         for name, image in images.items()
     }
     report.write_text(json.dumps(content, indent=1) + "\n")

@@ -43,7 +43,7 @@ class Graph:
     def depth(self, function: str, path: tuple[str, ...] = ()) -> tuple[int, tuple[str, ...]]:
         """In bytes, and the functions down to the deepest. UnboundedError for recursion."""
         if function in path:
-            raise UnboundedError(f"recursion: {' -> '.join([*path[path.index(function):], function])}")
+            raise UnboundedError(f"recursion: {' -> '.join([*path[path.index(function) :], function])}")
         deepest, way = 0, ()
         for callee in sorted(self.calls.get(function, ())):
             below = self.depth(callee, (*path, function))
@@ -104,7 +104,9 @@ def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:
-                raise UnboundedError(f"{function} calls through a pointer, and the budget does not say whom it may call")
+                raise UnboundedError(
+                    f"{function} calls through a pointer, and the budget does not say whom it may call"
+                )
             callees.discard(INDIRECT)
             prefixes = tuple(indirect[plain(function)])
             callees |= {name for name in graph.frame if plain(name).startswith(prefixes)}
@@ -137,7 +139,9 @@ def worst_case(graph: Graph, rules: dict) -> dict:
 def rules_of(image: str, budget: dict) -> dict:
     found = [family for family in budget.values() if image in family.get("images", ())]
     if not found:
-        raise UnboundedError("the budget has no section with it among its images: add it to one of the same core, or a section of its own")
+        raise UnboundedError(
+            "the budget has no section with it among its images: add it to one of the same core, or a section of its own"
+        )
     return found[0]
 
 

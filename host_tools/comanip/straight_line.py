@@ -62,7 +62,9 @@ class Block:
         if b.variable is None:
             a = self.whole(a)
             sign = a.factor * b.factor
-            return Term(a.factor, self._emit(f"{a.variable} {'-' if sign < 0 else '+'} {literal(abs(b.factor))}", a.variable))
+            return Term(
+                a.factor, self._emit(f"{a.variable} {'-' if sign < 0 else '+'} {literal(abs(b.factor))}", a.variable)
+            )
         if abs(abs(a.factor) - abs(b.factor)) > 1e-12 * abs(a.factor):
             if abs(b.factor) == 1.0:
                 a, b = b, a
@@ -87,7 +89,9 @@ class Block:
     def apply(self, template: str, *arguments: Term) -> Term:
         """Another expression of C, with each {} in its place."""
         text = template.format(*(value(self.whole(argument)) for argument in arguments))
-        return Term(1.0, self._emit(text, *(argument.variable for argument in map(self.whole, arguments) if argument.variable)))
+        return Term(
+            1.0, self._emit(text, *(argument.variable for argument in map(self.whole, arguments) if argument.variable))
+        )
 
     def sum(self, terms: Iterable[Term]) -> Term:
         total = ZERO

@@ -33,13 +33,15 @@ class TrackerPublisher:
     def publish(self, pose: Pose) -> None:
         """A pose that no frame can carry goes out as an invalid one, and counts as a range error."""
         t_us = round(1e6 * (self._clock() if pose.t_s is None else pose.t_s))
-        if self._last_us is not None and 0 < t_us - self._last_us:
+        if self._last_us is not None and t_us - self._last_us > 0:
             self._intervals_us.append(t_us - self._last_us)
         self._last_us = t_us
         quaternion = (min(max(component, -1.0), 1.0) for component in pose.quaternion)  # rounding may pass 1
         signals = dict(zip(("x_m", "y_m", "z_m"), pose.position_m)) | dict(zip(("qw", "qx", "qy", "qz"), quaternion))
         positions, quaternions = self._bus.profile.message("HandPose"), database().get_message_by_name("HandPose")
-        ranges = {name: (positions if name.endswith("_m") else quaternions).get_signal_by_name(name) for name in signals}
+        ranges = {
+            name: (positions if name.endswith("_m") else quaternions).get_signal_by_name(name) for name in signals
+        }
         if all(_fits(ranges[name], value) for name, value in signals.items()):
             self._bus.send("HandPose", {"t_us": t_us % CLOCK_US, "valid": 1} | signals)
             self.sent += 1

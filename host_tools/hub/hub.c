@@ -74,8 +74,13 @@ client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool m
         return NULL;
     }
     client_t *client = &self->client[place];
-    *client = (client_t){.endpoint = endpoint, .session = session, .fd = fd, .number = ++self->last_number,
-                         .position = self->journal.end, .is_listening = endpoint->greet == NULL, .may_send = may_send};
+    *client = (client_t){.endpoint = endpoint,
+                         .session = session,
+                         .fd = fd,
+                         .number = ++self->last_number,
+                         .position = self->journal.end,
+                         .is_listening = endpoint->greet == NULL,
+                         .may_send = may_send};
     if (endpoint->greet != NULL && endpoint->greet(client) == CLIENT_IS_GONE) {
         remove_client(client);
         return NULL;
@@ -98,7 +103,8 @@ void hub_accept(hub_t *self) {
 bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes) {
     if (!journal_accepts(packet, bytes)) {
         if (client->refused++ == 0) {
-            (void)fprintf(stderr, "comanip-hub: %s client %u: a packet of %zu bytes is refused: expected a can_frame (%zu "
+            (void)fprintf(stderr,
+                          "comanip-hub: %s client %u: a packet of %zu bytes is refused: expected a can_frame (%zu "
                           "bytes, length up to 8) or canfd_frame (%zu, up to 64), and 11 bits of id unless extended\n",
                           client->endpoint->name, client->number, bytes, (size_t)CAN_MTU, (size_t)CANFD_MTU);
         }
@@ -145,7 +151,8 @@ static bool serve(hub_t *self, client_t *client) {
         return false;
     }
     if (!journal_has(&self->journal, client->position)) {
-        (void)fprintf(stderr, "comanip-hub: %s client %u is dropped: it reads too slowly, more than %u frames wait for it\n",
+        (void)fprintf(stderr,
+                      "comanip-hub: %s client %u is dropped: it reads too slowly, more than %u frames wait for it\n",
                       client->endpoint->name, client->number, JOURNAL_FRAMES);
         remove_client(client);
         return false;

@@ -1,5 +1,5 @@
-/* The hub: every frame of a client goes to all others, in one order. One thread, one epoll loop, no waiting for anybody: a
- * client that cannot follow is dropped. */
+/* The hub: every frame of a client goes to all others, in one order. One thread, one epoll loop, no waiting for
+ * anybody: a client that cannot follow is dropped. */
 #ifndef COMANIP_HUB_H
 #define COMANIP_HUB_H
 
@@ -69,8 +69,8 @@ bool hub_listen(hub_t *self, int listen_fd, const endpoint_t *endpoint, bool may
 /* Takes a connected, non-blocking socket. NULL, and the socket closed with a message, if there is no place. */
 client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool may_send);
 
-/* For endpoints, after taking packets from a socket and before hub_receive(): whoever connected before a packet was sent
- * gets it. */
+/* For endpoints, after taking packets from a socket and before hub_receive(): whoever connected before a packet was
+ * sent gets it. */
 void hub_accept(hub_t *self);
 
 /* For endpoints: a packet came from the client. It is forwarded, or counted with a message if it is no frame, or if the

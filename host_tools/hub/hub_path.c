@@ -39,7 +39,8 @@ bool hub_folder_is_trusted(const char *folder, char error[], size_t error_size) 
     }
     const bool is_ours = S_ISDIR(status.st_mode) && (status.st_uid == getuid() || status.st_uid == 0);
     if (!is_ours || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-        (void)snprintf(error, error_size, "%s: expected a folder that only its owner, you or root, may write to", folder);
+        (void)snprintf(error, error_size, "%s: expected a folder that only its owner, you or root, may write to",
+                       folder);
         return false;
     }
     return true;
@@ -48,8 +49,8 @@ bool hub_folder_is_trusted(const char *folder, char error[], size_t error_size) 
 bool hub_path(char path[HUB_PATH_BYTES], const char *folder, const char *name, const char *suffix, char error[],
               size_t error_size) {
     if (!hub_name_is_valid(name)) {
-        (void)snprintf(error, error_size, "bus '%.200s': expected 1 to %d letters, digits, '_' and '-', e.g. vcan0", name,
-                       NAME_MAX_CHARACTERS);
+        (void)snprintf(error, error_size, "bus '%.200s': expected 1 to %d letters, digits, '_' and '-', e.g. vcan0",
+                       name, NAME_MAX_CHARACTERS);
         return false;
     }
     if (snprintf(path, HUB_PATH_BYTES, "%s/%s%s", folder, name, suffix) >= HUB_PATH_BYTES) {

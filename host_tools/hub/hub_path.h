@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define HUB_PATH_BYTES 108      /* as in struct sockaddr_un */
+#define HUB_PATH_BYTES 108          /* as in struct sockaddr_un */
 #define HUB_SOURCE_SUFFIX ".source" /* of the socket for those who may send, when all others only listen */
 #define HUB_LOCK_SUFFIX ".lock"
 

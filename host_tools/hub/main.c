@@ -27,12 +27,14 @@ static const char usage[] =
     "       make hub CAN=NAME\n"
     "\n"
     "  --bus NAME             of the bus (default vcan0)\n"
-    "  --socketcand PORT|off  for python-can and SavvyCAN, at 127.0.0.1 only; 0 takes any free port (default 29536, or off\n"
+    "  --socketcand PORT|off  for python-can and SavvyCAN, at 127.0.0.1 only; 0 takes any free port (default 29536, or "
+    "off\n"
     "                         where another hub has it)\n"
     "  --listen-only          only who connects to the socket NAME.source may send; all others only listen\n"
     "  -h, --help             this text\n"
     "\n"
-    "The socket is $COMANIP_HUB_DIR/NAME, by default /tmp/comanip-hub-UID/NAME. can-utils and python-can use it through\n"
+    "The socket is $COMANIP_HUB_DIR/NAME, by default /tmp/comanip-hub-UID/NAME. can-utils and python-can use it "
+    "through\n"
     "build/host/with-can, for example: build/host/with-can candump -ta vcan0\n"
     "\n"
     "exit status: 0 ended by a signal, 1 cannot run, 2 wrong use\n";
@@ -82,22 +84,17 @@ static int parse_options(options_t *self, int argc, char *argv[]) {
     opterr = 0;
     while ((option = getopt_long(argc, argv, ":h", table, NULL)) != -1) {
         switch (option) {
-        case 'b':
-            self->bus = optarg;
-            break;
+        case 'b': self->bus = optarg; break;
         case 's':
             self->is_port_given = true;
             if (!parse_port(optarg, &self->port)) {
-                (void)snprintf(error, sizeof error, "--socketcand '%.200s': expected a port from 0 to 65535, or off", optarg);
+                (void)snprintf(error, sizeof error, "--socketcand '%.200s': expected a port from 0 to 65535, or off",
+                               optarg);
                 return complain(error, EXIT_WRONG_USE);
             }
             break;
-        case 'l':
-            self->is_listen_only = true;
-            break;
-        case 'h':
-            (void)fputs(usage, stdout);
-            return EXIT_SUCCESS;
+        case 'l': self->is_listen_only = true; break;
+        case 'h': (void)fputs(usage, stdout); return EXIT_SUCCESS;
         default:
             (void)snprintf(error, sizeof error, "'%.200s': %s; --help lists the options", argv[optind - 1],
                            option == ':' ? "expected a value after it" : "no such option");
@@ -165,8 +162,7 @@ int main(int argc, char *argv[]) {
     if (status >= 0) {
         return status;
     }
-    if (!hub_folder(folder, error, sizeof error) ||
-        !hub_path(path, folder, options.bus, "", error, sizeof error) ||
+    if (!hub_folder(folder, error, sizeof error) || !hub_path(path, folder, options.bus, "", error, sizeof error) ||
         !hub_path(source, folder, options.bus, HUB_SOURCE_SUFFIX, error, sizeof error) ||
         !hub_path(lock_path, folder, options.bus, HUB_LOCK_SUFFIX, error, sizeof error)) {
         return complain(error, EXIT_WRONG_USE);

@@ -96,8 +96,8 @@ size_t socketcand_format(const journal_entry_t *entry, char line[SOCKETCAND_LINE
         return 0;
     }
     const int digits = (frame->can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG)) != 0 ? 8 : STANDARD_ID_DIGITS;
-    const int head = snprintf(line, SOCKETCAND_LINE_BYTES, "< %s %0*X %lld.%06ld ", is_error ? "error" : "frame", digits,
-                              frame->can_id & (is_error ? CAN_EFF_MASK | CAN_ERR_FLAG : CAN_EFF_MASK),
+    const int head = snprintf(line, SOCKETCAND_LINE_BYTES, "< %s %0*X %lld.%06ld ", is_error ? "error" : "frame",
+                              digits, frame->can_id & (is_error ? CAN_EFF_MASK | CAN_ERR_FLAG : CAN_EFF_MASK),
                               (long long)entry->time.tv_sec, entry->time.tv_nsec / 1000);
     char *end = line + head;
     for (int i = 0; i < frame->len && !is_error; i++) {

@@ -18,7 +18,7 @@ typedef struct {
     size_t in_bytes;
     char out[OUT_BYTES];
     size_t out_bytes, out_sent;
-    bool is_open; /* of a bus */
+    bool is_open;         /* of a bus */
     int64_t raw_since_ms; /* 0: not yet */
 } session_t;
 
@@ -81,16 +81,14 @@ static client_result_t execute(hub_t *hub, client_t *client, const char *text, s
             client->is_listening = true;
         }
         return answer(client, "< ok >");
-    case SOCKETCAND_ECHO:
-        return answer(client, "< echo >");
+    case SOCKETCAND_ECHO: return answer(client, "< echo >");
     case SOCKETCAND_SEND:
         if (!client->is_listening) {
             return refuse(client, "< error not in rawmode >");
         }
         (void)hub_receive(hub, client, &command.frame, command.bytes);
         return CLIENT_GOES_ON;
-    case SOCKETCAND_MALFORMED:
-        break;
+    case SOCKETCAND_MALFORMED: break;
     }
     return refuse(client, "< error unknown or malformed command >");
 }
@@ -127,8 +125,8 @@ static client_result_t greet(const client_t *client) {
 
 static client_result_t read_commands(hub_t *hub, client_t *client) {
     session_t *session = client->session;
-    const ssize_t bytes = recv(client->fd, session->in + session->in_bytes, sizeof session->in - session->in_bytes,
-                               MSG_DONTWAIT);
+    const ssize_t bytes =
+        recv(client->fd, session->in + session->in_bytes, sizeof session->in - session->in_bytes, MSG_DONTWAIT);
     if (bytes <= 0) {
         return bytes < 0 && (errno == EAGAIN || errno == EINTR) ? CLIENT_GOES_ON : CLIENT_IS_GONE;
     }
@@ -168,8 +166,10 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
             }
             const size_t bytes = put_line(session, entry);
             if (bytes == 0 && client->left_out++ == 0) {
-                (void)fprintf(stderr, "comanip-hub: socketcand client %u: a remote frame is left out, which its protocol "
-                              "cannot carry\n", client->number);
+                (void)fprintf(stderr,
+                              "comanip-hub: socketcand client %u: a remote frame is left out, which its protocol "
+                              "cannot carry\n",
+                              client->number);
             }
         }
         result = flush(client);
@@ -201,5 +201,8 @@ int socketcand_endpoint_port(int listen_fd) {
     return getsockname(listen_fd, (struct sockaddr *)&address, &length) == 0 ? ntohs(address.sin_port) : -1;
 }
 
-const endpoint_t socketcand_endpoint = {
-    .name = "socketcand", .greet = greet, .read = read_commands, .write = write_frames, .session_bytes = sizeof(session_t)};
+const endpoint_t socketcand_endpoint = {.name = "socketcand",
+                                        .greet = greet,
+                                        .read = read_commands,
+                                        .write = write_frames,
+                                        .session_bytes = sizeof(session_t)};

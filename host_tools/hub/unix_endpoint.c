@@ -18,8 +18,8 @@ int unix_endpoint_open(const char *path, char error[], size_t error_size) {
     const int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     (void)unlink(path); /* of a hub that was killed: that none runs is known by the lock */
     const mode_t mask = umask(S_IRWXG | S_IRWXO);
-    const bool is_open = fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 &&
-                         listen(fd, HUB_MAX_CLIENTS) == 0;
+    const bool is_open =
+        fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 && listen(fd, HUB_MAX_CLIENTS) == 0;
     const int cause = errno;
     (void)umask(mask);
     if (!is_open) {
@@ -86,4 +86,5 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
     return CLIENT_GOES_ON;
 }
 
-const endpoint_t unix_endpoint = {.name = "unix", .greet = NULL, .read = read_frames, .write = write_frames, .session_bytes = 0};
+const endpoint_t unix_endpoint = {
+    .name = "unix", .greet = NULL, .read = read_frames, .write = write_frames, .session_bytes = 0};

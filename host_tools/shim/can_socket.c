@@ -159,7 +159,8 @@ int can_socket_get_option(const can_socket_t *self, int name, void *value, sockl
     const bool *flag = find_flag(&copy, name);
     const int number = flag != NULL ? *flag : (int)self->wanted.errors;
     const void *from = name == CAN_RAW_FILTER ? (const void *)self->wanted.filter : &number;
-    const size_t bytes = name == CAN_RAW_FILTER ? (size_t)self->wanted.count * sizeof self->wanted.filter[0] : sizeof number;
+    const size_t bytes =
+        name == CAN_RAW_FILTER ? (size_t)self->wanted.count * sizeof self->wanted.filter[0] : sizeof number;
     if (flag == NULL && name != CAN_RAW_FILTER && name != CAN_RAW_ERR_FILTER) {
         errno = ENOPROTOOPT;
         return -1;

@@ -14,10 +14,10 @@ typedef struct {
     ino_t inode;
     unsigned index; /* of the interface it is connected to; 0: none */
     bool is_bound;
-    bool loopback;     /* others on this machine see what is sent */
+    bool loopback; /* others on this machine see what is sent */
     bool receives_own;
     receive_filter_t wanted;
-    int sender;            /* a second connection, for frames that this socket shall get back, or to another interface; -1 */
+    int sender; /* a second connection, for frames that this socket shall get back, or to another interface; -1 */
     unsigned sender_index;
 } can_socket_t;
 

@@ -20,7 +20,8 @@ static bool is_there(const char *name) {
     char folder[HUB_PATH_BYTES], path[HUB_PATH_BYTES], error[ERROR_BYTES];
     struct stat status;
     return hub_name_is_valid(name) && hub_folder(folder, error, sizeof error) &&
-           hub_path(path, folder, name, "", error, sizeof error) && stat(path, &status) == 0 && S_ISSOCK(status.st_mode);
+           hub_path(path, folder, name, "", error, sizeof error) && stat(path, &status) == 0 &&
+           S_ISSOCK(status.st_mode);
 }
 
 unsigned interface_index(const char *name) {

@@ -1,6 +1,6 @@
-/* libcomanip-can.so, for LD_PRELOAD: raw CAN sockets on a machine whose kernel has none. A call on a CAN socket is led to
- * the hub; every other call goes to libc as it is. Not there: CAN_BCM, ISO-TP, J1939, MSG_CONFIRM on own frames, sockets
- * that are duplicated or inherited by another program. */
+/* libcomanip-can.so, for LD_PRELOAD: raw CAN sockets on a machine whose kernel has none. A call on a CAN socket is led
+ * to the hub; every other call goes to libc as it is. Not there: CAN_BCM, ISO-TP, J1939, MSG_CONFIRM on own frames,
+ * sockets that are duplicated or inherited by another program. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -20,11 +20,11 @@
 #pragma GCC visibility push(default) /* the rest of the library stays inside it */
 
 /* next_NAME: the function of libc that ours stands before. */
-#define NEXT(name)                                        \
-    static __typeof__(name) *next_##name;                 \
-    if (next_##name == NULL) {                            \
-        void *symbol = dlsym(RTLD_NEXT, #name);           \
-        memcpy(&next_##name, &symbol, sizeof next_##name); \
+#define NEXT(name)                                                                                                     \
+    static __typeof__(name) *next_##name;                                                                              \
+    if (next_##name == NULL) {                                                                                         \
+        void *symbol = dlsym(RTLD_NEXT, #name);                                                                        \
+        memcpy(&next_##name, &symbol, sizeof next_##name);                                                             \
     }
 
 /* ---- interfaces */
@@ -135,7 +135,8 @@ int getsockname(int fd, __SOCKADDR_ARG address, socklen_t *restrict length) {
 int setsockopt(int fd, int level, int name, const void *value, socklen_t length) {
     NEXT(setsockopt)
     can_socket_t *can = level == SOL_CAN_RAW ? can_socket_find(fd) : NULL;
-    return can != NULL ? can_socket_set_option(can, name, value, length) : next_setsockopt(fd, level, name, value, length);
+    return can != NULL ? can_socket_set_option(can, name, value, length)
+                       : next_setsockopt(fd, level, name, value, length);
 }
 
 int getsockopt(int fd, int level, int name, void *value, socklen_t *length) {
@@ -166,7 +167,8 @@ static ssize_t received(ssize_t bytes) {
 
 ssize_t read(int fd, void *buffer, size_t size) {
     NEXT(read)
-    return can_socket_find(fd) != NULL && size > 0 ? received(next_read(fd, buffer, size)) : next_read(fd, buffer, size);
+    return can_socket_find(fd) != NULL && size > 0 ? received(next_read(fd, buffer, size))
+                                                   : next_read(fd, buffer, size);
 }
 
 ssize_t recvmsg(int fd, struct msghdr *message, int flags) {
@@ -195,7 +197,9 @@ ssize_t recvfrom(int fd, void *restrict buffer, size_t size, int flags, __SOCKAD
         return next_recvfrom(fd, buffer, size, flags, address, length);
     }
     struct iovec part = {.iov_base = buffer, .iov_len = size};
-    struct msghdr message = {.msg_name = address.__sockaddr__, .msg_namelen = length != NULL ? *length : 0, .msg_iov = &part,
+    struct msghdr message = {.msg_name = address.__sockaddr__,
+                             .msg_namelen = length != NULL ? *length : 0,
+                             .msg_iov = &part,
                              .msg_iovlen = 1};
     const ssize_t bytes = recvmsg(fd, &message, flags);
     if (length != NULL && bytes >= 0) {
@@ -206,7 +210,8 @@ ssize_t recvfrom(int fd, void *restrict buffer, size_t size, int flags, __SOCKAD
 
 ssize_t recv(int fd, void *buffer, size_t size, int flags) {
     NEXT(recv)
-    return can_socket_find(fd) != NULL ? recvfrom(fd, buffer, size, flags, (__SOCKADDR_ARG){NULL}, NULL) : next_recv(fd, buffer, size, flags);
+    return can_socket_find(fd) != NULL ? recvfrom(fd, buffer, size, flags, (__SOCKADDR_ARG){NULL}, NULL)
+                                       : next_recv(fd, buffer, size, flags);
 }
 
 /* Waits for the first message only, as with MSG_WAITFORONE. */
@@ -217,8 +222,8 @@ int recvmmsg(int fd, struct mmsghdr *message, unsigned count, int flags, struct 
     }
     unsigned done = 0;
     while (done < count) {
-        const ssize_t bytes = recvmsg(fd, &message[done].msg_hdr,
-                                      (flags & ~MSG_WAITFORONE) | (done > 0 ? MSG_DONTWAIT : 0));
+        const ssize_t bytes =
+            recvmsg(fd, &message[done].msg_hdr, (flags & ~MSG_WAITFORONE) | (done > 0 ? MSG_DONTWAIT : 0));
         if (bytes < 0) {
             break;
         }
@@ -269,19 +274,21 @@ ssize_t sendto(int fd, const void *buffer, size_t size, int flags, __CONST_SOCKA
         return next_sendto(fd, buffer, size, flags, address, length);
     }
     struct iovec part = {.iov_base = (void *)(uintptr_t)buffer, .iov_len = size};
-    const struct msghdr message = {.msg_name = (void *)(uintptr_t)address.__sockaddr__, .msg_namelen = length, .msg_iov = &part,
-                                   .msg_iovlen = 1};
+    const struct msghdr message = {
+        .msg_name = (void *)(uintptr_t)address.__sockaddr__, .msg_namelen = length, .msg_iov = &part, .msg_iovlen = 1};
     return sendmsg(fd, &message, flags);
 }
 
 ssize_t send(int fd, const void *buffer, size_t size, int flags) {
     NEXT(send)
-    return can_socket_find(fd) != NULL ? sendto(fd, buffer, size, flags, (__CONST_SOCKADDR_ARG){NULL}, 0) : next_send(fd, buffer, size, flags);
+    return can_socket_find(fd) != NULL ? sendto(fd, buffer, size, flags, (__CONST_SOCKADDR_ARG){NULL}, 0)
+                                       : next_send(fd, buffer, size, flags);
 }
 
 ssize_t write(int fd, const void *buffer, size_t size) {
     NEXT(write)
-    return can_socket_find(fd) != NULL ? sendto(fd, buffer, size, 0, (__CONST_SOCKADDR_ARG){NULL}, 0) : next_write(fd, buffer, size);
+    return can_socket_find(fd) != NULL ? sendto(fd, buffer, size, 0, (__CONST_SOCKADDR_ARG){NULL}, 0)
+                                       : next_write(fd, buffer, size);
 }
 
 int sendmmsg(int fd, struct mmsghdr *message, unsigned count, int flags) {

@@ -37,8 +37,7 @@ static void emit_filter(program_t *self, const struct can_filter *filter, bool w
     }
     const bool ends_if_equal = is_inverted != when_matching;
     emit_masked_id(self, mask);
-    emit(self, BPF_JMP | BPF_JEQ | BPF_K, ends_if_equal ? 0 : 1, ends_if_equal ? 1 : 0,
-         htonl(filter->can_id & mask));
+    emit(self, BPF_JMP | BPF_JEQ | BPF_K, ends_if_equal ? 0 : 1, ends_if_equal ? 1 : 0, htonl(filter->can_id & mask));
     emit_return(self, verdict);
 }
 

@@ -1,5 +1,5 @@
-/* What a raw CAN socket wants to receive, as a classic BPF program: the kernel applies it before a frame is queued, so that
- * poll() and select() tell of wanted frames only. */
+/* What a raw CAN socket wants to receive, as a classic BPF program: the kernel applies it before a frame is queued, so
+ * that poll() and select() tell of wanted frames only. */
 #ifndef COMANIP_SHIM_RECEIVE_FILTER_H
 #define COMANIP_SHIM_RECEIVE_FILTER_H
 
@@ -9,9 +9,9 @@
 
 typedef struct {
     struct can_filter filter[CAN_RAW_FILTER_MAX];
-    int count;          /* 0: no data frames at all */
-    bool join;          /* all filters must match, not any */
-    bool fd_frames;     /* CAN FD as well */
+    int count;             /* 0: no data frames at all */
+    bool join;             /* all filters must match, not any */
+    bool fd_frames;        /* CAN FD as well */
     can_err_mask_t errors; /* classes of error frames */
 } receive_filter_t;
 

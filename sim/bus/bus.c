@@ -108,8 +108,8 @@ bool bus_send(bus_t *self, int node_number, const can_frame_t *frame, int64_t re
 }
 
 typedef struct {
-    int node; /* negative: no frame is ready */
-    int place; /* in the node's order */
+    int node;              /* negative: no frame is ready */
+    int place;             /* in the node's order */
     int64_t next_ready_ns; /* if none is ready: when the next one will be, INT64_MAX for never */
 } arbitration_t;
 

@@ -1,8 +1,9 @@
 /* The bus that the simulated nodes share. bus.c: a CAN bus in virtual time, with arbitration by id, true frame
- * durations (1/5 Mbit/s; classic 1 Mbit/s) and bounded queues, deterministic. live_bus.c: a real bus, in real time (live_bus.h).
+ * durations (1/5 Mbit/s; classic 1 Mbit/s) and bounded queues, deterministic. live_bus.c: a real bus, in real time
+ * (live_bus.h).
  *
- * Nodes send frames that are ready at some time; bus_run_until() plays the traffic up to a time and hands each frame, at
- * its end, to every other node and to the listener. Time is in ns since the start of the simulation. */
+ * Nodes send frames that are ready at some time; bus_run_until() plays the traffic up to a time and hands each frame,
+ * at its end, to every other node and to the listener. Time is in ns since the start of the simulation. */
 #ifndef COMANIP_SIM_BUS_H
 #define COMANIP_SIM_BUS_H
 
@@ -20,7 +21,7 @@ typedef void (*bus_handler_t)(void *context, const can_frame_t *frame, int64_t e
 
 typedef struct {
     uint64_t frames;
-    uint64_t dropped;        /* refused by a full queue */
+    uint64_t dropped; /* refused by a full queue */
     int64_t busy_ns;
     double load_percent_peak; /* over windows of 10 ms */
 } bus_statistics_t;

@@ -136,8 +136,8 @@ static int64_t classic_ns(const can_frame_t *frame) {
     if (frame->length > CLASSIC_MAX_BYTES || frame->id > ID_MAX) {
         return -1;
     }
-    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five bits before are zeros for the CRC, which starts with 0 and does not
-     * see them, and 10101 for the stuffing: bus idle that causes none. */
+    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five bits before are zeros for the CRC, which starts with 0 and does
+     * not see them, and 10101 for the stuffing: bus idle that causes none. */
     const unsigned int header = ((unsigned int)frame->id << 7) | frame->length;
     const unsigned int idle = 0xA80000U;
     unsigned int state = STATE(1U, 1U), stuff_bits = 0, crc = 0;
@@ -149,7 +149,8 @@ static int64_t classic_ns(const can_frame_t *frame) {
         crc = crc15(crc, frame->data[i]);
         stuff_bits += add_stuff_bits(&state, frame->data[i]);
     }
-    const unsigned int crc_and_delimiter = (crc << 1) | 1U; /* a run that ends with the CRC is stuffed, before the delimiter */
+    const unsigned int crc_and_delimiter =
+        (crc << 1) | 1U; /* a run that ends with the CRC is stuffed, before the delimiter */
     stuff_bits += add_stuff_bits(&state, crc_and_delimiter >> 8);
     stuff_bits += add_stuff_bits(&state, crc_and_delimiter & 0xFFU);
     return (int64_t)(CLASSIC_BITS + 8U * frame->length + stuff_bits) * NOMINAL_BIT_NS;

@@ -1,4 +1,5 @@
-/* How long a frame occupies the bus: ISO 11898-1, 11-bit id, 1 Mbit/s nominal; CAN FD with 5 Mbit/s in the data phase. */
+/* How long a frame occupies the bus: ISO 11898-1, 11-bit id, 1 Mbit/s nominal; CAN FD with 5 Mbit/s in the data phase.
+ */
 #ifndef COMANIP_SIM_FRAME_TIME_H
 #define COMANIP_SIM_FRAME_TIME_H
 

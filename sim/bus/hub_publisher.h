@@ -1,5 +1,5 @@
-/* Shows the frames of the simulated bus to the listeners on a hub, as they happen. It only sends: nothing comes back, and a
- * hub that is slow or gone costs the run no more than PATIENCE_MS, once. */
+/* Shows the frames of the simulated bus to the listeners on a hub, as they happen. It only sends: nothing comes back,
+ * and a hub that is slow or gone costs the run no more than PATIENCE_MS, once. */
 #ifndef COMANIP_SIM_HUB_PUBLISHER_H
 #define COMANIP_SIM_HUB_PUBLISHER_H
 
@@ -17,8 +17,8 @@ typedef struct {
     uint64_t lost;     /* frames after the hub was gone */
 } hub_publisher_t;
 
-/* Connects to the hub of this name, or starts one, beside this program, that ends with it. On failure false, and one line
- * in `error`. */
+/* Connects to the hub of this name, or starts one, beside this program, that ends with it. On failure false, and one
+ * line in `error`. */
 bool hub_publisher_open(hub_publisher_t *self, const char *bus, char error[], size_t error_size);
 
 /* For bus_listen(); context is the hub_publisher_t. */

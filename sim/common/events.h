@@ -23,8 +23,8 @@ typedef struct {
 
 void events_init(events_t *self);
 
-/* "actor.what", once. Gives its number, also if it is declared already; EVENT_NONE: there are EVENTS_MAX already, or the
- * name is too long. */
+/* "actor.what", once. Gives its number, also if it is declared already; EVENT_NONE: there are EVENTS_MAX already, or
+ * the name is too long. */
 int events_declare(events_t *self, const char *actor, const char *what);
 
 /* EVENT_NONE: there is none of this name. */

@@ -28,8 +28,8 @@ double rotation_angle_between(const double a[4], const double b[4]) {
     const double inverse[4] = {a[0], -a[1], -a[2], -a[3]};
     double difference[4];
     rotation_multiply(inverse, b, difference);
-    const double sine = sqrt(difference[1] * difference[1] + difference[2] * difference[2] +
-                             difference[3] * difference[3]);
+    const double sine =
+        sqrt(difference[1] * difference[1] + difference[2] * difference[2] + difference[3] * difference[3]);
     return 2.0 * atan2(sine, fabs(difference[0])); /* atan2, not acos: exact for small angles */
 }
 

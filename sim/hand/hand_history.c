@@ -4,7 +4,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-
 typedef struct {
     int64_t time_ns;
     rigid_pose_t pose; /* its quaternion on the side of the one before */

@@ -18,8 +18,8 @@ void hand_history_destroy(hand_history_t *self);
 /* Times must increase: one pose per tick. visible: the tracker could see it. */
 void hand_history_push(hand_history_t *self, int64_t time_ns, const rigid_pose_t *pose, bool visible);
 
-/* Linear in position, spherical in rotation between the poses. Beyond the newest it goes on as between the last two, for
- * one more tick at most. False, and no pose: before the oldest, or where a neighbour was not visible. */
+/* Linear in position, spherical in rotation between the poses. Beyond the newest it goes on as between the last two,
+ * for one more tick at most. False, and no pose: before the oldest, or where a neighbour was not visible. */
 bool hand_history_sample(const hand_history_t *self, int64_t time_ns, rigid_pose_t *pose);
 
 #endif

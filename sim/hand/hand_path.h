@@ -6,7 +6,7 @@
 
 typedef struct {
     rigid_pose_t from, to; /* to: its quaternion on from's side */
-    double bow_m[3]; /* so far off the straight line is the middle of the way */
+    double bow_m[3];       /* so far off the straight line is the middle of the way */
     double begin_s, duration_s;
 } hand_path_t;
 

@@ -21,8 +21,8 @@ void playback_begin(playback_t *self, double begin_s, const rigid_pose_t *here);
 
 double playback_duration_s(const playback_t *self);
 
-/* The displacement since from_s times position_scale, the rotation vector since then times rotation_scale, both in torso
- * axes, applied to `here`. A rotation is followed up to a whole turn. False: in a gap of the recording. */
+/* The displacement since from_s times position_scale, the rotation vector since then times rotation_scale, both in
+ * torso axes, applied to `here`. A rotation is followed up to a whole turn. False: in a gap of the recording. */
 bool playback_sample(const playback_t *self, double time_s, rigid_pose_t *pose);
 
 #endif

@@ -83,7 +83,7 @@ recorded_motion_t *recorded_motion_create(const char *path, const char *axes, ch
         return NULL;
     }
     double mapping[4];
-    rotation_from_matrix((const double(*)[3])matrix, mapping);
+    rotation_from_matrix((const double (*)[3])matrix, mapping);
     for (size_t i = 0; i < self->recording.count; i++) {
         rigid_pose_t *pose = &self->recording.sample[i].pose;
         rotation_multiply(mapping, pose->rotation, pose->rotation);

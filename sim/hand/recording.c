@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-
 #define LINE_BYTES 1024
 #define MAX_COLUMNS 13
 #define QUATERNION_COLUMNS 8
@@ -22,7 +21,7 @@ static const char matrix_header[] = "t_s,x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31
 typedef struct {
     FILE *file;
     const char *path;
-    size_t line; /* number of `text`, 0: the file as a whole */
+    size_t line;           /* number of `text`, 0: the file as a whole */
     char text[LINE_BYTES]; /* without the line's end */
     const char *header;
     int columns;
@@ -165,7 +164,7 @@ static bool convert_matrix(reader_t *self, const double value[9], double rotatio
     if (determinant < 0.0) {
         return fail(self, "r11..r33 is a reflection: determinant %.6g, expected 1", determinant);
     }
-    rotation_from_matrix((const double(*)[3])matrix, rotation);
+    rotation_from_matrix((const double (*)[3])matrix, rotation);
     return true;
 }
 
@@ -280,8 +279,7 @@ bool recording_read(recording_t *self, const char *path, char error[], size_t er
     if (reader.file == NULL) {
         return fail(&reader, "cannot be read: %s", strerror(errno));
     }
-    const bool complete =
-        read_header(&reader) && read_samples(&reader, self) && find_median_interval(&reader, self);
+    const bool complete = read_header(&reader) && read_samples(&reader, self) && find_median_interval(&reader, self);
     (void)fclose(reader.file);
     if (!complete) {
         recording_free(self);

@@ -13,7 +13,7 @@
 #define RECORDING_TOLERANCE 1e-3 /* of a unit quaternion's norm, of R^T R against 1 */
 
 typedef struct {
-    double time_s; /* from the first sample */
+    double time_s;     /* from the first sample */
     rigid_pose_t pose; /* in the recorder's frame; signs of the quaternions are continuous */
 } recording_sample_t;
 

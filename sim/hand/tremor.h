@@ -1,12 +1,12 @@
 /* Physiological tremor of a hand: its component of 8 to 12 Hz (R. J. Elble, J. E. Randall, "Mechanistic components of
- * normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) as a sum of sines, so that velocity
- * and acceleration are smooth. tests/test_tremor.py compares its amplitude with recorded hands. */
+ * normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) as a sum of sines, so that
+ * velocity and acceleration are smooth. tests/test_tremor.py compares its amplitude with recorded hands. */
 #ifndef COMANIP_SIM_TREMOR_H
 #define COMANIP_SIM_TREMOR_H
 
 #include <stdint.h>
 
-#define TREMOR_SINES 6 /* per axis */
+#define TREMOR_SINES 6    /* per axis */
 #define TREMOR_RISE_S 0.5 /* from zero: the hand starts at rest where it is said to start */
 
 typedef struct {

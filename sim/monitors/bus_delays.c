@@ -35,7 +35,8 @@ double bus_delays_tracker_ms(const bus_delays_t *self) {
 }
 
 double bus_delays_pose_ms(const bus_delays_t *self) {
-    return self->poses > 0 ? MS_PER_US * self->pose_age_us / (double)self->poses - bus_delays_tracker_ms(self) : (double)NAN;
+    return self->poses > 0 ? MS_PER_US * self->pose_age_us / (double)self->poses - bus_delays_tracker_ms(self)
+                           : (double)NAN;
 }
 
 double bus_delays_command_ms(const bus_delays_t *self) {

@@ -9,10 +9,10 @@
 
 typedef struct {
     uint64_t poses, commands;
-    double pose_age_us;   /* sum: from the stamp of a HandPose to its end on the bus */
-    double command_us;    /* sum: from the firmware's tick to the end of its JointCmd */
+    double pose_age_us; /* sum: from the stamp of a HandPose to its end on the bus */
+    double command_us;  /* sum: from the firmware's tick to the end of its JointCmd */
     bool has_announced;
-    double announced_us;  /* TrackerStatus: from a stamp to the frame */
+    double announced_us; /* TrackerStatus: from a stamp to the frame */
     bool has_command;
     uint32_t command_end_us;
 } bus_delays_t;

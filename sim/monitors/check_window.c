@@ -22,8 +22,7 @@ static double begin_s(const check_window_t *self, const scenario_check_t *check,
 }
 
 static bool is_before_the_stop(const scenario_check_t *check, control_mode_t mode) {
-    return check->has_until || measure_is_of_whole_run(check->measure) || mode == MODE_COOPERATING ||
-           mode == MODE_HOLD;
+    return check->has_until || measure_is_of_whole_run(check->measure) || mode == MODE_COOPERATING || mode == MODE_HOLD;
 }
 
 bool check_window_contains(check_window_t *self, const scenario_check_t *check, double t_s, control_mode_t mode,

@@ -12,10 +12,10 @@
 #define CHECK_WINDOW_TICK_S 0.001
 
 typedef struct {
-    bool has_started; /* the arm has cooperated */
-    bool is_open;     /* its begin has come */
-    bool is_closed;   /* its end, where the check names one, has come */
-    uint64_t ticks;   /* in it so far */
+    bool has_started;       /* the arm has cooperated */
+    bool is_open;           /* its begin has come */
+    bool is_closed;         /* its end, where the check names one, has come */
+    uint64_t ticks;         /* in it so far */
     double first_s, last_s; /* of these */
 } check_window_t;
 

@@ -5,7 +5,8 @@
 
 #include "../common/solve_3x3.h"
 
-#define DAMPING 1e-4 /* share of the samples: the lever k is fitted only as far as the hand turned by more than some 0.01 rad */
+#define DAMPING                                                                                                        \
+    1e-4 /* share of the samples: the lever k is fitted only as far as the hand turned by more than some 0.01 rad */
 
 static void add_follower(delay_sums_t *sums, size_t follower, const double at_m[3], const delay_hand_t *hand) {
     double rest_m[3];
@@ -35,7 +36,8 @@ void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], con
     }
 }
 
-/* The least of the sum of |rest - R k - b|^2 over k and b: b = mean(rest - R k) taken out, three equations for k remain. */
+/* The least of the sum of |rest - R k - b|^2 over k and b: b = mean(rest - R k) taken out, three equations for k
+ * remain. */
 static double left_m2(const delay_fit_t *self, const delay_sums_t *sums, size_t follower) {
     const double count = (double)self->samples;
     const double *rest_m = sums->follower[follower].rest_m;

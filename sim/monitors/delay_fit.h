@@ -1,9 +1,10 @@
 /* By how much something follows the person's hand late: the delay at which least squares leaves the least.
  *
- * Between two commands of the operator, Algorithm 1 makes of the hand's position h and rotation R the target s h + R k + b (mirrored: less
- * twice the way forward along the target's z axis), with constants k and b that come from the start poses and the task. So for each delay d
- * of a grid, follower(t) - s h(t - d) is fitted by R(t - d) k + b, and what is left, over all stretches between commands, is least at the
- * delay that was. The constants need not be known, nor is anything taken from the firmware's own arithmetic. */
+ * Between two commands of the operator, Algorithm 1 makes of the hand's position h and rotation R the target s h + R k
+ * + b (mirrored: less twice the way forward along the target's z axis), with constants k and b that come from the start
+ * poses and the task. So for each delay d of a grid, follower(t) - s h(t - d) is fitted by R(t - d) k + b, and what is
+ * left, over all stretches between commands, is least at the delay that was. The constants need not be known, nor is
+ * anything taken from the firmware's own arithmetic. */
 #ifndef COMANIP_SIM_DELAY_FIT_H
 #define COMANIP_SIM_DELAY_FIT_H
 
@@ -19,8 +20,8 @@ typedef enum { DELAY_OF_TARGET, DELAY_OF_ROBOT, DELAY_FOLLOWERS } delay_follower
 
 /* The hand's part of the target at one instant. */
 typedef struct {
-    double way_m[3];    /* s h, or what is mirrored of it */
-    double turn[3][3];  /* R */
+    double way_m[3];   /* s h, or what is mirrored of it */
+    double turn[3][3]; /* R */
 } delay_hand_t;
 
 typedef struct {

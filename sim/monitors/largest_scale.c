@@ -71,7 +71,8 @@ typedef struct {
 } two_digits_t;
 
 static double value(two_digits_t number) {
-    return number.exponent >= 0 ? number.digits * pow(10.0, number.exponent) : number.digits / pow(10.0, -number.exponent);
+    return number.exponent >= 0 ? number.digits * pow(10.0, number.exponent)
+                                : number.digits / pow(10.0, -number.exponent);
 }
 
 static two_digits_t rounded_down(double scale) {
@@ -93,8 +94,9 @@ static bool is_reached(reach_t *reach, const scaled_target_t *target, double rat
     return reach_contains(reach, target_m, posture_rad);
 }
 
-/* A scale is left only when some target is out of reach at it, and kept only when a whole pass over the targets finds none:
- * so none that would do is passed over, even if a target leaves the reach and comes back into it as the scale falls. */
+/* A scale is left only when some target is out of reach at it, and kept only when a whole pass over the targets finds
+ * none: so none that would do is passed over, even if a target leaves the reach and comes back into it as the scale
+ * falls. */
 double largest_scale(const largest_scale_t *self, double scale, double minimum) {
     reach_t reach;
     reach_init(&reach);

@@ -1,6 +1,7 @@
-/* The largest motion scale at which the arm could have reached every target while a recording was played. The target's way
- * since the recording began is taken to be proportional to the scale, and what came before to stay as it was. That is exact
- * for `teleop`; where a task has a lever between the hands, a turn of the wrist adds to the way whatever the scale. */
+/* The largest motion scale at which the arm could have reached every target while a recording was played. The target's
+ * way since the recording began is taken to be proportional to the scale, and what came before to stay as it was. That
+ * is exact for `teleop`; where a task has a lever between the hands, a turn of the wrist adds to the way whatever the
+ * scale. */
 #ifndef COMANIP_SIM_LARGEST_SCALE_H
 #define COMANIP_SIM_LARGEST_SCALE_H
 

@@ -15,7 +15,8 @@ static latency_tick_t *past(latency_t *self, uint64_t tick) {
     return &self->past[tick % LATENCY_PAST_TICKS];
 }
 
-/* The mirrored target's z axis is taken as the firmware tells it: the way along it is short, and the axis turns slowly. */
+/* The mirrored target's z axis is taken as the firmware tells it: the way along it is short, and the axis turns slowly.
+ */
 static void take_hand(latency_t *self, latency_tick_t *now, const tick_record_t *tick, const rigid_pose_t *hand,
                       const double follows[3]) {
     const double scale = follows[1];
@@ -57,11 +58,12 @@ static bool moves(latency_t *self, uint64_t tick) {
     return way_m > LATENCY_MOVES_MPS * LATENCY_MEAN_TICKS * TICK_S;
 }
 
-/* The tick before -DELAY_FIRST_TICKS: a follower may be early. All the hand's poses it is compared with belong to the same stretch. */
+/* The tick before -DELAY_FIRST_TICKS: a follower may be early. All the hand's poses it is compared with belong to the
+ * same stretch. */
 static void add_sample(latency_t *self) {
     const uint64_t tick = self->ticks - EARLY_TICKS;
-    if (self->ticks < self->stretch_from + DELAY_LAST_TICKS + EARLY_TICKS || tick < self->sampled + LATENCY_SAMPLE_TICKS ||
-        !past(self, tick)->counts || !moves(self, tick)) {
+    if (self->ticks < self->stretch_from + DELAY_LAST_TICKS + EARLY_TICKS ||
+        tick < self->sampled + LATENCY_SAMPLE_TICKS || !past(self, tick)->counts || !moves(self, tick)) {
         return;
     }
     const delay_hand_t *hand[DELAY_COUNT];
@@ -102,6 +104,7 @@ latency_ms_t latency_end(latency_t *self, const bus_delays_t *bus, double drive_
         latency.end_to_end = delay_fit_ms(&self->fit, DELAY_OF_ROBOT);
         latency.estimate = delay_fit_ms(&self->fit, DELAY_OF_TARGET) - latency.tracker - latency.bus;
     }
-    latency.law = latency.end_to_end - latency.tracker - latency.bus - latency.estimate - latency.command - latency.drive;
+    latency.law =
+        latency.end_to_end - latency.tracker - latency.bus - latency.estimate - latency.command - latency.drive;
     return latency;
 }

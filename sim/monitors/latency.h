@@ -9,7 +9,8 @@
 #define LATENCY_MOVES_MPS 0.02 /* mean over LATENCY_MEAN_TICKS: tremor leads nowhere and is no measure of a delay */
 #define LATENCY_MEAN_TICKS 200
 #define LATENCY_NEEDED_S 1.0
-#define LATENCY_PAST_TICKS 512 /* power of two, and above DELAY_LAST_TICKS - DELAY_FIRST_TICKS + LATENCY_MEAN_TICKS / 2 */
+#define LATENCY_PAST_TICKS                                                                                             \
+    512 /* power of two, and above DELAY_LAST_TICKS - DELAY_FIRST_TICKS + LATENCY_MEAN_TICKS / 2 */
 #define LATENCY_SAMPLE_TICKS 4
 
 /* One tick as it was. */
@@ -25,9 +26,9 @@ typedef struct {
     uint64_t ticks;
     uint64_t stretch_from; /* the tick in which the cooperation last changed */
     int64_t settled_ns;
-    int64_t target_ns;     /* of the last target seen */
-    double forward_m;      /* where the hand was then: mirroring counts from it */
-    uint64_t sampled;      /* tick of the last sample */
+    int64_t target_ns; /* of the last target seen */
+    double forward_m;  /* where the hand was then: mirroring counts from it */
+    uint64_t sampled;  /* tick of the last sample */
     uint64_t samples;
     delay_fit_t fit;
 } latency_t;
@@ -40,8 +41,8 @@ typedef struct {
 
 void latency_init(latency_t *self);
 
-/* One finished tick. hand: ODE's, of the tracked person, at its begin; follows: how the robot goes along with it, per axis; settled_ns: the
- * observer's; followable: the arm could follow. */
+/* One finished tick. hand: ODE's, of the tracked person, at its begin; follows: how the robot goes along with it, per
+ * axis; settled_ns: the observer's; followable: the arm could follow. */
 void latency_sample(latency_t *self, const tick_record_t *tick, const rigid_pose_t *hand, const double follows[3],
                     int64_t settled_ns, bool followable);
 

@@ -33,7 +33,8 @@ static double ticks_since_last(const limit_monitor_t *self, int64_t end_ns) {
     return ticks < 1.0 ? 1.0 : ticks;
 }
 
-/* From the middle of the last interval to the middle of this one: the mean accelerations in them differ by at most the jerk times it. */
+/* From the middle of the last interval to the middle of this one: the mean accelerations in them differ by at most the
+ * jerk times it. */
 static double apart_s(const limit_monitor_t *self, double interval_s) {
     return 0.5 * (interval_s + self->last_interval_s);
 }
@@ -46,8 +47,10 @@ static double braked_radps(const limit_monitor_t *self, int joint, double accele
     return fabs(last_radps) + fmax(least_radps2, -acceleration_max_radps2) * interval_s;
 }
 
-static void check_jerk(limit_monitor_t *self, int64_t end_ns, int joint, double acceleration_radps2, double interval_s) {
-    const double jerk_radps3 = fabs(acceleration_radps2 - self->last_acceleration_radps2[joint]) / apart_s(self, interval_s);
+static void check_jerk(limit_monitor_t *self, int64_t end_ns, int joint, double acceleration_radps2,
+                       double interval_s) {
+    const double jerk_radps3 =
+        fabs(acceleration_radps2 - self->last_acceleration_radps2[joint]) / apart_s(self, interval_s);
     const double tolerance_radps3 = 2.0 * VELOCITY_STEP_TOLERANCE_RADPS / (interval_s * self->last_interval_s);
     if (!(jerk_radps3 <= ROBOT_JERK_MAX_RADPS3 + tolerance_radps3)) {
         violated(self, end_ns, joint, "jerk [rad/s^3]", jerk_radps3, ROBOT_JERK_MAX_RADPS3);

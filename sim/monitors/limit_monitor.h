@@ -1,6 +1,6 @@
-/* Watches every JointCmd on the bus for position, velocity, acceleration and jerk limits: the manual's (robot_model.h), and the
- * parameters' values. Shares with the firmware the unpacking of the frame (firmware/can_protocol.h), and neither the arm's
- * table nor the code that keeps the limits. */
+/* Watches every JointCmd on the bus for position, velocity, acceleration and jerk limits: the manual's (robot_model.h),
+ * and the parameters' values. Shares with the firmware the unpacking of the frame (firmware/can_protocol.h), and
+ * neither the arm's table nor the code that keeps the limits. */
 #ifndef COMANIP_SIM_LIMIT_MONITOR_H
 #define COMANIP_SIM_LIMIT_MONITOR_H
 
@@ -22,8 +22,8 @@ typedef struct {
 
 void limit_monitor_init(limit_monitor_t *self);
 
-/* The parameters speed_fraction and acceleration_limit_radps2 in force. After a smaller speed_fraction a joint may still
- * brake down to it at its limits of acceleration and jerk. */
+/* The parameters speed_fraction and acceleration_limit_radps2 in force. After a smaller speed_fraction a joint may
+ * still brake down to it at its limits of acceleration and jerk. */
 void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2);
 

@@ -37,7 +37,8 @@ static bool is_way(measure_t measure) {
 }
 
 bool measure_compares_with_begin(measure_t measure) {
-    return measure == MEASURE_RELATION_RMS || measure == MEASURE_DISPLACEMENT || measure == MEASURE_TURN || is_way(measure);
+    return measure == MEASURE_RELATION_RMS || measure == MEASURE_DISPLACEMENT || measure == MEASURE_TURN ||
+           is_way(measure);
 }
 
 bool measure_is_of_built_in_motion(measure_t measure) {

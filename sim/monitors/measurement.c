@@ -89,7 +89,8 @@ static void add_following(measurement_t *self, const tick_record_t *tick) {
 }
 
 /* How far the robot's hand is from where the person's has led it since the window began. */
-static double relation_error_mm(const measurement_t *self, const rigid_pose_t *person, const measurement_sight_t *sight) {
+static double relation_error_mm(const measurement_t *self, const rigid_pose_t *person,
+                                const measurement_sight_t *sight) {
     double person_m[3];
     for (int k = 0; k < 3; k++) {
         person_m[k] = person->position_m[k] - self->begin_person.position_m[k];
@@ -132,9 +133,7 @@ static void measure_hand(measurement_t *self, const scenario_check_t *check, con
         }
         break;
     case MEASURE_AIM: add_aim(self, check, sight); break;
-    case MEASURE_TURN:
-        keep_last(self, fabs(turn_deg(&self->begin_hand, &tick->hand) - check->expected_deg));
-        break;
+    case MEASURE_TURN: keep_last(self, fabs(turn_deg(&self->begin_hand, &tick->hand) - check->expected_deg)); break;
     default: break;
     }
 }

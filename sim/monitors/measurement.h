@@ -9,7 +9,7 @@
 
 typedef struct {
     check_window_t window;
-    uint64_t ticks; /* of the window, in which there was something to measure */
+    uint64_t ticks;                        /* of the window, in which there was something to measure */
     rigid_pose_t begin_hand, begin_person; /* robot's and person's */
     int begin_left_cup;
     double begin_turns;

@@ -45,8 +45,8 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
     self->target_ticks_left = self->target_ticks;
     const quaternion_t r = trace.target.rotation;
     const vector3_t t = trace.target.translation_m;
-    self->tick.target = (rigid_pose_t){{(double)t.x, (double)t.y, (double)t.z},
-                                       {(double)r.w, (double)r.x, (double)r.y, (double)r.z}};
+    self->tick.target =
+        (rigid_pose_t){{(double)t.x, (double)t.y, (double)t.z}, {(double)r.w, (double)r.x, (double)r.y, (double)r.z}};
 }
 
 static void on_parameter(observer_t *self, const can_frame_t *frame) {

@@ -1,6 +1,7 @@
 /* A listener on the bus that keeps what the frames say: modes, parameters, and one record per tick. The monitors know
- * the firmware through it alone. It shares code with the firmware: checking and unpacking of frames (can_protocol.h), the
- * parameters' numbers and defaults, and the translation of a dual quaternion. The tests decode the same logs without it. */
+ * the firmware through it alone. It shares code with the firmware: checking and unpacking of frames (can_protocol.h),
+ * the parameters' numbers and defaults, and the translation of a dual quaternion. The tests decode the same logs
+ * without it. */
 #ifndef COMANIP_SIM_OBSERVER_H
 #define COMANIP_SIM_OBSERVER_H
 
@@ -24,15 +25,15 @@ typedef struct {
 
 #define OBSERVER_PAST_TICKS 8
 
-/* One tick of 1 ms: where the arm was, what the firmware aimed at and what it commanded. On classic CAN the firmware aims each
- * 4 ms, which the bus tells some ms later: its target is kept until the next one. */
+/* One tick of 1 ms: where the arm was, what the firmware aimed at and what it commanded. On classic CAN the firmware
+ * aims each 4 ms, which the bus tells some ms later: its target is kept until the next one. */
 typedef struct {
     int64_t time_ns;
     rigid_pose_t hand; /* ODE's */
     control_mode_t mode;
     bool has_target;
     rigid_pose_t target;
-    int64_t target_ns; /* its own time */
+    int64_t target_ns;           /* its own time */
     rigid_pose_t hand_at_target; /* ODE's hand at the target's own time; on CAN FD that of this tick */
     bool has_command;
     joint_command_t command;
@@ -45,10 +46,11 @@ typedef struct {
     tick_record_t tick;
     rigid_pose_t past_hand[OBSERVER_PAST_TICKS]; /* ring, by the number of the tick */
     uint64_t ticks;
-    uint32_t target_ticks;      /* a target counts for so many from its own on */
+    uint32_t target_ticks; /* a target counts for so many from its own on */
     uint32_t target_ticks_left;
     double defined_blend_s, blend_s; /* of the last TaskDefine; of the task that was chosen last */
-    int64_t settled_ns; /* when what the operator last had accepted is in force: until then the target moves by itself */
+    int64_t
+        settled_ns; /* when what the operator last had accepted is in force: until then the target moves by itself */
     float parameter[PARAMETER_COUNT]; /* in force; defaults until the bus says otherwise */
     mode_change_t *modes;
     size_t mode_count;

@@ -24,7 +24,7 @@ typedef struct {
     rigid_pose_t hand[SCENARIO_MAX_PEOPLE];
     double hand_force_N[SCENARIO_MAX_PEOPLE][3]; /* from what it holds, over the last step */
     rigid_pose_t object[SCENARIO_MAX_OBJECTS];
-    double crank_turns[SCENARIO_MAX_OBJECTS];                         /* 0: is none */
+    double crank_turns[SCENARIO_MAX_OBJECTS];                  /* 0: is none */
     bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS]; /* [person or SCENE_HOLDER_ROBOT][object] */
     double gripper_opening, gripper_force_N;
     rigid_pose_t robot_cup; /* if there is one */

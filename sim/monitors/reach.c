@@ -38,8 +38,8 @@ static void evaluate(candidate_t *self, const double target_m[3], double jacobia
 /* A joint at a limit that wants to go on outwards (by steepest descent) does not take part in the step. */
 static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOINTS][3], bool is_free[ROBOT_JOINTS]) {
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        const double pull = jacobian[i][0] * self->error_m[0] + jacobian[i][1] * self->error_m[1] +
-                            jacobian[i][2] * self->error_m[2];
+        const double pull =
+            jacobian[i][0] * self->error_m[0] + jacobian[i][1] * self->error_m[1] + jacobian[i][2] * self->error_m[2];
         is_free[i] = !(self->position_rad[i] <= robot_model_position_min_rad(i) && pull < 0.0) &&
                      !(self->position_rad[i] >= robot_model_position_max_rad(i) && pull > 0.0);
     }
@@ -49,11 +49,11 @@ static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOIN
 static double step(const candidate_t *from, double jacobian[ROBOT_JOINTS][3], const bool is_free[ROBOT_JOINTS],
                    double damping, candidate_t *to) {
     double x[3], largest_rad = 0.0;
-    position_jacobian_solve((const double(*)[3])jacobian, is_free, damping, from->error_m, x);
+    position_jacobian_solve((const double (*)[3])jacobian, is_free, damping, from->error_m, x);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const double way = jacobian[i][0] * x[0] + jacobian[i][1] * x[1] + jacobian[i][2] * x[2];
-        to->position_rad[i] = limit(from->position_rad[i] + (is_free[i] ? way : 0.0),
-                                    robot_model_position_min_rad(i), robot_model_position_max_rad(i));
+        to->position_rad[i] = limit(from->position_rad[i] + (is_free[i] ? way : 0.0), robot_model_position_min_rad(i),
+                                    robot_model_position_max_rad(i));
         largest_rad = fmax(largest_rad, fabs(to->position_rad[i] - from->position_rad[i]));
     }
     return largest_rad;
@@ -160,9 +160,9 @@ double reach_distance_m(reach_t *self, const double target_m[3], const double me
 
 bool reach_contains(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]) {
     if (self->searched) {
-        const double way_m = sqrt(pow(target_m[0] - self->target_m[0], 2.0) +
-                                  pow(target_m[1] - self->target_m[1], 2.0) +
-                                  pow(target_m[2] - self->target_m[2], 2.0));
+        const double way_m =
+            sqrt(pow(target_m[0] - self->target_m[0], 2.0) + pow(target_m[1] - self->target_m[1], 2.0) +
+                 pow(target_m[2] - self->target_m[2], 2.0));
         if (self->distance_m + way_m <= REACH_TOLERANCE_M) {
             return true;
         }

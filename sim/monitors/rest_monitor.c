@@ -20,8 +20,9 @@ static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
            rotation_angle_between(hand->rotation, anchor->rotation) > REST_HAND_RAD;
 }
 
-/* The block's mean becomes the anchor if it is not near the one there is: still, if at all, since the block's begin. As long as the hand
- * may still arrive, the anchor goes with it: one on the way, at the very distance, would be left again by tremor alone. */
+/* The block's mean becomes the anchor if it is not near the one there is: still, if at all, since the block's begin. As
+ * long as the hand may still arrive, the anchor goes with it: one on the way, at the very distance, would be left again
+ * by tremor alone. */
 static void end_block(rest_monitor_t *self) {
     rigid_pose_t mean = self->block;
     for (int k = 0; k < 3; k++) {
@@ -99,8 +100,8 @@ static double fastest_radps(const tick_record_t *tick) {
     return fastest;
 }
 
-void rest_monitor_sample(rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state, const rigid_pose_t *aim,
-                         int64_t settled_ns) {
+void rest_monitor_sample(rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
+                         const rigid_pose_t *aim, int64_t settled_ns) {
     const int64_t now_ns = tick->time_ns, hand_ns = self->hand_ns;
     see_hand(self, now_ns, &state->hand[state->tracked]);
     if (!is_asked(self, tick, state, aim, settled_ns)) {

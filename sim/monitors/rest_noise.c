@@ -7,20 +7,23 @@
 
 #define FOLLOWING_PER_S 35.0
 #define ESTIMATE_SHARE 0.25 /* of a sample's noise, in the estimate of a hand at rest */
-#define DAMPING_M2 1e-4 /* a start posture may be singular; elsewhere the squared singular values are 1e-3 to 1e-1 m^2 */
+#define DAMPING_M2                                                                                                     \
+    1e-4 /* a start posture may be singular; elsewhere the squared singular values are 1e-3 to 1e-1 m^2 */
 
-/* The largest norm of a row of the Jacobian's pseudo-inverse [rad/m]: speed of a joint per speed of the hand along each axis. */
+/* The largest norm of a row of the Jacobian's pseudo-inverse [rad/m]: speed of a joint per speed of the hand along each
+ * axis. */
 static double largest_row_norm(const double position_rad[ROBOT_JOINTS]) {
     double hand_m[3], jacobian[ROBOT_JOINTS][3], row[3], largest = 0.0;
     position_jacobian(position_rad, hand_m, jacobian);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        position_jacobian_solve((const double(*)[3])jacobian, NULL, DAMPING_M2, jacobian[i], row);
+        position_jacobian_solve((const double (*)[3])jacobian, NULL, DAMPING_M2, jacobian[i], row);
         largest = fmax(largest, sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2]));
     }
     return largest;
 }
 
-double rest_noise_radps(const scenario_t *scenario, const tracker_options_t *tracker, double motion_scale, bool predicts) {
+double rest_noise_radps(const scenario_t *scenario, const tracker_options_t *tracker, double motion_scale,
+                        bool predicts) {
     double start_rad[ROBOT_JOINTS];
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         start_rad[i] = scenario->start_deg[i] * ROBOT_RAD_PER_DEG;

@@ -7,8 +7,8 @@
  *   and did not fall back into it.
  * - A hand moves, for flow_while_moving, if it came further than 5 mm/s in the last 0.2 s: tremor alone is as fast, but
  *   leads nowhere.
- * - drops counts two things: each OBJECT.dropped (20 ms in nobody's hand: scene.h), and each robot.lost or PERSON.lost of
- *   who held the object then. An object that slips out and falls counts twice.
+ * - drops counts two things: each OBJECT.dropped (20 ms in nobody's hand: scene.h), and each robot.lost or PERSON.lost
+ * of who held the object then. An object that slips out and falls counts twice.
  * - carried_for adds up all ticks in which robot and person hold the object.
  * - Force is the magnitude of the vector, in ticks in which the person holds the object.
  * - A window of settled_position or following_rms with a target in less than half of its ticks is not measured. */

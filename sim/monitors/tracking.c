@@ -7,7 +7,7 @@
 
 #define POSITION_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* so close to its range a joint counts as at its limit */
 #define SETTLE_NS ((int64_t)(TRACKING_SETTLE_S * 1e9))
-#define LIMIT_SHARE 0.9                               /* of a limit counts as at the limit */
+#define LIMIT_SHARE 0.9 /* of a limit counts as at the limit */
 
 void tracking_init(tracking_t *self) {
     memset(self, 0, sizeof *self);
@@ -23,12 +23,12 @@ double tracking_distance_mm(const tick_record_t *tick) {
 }
 
 /* Some joint cannot do what a law may ask of it: it is at its range, at its speed limit, or so fast that within its
- * acceleration limit it could not stop in TRACKING_STOP_S. Speeds are averaged: the tracker's noise alone causes single fast
- * ticks, with a hand at rest. The law's own parameters do not enter, for a law must not choose what it is judged by. */
+ * acceleration limit it could not stop in TRACKING_STOP_S. Speeds are averaged: the tracker's noise alone causes single
+ * fast ticks, with a hand at rest. The law's own parameters do not enter, for a law must not choose what it is judged
+ * by. */
 static bool is_limited(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
-    const double speed_max_radps =
-        fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS,
-             (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2] * TRACKING_STOP_S);
+    const double speed_max_radps = fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS,
+                                        (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2] * TRACKING_STOP_S);
     bool limited = false;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         double *mean_radps = &self->mean_velocity_radps[i];
@@ -90,7 +90,8 @@ void tracking_sample(tracking_t *self, const tick_record_t *tick, const float pa
     const bool in_reach = is_target_in_reach(self, tick);
     const tracking_error_t error = {
         .position_mm = tracking_distance_mm(tick),
-        .orientation_deg = rotation_angle_between(tick->hand_at_target.rotation, tick->target.rotation) / ROBOT_RAD_PER_DEG,
+        .orientation_deg =
+            rotation_angle_between(tick->hand_at_target.rotation, tick->target.rotation) / ROBOT_RAD_PER_DEG,
     };
     add(&self->all, error);
     self->out_of_reach_ticks += !in_reach;

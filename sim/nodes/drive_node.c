@@ -31,7 +31,8 @@ struct drive_node {
     int64_t command_ns;
 };
 
-/* The encoder counts whole pulses. (The manual's counting directions, + + - -, end in the drive: the bus has radians.) */
+/* The encoder counts whole pulses. (The manual's counting directions, + + - -, end in the drive: the bus has radians.)
+ */
 static double encoder_pulses(const drive_node_t *self, int joint) {
     return nearbyint(arm_plant_position_rad(self->plant, joint) * PULSES_PER_RAD);
 }

@@ -1,9 +1,10 @@
 /* The arm's drives as a node on the bus: one velocity servo with encoder, brake and command watchdog per joint.
  *
  * On each valid JointCmd, which is their SYNC, all drives latch their command and sample their encoder, and answer with
- * one JointState each. Servo: the commanded velocity passes a first-order lag (current and velocity loop), and the motor
- * follows it with limited torque. Brake: holds. Without a JointCmd for its timeout a drive brakes by itself and reports
- * DRIVE_ERROR_COMMAND_TIMEOUT every tick until the next JointCmd. Before the first JointCmd: brake, no error, silent. */
+ * one JointState each. Servo: the commanded velocity passes a first-order lag (current and velocity loop), and the
+ * motor follows it with limited torque. Brake: holds. Without a JointCmd for its timeout a drive brakes by itself and
+ * reports DRIVE_ERROR_COMMAND_TIMEOUT every tick until the next JointCmd. Before the first JointCmd: brake, no error,
+ * silent. */
 #ifndef COMANIP_SIM_DRIVE_NODE_H
 #define COMANIP_SIM_DRIVE_NODE_H
 

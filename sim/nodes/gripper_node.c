@@ -6,9 +6,9 @@
 #include "../bus/endpoint.h"
 
 #define NS_PER_MS 1000000
-#define RESPONSE_NS 20000   /* from the end of GripperCommand to the GripperState that answers it */
-#define END_OF_STROKE 1e-3  /* so near to its end the stroke is over */
-#define FORCE_MAX_N 6500.0  /* the frame carries 6553.5 N: a spike beyond is told as this */
+#define RESPONSE_NS 20000  /* from the end of GripperCommand to the GripperState that answers it */
+#define END_OF_STROKE 1e-3 /* so near to its end the stroke is over */
+#define FORCE_MAX_N 6500.0 /* the frame carries 6553.5 N: a spike beyond is told as this */
 
 struct gripper_node {
     endpoint_t endpoint;
@@ -73,7 +73,8 @@ void gripper_node_destroy(gripper_node_t *self) {
 }
 
 void gripper_node_step(gripper_node_t *self, int64_t from_ns, int64_t until_ns) {
-    const int64_t period_ns = (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_GRIPPER_STATE) * NS_PER_MS;
+    const int64_t period_ns =
+        (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_GRIPPER_STATE) * NS_PER_MS;
     for (int64_t due_ns = (from_ns + period_ns - 1) / period_ns * period_ns; due_ns < until_ns; due_ns += period_ns) {
         send_state(self, due_ns);
     }

@@ -10,12 +10,12 @@
 #include "../scenario/step_wait.h"
 
 #define TEXT_BYTES 160
-#define REFUSAL_BYTES 420 /* ten parameters with their values */
+#define REFUSAL_BYTES 420  /* ten parameters with their values */
 #define NAMING_NS 10000000 /* the firmware names the parameters that it refuses, one a tick: 4 ms on classic CAN */
 #define CLOSING_STEPS 2
-#define LISTENS_TO                                                                                                   \
-    (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) |                                       \
-     ENDPOINT_KIND(FRAME_PARAMETER_VALUE) | ENDPOINT_KIND(FRAME_GRIPPER_STATE))
+#define LISTENS_TO                                                                                                     \
+    (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) | ENDPOINT_KIND(FRAME_PARAMETER_VALUE) |  \
+     ENDPOINT_KIND(FRAME_GRIPPER_STATE))
 
 struct operator_node {
     endpoint_t endpoint;
@@ -23,9 +23,9 @@ struct operator_node {
     operator_step_t *steps; /* of the script, and CLOSING_STEPS */
     size_t script_count;
     size_t current;
-    int64_t ready_ns; /* when the step before was done */
-    bool stops;       /* the script is over */
-    int sendings; /* of the current step's frame */
+    int64_t ready_ns;   /* when the step before was done */
+    bool stops;         /* the script is over */
+    int sendings;       /* of the current step's frame */
     int64_t due_ns;     /* when the current step became due; valid once `begun` */
     int64_t timeout_ns; /* when to send again */
     bool begun;
@@ -34,8 +34,8 @@ struct operator_node {
     reason_t reason;
     task_id_t task;
     bool latched;
-    uint8_t custom_form; /* task_form_t of the last task that was defined */
-    char refusal[REFUSAL_BYTES]; /* "": none, or it is told */
+    uint8_t custom_form;          /* task_form_t of the last task that was defined */
+    char refusal[REFUSAL_BYTES];  /* "": none, or it is told */
     int64_t refusal_ns, named_ns; /* when it came, and the last parameter that it names */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
@@ -58,12 +58,8 @@ static void describe(const operator_step_t *step, char text[], size_t size) {
                        step->command == COMMAND_SELECT ? " " : "",
                        step->command == COMMAND_SELECT ? task_name((uint8_t)step->task) : "");
         break;
-    case OPERATOR_MOVE_GRIPPER:
-        (void)snprintf(text, size, "gripper command %s", step->close ? "close" : "open");
-        break;
-    case OPERATOR_AWAIT_MODE:
-        (void)snprintf(text, size, "waiting for mode %s", mode_name((uint8_t)step->mode));
-        break;
+    case OPERATOR_MOVE_GRIPPER: (void)snprintf(text, size, "gripper command %s", step->close ? "close" : "open"); break;
+    case OPERATOR_AWAIT_MODE: (void)snprintf(text, size, "waiting for mode %s", mode_name((uint8_t)step->mode)); break;
     }
 }
 
@@ -100,8 +96,8 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     if (result == RESULT_ACCEPTED) {
         finish_step(self, now_ns);
     } else {
-        (void)snprintf(self->refusal, sizeof self->refusal, "refused by the firmware: %s (mode %s)", result_name((uint8_t)result),
-                       mode_name((uint8_t)self->mode));
+        (void)snprintf(self->refusal, sizeof self->refusal, "refused by the firmware: %s (mode %s)",
+                       result_name((uint8_t)result), mode_name((uint8_t)self->mode));
         self->refusal_ns = self->named_ns = now_ns;
         if (result != RESULT_PARAMETERS_UNSTABLE) {
             fail(self, now_ns, self->refusal);
@@ -135,8 +131,7 @@ static void on_message(void *context, frame_kind_t kind, const can_frame_t *mess
         self->reason = status.reason;
         self->task = status.task;
         self->latched = status.latched;
-    } else if (kind == FRAME_COMMAND_ACK &&
-               (awaits(self, OPERATOR_COMMAND) || awaits(self, OPERATOR_DEFINE_TASK))) {
+    } else if (kind == FRAME_COMMAND_ACK && (awaits(self, OPERATOR_COMMAND) || awaits(self, OPERATOR_DEFINE_TASK))) {
         command_ack_t ack;
         command_ack_unpack(message, &ack);
         if (ack.command == (uint8_t)self->steps[self->current].command) {
@@ -187,8 +182,8 @@ void operator_node_destroy(operator_node_t *self) {
 
 static protocol_status_t pack_step(const operator_step_t *step, uint8_t sequence, can_frame_t *frame) {
     if (step->action == OPERATOR_WRITE_PARAMETER) {
-        const parameter_access_t access = {.operation = PARAMETER_WRITE, .parameter = step->parameter,
-                                           .sequence = sequence, .value = step->value};
+        const parameter_access_t access = {
+            .operation = PARAMETER_WRITE, .parameter = step->parameter, .sequence = sequence, .value = step->value};
         return parameter_access_pack(&access, frame);
     }
     if (step->action == OPERATOR_DEFINE_TASK) {
@@ -197,12 +192,11 @@ static protocol_status_t pack_step(const operator_step_t *step, uint8_t sequence
         return task_define_pack(&define, frame);
     }
     if (step->action == OPERATOR_MOVE_GRIPPER) {
-        const gripper_command_t command = {.action = step->close ? GRIPPER_CLOSE : GRIPPER_OPEN,
-                                           .sequence = sequence};
+        const gripper_command_t command = {.action = step->close ? GRIPPER_CLOSE : GRIPPER_OPEN, .sequence = sequence};
         return gripper_command_pack(&command, frame);
     }
-    const operator_command_t command = {.command = (uint8_t)step->command, .sequence = sequence,
-                                        .task = (uint8_t)step->task};
+    const operator_command_t command = {
+        .command = (uint8_t)step->command, .sequence = sequence, .task = (uint8_t)step->task};
     return operator_command_pack(&command, frame);
 }
 
@@ -326,7 +320,8 @@ void operator_node_describe(const operator_node_t *self, char text[], size_t siz
     const char *missing = step_wait_missing(&step->start, self->events);
     char what[TEXT_BYTES];
     describe(step, what, sizeof what);
-    (void)snprintf(text, size, "operator %s %s", missing != NULL ? "waits for" : "is at", missing != NULL ? missing : what);
+    (void)snprintf(text, size, "operator %s %s", missing != NULL ? "waits for" : "is at",
+                   missing != NULL ? missing : what);
 }
 
 bool operator_node_script_done(const operator_node_t *self) {

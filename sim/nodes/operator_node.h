@@ -1,6 +1,6 @@
 /* The operator as a node on the bus: works through a script of steps, each at its time or after events. Every command,
- * parameter write and gripper command must be acknowledged; a silent receiver is asked again, a refusal or silence after
- * all fails the run with a reason. At the end the operator stops the arm, whatever has been done by then. */
+ * parameter write and gripper command must be acknowledged; a silent receiver is asked again, a refusal or silence
+ * after all fails the run with a reason. At the end the operator stops the arm, whatever has been done by then. */
 #ifndef COMANIP_SIM_OPERATOR_NODE_H
 #define COMANIP_SIM_OPERATOR_NODE_H
 
@@ -34,9 +34,9 @@ typedef struct {
     float value;
     command_t command; /* OPERATOR_COMMAND; OPERATOR_DEFINE_TASK: COMMAND_DEFINE, as it is acknowledged */
     task_id_t task;
-    task_define_t define; /* OPERATOR_DEFINE_TASK; its sequence is the node's */
-    bool close;           /* OPERATOR_MOVE_GRIPPER */
-    control_mode_t mode;  /* OPERATOR_AWAIT_MODE */
+    task_define_t define;   /* OPERATOR_DEFINE_TASK; its sequence is the node's */
+    bool close;             /* OPERATOR_MOVE_GRIPPER */
+    control_mode_t mode;    /* OPERATOR_AWAIT_MODE */
     double mode_patience_s; /* how long to wait for it */
 } operator_step_t;
 

@@ -43,9 +43,7 @@ static operator_step_t convert(const scenario_t *scenario, const operate_step_t 
         step.task = from->task;
         step.in_cooperation = from->command == COMMAND_LATCH || from->command == COMMAND_CLUTCH;
         break;
-    case OPERATE_DEFINE:
-        set_task(&step, &scenario->own_task[from->own_task].define);
-        break;
+    case OPERATE_DEFINE: set_task(&step, &scenario->own_task[from->own_task].define); break;
     case OPERATE_GRIPPER:
         step.action = OPERATOR_MOVE_GRIPPER;
         step.close = from->close;
@@ -82,9 +80,9 @@ size_t operator_script(const scenario_t *scenario, const operator_wishes_t *wish
         }
         count++;
         if (clutch_is_due && starts(from)) { /* at its time, between the steps that wait for what the people do */
-            steps[count++] = (operator_step_t){OPERATOR_COMMAND, .start.at_s = wishes->clutch_s, .in_cooperation = true,
-                                               .gives_way = true, .done_event = EVENT_NONE,
-                                               .command = COMMAND_CLUTCH};
+            steps[count++] =
+                (operator_step_t){OPERATOR_COMMAND,  .start.at_s = wishes->clutch_s, .in_cooperation = true,
+                                  .gives_way = true, .done_event = EVENT_NONE,       .command = COMMAND_CLUTCH};
             clutch_is_due = false;
         }
     }

@@ -1,5 +1,5 @@
-/* What the operator does in a run, as steps of the operator node: the scenario's script, and what the command line wants
- * beside it. */
+/* What the operator does in a run, as steps of the operator node: the scenario's script, and what the command line
+ * wants beside it. */
 #ifndef COMANIP_SIM_OPERATOR_SCRIPT_H
 #define COMANIP_SIM_OPERATOR_SCRIPT_H
 

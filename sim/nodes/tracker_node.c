@@ -173,7 +173,8 @@ static void send_status(tracker_node_t *self, int64_t ready_ns) {
 }
 
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns) {
-    const int64_t status_period_ns = (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_TRACKER_STATUS) * 1000000;
+    const int64_t status_period_ns =
+        (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_TRACKER_STATUS) * 1000000;
     for (;;) { /* in the order of time: what a status counts does not depend on the length of a step */
         const int64_t measured_ns = llround((double)self->next_sample * 1e9 / self->options.rate_hz);
         const int64_t pose_ns = measured_ns + self->latency_ns;

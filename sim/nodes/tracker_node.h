@@ -11,15 +11,15 @@
 
 /* Times are those of the simulation unless said otherwise. */
 typedef struct {
-    double rate_hz;        /* of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
-    double latency_s;      /* from the measurement to the frame, 0..0.5; announced in TrackerStatus */
-    double noise_position_m;       /* standard deviation per axis */
-    double noise_rotation_rad;     /* standard deviation per axis of the rotation vector */
-    double mount_translation_m[3]; /* q_E^T: the tracker seen from the torso; any translation */
-    double mount_rotation[4];      /* unit quaternion w x y z */
-    double dropout_probability;    /* of each sample being lost, 0..1 */
+    double rate_hz;                     /* of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
+    double latency_s;                   /* from the measurement to the frame, 0..0.5; announced in TrackerStatus */
+    double noise_position_m;            /* standard deviation per axis */
+    double noise_rotation_rad;          /* standard deviation per axis of the rotation vector */
+    double mount_translation_m[3];      /* q_E^T: the tracker seen from the torso; any translation */
+    double mount_rotation[4];           /* unit quaternion w x y z */
+    double dropout_probability;         /* of each sample being lost, 0..1 */
     double gap_start_s, gap_duration_s; /* one deliberate dropout of the samples measured in it; duration 0: none */
-    uint32_t clock_start_us; /* of the tracker's own clock: near 2^32 it wraps in the run */
+    uint32_t clock_start_us;            /* of the tracker's own clock: near 2^32 it wraps in the run */
     uint64_t seed;
 } tracker_options_t;
 
@@ -42,8 +42,8 @@ bool tracker_options_check(const tracker_options_t *options, char error[], size_
 tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, const tracker_options_t *options);
 void tracker_node_destroy(tracker_node_t *self);
 
-/* Queues the frames that fall due in [from_ns, until_ns): HandPose at its measurement plus the latency, TrackerStatus in
- * its own period. What fell due before from_ns is left out. The history must reach up to from_ns. */
+/* Queues the frames that fall due in [from_ns, until_ns): HandPose at its measurement plus the latency, TrackerStatus
+ * in its own period. What fell due before from_ns is left out. The history must reach up to from_ns. */
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns);
 
 tracker_statistics_t tracker_node_statistics(const tracker_node_t *self);

@@ -60,7 +60,8 @@ static bool unit_quaternion(const char *text, quaternion_t *quaternion) {
         return false;
     }
     const double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    *quaternion = (quaternion_t){(float)(q[0] / norm), (float)(q[1] / norm), (float)(q[2] / norm), (float)(q[3] / norm)};
+    *quaternion =
+        (quaternion_t){(float)(q[0] / norm), (float)(q[1] / norm), (float)(q[2] / norm), (float)(q[3] / norm)};
     return fabs(norm - 1.0) <= UNIT_TOLERANCE;
 }
 

@@ -15,11 +15,34 @@
 #define PAPER_GAIN_PER_S 4.0f /* the paper gives none: one for all, as its law has it */
 
 enum {
-    OPTION_SCENARIO = 256, OPTION_TRACKER, OPTION_TRACKER_SECOND, OPTION_AXES, OPTION_SEED, OPTION_OUT,
-    OPTION_DURATION, OPTION_PHYSICS_STEP, OPTION_RATE,
-    OPTION_NOISE_MM, OPTION_NOISE_DEG, OPTION_LATENCY_MS, OPTION_MOUNT_TRANSLATION, OPTION_MOUNT_ROTATION,
-    OPTION_DROPOUT, OPTION_GAP, OPTION_TRACKER_CLOCK, OPTION_SCALE, OPTION_PARAM, OPTION_PAPER_LAW, OPTION_DEFINE,
-    OPTION_CLUTCH, OPTION_PROFILE, OPTION_HUB, OPTION_REAL_TIME, OPTION_QUIET, OPTION_LIST, OPTION_HELP,
+    OPTION_SCENARIO = 256,
+    OPTION_TRACKER,
+    OPTION_TRACKER_SECOND,
+    OPTION_AXES,
+    OPTION_SEED,
+    OPTION_OUT,
+    OPTION_DURATION,
+    OPTION_PHYSICS_STEP,
+    OPTION_RATE,
+    OPTION_NOISE_MM,
+    OPTION_NOISE_DEG,
+    OPTION_LATENCY_MS,
+    OPTION_MOUNT_TRANSLATION,
+    OPTION_MOUNT_ROTATION,
+    OPTION_DROPOUT,
+    OPTION_GAP,
+    OPTION_TRACKER_CLOCK,
+    OPTION_SCALE,
+    OPTION_PARAM,
+    OPTION_PAPER_LAW,
+    OPTION_DEFINE,
+    OPTION_CLUTCH,
+    OPTION_PROFILE,
+    OPTION_HUB,
+    OPTION_REAL_TIME,
+    OPTION_QUIET,
+    OPTION_LIST,
+    OPTION_HELP,
 };
 
 static const struct option option_table[] = {
@@ -84,8 +107,8 @@ static void append_name(char text[], size_t size, const char *name) {
     (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
 }
 
-static bool set_parameter(options_t *self, int parameter, const char *option, const char *argument,
-                          const char *number, char error[]) {
+static bool set_parameter(options_t *self, int parameter, const char *option, const char *argument, const char *number,
+                          char error[]) {
     const parameter_description_t *description = &parameter_table[parameter];
     double value = 0.0;
     if (!option_number(number, (double)description->minimum, (double)description->maximum, &value) ||
@@ -194,12 +217,11 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
     case OPTION_AXES:
         self->axes = value;
         return value[0] != '\0' || wrong(error, name, value, "recorder axes for the torso's x, y, z, for example -yxz");
-    case OPTION_OUT:
-        self->out = value;
-        return value[0] != '\0' || wrong(error, name, value, "the path of a folder");
+    case OPTION_OUT: self->out = value; return value[0] != '\0' || wrong(error, name, value, "the path of a folder");
     case OPTION_PROFILE:
         self->profile = strcmp(value, "classic") == 0 ? CAN_PROFILE_CLASSIC : CAN_PROFILE_FD;
-        return self->profile == CAN_PROFILE_CLASSIC || strcmp(value, "fd") == 0 || wrong(error, name, value, "fd or classic");
+        return self->profile == CAN_PROFILE_CLASSIC || strcmp(value, "fd") == 0 ||
+               wrong(error, name, value, "fd or classic");
     case OPTION_HUB:
         self->hub = value;
         return hub_name_is_valid(value) ||
@@ -216,20 +238,16 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
     case OPTION_MOUNT_TRANSLATION:
         return option_numbers(value, ',', -MOUNT_MAX_M, MOUNT_MAX_M, 3, self->tracker.mount_translation_m) ||
                wrong(error, name, value, "x,y,z in m, each from -1000 to 1000");
-    case OPTION_MOUNT_ROTATION:
-        return parse_mount_rotation(self->tracker.mount_rotation, value, error);
-    case OPTION_GAP:
-        return parse_gap(&self->tracker, value, error);
+    case OPTION_MOUNT_ROTATION: return parse_mount_rotation(self->tracker.mount_rotation, value, error);
+    case OPTION_GAP: return parse_gap(&self->tracker, value, error);
     case OPTION_DEFINE:
         self->operator.defines_task = true;
         return option_task(value, &self->operator.task) ||
                wrong(error, name, value,
                      "FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND: constant or mirrored, m within 8.388, two "
                      "quaternions of norm 1 within 0.001, s from 0 to 65.535");
-    case OPTION_SCALE:
-        return set_parameter(self, PARAMETER_MOTION_SCALE, name, value, value, error);
-    default: /* OPTION_PARAM */
-        return parse_parameter(self, value, error);
+    case OPTION_SCALE: return set_parameter(self, PARAMETER_MOTION_SCALE, name, value, value, error);
+    default: /* OPTION_PARAM */ return parse_parameter(self, value, error);
     }
 }
 
@@ -240,25 +258,17 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
     self->seed = 1;
     tracker_options_set_defaults(&self->tracker);
     self->tracker.rate_hz = 0.0; /* the bus's own, unless told */
-    opterr = 0; /* messages are ours */
+    opterr = 0;                  /* messages are ours */
     bool paper_law = false;
     int option, row = 0;
     while ((option = getopt_long(argc, argv, ":h", option_table, &row)) != -1) {
         switch (option) {
         case OPTION_HELP:
-        case 'h':
-            return OPTIONS_SHOW_HELP;
-        case OPTION_LIST:
-            return OPTIONS_SHOW_SCENARIOS;
-        case OPTION_QUIET:
-            self->quiet = true;
-            break;
-        case OPTION_REAL_TIME:
-            self->real_time = true;
-            break;
-        case OPTION_PAPER_LAW:
-            paper_law = true;
-            break;
+        case 'h': return OPTIONS_SHOW_HELP;
+        case OPTION_LIST: return OPTIONS_SHOW_SCENARIOS;
+        case OPTION_QUIET: self->quiet = true; break;
+        case OPTION_REAL_TIME: self->real_time = true; break;
+        case OPTION_PAPER_LAW: paper_law = true; break;
         case '?':
             (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': %s; --help lists them", argv[optind - 1],
                            optopt >= OPTION_SCENARIO ? "this option takes no value" : "no such option");

@@ -7,25 +7,25 @@
 
 #include "../../firmware/can_profile.h"
 #include "../../firmware/parameters.h"
-#include "../nodes/tracker_node.h"
 #include "../nodes/operator_script.h"
+#include "../nodes/tracker_node.h"
 
 #define OPTIONS_ERROR_BYTES 2048
 
 typedef struct {
-    const char *scenario; /* name or path */
+    const char *scenario;     /* name or path */
     const char *tracker_path; /* a recording for the tracked person; NULL: the scenario's built-in motion */
     const char *second_path;  /* a recording for the second person; NULL: the scenario's built-in motion */
     const char *axes;         /* of both; NULL: by the file's name */
     const char *out;          /* NULL: out/SCENARIO */
-    double duration_s; /* 0: until everybody is done */
+    double duration_s;        /* 0: until everybody is done */
     uint64_t physics_step_us; /* 500, 1000 or 2000 */
     uint64_t seed;
     tracker_options_t tracker;
     operator_wishes_t operator;
     can_profile_t profile; /* of the bus */
-    const char *hub; /* its bus shows the simulated one to listeners; NULL: none */
-    bool real_time;  /* no faster than */
+    const char *hub;       /* its bus shows the simulated one to listeners; NULL: none */
+    bool real_time;        /* no faster than */
     bool quiet;
 } options_t;
 

@@ -11,14 +11,19 @@
 
 #define COOPERATION_MIN_S 0.1
 #define REST_RADPS 0.02 /* without noise: ten times what one pulse of the encoder makes the default law ask for */
-#define REST_NOISES 5.0  /* with noise, so many times its RMS: a peak of chance stays below */
+#define REST_NOISES 5.0 /* with noise, so many times its RMS: a peak of chance stays below */
 #define RECORDING_RMS_LIMIT_MM 3.0 /* wrists turn as they like, and what the arm cannot turn pulls at its position */
 
 static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
                     const char *unit) {
     check_t *check = &self->check[self->count++];
-    *check = (check_t){.name = name, .measured = true, .value = value, .limit = limit,
-                       .is_lower_bound = is_lower_bound, .unit = unit, .orientation_rest_deg = (double)NAN,
+    *check = (check_t){.name = name,
+                       .measured = true,
+                       .value = value,
+                       .limit = limit,
+                       .is_lower_bound = is_lower_bound,
+                       .unit = unit,
+                       .orientation_rest_deg = (double)NAN,
                        .pass = is_lower_bound ? value >= limit : value <= limit};
     return check;
 }
@@ -78,7 +83,8 @@ static bool is_cut(const world_t *world) {
 static double rest_limit_radps(const world_t *world) {
     const double motion_scale = (double)world->observer.parameter[PARAMETER_MOTION_SCALE];
     const bool predicts = world->observer.parameter[PARAMETER_PREDICTION] > 0.0f;
-    return fmax(REST_RADPS, REST_NOISES * rest_noise_radps(world->scenario, &world->options->tracker, motion_scale, predicts));
+    return fmax(REST_RADPS,
+                REST_NOISES * rest_noise_radps(world->scenario, &world->options->tracker, motion_scale, predicts));
 }
 
 __attribute__((format(printf, 2, 3))) static void tell_rest_not_measured(checks_t *self, const char *format, ...) {
@@ -88,15 +94,17 @@ __attribute__((format(printf, 2, 3))) static void tell_rest_not_measured(checks_
     va_end(arguments);
 }
 
-/* What is not measured is told. It fails if the hand was moved while its person held it still: else an arm that swings and takes the
- * hand along would be excused by its own fault. */
+/* What is not measured is told. It fails if the hand was moved while its person held it still: else an arm that swings
+ * and takes the hand along would be excused by its own fault. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
-    const double speed_max_radps = (double)world->observer.parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS;
+    const double speed_max_radps =
+        (double)world->observer.parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS;
     if (limit_radps > REST_RADPS && limit_radps >= speed_max_radps) {
-        tell_rest_not_measured(self, "noise and tremor hide it: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
-                               limit_radps, speed_max_radps);
+        tell_rest_not_measured(
+            self, "noise and tremor hide it: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
+            limit_radps, speed_max_radps);
     } else if (rest->disturbed) {
         add_not_measured(self, "comes_to_rest", limit_radps, false, "rad/s");
         tell_rest_not_measured(self, "the hand was moved while its person held it still");
@@ -105,16 +113,17 @@ static void add_rest(checks_t *self, const world_t *world) {
     } else if (is_cut(world)) {
         tell_rest_not_measured(self, "it lies beyond the end of the run");
     } else {
-        tell_rest_not_measured(self, "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "
-                               "{do: rest, duration_s: 3}", rest->longest_s, REST_PHASE_S,
-                               world->scenario->person[world->scenario->tracked].name);
+        tell_rest_not_measured(self,
+                               "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "
+                               "{do: rest, duration_s: 3}",
+                               rest->longest_s, REST_PHASE_S, world->scenario->person[world->scenario->tracked].name);
     }
 }
 
 /* ---- how the target was followed */
 
-/* What a recorded hand or a task of the operator's asks for is not known beforehand; nor is what can be followed of a hand that goes
- * out of reach. */
+/* What a recorded hand or a task of the operator's asks for is not known beforehand; nor is what can be followed of a
+ * hand that goes out of reach. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
     if (is_enough) {
         add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),
@@ -182,8 +191,8 @@ static void judge(checks_t *self, const world_t *world, const scenario_check_t *
                   const measurement_t *measurement) {
     const char *unit = measure_unit(check->measure);
     if (measurement_is_valid(measurement, check)) {
-        check_t *added = add(self, check->name, measurement_value(measurement, check), check->limit,
-                             check->is_lower_bound, unit);
+        check_t *added =
+            add(self, check->name, measurement_value(measurement, check), check->limit, check->is_lower_bound, unit);
         added->orientation_rest_deg = measurement_orientation_rest_deg(measurement, check);
         return;
     }

@@ -22,15 +22,15 @@ typedef struct {
 typedef struct {
     check_t check[CHECKS_MAX];
     size_t count;
-    size_t left_out_by_end;   /* of the scenario's: they lie beyond the end of a shortened run */
-    size_t left_out_by_clutch; /* the operator took a new reference since what they count from */
-    size_t left_out_by_trace; /* they need the target, and the trace is switched off */
+    size_t left_out_by_end;       /* of the scenario's: they lie beyond the end of a shortened run */
+    size_t left_out_by_clutch;    /* the operator took a new reference since what they count from */
+    size_t left_out_by_trace;     /* they need the target, and the trace is switched off */
     size_t left_out_by_recording; /* they ask for what the built-in motion does */
     size_t left_out_by_define;    /* they ask for what the scenario's own task does */
-    char rest_not_measured[200]; /* why there is nothing to judge comes_to_rest by; "": there is */
-    bool tracking_not_judged; /* of a recording: there was too little that the arm could follow */
-    bool pass;                /* all of them, and the run came to its end */
-    char reason[1200];        /* of the result, one line */
+    char rest_not_measured[200];  /* why there is nothing to judge comes_to_rest by; "": there is */
+    bool tracking_not_judged;     /* of a recording: there was too little that the arm could follow */
+    bool pass;                    /* all of them, and the run came to its end */
+    char reason[1200];            /* of the result, one line */
 } checks_t;
 
 void checks_evaluate(checks_t *self, const world_t *world);

@@ -6,17 +6,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef enum {
-    OUTPUT_SUMMARY,
-    OUTPUT_BUS_LOG,
-    OUTPUT_TRACE,
-    OUTPUT_COUNT
-} output_file_t;
+typedef enum { OUTPUT_SUMMARY, OUTPUT_BUS_LOG, OUTPUT_TRACE, OUTPUT_COUNT } output_file_t;
 
 typedef struct {
     char *path[OUTPUT_COUNT];
     char *partial_path[OUTPUT_COUNT]; /* where to write */
-    int lock; /* the open folder, locked against other runs; -1: none */
+    int lock;                         /* the open folder, locked against other runs; -1: none */
 } output_folder_t;
 
 /* Creates the folder and its parents, locks it and removes a former run's files, and what was drawn from them: *.png

@@ -90,8 +90,9 @@ static void why_no_latency(const world_t *world, char text[LATENCY_TEXT_BYTES]) 
     if (world->observer.parameter[PARAMETER_TRACE] <= 0.0f) {
         (void)snprintf(text, LATENCY_TEXT_BYTES, "it needs the target, and the trace is switched off");
     } else if (latency->moved_s < LATENCY_NEEDED_S) {
-        (void)snprintf(text, LATENCY_TEXT_BYTES, "the arm could follow %.2f s of the hand's motion, and %g s are needed",
-                       latency->moved_s, LATENCY_NEEDED_S);
+        (void)snprintf(text, LATENCY_TEXT_BYTES,
+                       "the arm could follow %.2f s of the hand's motion, and %g s are needed", latency->moved_s,
+                       LATENCY_NEEDED_S);
     } else if (isnan(latency->end_to_end) || isnan(latency->estimate)) {
         (void)snprintf(text, LATENCY_TEXT_BYTES, "no delay of %d to %d ms fits", DELAY_FIRST_TICKS, DELAY_LAST_TICKS);
     }

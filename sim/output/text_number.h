@@ -1,4 +1,5 @@
-/* Numbers as text with a fixed count of decimals, without the cost of printf: trace.csv has some fifty numbers per tick. */
+/* Numbers as text with a fixed count of decimals, without the cost of printf: trace.csv has some fifty numbers per
+ * tick. */
 #ifndef COMANIP_SIM_TEXT_NUMBER_H
 #define COMANIP_SIM_TEXT_NUMBER_H
 

@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-#include "../scene/scene.h"
 #include "../hand/hand_path.h"
+#include "../scene/scene.h"
 
 typedef struct {
     const person_step_t *step; /* PERSON_REACH or PERSON_GUIDE */

@@ -28,10 +28,10 @@ struct person_program {
     const person_step_t *steps;
     size_t count;
     size_t current;
-    double ready_s; /* when the step before ended */
-    bool begun;     /* the current step */
+    double ready_s;        /* when the step before ended */
+    bool begun;            /* the current step */
     double begin_s, end_s; /* of it; end_s: of timed ones */
-    rigid_pose_t aim; /* without tremor */
+    rigid_pose_t aim;      /* without tremor */
     hand_path_t path;
     approach_t approach;
     crank_turn_t turn;
@@ -59,8 +59,8 @@ person_program_t *person_program_create(const scenario_t *scenario, size_t perso
     self->aim = self->person->start;
     tremor_init(&self->tremor, 1e-3 * self->person->tremor_mm, seed, self->person->name);
     if (recording != NULL && self->count == 0) {
-        (void)snprintf(error, error_size, "%s: %s of scenario %s has no program_with_recording that could play it", recording,
-                       self->person->name, scenario->name);
+        (void)snprintf(error, error_size, "%s: %s of scenario %s has no program_with_recording that could play it",
+                       recording, self->person->name, scenario->name);
         person_program_destroy(self);
         return NULL;
     }
@@ -119,9 +119,13 @@ static void begin_approach(person_program_t *self, const person_step_t *step, co
 
 static void begin_turn(person_program_t *self, const person_step_t *step) {
     const object_t *crank = &self->scenario->object[step->object];
-    self->turn = (crank_turn_t){.hinge = crank->pose, .radius_m = crank->radius_m, .turns = step->turns,
-                                .turn_s = step->duration_s, .begin_s = self->begin_s,
-                                .start_rad = sight_crank_rad(self->scene, step->object), .here = self->aim};
+    self->turn = (crank_turn_t){.hinge = crank->pose,
+                                .radius_m = crank->radius_m,
+                                .turns = step->turns,
+                                .turn_s = step->duration_s,
+                                .begin_s = self->begin_s,
+                                .start_rad = sight_crank_rad(self->scene, step->object),
+                                .here = self->aim};
     self->end_s = self->begin_s + crank_turn_duration_s(&self->turn);
 }
 

@@ -14,8 +14,8 @@ person_program_t *person_program_create(const scenario_t *scenario, size_t perso
                                         size_t error_size);
 void person_program_destroy(person_program_t *self);
 
-/* Aims the hand for the step that ends at until_s. robot_follows: how a displacement of this hand moves the robot's, per
- * axis: (scale, scale, scale), or (-scale, scale, scale) while it mirrors; a guiding person has learned it. */
+/* Aims the hand for the step that ends at until_s. robot_follows: how a displacement of this hand moves the robot's,
+ * per axis: (scale, scale, scale), or (-scale, scale, scale) while it mirrors; a guiding person has learned it. */
 void person_program_step(person_program_t *self, double now_s, double until_s, const double robot_follows[3]);
 
 bool person_program_is_done(const person_program_t *self);
@@ -37,6 +37,5 @@ const char *person_program_failure(const person_program_t *self);
 
 /* One line for a person about the recording that is played: file, samples, gaps, scale. "": none. */
 const char *person_program_description(const person_program_t *self);
-
 
 #endif

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "../scenario/scenario.h"
 #include "../hand/playback.h"
+#include "../scenario/scenario.h"
 
 #define PLAYLIST_TEXT_BYTES 1024
 
@@ -17,8 +17,8 @@ typedef struct {
     char description[PLAYLIST_TEXT_BYTES]; /* one line about the first of them; "": none */
 } playlist_t;
 
-/* recording, axes: for steps that name none themselves; NULL: not given. On failure false, and one line in `error`; what
- * was opened is freed by playlist_close() then, too. */
+/* recording, axes: for steps that name none themselves; NULL: not given. On failure false, and one line in `error`;
+ * what was opened is freed by playlist_close() then, too. */
 bool playlist_open(playlist_t *self, const char *person, const person_step_t steps[], size_t count,
                    const char *recording, const char *axes, char error[], size_t error_size);
 void playlist_close(playlist_t *self);

@@ -12,8 +12,8 @@
 #include "../../hal/slcan/lockstep.h"
 #include "../../hal/slcan/slcan.h"
 
-#define QUEUE_FRAMES 64         /* hal/host's */
-#define COMPUTE_TIME_NS 50000   /* hal/host's */
+#define QUEUE_FRAMES 64       /* hal/host's */
+#define COMPUTE_TIME_NS 50000 /* hal/host's */
 #define PATIENCE_MS 60000
 #define READ_BYTES 4096
 #define LINE_BYTES 256
@@ -35,7 +35,8 @@ static struct {
 bool remote_firmware_open(const char *path, char error[], size_t error_size) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     if (strlen(path) >= sizeof address.sun_path) {
-        (void)snprintf(error, error_size, "%.100s: expected a path of less than %zu bytes", path, sizeof address.sun_path);
+        (void)snprintf(error, error_size, "%.100s: expected a path of less than %zu bytes", path,
+                       sizeof address.sun_path);
         return false;
     }
     memcpy(address.sun_path, path, strlen(path));

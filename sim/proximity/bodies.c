@@ -15,8 +15,8 @@ static void place(body_t *body, const rigid_pose_t *pose) {
         const double d = pose->rotation[i] - sign * last->rotation[i];
         turn += d * d;
     }
-    body->travelled_m += body_distance_m(last->position_m, pose->position_m) +
-                         2.0 * body->shape.bounding_radius_m * sqrt(turn);
+    body->travelled_m +=
+        body_distance_m(last->position_m, pose->position_m) + 2.0 * body->shape.bounding_radius_m * sqrt(turn);
     body->shape.pose = *pose;
 }
 
@@ -56,7 +56,7 @@ static rigid_pose_t pose_of(const transform_t *transform) {
     rigid_pose_t pose;
     double matrix[3][3];
     memcpy(matrix, transform->rotation, sizeof matrix);
-    rotation_from_matrix((const double(*)[3])matrix, pose.rotation);
+    rotation_from_matrix((const double (*)[3])matrix, pose.rotation);
     memcpy(pose.position_m, transform->position_m, sizeof pose.position_m);
     return pose;
 }

@@ -18,18 +18,26 @@ static const double head_middle_m[3] = {-0.030, 0.0, 0.260};
 
 /* An adult's hand in its frame, z forward and x up: wrist, knuckles, finger tips. 0.18 x 0.085 x 0.03 m. */
 static const double flat_hand_m[][3] = {
-    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M},
-    {0.015, -0.030, -BODIES_WRIST_M},  {0.015, 0.030, -BODIES_WRIST_M},
-    {-0.015, -0.0425, 0.030},   {-0.015, 0.0425, 0.030},   {0.015, -0.0425, 0.030},   {0.015, 0.0425, 0.030},
-    {-0.008, -0.030, 0.120},    {-0.008, 0.030, 0.120},    {0.008, -0.030, 0.120},    {0.008, 0.030, 0.120},
+    {-0.015, -0.030, -BODIES_WRIST_M},
+    {-0.015, 0.030, -BODIES_WRIST_M},
+    {0.015, -0.030, -BODIES_WRIST_M},
+    {0.015, 0.030, -BODIES_WRIST_M},
+    {-0.015, -0.0425, 0.030},
+    {-0.015, 0.0425, 0.030},
+    {0.015, -0.0425, 0.030},
+    {0.015, 0.0425, 0.030},
+    {-0.008, -0.030, 0.120},
+    {-0.008, 0.030, 0.120},
+    {0.008, -0.030, 0.120},
+    {0.008, 0.030, 0.120},
 };
 
 /* The same hand with its fingers around something. */
 static const double grasping_hand_m[][3] = {
-    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M},
-    {0.015, -0.030, -BODIES_WRIST_M},  {0.015, 0.030, -BODIES_WRIST_M},
-    {-0.030, -0.0425, -0.020},  {-0.030, 0.0425, -0.020},  {0.030, -0.0425, -0.020},  {0.030, 0.0425, -0.020},
-    {-0.030, -0.0425, 0.045},   {-0.030, 0.0425, 0.045},   {0.030, -0.0425, 0.045},   {0.030, 0.0425, 0.045},
+    {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M}, {0.015, -0.030, -BODIES_WRIST_M},
+    {0.015, 0.030, -BODIES_WRIST_M},   {-0.030, -0.0425, -0.020},        {-0.030, 0.0425, -0.020},
+    {0.030, -0.0425, -0.020},          {0.030, 0.0425, -0.020},          {-0.030, -0.0425, 0.045},
+    {-0.030, 0.0425, 0.045},           {0.030, -0.0425, 0.045},          {0.030, 0.0425, 0.045},
 };
 
 #define HAND_POINTS ((int)(sizeof flat_hand_m / sizeof flat_hand_m[0]))
@@ -98,7 +106,7 @@ static bool takes_things(const person_t *person) {
 static void init_forearm(bodies_t *self, size_t person, const person_t *who) {
     const rigid_pose_t wrist = body_wrist(&who->start);
     const double length_m = body_distance_m(wrist.position_m, who->elbow_m);
-    double(*point)[3] = self->forearm_point[person];
+    double (*point)[3] = self->forearm_point[person];
     for (int i = 0; i < RING_POINTS; i++) {
         const double angle_rad = 2.0 * ROBOT_PI * i / RING_POINTS;
         const double c = cos(angle_rad), s = sin(angle_rad);
@@ -107,14 +115,15 @@ static void init_forearm(bodies_t *self, size_t person, const person_t *who) {
                sizeof point[i]);
     }
     self->forearm_m[person] = length_m;
-    set_shape(&self->person[person][PERSON_PART_FOREARM],
-              (convex_shape_t){.kind = SHAPE_HULL, .points = (const double(*)[3])point,
-                               .point_count = BODIES_FOREARM_POINTS});
+    set_shape(&self->person[person][PERSON_PART_FOREARM], (convex_shape_t){.kind = SHAPE_HULL,
+                                                                           .points = (const double (*)[3])point,
+                                                                           .point_count = BODIES_FOREARM_POINTS});
 }
 
 static void init_person(bodies_t *self, size_t person, const person_t *who) {
     set_shape(&self->person[person][PERSON_PART_HAND],
-              (convex_shape_t){.kind = SHAPE_HULL, .points = takes_things(who) ? grasping_hand_m : flat_hand_m,
+              (convex_shape_t){.kind = SHAPE_HULL,
+                               .points = takes_things(who) ? grasping_hand_m : flat_hand_m,
                                .point_count = HAND_POINTS});
     set_cup(&self->person[person][PERSON_PART_CUP], &who->cup);
     init_forearm(self, person, who);

@@ -19,16 +19,17 @@ typedef struct {
     const double (*points)[3]; /* in the shape's frame; SHAPE_HULL */
     int point_count;
     double bounding_radius_m; /* of a sphere about the frame's origin: filled by convex_shape_finish() */
-    rigid_pose_t pose; /* of its frame, torso axes */
+    rigid_pose_t pose;        /* of its frame, torso axes */
 } convex_shape_t;
 
-#define CONVEX_DISTANCE_ERROR_M 0.00005 /* bound of convex_distance_m()'s error, for shapes up to 1 m across and apart */
+#define CONVEX_DISTANCE_ERROR_M                                                                                        \
+    0.00005 /* bound of convex_distance_m()'s error, for shapes up to 1 m across and apart */
 #define CONVEX_OVERLAP_ERROR_M 0.0003
 
 void convex_shape_finish(convex_shape_t *self);
 
-/* Least distance, at least 0 (they touch or overlap); at most `ceiling_m`: what lies beyond is not searched. guess_m: of
- * an earlier instant, or negative; makes it faster, not different beyond the error bound. */
+/* Least distance, at least 0 (they touch or overlap); at most `ceiling_m`: what lies beyond is not searched. guess_m:
+ * of an earlier instant, or negative; makes it faster, not different beyond the error bound. */
 double convex_distance_m(const convex_shape_t *a, const convex_shape_t *b, double ceiling_m, double guess_m);
 
 /* The shortest way that separates them, 0: they do not overlap. Never too little; mostly exact to 10 um, too much by

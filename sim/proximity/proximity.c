@@ -18,9 +18,9 @@
 typedef struct {
     const body_t *a, *b;
     int number;
-    double distance_m;    /* as last found; negative: never */
-    double least_m;       /* it was at least that */
-    double travelled_m;   /* of both bodies, then */
+    double distance_m;  /* as last found; negative: never */
+    double least_m;     /* it was at least that */
+    double travelled_m; /* of both bodies, then */
 } pair_t;
 
 typedef struct {
@@ -42,7 +42,8 @@ struct proximity {
 proximity_pair_t proximity_pair(int pair) {
     if (pair >= PERSON_PAIRS) {
         const int number = pair - PERSON_PAIRS;
-        return (proximity_pair_t){.person = -1, .robot = (robot_part_t)(number / BODY_PARTS),
+        return (proximity_pair_t){.person = -1,
+                                  .robot = (robot_part_t)(number / BODY_PARTS),
                                   .body = (robot_part_t)(ROBOT_PART_UPPER_ARM + number % BODY_PARTS)};
     }
     return (proximity_pair_t){.person = pair / (BODIES_PERSON_PARTS * BODIES_ROBOT_PARTS),
@@ -64,8 +65,7 @@ static void find_grips(proximity_t *self, const scenario_t *scenario) {
     for (size_t p = 0; p < scenario->person_count; p++) {
         const person_t *who = &scenario->person[p];
         for (size_t i = 0; i < who->step_count + who->recorded_step_count; i++) {
-            const person_step_t *step =
-                i < who->step_count ? &who->step[i] : &who->recorded_step[i - who->step_count];
+            const person_step_t *step = i < who->step_count ? &who->step[i] : &who->recorded_step[i - who->step_count];
             if (step->action == PERSON_GRIP) {
                 self->person_grips[p][step->object] = true;
             }
@@ -80,9 +80,8 @@ static bool is_intended(const proximity_t *self, int number) {
         return false;
     }
     const int of_robot = parts.robot == ROBOT_PART_HELD ? self->bodies.robot[ROBOT_PART_HELD].object : BODY_NO_OBJECT;
-    const int of_person = parts.part == PERSON_PART_HELD
-                              ? self->bodies.person[parts.person][PERSON_PART_HELD].object
-                              : BODY_NO_OBJECT;
+    const int of_person =
+        parts.part == PERSON_PART_HELD ? self->bodies.person[parts.person][PERSON_PART_HELD].object : BODY_NO_OBJECT;
     const bool by_hand = parts.part == PERSON_PART_HAND || parts.part == PERSON_PART_FOREARM;
     const bool by_gripper = parts.robot == ROBOT_PART_GRIPPER || parts.robot == ROBOT_PART_FOREARM;
     return (of_robot != BODY_NO_OBJECT && of_robot == of_person) ||
@@ -114,8 +113,7 @@ static void add_pairs(proximity_t *self) {
             }
         } else if ((size_t)parts.person < self->scenario->person_count) {
             (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s - robot.%s",
-                           self->scenario->person[parts.person].name, person_part[parts.part],
-                           robot_part[parts.robot]);
+                           self->scenario->person[parts.person].name, person_part[parts.part], robot_part[parts.robot]);
             add_pair(&self->with_person, &bodies->person[parts.person][parts.part], robot, i);
         }
     }

@@ -11,14 +11,14 @@
 #define PROXIMITY_CEILING_M 1.0 /* a clearance beyond it counts as this */
 
 typedef struct {
-    double person_m;  /* PROXIMITY_CEILING_M: there is nothing near */
+    double person_m; /* PROXIMITY_CEILING_M: there is nothing near */
     double self_m;
     int person_pair, self_pair; /* numbers for proximity_pair_name(); -1: none */
 } clearance_t;
 
 /* What a pair's number stands for. */
 typedef struct {
-    int person;        /* in the order of the scenario; -1: the robot with itself */
+    int person;         /* in the order of the scenario; -1: the robot with itself */
     person_part_t part; /* of the person */
     robot_part_t robot; /* near the person; with itself: of the arm and what it carries */
     robot_part_t body;  /* with itself: what that is near to */

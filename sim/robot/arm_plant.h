@@ -1,5 +1,6 @@
 /* The arm as a rigid-body system in ODE: HOAP-3's right arm from robot_model.h, torso fixed to the world, hinges with
- * mechanical stops and a velocity motor of limited torque each. No collisions. The world and its steps are the scene's. */
+ * mechanical stops and a velocity motor of limited torque each. No collisions. The world and its steps are the scene's.
+ */
 #ifndef COMANIP_SIM_ARM_PLANT_H
 #define COMANIP_SIM_ARM_PLANT_H
 

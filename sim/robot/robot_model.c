@@ -15,20 +15,40 @@
 /* Bodies: a 50 mm cube for the shoulder's servo, the two halves of the upper arm on either side of the torsion joint,
  * and the forearm with the hand; rods of 40 mm diameter. */
 const robot_joint_t robot_joint_table[ROBOT_JOINTS] = {
-    {.alpha_rad = 0.0, .offset_rad = 0.0,
-     .stop_min_rad = DEG(-91.0), .stop_max_rad = DEG(151.0), .mass_kg = 0.210,
-     .shape = LINK_BOX, .length_m = 0.050},
-    {.alpha_rad = RIGHT_ANGLE, .offset_rad = RIGHT_ANGLE,
-     .stop_min_rad = DEG(-96.0), .stop_max_rad = DEG(1.0), .mass_kg = 0.234,
-     .shape = LINK_ROD_Y, .length_m = ROBOT_UPPER_ARM_M / 2.0, .radius_m = 0.020,
+    {.alpha_rad = 0.0,
+     .offset_rad = 0.0,
+     .stop_min_rad = DEG(-91.0),
+     .stop_max_rad = DEG(151.0),
+     .mass_kg = 0.210,
+     .shape = LINK_BOX,
+     .length_m = 0.050},
+    {.alpha_rad = RIGHT_ANGLE,
+     .offset_rad = RIGHT_ANGLE,
+     .stop_min_rad = DEG(-96.0),
+     .stop_max_rad = DEG(1.0),
+     .mass_kg = 0.234,
+     .shape = LINK_ROD_Y,
+     .length_m = ROBOT_UPPER_ARM_M / 2.0,
+     .radius_m = 0.020,
      .centre_m = {0.0, -ROBOT_UPPER_ARM_M / 4.0, 0.0}},
-    {.alpha_rad = RIGHT_ANGLE, .d_m = ROBOT_UPPER_ARM_M, .offset_rad = RIGHT_ANGLE,
-     .stop_min_rad = DEG(-91.0), .stop_max_rad = DEG(91.0), .mass_kg = 0.1965,
-     .shape = LINK_ROD_Z, .length_m = ROBOT_UPPER_ARM_M / 2.0, .radius_m = 0.020,
+    {.alpha_rad = RIGHT_ANGLE,
+     .d_m = ROBOT_UPPER_ARM_M,
+     .offset_rad = RIGHT_ANGLE,
+     .stop_min_rad = DEG(-91.0),
+     .stop_max_rad = DEG(91.0),
+     .mass_kg = 0.1965,
+     .shape = LINK_ROD_Z,
+     .length_m = ROBOT_UPPER_ARM_M / 2.0,
+     .radius_m = 0.020,
      .centre_m = {0.0, 0.0, -ROBOT_UPPER_ARM_M / 4.0}},
-    {.alpha_rad = RIGHT_ANGLE, .offset_rad = 0.0,
-     .stop_min_rad = DEG(-115.0), .stop_max_rad = DEG(1.0), .mass_kg = 0.216,
-     .shape = LINK_ROD_Y, .length_m = ROBOT_FOREARM_M, .radius_m = 0.020,
+    {.alpha_rad = RIGHT_ANGLE,
+     .offset_rad = 0.0,
+     .stop_min_rad = DEG(-115.0),
+     .stop_max_rad = DEG(1.0),
+     .mass_kg = 0.216,
+     .shape = LINK_ROD_Y,
+     .length_m = ROBOT_FOREARM_M,
+     .radius_m = 0.020,
      .centre_m = {0.0, ROBOT_FOREARM_M / 2.0, 0.0}},
 };
 
@@ -46,8 +66,7 @@ static void transform_multiply(const transform_t *a, const double rotation[9], c
             c->rotation[3 * row + column] =
                 r[0] * rotation[column] + r[1] * rotation[3 + column] + r[2] * rotation[6 + column];
         }
-        c->position_m[row] =
-            a->position_m[row] + r[0] * position_m[0] + r[1] * position_m[1] + r[2] * position_m[2];
+        c->position_m[row] = a->position_m[row] + r[0] * position_m[0] + r[1] * position_m[1] + r[2] * position_m[2];
     }
 }
 

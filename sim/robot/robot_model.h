@@ -19,9 +19,9 @@
 #define ROBOT_FOREARM_M 0.171
 
 typedef enum {
-    LINK_BOX,       /* a cube of `length_m` */
-    LINK_ROD_Y,     /* a cylinder along the link frame's y axis */
-    LINK_ROD_Z,     /* the same along z */
+    LINK_BOX,   /* a cube of `length_m` */
+    LINK_ROD_Y, /* a cylinder along the link frame's y axis */
+    LINK_ROD_Z, /* the same along z */
 } link_shape_t;
 
 /* Joint i and the link it moves. The link frame is the modified DH frame of the joint. */
@@ -29,7 +29,7 @@ typedef struct {
     double alpha_rad, a_m, d_m, offset_rad; /* from the previous frame; joint angle = theta - offset */
     double stop_min_rad, stop_max_rad;      /* mechanical */
     double mass_kg;
-    link_shape_t shape;  /* the manual gives no inertias: a homogeneous body of these dimensions has them */
+    link_shape_t shape; /* the manual gives no inertias: a homogeneous body of these dimensions has them */
     double length_m, radius_m;
     double centre_m[3]; /* of mass, in the link frame */
 } robot_joint_t;

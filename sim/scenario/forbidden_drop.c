@@ -5,7 +5,8 @@
 static bool is_forbidden(const scenario_t *scenario, size_t object, int times) {
     for (size_t i = 0; i < scenario->check_count; i++) {
         const scenario_check_t *check = &scenario->check[i];
-        if (check->measure == MEASURE_DROPS && check->object == object && !check->is_lower_bound && times > check->limit) {
+        if (check->measure == MEASURE_DROPS && check->object == object && !check->is_lower_bound &&
+            times > check->limit) {
             return true;
         }
     }

@@ -1,5 +1,5 @@
-/* What fell although a check of the scenario says that it must not: of kind `drops`, whose limit it exceeds. An object that
- * is put down on purpose, in a scenario without such a check, has not fallen. */
+/* What fell although a check of the scenario says that it must not: of kind `drops`, whose limit it exceeds. An object
+ * that is put down on purpose, in a scenario without such a check, has not fallen. */
 #ifndef COMANIP_SIM_FORBIDDEN_DROP_H
 #define COMANIP_SIM_FORBIDDEN_DROP_H
 

@@ -6,9 +6,29 @@
 
 /* In the order of measure_t. */
 static const char *const measures[] = {
-    "settled_position", "following_rms", "relation_rms", "displacement", "way_x", "way_y", "way_z", "tilt",
-    "cup_tilt_peak", "turn", "water_poured", "water_caught", "flow_while_moving", "drops", "held", "force_rms", "force_peak", "turns",
-    "carried_for", "clearance", "self_clearance", "aim", NULL,
+    "settled_position",
+    "following_rms",
+    "relation_rms",
+    "displacement",
+    "way_x",
+    "way_y",
+    "way_z",
+    "tilt",
+    "cup_tilt_peak",
+    "turn",
+    "water_poured",
+    "water_caught",
+    "flow_while_moving",
+    "drops",
+    "held",
+    "force_rms",
+    "force_peak",
+    "turns",
+    "carried_for",
+    "clearance",
+    "self_clearance",
+    "aim",
+    NULL,
 };
 
 static bool needs_object(measure_t measure) {
@@ -97,8 +117,7 @@ static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure)
     yaml_check_keys(yaml, map, keys);
 }
 
-static void read_object(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self,
-                        scenario_check_t *check) {
+static void read_object(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self, scenario_check_t *check) {
     check->object = scenario_object_number(yaml, node, self);
     const object_kind_t kind = self->object[check->object].kind;
     const bool needs_crank = check->measure == MEASURE_TURNS;

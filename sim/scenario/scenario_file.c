@@ -71,8 +71,9 @@ static bool find_file(const char *name_or_path, const char *folder, char path[SC
 }
 
 static void read_head(yaml_reader_t *yaml, scenario_t *self) {
-    static const char *const keys[] = {"name", "summary", "duration_s", "arm", "parameters", "tasks", "robot", "water",
-                                       "objects", "people", "operator", "variation", "tracking", "checks", NULL};
+    static const char *const keys[] = {"name",     "summary",   "duration_s", "arm",     "parameters",
+                                       "tasks",    "robot",     "water",      "objects", "people",
+                                       "operator", "variation", "tracking",   "checks",  NULL};
     yaml_node_t *root = yaml_root(yaml);
     yaml_check_keys(yaml, root, keys);
     (void)yaml_need(yaml, root, "name");

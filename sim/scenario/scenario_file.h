@@ -1,6 +1,6 @@
-/* Reads scenario files (YAML, docs/scenario-files.md). Nothing wrong passes: unknown keys, words and references, missing
- * values, numbers out of range each give one line that names file, line, key, value and what was expected; so does,
- * without the line, a scene that cannot be (scenario_geometry.h). */
+/* Reads scenario files (YAML, docs/scenario-files.md). Nothing wrong passes: unknown keys, words and references,
+ * missing values, numbers out of range each give one line that names file, line, key, value and what was expected; so
+ * does, without the line, a scene that cannot be (scenario_geometry.h). */
 #ifndef COMANIP_SIM_SCENARIO_FILE_H
 #define COMANIP_SIM_SCENARIO_FILE_H
 

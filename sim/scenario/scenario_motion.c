@@ -42,8 +42,8 @@ static bool check_distance(const motion_t *self, size_t number, const place_t *p
     if (place->is_known && length_m(place->m) > DISTANCE_MAX_M) {
         (void)snprintf(self->error, self->error_size,
                        "%s: people.%s.%s[%zu] '[%g, %g, %g]': expected a place at most %g m from the start",
-                       self->scenario->path, self->person, self->program, number, place->m[0], place->m[1],
-                       place->m[2], DISTANCE_MAX_M);
+                       self->scenario->path, self->person, self->program, number, place->m[0], place->m[1], place->m[2],
+                       DISTANCE_MAX_M);
         return false;
     }
     return true;
@@ -57,7 +57,8 @@ static bool check_move(const motion_t *self, size_t number, const person_step_t 
     }
     const bool is_way_known = step->from_here || place->is_known;
     place->is_known = place->is_known || !step->from_here;
-    return (!is_way_known || check_speed(self, number, step, length_m(way_m), PEAK_OF_MINIMUM_JERK)) && check_distance(self, number, place);
+    return (!is_way_known || check_speed(self, number, step, length_m(way_m), PEAK_OF_MINIMUM_JERK)) &&
+           check_distance(self, number, place);
 }
 
 static bool check_program(const motion_t *self, const person_step_t steps[], size_t count) {

@@ -36,9 +36,9 @@ static void read_gripper(yaml_reader_t *yaml, yaml_node_t *map, operate_step_t *
 
 static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, operate_step_t *step) {
     static const char *const keys[] = {STEP_KEYS, NULL}, *const select_keys[] = {STEP_KEYS, "task", NULL},
-                      *const gripper_keys[] = {STEP_KEYS, "action", NULL};
-    static const command_t commands[] = {COMMAND_SELECT, COMMAND_START, COMMAND_LATCH, COMMAND_CLUTCH, COMMAND_STOP,
-                                         COMMAND_NONE};
+                             *const gripper_keys[] = {STEP_KEYS, "action", NULL};
+    static const command_t commands[] = {COMMAND_SELECT, COMMAND_START, COMMAND_LATCH,
+                                         COMMAND_CLUTCH, COMMAND_STOP,  COMMAND_NONE};
     const int action = yaml_word(yaml, yaml_need(yaml, map, "do"), actions);
     if (action < 0) {
         return;

@@ -26,8 +26,8 @@ typedef enum {
 
 /* Whom each kind must not overlap; each pair stands once. A person's hand may be where it will hold an object. */
 static const unsigned apart_from[] = {
-    [SOLID_OBJECT] = BIT(SOLID_OBJECT) | BIT(SOLID_ROBOT_CUP) | BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) |
-                     BIT(SOLID_BODY),
+    [SOLID_OBJECT] =
+        BIT(SOLID_OBJECT) | BIT(SOLID_ROBOT_CUP) | BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY),
     [SOLID_ROBOT_CUP] = BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY),
     [SOLID_PERSON_CUP] = BIT(SOLID_PERSON_CUP) | ROBOT,
     [SOLID_PERSON] = BIT(SOLID_ROBOT_CUP) | ROBOT,
@@ -40,8 +40,8 @@ typedef struct {
     convex_shape_t shape;
     solid_kind_t kind;
     char name[NAME_BYTES];
-    char key[KEY_BYTES];  /* of the file, that places it */
-    const double *value;  /* of this key */
+    char key[KEY_BYTES]; /* of the file, that places it */
+    const double *value; /* of this key */
     size_t value_count;
 } solid_t;
 
@@ -58,10 +58,11 @@ static solid_t *add(solids_t *self, const convex_shape_t *shape, solid_kind_t ki
 }
 
 static void add_object(solids_t *self, const object_t *object) {
-    convex_shape_t shape = {.kind = SHAPE_CYLINDER, .length_m = object->length_m, .radius_m = object->radius_m,
-                            .pose = object->pose};
+    convex_shape_t shape = {
+        .kind = SHAPE_CYLINDER, .length_m = object->length_m, .radius_m = object->radius_m, .pose = object->pose};
     if (object->kind == OBJECT_STAND) {
-        shape = (convex_shape_t){.kind = SHAPE_BOX, .pose = object->pose,
+        shape = (convex_shape_t){.kind = SHAPE_BOX,
+                                 .pose = object->pose,
                                  .size_m = {object->size_m[0], object->size_m[1], object->size_m[2]}};
     } else if (object->kind == OBJECT_CRANK) {
         const rigid_pose_t offset = {{object->radius_m, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};

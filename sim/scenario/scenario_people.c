@@ -139,23 +139,36 @@ static void set_defaults(person_t *person) {
     person->tremor_mm = 0.1;
 }
 
-/* Spring and damper act once per step (scene/hand_body.h): with w = sqrt(stiffness / inertia) and step h the hand comes to
- * rest only if 4 * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
+/* Spring and damper act once per step (scene/hand_body.h): with w = sqrt(stiffness / inertia) and step h the hand comes
+ * to rest only if 4 * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
 static void check_is_stable(yaml_reader_t *yaml, yaml_node_t *map, const char *key, const person_t *person,
                             double stiffness, double inertia) {
     const double wh = 2.0 * (hypot(person->damping_ratio, 1.0) - person->damping_ratio);
     const double limit = inertia * (wh / LONGEST_STEP_S) * (wh / LONGEST_STEP_S);
     if (!yaml->failed && !(stiffness < limit)) {
         const yaml_node_t *node = yaml_find(yaml, map, key);
-        yaml_refuse(yaml, node != NULL ? node : map, "%s below %.3g, where a hand of %g kg and damping_ratio %g is stable",
-                    key, limit, person->mass_kg, person->damping_ratio);
+        yaml_refuse(yaml, node != NULL ? node : map,
+                    "%s below %.3g, where a hand of %g kg and damping_ratio %g is stable", key, limit, person->mass_kg,
+                    person->damping_ratio);
     }
 }
 
 static void read_person(yaml_reader_t *yaml, yaml_node_t *map, scenario_t *self, person_t *person) {
-    static const char *const keys[] = {"tracked", "position_m", "rotation", "grip_m", "elbow_m", "mass_kg",
-                                       "stiffness_Npm", "damping_ratio", "stiffness_Nmprad", "grip_force_limit_N",
-                                       "tremor_mm", "cup", "program", "program_with_recording", NULL};
+    static const char *const keys[] = {"tracked",
+                                       "position_m",
+                                       "rotation",
+                                       "grip_m",
+                                       "elbow_m",
+                                       "mass_kg",
+                                       "stiffness_Npm",
+                                       "damping_ratio",
+                                       "stiffness_Nmprad",
+                                       "grip_force_limit_N",
+                                       "tremor_mm",
+                                       "cup",
+                                       "program",
+                                       "program_with_recording",
+                                       NULL};
     set_defaults(person);
     yaml_check_keys(yaml, map, keys);
     (void)yaml_need(yaml, map, "position_m");

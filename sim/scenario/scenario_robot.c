@@ -60,17 +60,21 @@ static void read_parameters(yaml_reader_t *yaml, scenario_t *self) {
             continue;
         }
         self->parameter_written[i] = true;
-        self->parameter_value[i] =
-            p->integer ? (float)yaml_whole_number(yaml, node, (int)p->minimum, (int)p->maximum)
-                       : (float)yaml_number(yaml, node, NULL, (double)p->minimum, (double)p->maximum);
+        self->parameter_value[i] = p->integer
+                                       ? (float)yaml_whole_number(yaml, node, (int)p->minimum, (int)p->maximum)
+                                       : (float)yaml_number(yaml, node, NULL, (double)p->minimum, (double)p->maximum);
     }
 }
 
 static void read_gripper(yaml_reader_t *yaml, yaml_node_t *map, gripper_t *gripper) {
-    static const char *const keys[] = {"offset_m", "stroke_s", "capture_m", "stiffness_Npm", "damping_Nspm",
-                                       "force_limit_N", "torque_limit_Nm", NULL};
-    *gripper = (gripper_t){.stroke_s = 0.3, .capture_m = 0.012, .stiffness_Npm = 3000.0, .damping_Nspm = 20.0,
-                           .force_limit_N = 25.0, .torque_limit_Nm = 1.5};
+    static const char *const keys[] = {"offset_m",     "stroke_s",      "capture_m",       "stiffness_Npm",
+                                       "damping_Nspm", "force_limit_N", "torque_limit_Nm", NULL};
+    *gripper = (gripper_t){.stroke_s = 0.3,
+                           .capture_m = 0.012,
+                           .stiffness_Npm = 3000.0,
+                           .damping_Nspm = 20.0,
+                           .force_limit_N = 25.0,
+                           .torque_limit_Nm = 1.5};
     yaml_check_keys(yaml, map, keys);
     yaml_get_vector(yaml, map, "offset_m", 3, -0.5, 0.5, gripper->offset_m);
     yaml_get_number(yaml, map, "stroke_s", 0.01, 10.0, &gripper->stroke_s);

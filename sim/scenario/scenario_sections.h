@@ -1,5 +1,5 @@
-/* The sections of a scenario file, each read by its own function. Names first (scenario_names.c), so that everything may
- * refer to everything, wherever it stands in the file. */
+/* The sections of a scenario file, each read by its own function. Names first (scenario_names.c), so that everything
+ * may refer to everything, wherever it stands in the file. */
 #ifndef COMANIP_SIM_SCENARIO_SECTIONS_H
 #define COMANIP_SIM_SCENARIO_SECTIONS_H
 

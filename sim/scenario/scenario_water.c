@@ -31,9 +31,10 @@ static bool check_settled(const scenario_t *self, char error[], size_t error_siz
     const bool stays = scene != NULL;
     scene_destroy(scene);
     if (!stays) {
-        (void)snprintf(error, error_size,
-                       "%s: water.particles '%d': expected fewer, or an upright cup: some fall over its rim at the start",
-                       self->path, self->water.particles);
+        (void)snprintf(
+            error, error_size,
+            "%s: water.particles '%d': expected fewer, or an upright cup: some fall over its rim at the start",
+            self->path, self->water.particles);
     }
     return stays;
 }

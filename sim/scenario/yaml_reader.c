@@ -80,8 +80,8 @@ void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node, const char *expec
     } else if (path[0] == '\0') {
         (void)snprintf(value, sizeof value, "the scenario");
     }
-    (void)snprintf(self->error, self->error_size, "%s:%zu: %s%s: expected %s", self->path,
-                   node->start_mark.line + 1, path, value, text);
+    (void)snprintf(self->error, self->error_size, "%s:%zu: %s%s: expected %s", self->path, node->start_mark.line + 1,
+                   path, value, text);
     self->failed = true;
 }
 

@@ -97,8 +97,7 @@ static bool screen_event(screen_t *self, const yaml_event_t *event) {
         return self->documents == 1 || refuse(self, event, "", (const yaml_char_t *)"---", "one document and no more");
     case YAML_ALIAS_EVENT:
         return refuse(self, event, "*", event->data.alias.anchor, "the value itself: aliases are not taken");
-    case YAML_SCALAR_EVENT:
-        return screen_scalar(self, event);
+    case YAML_SCALAR_EVENT: return screen_scalar(self, event);
     case YAML_SEQUENCE_START_EVENT:
         return is_plain_node(self, event, event->data.sequence_start.anchor, event->data.sequence_start.tag) &&
                enter(self, event, false);
@@ -106,11 +105,8 @@ static bool screen_event(screen_t *self, const yaml_event_t *event) {
         return is_plain_node(self, event, event->data.mapping_start.anchor, event->data.mapping_start.tag) &&
                enter(self, event, true);
     case YAML_SEQUENCE_END_EVENT:
-    case YAML_MAPPING_END_EVENT:
-        self->depth--;
-        return true;
-    default:
-        return true;
+    case YAML_MAPPING_END_EVENT: self->depth--; return true;
+    default: return true;
     }
 }
 

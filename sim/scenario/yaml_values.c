@@ -17,10 +17,22 @@
 static const struct {
     const char *ending, *unit;
 } units[] = {
-    {"_per_s", "1/s"},       {"_Nmspprad", "N m s/rad"}, {"_Nmprad", "N m/rad"}, {"_Nspm", "N s/m"},
-    {"_Npm", "N/m"},         {"_Nm", "N m"},             {"_N", "N"},            {"_kgpm3", "kg/m^3"},
-    {"_kg", "kg"},           {"_radps2", "rad/s^2"},     {"_rad", "rad"},        {"_deg", "degrees"},
-    {"_percent", "percent"}, {"_mm", "mm"},              {"_m", "m"},            {"_s", "s"},
+    {"_per_s", "1/s"},
+    {"_Nmspprad", "N m s/rad"},
+    {"_Nmprad", "N m/rad"},
+    {"_Nspm", "N s/m"},
+    {"_Npm", "N/m"},
+    {"_Nm", "N m"},
+    {"_N", "N"},
+    {"_kgpm3", "kg/m^3"},
+    {"_kg", "kg"},
+    {"_radps2", "rad/s^2"},
+    {"_rad", "rad"},
+    {"_deg", "degrees"},
+    {"_percent", "percent"},
+    {"_mm", "mm"},
+    {"_m", "m"},
+    {"_s", "s"},
 };
 
 static const char *unit_of(yaml_reader_t *self, const yaml_node_t *node) {
@@ -60,8 +72,8 @@ static void refuse_number(yaml_reader_t *self, const yaml_node_t *node, const ch
     const char *name = unit != NULL ? unit : unit_of(self, node);
     const bool has_unit = !is_decimal(text) && isdigit((unsigned char)text[strspn(text, "+-.")]) != 0;
     const char *without = is_quoted(node) ? ", without quotes," : has_unit ? ", without a unit," : "";
-    yaml_refuse(self, node, "a plain number%s%s%s from %g to %g", name[0] != '\0' ? " in " : "", name, without,
-                minimum, maximum);
+    yaml_refuse(self, node, "a plain number%s%s%s from %g to %g", name[0] != '\0' ? " in " : "", name, without, minimum,
+                maximum);
 }
 
 double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *unit, double minimum, double maximum) {

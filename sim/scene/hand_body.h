@@ -18,8 +18,8 @@ typedef struct {
     double mass_kg, inertia_kgm2; /* a homogeneous ball's of 60 mm radius of gyration */
     double stiffness_Npm, damping_Nspm;
     double stiffness_Nmprad, damping_Nmspprad;
-    rigid_pose_t aim;      /* at the end of the last step */
-    rigid_pose_t next_aim; /* at the end of the coming one */
+    rigid_pose_t aim;                              /* at the end of the last step */
+    rigid_pose_t next_aim;                         /* at the end of the coming one */
     double aim_velocity_mps[3], aim_spin_radps[3]; /* over the last step */
 } hand_body_t;
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define ROD_SPIN_TIME_S 0.025 /* a turn about the axis, which two ball grips leave free, dies away as fast */
-#define AXIS_Z 3 /* dMassSetCylinderTotal counts x, y, z from 1 */
+#define AXIS_Z 3              /* dMassSetCylinderTotal counts x, y, z from 1 */
 
 /* Of the handle's middle, which a crank's body is. */
 static rigid_pose_t crank_handle(const object_t *data) {

@@ -13,8 +13,8 @@ struct dxWorld;
 
 typedef struct {
     const object_t *data;
-    struct dxBody *body;   /* NULL: a stand */
-    struct dxJoint *hinge; /* of a crank */
+    struct dxBody *body;    /* NULL: a stand */
+    struct dxJoint *hinge;  /* of a crank */
     double hinge_angle_rad; /* unwrapped, from the start */
     double last_angle_rad;  /* as ODE gives it, -pi..pi */
 } scene_object_t;

@@ -11,9 +11,9 @@
 #include "physics.h"
 #include "support.h"
 
-#define HAND_CAPTURE_M 0.025    /* the fingers of an open hand close on an axis so near to the grip */
-#define OPENING_ON_OBJECT 0.3   /* where the jaws meet what lies between them */
-#define DROPPED_AFTER_S 0.02    /* held by nobody for so long */
+#define HAND_CAPTURE_M 0.025  /* the fingers of an open hand close on an axis so near to the grip */
+#define OPENING_ON_OBJECT 0.3 /* where the jaws meet what lies between them */
+#define DROPPED_AFTER_S 0.02  /* held by nobody for so long */
 #define HOLDERS (SCENARIO_MAX_PEOPLE + 1)
 
 struct scene {
@@ -101,9 +101,8 @@ static void robot_grips(scene_t *self, size_t object) {
 
 static void create_objects(scene_t *self) {
     const gripper_t *gripper = &self->scenario->gripper;
-    self->grip[SCENE_HOLDER_ROBOT].properties =
-        (grip_properties_t){gripper->stiffness_Npm, gripper->damping_Nspm, gripper->force_limit_N,
-                            gripper->torque_limit_Nm};
+    self->grip[SCENE_HOLDER_ROBOT].properties = (grip_properties_t){gripper->stiffness_Npm, gripper->damping_Nspm,
+                                                                    gripper->force_limit_N, gripper->torque_limit_Nm};
     self->opening = 1.0;
     for (size_t i = 0; i < self->scenario->object_count; i++) {
         scene_object_init(&self->object[i], self->world, &self->scenario->object[i]);
@@ -356,8 +355,7 @@ void scene_point(const scene_t *self, const point_t *point, double position_m[3]
         arm_plant_hand(self->arm, &hand);
         point_on_hand(&hand, self->scenario->gripper.offset_m, position_m);
         break;
-    case POINT_NONE:
-        break;
+    case POINT_NONE: break;
     }
 }
 

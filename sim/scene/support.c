@@ -10,7 +10,7 @@
 /* A contact creeps by 1 mm/s per N of friction: the four of a rod in a groove have more directions than the rod has
  * freedoms, and without it their shares are undetermined, at which ODE's LCP solver gives up. */
 #define CONTACT_SLIP_MPNS 1e-3
-#define GROOVE_DEPTH_M 0.01 /* deeper than so below its place in the groove a rod has left it */
+#define GROOVE_DEPTH_M 0.01                 /* deeper than so below its place in the groove a rod has left it */
 #define GROOVE_SLOPE 0.70710678118654752440 /* of the V's sides: 45 degrees */
 
 /* Where contacts go, for a step of this length. */
@@ -26,8 +26,11 @@ static void add_contact(const contact_sink_t *sink, dBodyID body, const double p
     const double total = sink->step_s * CONTACT_NPM + CONTACT_NSPM;
     dContact contact = {.surface = {.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM | dContactSlip1 |
                                             dContactSlip2 | dContactFDir1,
-                                    .mu = FRICTION, .soft_erp = sink->step_s * CONTACT_NPM / total,
-                                    .soft_cfm = 1.0 / total, .slip1 = CONTACT_SLIP_MPNS, .slip2 = CONTACT_SLIP_MPNS},
+                                    .mu = FRICTION,
+                                    .soft_erp = sink->step_s * CONTACT_NPM / total,
+                                    .soft_cfm = 1.0 / total,
+                                    .slip1 = CONTACT_SLIP_MPNS,
+                                    .slip2 = CONTACT_SLIP_MPNS},
                         .geom = {.depth = depth_m}};
     for (int k = 0; k < 3; k++) {
         contact.geom.pos[k] = position_m[k];

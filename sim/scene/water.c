@@ -138,7 +138,7 @@ water_body_t *water_create(const water_t *water, const cup_t cups[WATER_MAX_CUPS
                            const rigid_pose_t pose[WATER_MAX_CUPS], double ground_z_m) {
     const size_t count = (size_t)water->particles;
     water_body_t *self = calloc(1, sizeof *self + count * sizeof self->particle[0]);
-    double(*point_m)[3] = calloc(count, sizeof *point_m);
+    double (*point_m)[3] = calloc(count, sizeof *point_m);
     if (self == NULL || point_m == NULL) {
         free(point_m);
         free(self);

@@ -1,7 +1,8 @@
 /* Water as frictionless particles in an ODE world of its own: they collide with each other and with the cups
- * (cup.h), feel gravity, come to rest where they reach the ground, and do not act on the cups. Their sizes differ by up to 20 %: equal ones settle into
- * layers that do not flow. Even so they are beads and no liquid: a heap stands some 15 degrees steep, and the rim holds
- * it back by up to a particle's diameter, so that less leaves a tilted cup than of a liquid. */
+ * (cup.h), feel gravity, come to rest where they reach the ground, and do not act on the cups. Their sizes differ by up
+ * to 20 %: equal ones settle into layers that do not flow. Even so they are beads and no liquid: a heap stands some 15
+ * degrees steep, and the rim holds it back by up to a particle's diameter, so that less leaves a tilted cup than of a
+ * liquid. */
 #ifndef COMANIP_SIM_WATER_H
 #define COMANIP_SIM_WATER_H
 
@@ -12,9 +13,9 @@
 /* Each particle is in one of the three. It is in a cup from when its centre comes into the inner cylinder until it has
  * left (cup_is_left_by): on the heap and on the rim it still counts as in. */
 typedef struct {
-    int in_robot_cup;  /* cup 0 */
-    int in_person_cup; /* cup 1 */
-    int elsewhere;     /* in the air, or spilt on the ground */
+    int in_robot_cup;   /* cup 0 */
+    int in_person_cup;  /* cup 1 */
+    int elsewhere;      /* in the air, or spilt on the ground */
     int left_robot_cup; /* all but in_robot_cup: what falls back in has not left */
 } water_count_t;
 

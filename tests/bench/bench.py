@@ -25,15 +25,19 @@ HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent))
 
-import simulator_speed  # noqa: E402
 import oracle  # noqa: E402
-from comanip import arm_codegen, arm_description  # noqa: E402
+import simulator_speed  # noqa: E402
+from comanip import arm_description  # noqa: E402
 from dqrobotics import DQ  # noqa: E402
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-ARMS = {4: REPOSITORY / "firmware" / "arms" / "hoap3_right.toml", 6: HERE / "arms" / "six.toml", 7: HERE / "arms" / "seven.toml"}
+ARMS = {
+    4: REPOSITORY / "firmware" / "arms" / "hoap3_right.toml",
+    6: HERE / "arms" / "six.toml",
+    7: HERE / "arms" / "seven.toml",
+}
 START_RAD = {4: [0.3, -0.4, 0.2, -1.2], 6: [0.4, -1.2, 1.5, -0.8, 1.2, 0.3], 7: [0.1, -0.4, 0.2, -1.9, 0.1, 1.6, 0.5]}
 GAIN, WEIGHT, DAMPING = 35.0, (0.01, 100.0), 0.01  # the firmware's defaults
 HANDS, STATES, ROUNDS, TICKS = 1000, 300, 25, 20_000
@@ -93,14 +97,18 @@ def make_case(n: int, folder: Path, rng: np.random.Generator) -> Case:
     arm = arm_description.read(ARMS[n])
     turn = 2 * np.pi * np.arange(HANDS) / HANDS  # a second of one closed movement of the hand
     rotations = oracle.rotation(np.stack([np.sin(turn), np.cos(turn), 0 * turn + 0.5], axis=1), 0.4 * np.sin(2 * turn))
-    places = single(np.stack([0.06 * np.sin(turn), 0.05 * np.sin(2 * turn), 0.04 - 0.04 * np.cos(turn)], axis=1) + [0.4, -0.2, 0.9])
+    places = single(
+        np.stack([0.06 * np.sin(turn), 0.05 * np.sin(2 * turn), 0.04 - 0.04 * np.cos(turn)], axis=1) + [0.4, -0.2, 0.9]
+    )
     start = single(np.array(START_RAD[n]))
     robot, _ = kinematics(arm, start)
     hands = oracle.pose(rotations, places)
     algorithm = oracle.Algorithm1("pour", oracle.unit(hands[0]), oracle.unit(robot), np.array([1.0, 0, 0, 0]))
     t_task, q_task, q_inv = oracle.TABLE_I["pour"]
     right = oracle.quaternion_multiply(
-        oracle.quaternion_multiply(oracle.quaternion_conjugate(rotations[0]), oracle.quaternion_multiply(robot[:4], q_inv)),
+        oracle.quaternion_multiply(
+            oracle.quaternion_conjugate(rotations[0]), oracle.quaternion_multiply(robot[:4], q_inv)
+        ),
         oracle.quaternion_conjugate(q_task),
     )
     states = single(start + rng.uniform(-0.3, 0.3, (STATES, n)))
@@ -126,9 +134,11 @@ def law_in_double(case: Case) -> np.ndarray:
 
 
 def run(command: list[object]) -> str:
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise SystemExit(f"make bench: {' '.join(map(str, command[:3]))} ...: exit status {done.returncode}\n{done.stderr[-3000:]}")
+        raise SystemExit(
+            f"make bench: {' '.join(map(str, command[:3]))} ...: exit status {done.returncode}\n{done.stderr[-3000:]}"
+        )
     return done.stdout
 
 
@@ -164,7 +174,9 @@ def instructions(case: Case, program: Path, name: str) -> float:
     for ticks in (CALLGRIND_TICKS, 2 * CALLGRIND_TICKS):
         out = case.model.with_suffix(f".{name.replace(' ', '').replace(',', '-')}.{ticks}")
         run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, case.model, "run", ticks, name])
-        counts.append(int(next(line for line in out.read_text().splitlines() if line.startswith("summary:")).split()[1]))
+        counts.append(
+            int(next(line for line in out.read_text().splitlines() if line.startswith("summary:")).split()[1])
+        )
     return (counts[1] - counts[0]) / CALLGRIND_TICKS
 
 
@@ -258,7 +270,11 @@ def missed(n: int, found: dict[str, dict]) -> list[str]:
         ratio = found[name]["times_ours"]
         if ratio < asked:
             told.append(f"n = {n}: {name} takes {ratio:.1f} times as long as ours, asked {asked:g}")
-    told += [f"n = {n}: {name} takes {found[name]['heap_allocations']:g} times a tick from the heap" for name in OURS if found[name]["heap_allocations"]]
+    told += [
+        f"n = {n}: {name} takes {found[name]['heap_allocations']:g} times a tick from the heap"
+        for name in OURS
+        if found[name]["heap_allocations"]
+    ]
     return told
 
 
@@ -275,21 +291,32 @@ def show(results: dict[int, dict[str, dict]], console: Console) -> None:
             cell = f"{ns['median']:.0f} ({ns['percentile_10']:.0f} .. {ns['percentile_90']:.0f})"
             instructions_cell = "-" if figures["instructions"] is None else f"{figures['instructions']:.0f}"
             heap_cell = "-" if figures["heap_allocations"] is None else f"{figures['heap_allocations']:g}"
-            table.add_row(name, cell, f"{figures['times_ours']:.1f}", instructions_cell, heap_cell, f"{figures['from_double']:.1g}")
+            table.add_row(
+                name,
+                cell,
+                f"{figures['times_ours']:.1f}",
+                instructions_cell,
+                heap_cell,
+                f"{figures['from_double']:.1g}",
+            )
         console.print(table)
         overhead = found[Dqrobotics.name]["calls_overhead_ns"]
-        print(f"Of dqrobotics' time, about {overhead:.0f} ns are what as many calls from Python take that do nothing.\n")
+        print(
+            f"Of dqrobotics' time, about {overhead:.0f} ns are what as many calls from Python take that do nothing.\n"
+        )
     print(WORK)
 
 
 def draw(results: dict[int, dict[str, dict]], path: Path) -> None:
     figure, axes = plt.subplots(figsize=(9, 4.5), layout="constrained")
-    names = [name for name in sorted(results[4], key=lambda name: results[4][name]["ns"]["median"])]
+    names = sorted(results[4], key=lambda name: results[4][name]["ns"]["median"])
     for place, (n, found) in enumerate(results.items()):
         medians = [found[name]["ns"]["median"] for name in names]
         spread = [[m - found[name]["ns"]["percentile_10"] for m, name in zip(medians, names)],
                   [found[name]["ns"]["percentile_90"] - m for m, name in zip(medians, names)]]  # fmt: skip
-        axes.barh(np.arange(len(names)) + 0.27 * (place - 1), medians, 0.25, xerr=np.maximum(spread, 0), label=f"n = {n}")
+        axes.barh(
+            np.arange(len(names)) + 0.27 * (place - 1), medians, 0.25, xerr=np.maximum(spread, 0), label=f"n = {n}"
+        )
     axes.set_xscale("log")
     axes.set_yticks(range(len(names)), names)
     axes.grid(axis="x", alpha=0.3)

@@ -7,8 +7,8 @@
 #include "../../firmware/cooperation.h"
 #include "../../firmware/velocity_control.h"
 #include "../../firmware/velocity_control_isotropic.h"
-#include "six.h"
 #include "seven.h"
+#include "six.h"
 
 #define TICK_S 1e-3f
 
@@ -40,8 +40,10 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
     for (int i = 0; i < model->joint_count; i++) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};
     }
-    self->arm = (arm_t){.joint_count = (uint8_t)model->joint_count, .joints = self->joints,
-                        .effector = pose(&model->fixed[7 * model->joint_count]), .forward_kinematics = arm_forward_kinematics,
+    self->arm = (arm_t){.joint_count = (uint8_t)model->joint_count,
+                        .joints = self->joints,
+                        .effector = pose(&model->fixed[7 * model->joint_count]),
+                        .forward_kinematics = arm_forward_kinematics,
                         .isotropic = velocity_control_isotropic};
 }
 

@@ -10,8 +10,8 @@ extern "C" {
 
 typedef struct tick tick_t;
 
-/* A pose is w x y z, x y z. fixed: joint_count + 1 of them, the effector's last; hands: as many as hand_count. name: of an arm that
- * `make arms` wrote; NULL: the table with the law for any arm. */
+/* A pose is w x y z, x y z. fixed: joint_count + 1 of them, the effector's last; hands: as many as hand_count. name: of
+ * an arm that `make arms` wrote; NULL: the table with the law for any arm. */
 typedef struct {
     const char *name;
     int joint_count, hand_count;

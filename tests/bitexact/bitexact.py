@@ -30,7 +30,16 @@ EVENTS = ["--gap", "4:0.2", "--dropout", "0.02", "--tracker-clock", "4294000000"
 VECTOR_TICKS, SMOKE_VECTOR_TICKS = 20_000, 4_000
 CORE_FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", f"-I{REPOSITORY / 'build' / 'generated'}"]
 HOSTS = [(compiler, level) for compiler in ("gcc", "clang") for level in ("-O0", "-O2", "-O3")]
-SEMIHOSTING = ["-display", "none", "-monitor", "none", "-serial", "null", "-semihosting-config", "enable=on,target=native"]
+SEMIHOSTING = [
+    "-display",
+    "none",
+    "-monitor",
+    "none",
+    "-serial",
+    "null",
+    "-semihosting-config",
+    "enable=on,target=native",
+]
 HASH_BYTES = 4
 TIMEOUT_S = 1800  # an image that panics stands still
 
@@ -46,7 +55,9 @@ class Result:
 
 
 def make_input(folder: Path, smoke: bool) -> None:
-    runs = [("teleop", "fd", ["--duration", "3"])] if smoke else [(s, p, []) for p in ("fd", "classic") for s in SCENARIOS]
+    runs = (
+        [("teleop", "fd", ["--duration", "3"])] if smoke else [(s, p, []) for p in ("fd", "classic") for s in SCENARIOS]
+    )
     runs += [] if smoke else [("teleop", "fd", EVENTS), ("pour", "classic", EVENTS)]
     paths = []
     for number, (scenario, profile, options) in enumerate(runs):
@@ -56,7 +67,9 @@ def make_input(folder: Path, smoke: bool) -> None:
         subprocess.run([str(part) for part in command], check=False, stderr=subprocess.DEVNULL)
         paths.append(out / "bus.log")
     ticks = SMOKE_VECTOR_TICKS if smoke else VECTOR_TICKS
-    subprocess.run([sys.executable, RUNNER.with_name("write_input.py"), folder / "input.bin", str(ticks), *paths], check=True)
+    subprocess.run(
+        [sys.executable, RUNNER.with_name("write_input.py"), folder / "input.bin", str(ticks), *paths], check=True
+    )
 
 
 def core_sources() -> list[Path]:
@@ -112,11 +125,27 @@ def run(folder: Path, smoke: bool) -> list[Result]:
     make_input(folder, smoke)
     jobs = []
     for compiler, level in HOSTS:
-        jobs.append((f"x86-64 {compiler} {level}", missing("", compiler, f"apt-get install {compiler}"), host_output, (compiler, level)))
+        jobs.append(
+            (
+                f"x86-64 {compiler} {level}",
+                missing("", compiler, f"apt-get install {compiler}"),
+                host_output,
+                (compiler, level),
+            )
+        )
     for image in IMAGES.values():
-        jobs.append((f"{image.name} gcc -O2, QEMU", missing("", image.emulator[0], "make target-deps"), image_output, (image.name,)))
+        jobs.append(
+            (
+                f"{image.name} gcc -O2, QEMU",
+                missing("", image.emulator[0], "make target-deps"),
+                image_output,
+                (image.name,),
+            )
+        )
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        outputs = [None if absent else pool.submit(function, folder, *arguments) for _, absent, function, arguments in jobs]
+        outputs = [
+            None if absent else pool.submit(function, folder, *arguments) for _, absent, function, arguments in jobs
+        ]
         outputs = [output.result() if output else None for output in outputs]
     reference = next(output for output in outputs if output)
     return [

@@ -31,17 +31,25 @@ class Operated(Bench):
         for _ in range(count):
             time_s = 1e-3 * self.ticks
             turned = oracle.rotation([0, 1, 0], np.pi / 2 + TURN_RAD * np.sin(TURN_RADPS * time_s))
-            self.hand = None if self.ticks < self._gap_until else oracle.pose(turned, HAND_M + SWING_M * np.sin(SWING_RADPS * time_s))
+            self.hand = (
+                None
+                if self.ticks < self._gap_until
+                else oracle.pose(turned, HAND_M + SWING_M * np.sin(SWING_RADPS * time_s))
+            )
             if self.ticks % STATUS_TICKS == 0:
                 frame = ffi.new("can_frame_t *")
-                lib.tracker_status_pack(ffi.new("tracker_status_t *", {"t_us": self.now_us % 2**32, "period_us": 4000}), frame)
+                lib.tracker_status_pack(
+                    ffi.new("tracker_status_t *", {"t_us": self.now_us % 2**32, "period_us": 4000}), frame
+                )
                 self.requests.append(frame)
             super().tick()
             self.ticks_read.append(stimulus.tick(self.now_us, [self.inbox.frame[i] for i in range(self.inbox.count)]))
             self._count()
 
     def _count(self) -> None:
-        ends = lib.joint_limits_ends(self.controller.arm, ffi.addressof(self.controller.joint_limits_config), self.controller.joints.position_rad)
+        ends = lib.joint_limits_ends(
+            self.controller.arm, ffi.addressof(self.controller.joint_limits_config), self.controller.joints.position_rad
+        )
         cooperates = self.mode == lib.MODE_COOPERATING
         self.seen["the law waits"] += self.controller.law_waited
         self.seen["hold"] += self.mode == lib.MODE_HOLD

@@ -1,5 +1,6 @@
-/* Where the runner reads and writes: files input.bin and output.bin of the folder that it, or the emulator, runs in. On a target
- * through semihosting (ARM IHI 0100, RISC-V's is the same), which lets an image in an emulator use its host's files. */
+/* Where the runner reads and writes: files input.bin and output.bin of the folder that it, or the emulator, runs in. On
+ * a target through semihosting (ARM IHI 0100, RISC-V's is the same), which lets an image in an emulator use its host's
+ * files. */
 #ifndef COMANIP_BITEXACT_PLATFORM_H
 #define COMANIP_BITEXACT_PLATFORM_H
 
@@ -76,7 +77,8 @@ static inline bool platform_read(void *bytes, size_t count) {
 }
 
 static inline void platform_flush(void) {
-    (void)semihosting3(SEMIHOSTING_WRITE, platform_output.file, (uintptr_t)platform_output.bytes, platform_output.count);
+    (void)semihosting3(SEMIHOSTING_WRITE, platform_output.file, (uintptr_t)platform_output.bytes,
+                       platform_output.count);
     platform_output.count = 0;
 }
 

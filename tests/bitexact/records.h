@@ -28,7 +28,9 @@ static inline bool record_read_frame(can_frame_t *frame) {
     if (!platform_read(head, sizeof head)) {
         return false;
     }
-    *frame = (can_frame_t){.timestamp_us = record_word(head), .id = (uint16_t)(head[4] | head[5] << 8), .length = head[6],
+    *frame = (can_frame_t){.timestamp_us = record_word(head),
+                           .id = (uint16_t)(head[4] | head[5] << 8),
+                           .length = head[6],
                            .fd = head[7] != 0};
     return platform_read(frame->data, frame->length);
 }
@@ -44,11 +46,13 @@ static inline bool record_read(record_t *record) {
 }
 
 static inline void record_boot(const record_t *record, controller_t *controller) {
-    controller_init(controller, &arm_hoap3_right, record->kind == RECORD_BOOT_FD ? CAN_PROFILE_FD : CAN_PROFILE_CLASSIC);
+    controller_init(controller, &arm_hoap3_right,
+                    record->kind == RECORD_BOOT_FD ? CAN_PROFILE_FD : CAN_PROFILE_CLASSIC);
 }
 
 static inline void record_read_inbox(const record_t *record, controller_inbox_t *inbox) {
-    for (inbox->count = 0; inbox->count < record->count && record_read_frame(&inbox->frame[inbox->count]); inbox->count++) {
+    for (inbox->count = 0; inbox->count < record->count && record_read_frame(&inbox->frame[inbox->count]);
+         inbox->count++) {
     }
 }
 

@@ -78,7 +78,10 @@ class Vectors:
         q = q / np.linalg.norm(q) * self._rng.choice([1, -1, 1.0005, 0.5])
         self._hand = self._hand + self._rng.normal(size=3) * self._rng.choice([1e-4, 1e-2, 1])
         self._hand = np.clip(self._hand, -3, 3)
-        pose = ffi.new("hand_pose_t *", {"t_us": (now + int(self._rng.integers(-2000, 1))) % 2**32, "valid": self._rng.random() < 0.95})
+        pose = ffi.new(
+            "hand_pose_t *",
+            {"t_us": (now + int(self._rng.integers(-2000, 1))) % 2**32, "valid": self._rng.random() < 0.95},
+        )
         pose.position_m, pose.rotation = dict(zip("xyz", self._hand)), dict(zip("wxyz", q))
         frame = ffi.new("can_frame_t *")
         lib.hand_pose_pack(pose, frame)
@@ -102,12 +105,17 @@ class Vectors:
             lib.parameter_access_pack(access, frame)
         elif kind == 1:
             q = [random / np.linalg.norm(random) for random in self._rng.normal(size=(2, 4))]
-            define = ffi.new("task_define_t *", {"form": int(self._rng.integers(3)), "blend_s": float(self._rng.choice([0, 0.1, 60]))})
+            define = ffi.new(
+                "task_define_t *",
+                {"form": int(self._rng.integers(3)), "blend_s": float(self._rng.choice([0, 0.1, 60]))},
+            )
             define.t_task_m, define.q_task, define.q_inv = (
                 dict(zip("xyz", self._rng.uniform(-1, 1, 3))), dict(zip("wxyz", q[0])), dict(zip("wxyz", q[1])))  # fmt: skip
             lib.task_define_pack(define, frame)
         else:
-            command = ffi.new("operator_command_t *", {"command": int(self._rng.integers(7)), "task": int(self._rng.integers(5))})
+            command = ffi.new(
+                "operator_command_t *", {"command": int(self._rng.integers(7)), "task": int(self._rng.integers(5))}
+            )
             lib.operator_command_pack(command, frame)
         return frame
 
@@ -117,7 +125,11 @@ class Vectors:
         yield boot(self._profile)
         for i in range(count):
             now = (now + period_us) % 2**32
-            frames = [] if self._rng.random() < 0.01 else [f for joint in range(4) for f in self._sent(self._state(joint), now)]
+            frames = (
+                []
+                if self._rng.random() < 0.01
+                else [f for joint in range(4) for f in self._sent(self._state(joint), now)]
+            )
             if i % (4 if period_us == 1000 else 2) == 0 and self._rng.random() < 0.98:
                 frames += self._sent(self._pose(now), now)
             if self._rng.random() < 0.2:

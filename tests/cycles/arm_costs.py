@@ -66,7 +66,9 @@ def own_cycles(instruction: Instruction, image: str) -> int:
         return cycles_m0plus(instruction)
     name = re.sub(r"\.(n|w)$", "", instruction.name)
     operands = instruction.operands
-    writes_pc = bool(re.search(r"\bpc\b", operands.split(";")[0])) and name.startswith(("pop", "ldm", "ldr", "mov", "add"))
+    writes_pc = bool(re.search(r"\bpc\b", operands.split(";")[0])) and name.startswith(
+        ("pop", "ldm", "ldr", "mov", "add")
+    )
     refill = REFILL if writes_pc and not re.match(r"ldr.*\[pc|add.*, pc", f"{name} {operands}") else 0
     if re.match(r"v?(push|pop|ldm|stm)", name):
         return 1 + registers(operands) + refill
@@ -121,7 +123,9 @@ def costs(disassembly: str, image: str) -> list[tuple[int, bool, int]]:
         if not found:
             before = None
             continue
-        instruction = Instruction(int(found.group(1), 16), found.group(2), (found.group(3) or "").split("@")[0].split(";")[0])
+        instruction = Instruction(
+            int(found.group(1), 16), found.group(2), (found.group(3) or "").split("@")[0].split(";")[0]
+        )
         late = before is not None and waits(before, instruction)
         result.append((instruction.address, instruction.is_conditional_branch, own_cycles(instruction, image) + late))
         before = instruction

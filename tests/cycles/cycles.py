@@ -108,8 +108,13 @@ def write_costs(image: str, elf: Path) -> Path:
     path = elf.with_name("costs.bin")
     costs = []
     if image in MODELLED:
-        costs = arm_costs.costs(output_of([IMAGES[image].prefix + "objdump", "-d", "--no-show-raw-insn", str(elf)]), image)
-    path.write_bytes(struct.pack("<I", arm_costs.taken_cycles(image)) + b"".join(COSTS.pack(a | branch, cost) for a, branch, cost in costs))
+        costs = arm_costs.costs(
+            output_of([IMAGES[image].prefix + "objdump", "-d", "--no-show-raw-insn", str(elf)]), image
+        )
+    path.write_bytes(
+        struct.pack("<I", arm_costs.taken_cycles(image))
+        + b"".join(COSTS.pack(a | branch, cost) for a, branch, cost in costs)
+    )
     return path
 
 
@@ -136,7 +141,9 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
         raise SystemExit(f"make cycles: {image}: {len(counts)} counts for {len(told)} marks")
     counts = counts.astype(np.int64) - counts[0]  # without the marks themselves
     quantities = NOT_PREDICTED if states == "not_predicted" else set(QUANTITIES.values()) - NOT_PREDICTED
-    if (fewest := min(np.count_nonzero(told == mark) for mark, name in QUANTITIES.items() if name in quantities)) < STATES:
+    if (
+        fewest := min(np.count_nonzero(told == mark) for mark, name in QUANTITIES.items() if name in quantities)
+    ) < STATES:
         raise SystemExit(f"make cycles: {image}, {states}: {fewest} states, expected {STATES} or more")
     return {name: {"instructions": counts[told == mark, 0], "cycles": counts[told == mark, 1]}
             for mark, name in QUANTITIES.items() if name in quantities}  # fmt: skip
@@ -144,11 +151,20 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
 
 def figures(values: np.ndarray) -> dict[str, int]:
     most = int(np.percentile(values, 99.9, method="higher"))
-    return {"n": len(values), "minimum": int(values.min()), "median": int(np.median(values)), "percentile_99_9": most, "maximum": int(values.max())}
+    return {
+        "n": len(values),
+        "minimum": int(values.min()),
+        "median": int(np.median(values)),
+        "percentile_99_9": most,
+        "maximum": int(values.max()),
+    }
 
 
 def report(results: dict[str, dict]) -> None:
-    table = Table(title="Instructions per tick (QEMU), and cycles by ARM's tables: minimum / median / 99.9 % / maximum", title_justify="left")
+    table = Table(
+        title="Instructions per tick (QEMU), and cycles by ARM's tables: minimum / median / 99.9 % / maximum",
+        title_justify="left",
+    )
     for header in ("image", "states", "of what", "n", "instructions", "cycles (modelled)"):
         table.add_column(header, justify="left" if header in ("image", "states", "of what") else "right")
     for image, of_image in results.items():
@@ -165,7 +181,10 @@ def maxima(results: dict[str, dict]) -> dict[str, dict[str, dict[str, int]]]:
     """image: quantity: unit: the largest maximum of all states."""
     return {
         image: {
-            name: {unit: max(of_image[states][name][unit]["maximum"] for states in of_image if name in of_image[states]) for unit in units}
+            name: {
+                unit: max(of_image[states][name][unit]["maximum"] for states in of_image if name in of_image[states])
+                for unit in units
+            }
             for name, units in {**of_image["recorded"], **of_image["not_predicted"]}.items()
         }
         for image, of_image in results.items()
@@ -237,13 +256,20 @@ def main(argv: list[str]) -> int:
         lines = ["# What a tick may cost at most, by `make cycles`: written by `make cycles UPDATE=1`.\n"]
         for image, quantities in found.items():
             lines.append(f"\n[{image}]\n")
-            lines += [f"{name} = {{ {', '.join(f'{u} = {v}' for u, v in units.items())} }}\n" for name, units in quantities.items()]
+            lines += [
+                f"{name} = {{ {', '.join(f'{u} = {v}' for u, v in units.items())} }}\n"
+                for name, units in quantities.items()
+            ]
         budget.write_text("".join(lines))
         print(f"make cycles: {budget} written")
     over = missed(results) + exceeded(found, tomllib.loads(budget.read_text()) if budget.exists() else {})
     for line in over:
         print(f"make cycles: {line}", file=sys.stderr)
-    print(f"make cycles: beyond {budget}; UPDATE=1 writes it anew" if over else f"make cycles: within {budget}, and what was asked")
+    print(
+        f"make cycles: beyond {budget}; UPDATE=1 writes it anew"
+        if over
+        else f"make cycles: within {budget}, and what was asked"
+    )
     return bool(over)
 
 

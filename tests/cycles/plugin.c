@@ -1,9 +1,10 @@
-/* A plugin of QEMU that counts the instructions between two addresses of an image, and adds up what each costs by a table that
- * cycles.py makes.
+/* A plugin of QEMU that counts the instructions between two addresses of an image, and adds up what each costs by a
+ * table that cycles.py makes.
  *
- * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE. costs: pairs of 32-bit words, address (bit 0 set: a conditional branch)
- * and cost; the first word is what a conditional branch costs more when it is taken. out: a pair, instructions and cost, for each
- * way from begin to end. Debian ships QEMU without qemu-plugin.h: what is used of its interface, version 1, is declared here. */
+ * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE. costs: pairs of 32-bit words, address (bit 0 set: a
+ * conditional branch) and cost; the first word is what a conditional branch costs more when it is taken. out: a pair,
+ * instructions and cost, for each way from begin to end. Debian ships QEMU without qemu-plugin.h: what is used of its
+ * interface, version 1, is declared here. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -22,10 +23,12 @@ typedef void qemu_plugin_translated_t(qemu_plugin_id_t id, struct qemu_plugin_tb
 typedef void qemu_plugin_executed_t(unsigned int cpu, void *argument);
 
 void qemu_plugin_register_vcpu_tb_trans_cb(qemu_plugin_id_t id, qemu_plugin_translated_t *callback);
-void qemu_plugin_register_vcpu_tb_exec_cb(struct qemu_plugin_tb *block, qemu_plugin_executed_t *callback, int flags, void *argument);
-void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn *instruction, qemu_plugin_executed_t *callback, int flags,
-                                            void *argument);
-void qemu_plugin_register_vcpu_insn_exec_inline(struct qemu_plugin_insn *instruction, int operation, void *counter, uint64_t value);
+void qemu_plugin_register_vcpu_tb_exec_cb(struct qemu_plugin_tb *block, qemu_plugin_executed_t *callback, int flags,
+                                          void *argument);
+void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn *instruction, qemu_plugin_executed_t *callback,
+                                            int flags, void *argument);
+void qemu_plugin_register_vcpu_insn_exec_inline(struct qemu_plugin_insn *instruction, int operation, void *counter,
+                                                uint64_t value);
 size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb *block);
 struct qemu_plugin_insn *qemu_plugin_tb_get_insn(const struct qemu_plugin_tb *block, size_t index);
 uint64_t qemu_plugin_insn_vaddr(const struct qemu_plugin_insn *instruction);

@@ -1,10 +1,23 @@
-/* In the place of firmware/main.c: runs what cycles.py has written to input.bin, and marks what is to be counted. After each mark
- * output.bin gets a byte that says what it was. */
+/* In the place of firmware/main.c: runs what cycles.py has written to input.bin, and marks what is to be counted. After
+ * each mark output.bin gets a byte that says what it was. */
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"
 
-typedef enum { COUNTED_NOTHING = 0, COUNTED_STEP, COUNTED_TICK, COUNTED_TICK_TORSO, COUNTED_TICK_GENERAL, COUNTED_TICK_ENDS,
-               COUNTED_TICK_GENERAL_ENDS, COUNTED_TICK_BLEND, COUNTED_ESTIMATE, COUNTED_PREDICTION, COUNTED_LAW, COUNTED_LAW_ENDS, COUNTED_STEP_NOT_PREDICTED } counted_t;
+typedef enum {
+    COUNTED_NOTHING = 0,
+    COUNTED_STEP,
+    COUNTED_TICK,
+    COUNTED_TICK_TORSO,
+    COUNTED_TICK_GENERAL,
+    COUNTED_TICK_ENDS,
+    COUNTED_TICK_GENERAL_ENDS,
+    COUNTED_TICK_BLEND,
+    COUNTED_ESTIMATE,
+    COUNTED_PREDICTION,
+    COUNTED_LAW,
+    COUNTED_LAW_ENDS,
+    COUNTED_STEP_NOT_PREDICTED
+} counted_t;
 
 /* A way from a call of count_begin() to the next of count_end() is counted: see plugin.c. */
 void count_begin(void);
@@ -56,8 +69,8 @@ static void ticks(const float position_rad[], const pose_t *hand) {
     tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_ENDS);
 }
 
-/* What prediction is made of, as the controller calls it: a sample, 4 ms after the last and just taken; the motion at the command's instant,
- * and the target's; the law. */
+/* What prediction is made of, as the controller calls it: a sample, 4 ms after the last and just taken; the motion at
+ * the command's instant, and the target's; the law. */
 static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     const float ahead_s = 0.003f;
     const uint32_t captured_us = motion.captured_us + 4000u, now_us = captured_us + 4000u;
@@ -77,7 +90,8 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
         float error_radps[ARM_MAX_JOINTS], motion_radps[ARM_MAX_JOINTS];
         count_begin();
         cooperation_update(&cooperation, &hand, 1.0f);
-        (void)arm_hoap3_right.position_first(&arm_hoap3_right, &position_first_config, &request, error_radps, motion_radps);
+        (void)arm_hoap3_right.position_first(&arm_hoap3_right, &position_first_config, &request, error_radps,
+                                             motion_radps);
         count_end();
         told(at_ends ? COUNTED_LAW_ENDS : COUNTED_LAW);
     }
@@ -124,7 +138,8 @@ void firmware_main(void) {
             controller_step(&controller, record.now_us, &inbox, &outbox);
             count_end();
             told(controller.predicts ? COUNTED_STEP : COUNTED_STEP_NOT_PREDICTED);
-            if (controller.supervisor.mode == MODE_COOPERATING && controller.velocity_control_config.isotropic.applies) {
+            if (controller.supervisor.mode == MODE_COOPERATING &&
+                controller.velocity_control_config.isotropic.applies) {
                 cooperation = controller.cooperation;
                 config = controller.velocity_control_config;
                 position_first_config = controller.position_first_config;

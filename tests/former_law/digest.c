@@ -1,6 +1,7 @@
-/* Prints a digest of all joint velocities that the laws without prediction ask for, over a made-up input: samples of a hand that wanders
- * and turns, interpolated, mapped by Algorithm 1, and law (4) at joints that wander, some of them at an end. The same source compiles
- * with the firmware of before the prediction: tests/test_former_law.py has what that one printed. */
+/* Prints a digest of all joint velocities that the laws without prediction ask for, over a made-up input: samples of a
+ * hand that wanders and turns, interpolated, mapped by Algorithm 1, and law (4) at joints that wander, some of them at
+ * an end. The same source compiles with the firmware of before the prediction: tests/test_former_law.py has what that
+ * one printed. */
 #include <stdio.h>
 #include <string.h>
 
@@ -30,7 +31,8 @@ static void take(const void *bytes, size_t count) {
     }
 }
 
-static void set_gains(parameters_t *parameters, const float gain[8], const float weight[8], float damping, float error_frame) {
+static void set_gains(parameters_t *parameters, const float gain[8], const float weight[8], float damping,
+                      float error_frame) {
     for (int i = 0; i < 8; i++) {
         parameters->value[PARAMETER_GAIN_PER_S + i] = gain[i];
         parameters->value[PARAMETER_WEIGHT + i] = weight[i];
@@ -74,8 +76,9 @@ static void run(const char *name, const parameters_t *parameters, task_id_t task
         }
         cooperation_update(&cooperation, &hand, tick < 1000u ? 0.001f * (float)tick : 1.0f);
         const uint8_t lower = tick % 7u == 0u ? (uint8_t)(tick & 15u) : 0u;
-        const velocity_request_t request = {
-            .position_rad = joint, .target = &cooperation.target, .ends = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
+        const velocity_request_t request = {.position_rad = joint,
+                                            .target = &cooperation.target,
+                                            .ends = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
         float velocity_radps[ARM_MAX_JOINTS] = {0.0f};
         velocity_control(arm, &law, &request, velocity_radps);
         take(&cooperation.target, sizeof cooperation.target);

@@ -17,8 +17,8 @@
 
 typedef struct {
     double position_rad, velocity_radps;
-    double read_rad;              /* by the encoder, at the last command */
-    double command[DELAY_TICKS];  /* [rad/s], a ring */
+    double read_rad;             /* by the encoder, at the last command */
+    double command[DELAY_TICKS]; /* [rad/s], a ring */
 } drive_t;
 
 typedef struct {
@@ -28,7 +28,8 @@ typedef struct {
     controller_inbox_t inbox;
     protocol_sender_t drives, tracker, operator;
     drive_t drive[REST_JOINTS];
-    double window_last[REST_JOINTS]; /* a joint's velocity when it was last above REST_CREEP_RADPS, in this window; 0: not yet */
+    double window_last[REST_JOINTS]; /* a joint's velocity when it was last above REST_CREEP_RADPS, in this window; 0:
+                                        not yet */
     joint_command_t command;
 } loop_t;
 
@@ -58,7 +59,8 @@ static void send_hand(loop_t *self, int tick, uint32_t now_us) {
     const double angle = sqrt(work->turn_rad[0] * work->turn_rad[0] + work->turn_rad[1] * work->turn_rad[1] +
                               work->turn_rad[2] * work->turn_rad[2]);
     const double part = angle > 0.0 ? sin(0.5 * s * angle) / angle : 0.0;
-    const double turned[4] = {cos(0.5 * s * angle), part * work->turn_rad[0], part * work->turn_rad[1], part * work->turn_rad[2]};
+    const double turned[4] = {cos(0.5 * s * angle), part * work->turn_rad[0], part * work->turn_rad[1],
+                              part * work->turn_rad[2]};
     double rotation[4];
     multiply(turned, work->hand_rotation, rotation);
     const hand_pose_t pose = {
@@ -88,8 +90,9 @@ static void send_joints(loop_t *self, uint32_t now_us) {
 
 static void send_operator(loop_t *self, int tick, uint32_t now_us) {
     if (tick == SELECT_TICK || tick == START_TICK) {
-        const operator_command_t command = {
-            .command = tick == SELECT_TICK ? COMMAND_SELECT : COMMAND_START, .sequence = (uint8_t)tick, .task = TASK_TELEOP};
+        const operator_command_t command = {.command = tick == SELECT_TICK ? COMMAND_SELECT : COMMAND_START,
+                                            .sequence = (uint8_t)tick,
+                                            .task = TASK_TELEOP};
         can_frame_t frame;
         (void)operator_command_pack(&command, &frame);
         deliver(self, &self->operator, &frame, now_us);
@@ -163,8 +166,9 @@ static void observe(loop_t *self, int tick) {
 
 static void finish(loop_t *self) {
     const pose_t *target = &self->controller.cooperation.target;
-    const float numbers[7] = {target->rotation.w,      target->rotation.x,      target->rotation.y,     target->rotation.z,
-                              target->translation_m.x, target->translation_m.y, target->translation_m.z};
+    const float numbers[7] = {target->rotation.w,     target->rotation.x,      target->rotation.y,
+                              target->rotation.z,     target->translation_m.x, target->translation_m.y,
+                              target->translation_m.z};
     for (int i = 0; i < 7; i++) {
         self->outcome->target[i] = (double)numbers[i];
     }

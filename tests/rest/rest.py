@@ -64,7 +64,9 @@ class Campaign:
         """Of the first `count` cases that do not begin with the arm inside the robot's body."""
         cases = (generated.random_case(self.seeds, number) for number in itertools.count())
         outcomes = (self._kept(self._ode_fingerprint, case, self._simulate) for case in cases)
-        return np.array(list(itertools.islice((one for one in outcomes if one["start"] != rest_ode.NO_PLACE), count)), OUTCOME)
+        return np.array(
+            list(itertools.islice((one for one in outcomes if one["start"] != rest_ode.NO_PLACE), count)), OUTCOME
+        )
 
     def of_pairs(self, count: int) -> list[rest_pairs.Verdict]:
         """With `count` cases for each pair."""
@@ -72,10 +74,14 @@ class Campaign:
         found = []
         for first in range(0, len(sets), PAIRS_BATCH):
             batch = sets[first : first + PAIRS_BATCH]
-            cases = [generated.pair_cases(self.seeds, count, rest_pairs.travel_s(parameters)) for _, parameters in batch]
+            cases = [
+                generated.pair_cases(self.seeds, count, rest_pairs.travel_s(parameters)) for _, parameters in batch
+            ]
 
             def run(_: np.ndarray, batch=batch, cases=cases) -> np.ndarray:
-                return np.array([self.loop.run(these, parameters) for (_, parameters), these in zip(batch, cases, strict=True)])
+                return np.array(
+                    [self.loop.run(these, parameters) for (_, parameters), these in zip(batch, cases, strict=True)]
+                )
 
             outcomes = self._kept(f"{self.loop.fingerprint} pairs from {first}", np.array(cases), run)
             found += [rest_pairs.judge(pair, these) for (pair, _), these in zip(batch, outcomes, strict=True)]
@@ -110,7 +116,11 @@ class Campaign:
 
 def position_cause(left_m: float) -> str:
     """Of an error that is left; `left_m`: of it, where the position alone would have led from there."""
-    return "a local minimum of the distance" if left_m >= WITHIN_M else "orientation or the joints' margins outweigh the distance"
+    return (
+        "a local minimum of the distance"
+        if left_m >= WITHIN_M
+        else "orientation or the joints' margins outweigh the distance"
+    )
 
 
 def motion_cause(valley: arm.Valley) -> str:
@@ -136,7 +146,11 @@ def geometry(valley: arm.Valley) -> str:
 def listed(numbers: Sequence[int], outcomes: np.ndarray, window: int, is_position: bool = False) -> list[dict]:
     """The exceptions of these numbers, each with its cause."""
     postures, targets = outcomes["position_rad"][numbers, window], outcomes["target"][numbers, 4:]
-    left_m = np.linalg.norm(targets - arm.hand_m(arm.descend(postures, targets)), axis=1) if is_position else np.zeros(len(numbers))
+    left_m = (
+        np.linalg.norm(targets - arm.hand_m(arm.descend(postures, targets)), axis=1)
+        if is_position
+        else np.zeros(len(numbers))
+    )
     valleys = [arm.valley(posture, target) for posture, target in zip(postures, targets, strict=True)]
     return [
         {
@@ -179,11 +193,23 @@ def rest(outcomes: np.ndarray, where: str = "rest") -> tuple[list[Check], dict]:
     swinging = [judgement.swings(outcomes, w) for w in (early, late)]
     creeping = [judgement.creeps(outcomes, w) for w in (early, late)]
     checks = [
-        at_most(f"{where}: not in cooperation", float((outcomes["interrupted"].any(axis=1) | (outcomes["start"] != ACCEPTED)).sum()), 0),
+        at_most(
+            f"{where}: not in cooperation",
+            float((outcomes["interrupted"].any(axis=1) | (outcomes["start"] != ACCEPTED)).sum()),
+            0,
+        ),
         at_most(f"{where}: swinging in the last 2 s of 8 s", float(swinging[early].sum()), 0),
-        at_most(f"{where}: share creeping in the last 2 s of 8 s", float(creeping[early].mean()), judgement.CREEPING_SHARE[early]),
+        at_most(
+            f"{where}: share creeping in the last 2 s of 8 s",
+            float(creeping[early].mean()),
+            judgement.CREEPING_SHARE[early],
+        ),
         at_most(f"{where}: swinging in the last 2 s of 20 s", float(swinging[late].sum()), 0),
-        at_most(f"{where}: share creeping in the last 2 s of 20 s", float(creeping[late].mean()), judgement.CREEPING_SHARE[late]),
+        at_most(
+            f"{where}: share creeping in the last 2 s of 20 s",
+            float(creeping[late].mean()),
+            judgement.CREEPING_SHARE[late],
+        ),
     ]
     exceptions = {
         f"{where}_of_8_s": listed(np.flatnonzero(swinging[early] | creeping[early]), outcomes, early),
@@ -193,16 +219,26 @@ def rest(outcomes: np.ndarray, where: str = "rest") -> tuple[list[Check], dict]:
 
 
 def position(outcomes: np.ndarray) -> tuple[list[Check], dict]:
-    error_m = np.linalg.norm(outcomes["target"][:, 4:] - arm.hand_m(outcomes["position_rad"][:, judgement.EARLY]), axis=1)
+    error_m = np.linalg.norm(
+        outcomes["target"][:, 4:] - arm.hand_m(outcomes["position_rad"][:, judgement.EARLY]), axis=1
+    )
     within = error_m < WITHIN_M
-    checks = [at_least("position: share within 1 mm where it can be reached, with posture_change", float(within.mean()), WITHIN_SHARE)]
+    checks = [
+        at_least(
+            "position: share within 1 mm where it can be reached, with posture_change",
+            float(within.mean()),
+            WITHIN_SHARE,
+        )
+    ]
     return checks, {"beyond_1_mm": listed(np.flatnonzero(~within), outcomes, judgement.EARLY, is_position=True)}
 
 
 def pairs(verdicts: list[rest_pairs.Verdict]) -> tuple[list[Check], dict]:
     wrong = [v for v in verdicts if v.what not in ("refused", "rests") and not v.warned]
     by_what = {what: sum(v.what == what for v in verdicts) for what in sorted({v.what for v in verdicts})}
-    print(f"pairs: {len(verdicts)}: {', '.join(f'{count} {what}' for what, count in by_what.items())}; warned of: {sum(v.warned for v in verdicts)}")
+    print(
+        f"pairs: {len(verdicts)}: {', '.join(f'{count} {what}' for what, count in by_what.items())}; warned of: {sum(v.warned for v in verdicts)}"
+    )
     checks = [at_most("pairs: neither refused, nor at rest, nor warned of", len(wrong), 0)]
     return checks, {
         "pairs": by_what | {"of": len(verdicts)},
@@ -233,11 +269,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path)
     options = parser.parse_args(arguments)
     campaign = Campaign(options.build, options.seeds, dict(options.parameter))
-    reaching = Campaign(options.build, options.seeds, {"posture_change": 1.0, **dict(options.parameter)})  # by default it is off
+    reaching = Campaign(
+        options.build, options.seeds, {"posture_change": 1.0, **dict(options.parameter)}
+    )  # by default it is off
     checks, exceptions = [], {}
     stages = (
         (options.cases, rest, lambda: campaign.outcomes(generated.random_cases(options.seeds, range(options.cases)))),
-        (options.reachable, position, lambda: reaching.outcomes(generated.reachable_cases(options.seeds, options.reachable))),
+        (
+            options.reachable,
+            position,
+            lambda: reaching.outcomes(generated.reachable_cases(options.seeds, options.reachable)),
+        ),
         (options.ode, lambda outcomes: rest(outcomes, "ode"), lambda: campaign.in_ode(options.ode)),
         (options.pairs, pairs, lambda: campaign.of_pairs(options.pairs)),
     )

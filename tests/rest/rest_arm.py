@@ -56,10 +56,10 @@ class Valley:
     slope, curvature and singular value, as they are of the law."""
 
     error_m: float
-    ends: tuple[int, ...]          # these joints, counted from 1
-    slope_m2: float                # of the steepest descent that is left [m^2/rad]
-    curvature_m2: np.ndarray       # eigenvalues of the Hessian [m^2/rad^2], rising
-    singular_m: float              # the Jacobian's smallest singular value [m/rad]
+    ends: tuple[int, ...]  # these joints, counted from 1
+    slope_m2: float  # of the steepest descent that is left [m^2/rad]
+    curvature_m2: np.ndarray  # eigenvalues of the Hessian [m^2/rad^2], rising
+    singular_m: float  # the Jacobian's smallest singular value [m/rad]
     reachable: bool
 
 

@@ -53,7 +53,9 @@ def target_m(case: np.ndarray) -> np.ndarray:
 def reachable_cases(seeds: str, count: int) -> np.ndarray:
     """The first `count` of further ones whose target's position can be reached. They last 8 s."""
     further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
-    return np.array(list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE)
+    return np.array(
+        list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE
+    )
 
 
 def pair_cases(seeds: str, count: int, travel_s: float) -> np.ndarray:

@@ -45,7 +45,11 @@ def scenario(case: np.ndarray) -> str:
     }  # fmt: skip
     lists = {name: "[" + ", ".join(f"{x:.6f}" for x in values) + "]" for name, values in numbers.items()}
     return SCENARIO.format(
-        **lists, move_s=f"{move_s:.6f}", before_s=BEFORE_S, rest_s=f"{end_s - move_s + 0.1:.6f}", duration_s=f"{end_s + 3:.3f}"
+        **lists,
+        move_s=f"{move_s:.6f}",
+        before_s=BEFORE_S,
+        rest_s=f"{end_s - move_s + 0.1:.6f}",
+        duration_s=f"{end_s + 3:.3f}",
     )
 
 
@@ -54,7 +58,20 @@ def run(case: np.ndarray, simulator: Path, folder: Path, parameters: dict[str, f
     could not run it for another reason."""
     file = folder / "rest.yaml"
     file.write_text(scenario(case))
-    command = [str(simulator), "--scenario", str(file), "--out", str(folder), "--seed", "0", "--noise-mm", "0", "--noise-deg", "0", "--quiet"]
+    command = [
+        str(simulator),
+        "--scenario",
+        str(file),
+        "--out",
+        str(folder),
+        "--seed",
+        "0",
+        "--noise-mm",
+        "0",
+        "--noise-deg",
+        "0",
+        "--quiet",
+    ]
     written = {"motion_scale": SCALE} | parameters
     command += [word for name, value in written.items() for word in ("--param", f"{name}={value:g}")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -10,7 +10,11 @@ import rest_arm as arm
 import rest_judgement as judgement
 from rest_loop import ACCEPTED, MAY_SWING, UNSTABLE, Loop
 
-GROUPS = {"rotation": range(4), "translation": range(4, 8), "all": range(8)}  # components of K and of W that are moved as one
+GROUPS = {
+    "rotation": range(4),
+    "translation": range(4, 8),
+    "all": range(8),
+}  # components of K and of W that are moved as one
 VECTORS = {"gain": "gain_w_per_s", "weight": "weight_w"}  # their first components
 SPEED_RADPS = 4.76  # of HOAP-3's joints
 OF_SPEED = 0.1
@@ -38,7 +42,11 @@ class Verdict:
 
 def ends(loop: Loop) -> list[End]:
     """Of all parameters of the firmware's table, and of the groups."""
-    single = [End(name, frozenset([name]), value) for name, both in zip(loop.names, loop.ranges, strict=True) for value in both]
+    single = [
+        End(name, frozenset([name]), value)
+        for name, both in zip(loop.names, loop.ranges, strict=True)
+        for value in both
+    ]
     grouped = []
     for vector, first in VECTORS.items():
         begin = loop.names.index(first)

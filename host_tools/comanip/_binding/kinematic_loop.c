@@ -33,7 +33,7 @@ typedef struct {
     const kinematic_loop_config_t *config;
     controller_t controller;
     controller_inbox_t inbox;
-    uint32_t received_us; /* of what is being sent to the firmware */
+    uint32_t received_us;      /* of what is being sent to the firmware */
     transport_sender_t others; /* tracker, drives and operator: none sends what another does */
     joint_command_t command;
     bool accepted; /* nothing was refused until now */
@@ -77,14 +77,16 @@ static void send_status(loop_t *self, uint32_t now_us) {
 static void send_command(loop_t *self, command_t command, uint32_t now_us) {
     can_frame_t frame;
     (void)operator_command_pack(
-        &(operator_command_t){.command = (uint8_t)command, .sequence = (uint8_t)command, .task = self->config->task}, &frame);
+        &(operator_command_t){.command = (uint8_t)command, .sequence = (uint8_t)command, .task = self->config->task},
+        &frame);
     send(self, &frame, now_us);
 }
 
 static void send_joint_states(loop_t *self, const kinematic_arm_t *arm, const float encoder_rad[], uint32_t tick_us) {
     for (int i = 0; i < arm->joint_count; i++) {
-        const joint_state_t state = {
-            .position_rad = encoder_rad[i], .velocity_radps = (float)arm->velocity_radps[i], .mode = self->command.mode[i]};
+        const joint_state_t state = {.position_rad = encoder_rad[i],
+                                     .velocity_radps = (float)arm->velocity_radps[i],
+                                     .mode = self->command.mode[i]};
         can_frame_t frame;
         (void)joint_state_pack(i, &state, &frame);
         send(self, &frame, tick_us + JOINT_STATE_US + (uint32_t)i * JOINT_STATE_SPACING_US);
@@ -128,7 +130,8 @@ bool kinematic_loop_run(const kinematic_loop_config_t *config, const double star
         *tick = (kinematic_tick_t){.mode = loop.controller.supervisor.mode};
         memcpy(tick->position_rad, arm.position_rad, sizeof tick->position_rad);
         for (int i = 0; i < arm.joint_count; i++) {
-            tick->command_radps[i] = loop.command.mode[i] == DRIVE_MODE_VELOCITY ? loop.command.velocity_radps[i] : 0.0f;
+            tick->command_radps[i] =
+                loop.command.mode[i] == DRIVE_MODE_VELOCITY ? loop.command.velocity_radps[i] : 0.0f;
         }
         float encoder_rad[ARM_MAX_JOINTS];
         kinematic_arm_step(&arm, tick->command_radps, encoder_rad);

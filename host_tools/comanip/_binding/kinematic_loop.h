@@ -1,6 +1,6 @@
-/* The firmware in a loop without physics, some hundred times faster than real time: controller_step() over frames on CAN FD, drives that
- * follow their commands with a lag, encoders. The order of events within a tick is the simulator's (sim/world.c): a command acts from its
- * tick on; what the encoders read at that tick arrives for the next one. */
+/* The firmware in a loop without physics, some hundred times faster than real time: controller_step() over frames on
+ * CAN FD, drives that follow their commands with a lag, encoders. The order of events within a tick is the simulator's
+ * (sim/world.c): a command acts from its tick on; what the encoders read at that tick arrives for the next one. */
 #ifndef COMANIP_KINEMATIC_LOOP_H
 #define COMANIP_KINEMATIC_LOOP_H
 
@@ -47,8 +47,8 @@ typedef struct {
     float command_radps[ARM_MAX_JOINTS];
 } kinematic_tick_t;
 
-/* Tick k is at k ms. start_rad: the arm's joint_count values; ticks: tick_count, written. False: the firmware refused a frame, a parameter
- * or the start. */
+/* Tick k is at k ms. start_rad: the arm's joint_count values; ticks: tick_count, written. False: the firmware refused a
+ * frame, a parameter or the start. */
 bool kinematic_loop_run(const kinematic_loop_config_t *config, const double start_rad[], size_t sample_count,
                         const kinematic_sample_t samples[], size_t tick_count, kinematic_tick_t ticks[]);
 

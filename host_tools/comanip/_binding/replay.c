@@ -48,7 +48,8 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     replay_stream_t *stream = replay_stream_of_id(self, sent->id);
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
-        if (self->next[self->tick_place] != REPLAY_NO_FRAME && self->result == REPLAY_EQUAL) { /* else the log ends within the tick */
+        if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
+            self->result == REPLAY_EQUAL) { /* else the log ends within the tick */
             self->sent = *sent;
             replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
@@ -122,7 +123,8 @@ static bool try_plan(replay_t *self, const tick_trace_t *trace, replay_plan_t pl
         return false;
     }
     step(self, trace);
-    while ((uint8_t)self->controller.receiver.protocol.rejected != trace->rejected_frames && replay_read_refused(self)) {
+    while ((uint8_t)self->controller.receiver.protocol.rejected != trace->rejected_frames &&
+           replay_read_refused(self)) {
         step(self, trace);
     }
     return true;

@@ -2,12 +2,12 @@
  *
  * The parameters at boot, which may be stored ones, are those of its announcement; how a saving ended is in its answer.
  *
- * The log's own times are not used, for they are another clock's than the firmware's (the simulator's log apart). What the
- * firmware makes of a frame's time of reception is in the trace:
- *   hand_age_us     A HandPose is stamped now - hand_age: whatever its true stamp was, the tracker's clock offset and the
- *                   age come out the same, for both follow from now, the age and the tracker's own stamp.
- *   drives_fresh    A JointState gets the oldest stamp with which its drive stays fresh as long as the trace says so.
- *   rejected_frames Which frames that leave no counter (wrong CRC, length, repeated) a tick had read.
+ * The log's own times are not used, for they are another clock's than the firmware's (the simulator's log apart). What
+ * the firmware makes of a frame's time of reception is in the trace: hand_age_us     A HandPose is stamped now -
+ * hand_age: whatever its true stamp was, the tracker's clock offset and the age come out the same, for both follow from
+ * now, the age and the tracker's own stamp. drives_fresh    A JointState gets the oldest stamp with which its drive
+ * stays fresh as long as the trace says so. rejected_frames Which frames that leave no counter (wrong CRC, length,
+ * repeated) a tick had read.
  *
  * On classic CAN the parts of a message are read in the tick that had read the last of them. */
 #ifndef COMANIP_REPLAY_H
@@ -21,10 +21,12 @@ typedef enum {
     REPLAY_EQUAL = 0,     /* so far */
     REPLAY_DIFFERENT = 1, /* the firmware sends another frame at `place` */
     REPLAY_NOT_SENT = 2,  /* the firmware does not send the frame at `place` */
-    REPLAY_NOT_IN_LOG = 3, /* the firmware sends `sent`, and the log, at `place` in that tick, has no such frame any more */
-    REPLAY_DAMAGED = 4,    /* the frame at `place` was read by the firmware or sent by it, and its CRC is wrong in the log */
-    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with its id and, as only byte, its counter, that the
-                      * log does not have, or not among so few that a tick can read them */
+    REPLAY_NOT_IN_LOG =
+        3, /* the firmware sends `sent`, and the log, at `place` in that tick, has no such frame any more */
+    REPLAY_DAMAGED =
+        4,           /* the frame at `place` was read by the firmware or sent by it, and its CRC is wrong in the log */
+    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with its id and, as only byte, its counter,
+                      * that the log does not have, or not among so few that a tick can read them */
 } replay_result_t;
 
 /* The frames of one id. */
@@ -39,7 +41,8 @@ typedef struct {
 #define REPLAY_TRACE_PARTS 5
 
 typedef struct {
-    /* The log, as the caller owns it: standard frames of up to 64 bytes in the order of the bus; timestamps are ignored. */
+    /* The log, as the caller owns it: standard frames of up to 64 bytes in the order of the bus; timestamps are
+     * ignored. */
     const can_frame_t *log;
     uint32_t count;
     uint8_t *stream_of; /* count: number of each one's stream, REPLAY_NO_STREAM for foreign ids */

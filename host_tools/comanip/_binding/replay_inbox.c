@@ -67,7 +67,8 @@ static bool read_stream(replay_t *self, replay_stream_t *stream, const tick_trac
         if (!crc_right && damaged == REPLAY_NO_FRAME) {
             damaged = place;
         }
-        if (is_read(self, plan, stream, (uint8_t)(wanted - replay_counter_of(self, frame)) & replay_counter_mask(self))) {
+        if (is_read(self, plan, stream,
+                    (uint8_t)(wanted - replay_counter_of(self, frame)) & replay_counter_mask(self))) {
             fits = add_to_inbox(self, place) && fits;
         }
         if (crc_right && receiver.counter == wanted) {
@@ -98,8 +99,8 @@ bool replay_fill_inbox(replay_t *self, const tick_trace_t *trace, replay_plan_t 
 static bool is_refused_unseen(replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
     const e2e_status_t status = replay_follow(self, stream, &receiver, frame);
-    const bool is_part = self->profile == CAN_PROFILE_CLASSIC &&
-                         classic_parts(stream->kind, self->controller.arm->joint_count) > 1u;
+    const bool is_part =
+        self->profile == CAN_PROFILE_CLASSIC && classic_parts(stream->kind, self->controller.arm->joint_count) > 1u;
     return status == E2E_WRONG_CRC || status == E2E_REPEATED ||
            (is_part && status == E2E_WRONG_SEQUENCE && stream->description->period_ms != 0u);
 }

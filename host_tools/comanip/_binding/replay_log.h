@@ -24,8 +24,8 @@ bool replay_has_right_crc(const replay_t *self, const replay_stream_t *stream, c
 /* The firmware's own, for this stream. */
 e2e_receiver_t *replay_receiver(replay_t *self, const replay_stream_t *stream);
 
-/* place: of a TickTrace, or of its first part; part_place: of all of them, in their order. False: *part_place[0] is that of a
- * damaged one, or REPLAY_NO_FRAME if one is missing. */
+/* place: of a TickTrace, or of its first part; part_place: of all of them, in their order. False: *part_place[0] is
+ * that of a damaged one, or REPLAY_NO_FRAME if one is missing. */
 bool replay_read_trace(replay_t *self, uint32_t place, tick_trace_t *trace, uint32_t part_place[REPLAY_TRACE_PARTS]);
 
 #endif

@@ -26,11 +26,12 @@ void replay_boot(replay_t *self, const arm_t *arm) {
     parameters_set_defaults(&parameters);
     for (uint32_t i = stream->cursor; i != REPLAY_NO_FRAME && known < PARAMETER_COUNT; i = self->next[i]) {
         const parameter_value_t told = read_value(self, &self->log[i]);
-        if (replay_has_right_crc(self, stream, &self->log[i]) && told.sequence == 0u && told.parameter < PARAMETER_COUNT &&
-            !is_known[told.parameter]) {
+        if (replay_has_right_crc(self, stream, &self->log[i]) && told.sequence == 0u &&
+            told.parameter < PARAMETER_COUNT && !is_known[told.parameter]) {
             (void)parameters_set(&parameters, told.parameter, told.value);
             is_known[told.parameter] = true;
-            result = told.result == RESULT_PARAMETERS_UNSTABLE ? result : told.result; /* which says nothing of the store */
+            result =
+                told.result == RESULT_PARAMETERS_UNSTABLE ? result : told.result; /* which says nothing of the store */
             known++;
         }
     }

@@ -4,8 +4,8 @@
 
 #include "replay.h"
 
-/* A controller as it was after the boot that the next frames tell of: with the parameters that they announce. What is not
- * announced, for the log ends before, has its default. */
+/* A controller as it was after the boot that the next frames tell of: with the parameters that they announce. What is
+ * not announced, for the log ends before, has its default. */
 void replay_boot(replay_t *self, const arm_t *arm);
 
 /* After a step. True: in this tick the answer to a save was sent as well; the inbox now says so. */

@@ -13,7 +13,19 @@ import typer
 from comanip import logs, pose_lines
 from comanip.bus import BusAddress, LiveBus, open_bus
 from comanip.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import (
+    CHANNEL,
+    HOST,
+    INTERFACE,
+    PORT,
+    BusProfile,
+    Channel,
+    Host,
+    Interface,
+    Port,
+    console,
+    examples,
+)
 from comanip.errors import ToolError
 from comanip.frame import Frame, decode
 from comanip.operator_client import OperatorClient

@@ -16,7 +16,19 @@ from rich.text import Text
 from comanip import logs
 from comanip.bus import BusAddress, open_bus
 from comanip.bus_state import BusState
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import (
+    CHANNEL,
+    HOST,
+    INTERFACE,
+    PORT,
+    BusProfile,
+    Channel,
+    Host,
+    Interface,
+    Port,
+    console,
+    examples,
+)
 from comanip.errors import ToolError
 from comanip.frame import Frame, signals_text
 

@@ -22,7 +22,13 @@ Channel = Annotated[
 Host = Annotated[str, typer.Option(help="of socketcand")]
 Port = Annotated[int, typer.Option(min=1, max=65535, help="of socketcand")]
 BusProfile = Annotated[
-    Profile | None, typer.Option("--profile", envvar="COMANIP_PROFILE", help="Of the bus; else as its frames tell, fd if there are none.", show_default=False)
+    Profile | None,
+    typer.Option(
+        "--profile",
+        envvar="COMANIP_PROFILE",
+        help="Of the bus; else as its frames tell, fd if there are none.",
+        show_default=False,
+    ),
 ]
 INTERFACE, CHANNEL, HOST, PORT = "socketcan", "vcan0", "127.0.0.1", 29536
 

@@ -9,7 +9,19 @@ from rich.table import Table
 
 from comanip import native
 from comanip.bus import BusAddress, open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import (
+    CHANNEL,
+    HOST,
+    INTERFACE,
+    PORT,
+    BusProfile,
+    Channel,
+    Host,
+    Interface,
+    Port,
+    console,
+    examples,
+)
 from comanip.errors import ToolError
 from comanip.operator_client import OperatorClient, parameter_names
 
@@ -40,7 +52,13 @@ def ranges() -> dict[str, tuple[float, float, float]]:
 
 
 @app.command("list", epilog=examples("comanip param list -i socketcand"))
-def list_(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
+def list_(
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
+) -> None:
     """Show the value in force of each parameter, with its range and default."""
     known = ranges()
     table = Table("parameter", "value", "from", "to", "default", box=None, pad_edge=False)
@@ -53,7 +71,12 @@ def list_(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Ho
 
 @app.command(epilog=examples("comanip param get stale_periods"))
 def get(
-    name: Name, interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None
+    name: Name,
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
 ) -> None:
     """Read one parameter."""
     _require_name(name)
@@ -77,7 +100,13 @@ def set_(
 
 
 @app.command(epilog=examples("comanip param save"))
-def save(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
+def save(
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
+) -> None:
     """Have the firmware keep all parameters for its next boot. The arm must be at rest.
 
     Where the firmware has no store it says not_supported: on Linux it keeps them in the file of --parameters.

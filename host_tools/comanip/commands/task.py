@@ -7,7 +7,19 @@ from typing import Annotated
 import typer
 
 from comanip.bus import BusAddress, open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, console, examples
+from comanip.commands.options import (
+    CHANNEL,
+    HOST,
+    INTERFACE,
+    PORT,
+    BusProfile,
+    Channel,
+    Host,
+    Interface,
+    Port,
+    console,
+    examples,
+)
 from comanip.errors import ToolError
 from comanip.operator_client import OperatorClient, choices
 from comanip.transport import Profile
@@ -22,7 +34,9 @@ CUSTOM = "custom"  # is defined by a TaskDefine, not selected
 app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, clutch, stop.", epilog=HELP)
 
 
-def _tell(interface: str, channel: str, host: str, port: int, profile: Profile | None, command: str, task: str = "pour") -> None:
+def _tell(
+    interface: str, channel: str, host: str, port: int, profile: Profile | None, command: str, task: str = "pour"
+) -> None:
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).command(command, task)
     console().print(f"{command}{' ' + task if command == 'select' else ''}: accepted")
@@ -41,7 +55,13 @@ def select(
 
 
 def _add(command: str, text: str) -> None:
-    def run(interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None) -> None:
+    def run(
+        interface: Interface = INTERFACE,
+        channel: Channel = CHANNEL,
+        host: Host = HOST,
+        port: Port = PORT,
+        profile: BusProfile = None,
+    ) -> None:
         _tell(interface, channel, host, port, profile, command)
 
     app.command(command, help=text, epilog=examples(f"comanip task {command}"))(run)

@@ -12,7 +12,18 @@ from typing import Annotated
 import typer
 
 from comanip.bus import BusAddress, open_bus
-from comanip.commands.options import CHANNEL, HOST, INTERFACE, PORT, BusProfile, Channel, Host, Interface, Port, examples
+from comanip.commands.options import (
+    CHANNEL,
+    HOST,
+    INTERFACE,
+    PORT,
+    BusProfile,
+    Channel,
+    Host,
+    Interface,
+    Port,
+    examples,
+)
 from comanip.errors import ToolError
 from comanip.pose_lines import ORDERS, Pose, parse
 from comanip.tracker_publisher import TrackerPublisher, status_period_s

@@ -85,7 +85,8 @@ def _in_ode(results: Results, cases: Sequence[Case], folder: Path, simulator: Pa
     progress = Progress("ODE", len(cases))
     by_folder = {folder / f"{number:04d}": case for number, case in enumerate(cases)}
     jobs = [
-        ode.job(out, c.follower, c.condition, c.setting, c.recording, c.position_scale, c.seed) for out, c in by_folder.items()
+        ode.job(out, c.follower, c.condition, c.setting, c.recording, c.position_scale, c.seed)
+        for out, c in by_folder.items()
     ]
 
     def finish(outcome: Outcome) -> None:
@@ -118,7 +119,9 @@ def _left_out(results: Results, paths: Sequence[Path], unseen: dict[str, str]) -
     return reasons
 
 
-def _report(results: Results, choice: Choice, scenes: dict, left_out: dict[str, str], out: Path, terminal: Console) -> bool:
+def _report(
+    results: Results, choice: Choice, scenes: dict, left_out: dict[str, str], out: Path, terminal: Console
+) -> bool:
     judge = Judge(results, {setting: [path.stem for path, _ in found] for setting, found in scenes.items()})
     entries = report.rows(judge, choice.conditions, choice.has_peers)
     criteria = [c for loop in (plan.LOOP, plan.ODE) for c in judge.criteria(loop)]
@@ -139,7 +142,9 @@ def _report(results: Results, choice: Choice, scenes: dict, left_out: dict[str, 
         print(line)
     terminal.print(report.criteria_table(criteria))
     failed = [c for c in criteria if not c.passed]
-    print(f"{len(criteria) - len(failed)} of {len(criteria)} criteria passed; wrote {out}/following.json, following.png")
+    print(
+        f"{len(criteria) - len(failed)} of {len(criteria)} criteria passed; wrote {out}/following.json, following.png"
+    )
     return not failed
 
 
@@ -148,7 +153,9 @@ def run(arguments: argparse.Namespace) -> int:
     if not folder.is_dir() and folder != RECORDINGS_FOLDER:
         raise CampaignError(f"{folder}: no such folder: expected one with recordings (docs/recordings.md)")
     if not folder.is_dir():
-        print(f"comanip.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); give another one")
+        print(
+            f"comanip.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); give another one"
+        )
         return 0
     paths, unseen = recordings(folder)
     if not paths:
@@ -173,11 +180,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="comanip.following", description="How closely the robot follows a recorded hand.")
+    parser = argparse.ArgumentParser(
+        prog="comanip.following", description="How closely the robot follows a recorded hand."
+    )
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
-    parser.add_argument("--quick", action="store_true", help="four recordings, the judged conditions, no other programs")
-    parser.add_argument("--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)")
+    parser.add_argument(
+        "--quick", action="store_true", help="four recordings, the judged conditions, no other programs"
+    )
+    parser.add_argument(
+        "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)"
+    )
     parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the program to run")
     return parser.parse_args(argv)
 

@@ -42,7 +42,9 @@ class ArmModel:
     def position_jacobian(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Hand positions (N, 3) and their derivatives (N, 3, n) in m/rad."""
         position_m, _, axis, origin_m = self._chain(q)
-        return position_m, np.stack([rotations.cross(a, position_m - o) for a, o in zip(axis, origin_m, strict=True)], axis=2)
+        return position_m, np.stack(
+            [rotations.cross(a, position_m - o) for a, o in zip(axis, origin_m, strict=True)], axis=2
+        )
 
     def _chain(self, q: np.ndarray):
         rotation = np.tile([1.0, 0.0, 0.0, 0.0], (len(q), 1))

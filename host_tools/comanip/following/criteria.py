@@ -42,7 +42,9 @@ class Judge:
         self._results = results
         self._scenes = scenes
 
-    def figure(self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
+    def figure(
+        self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str
+    ) -> float:
         """The mean over the seeds of the tracker's noise. name None: of the hand that stands."""
         seeds = plan.seeds(follower, condition) if name else (1,)
         keys = [case_key(loop, follower, condition, setting, name, seed) for seed in seeds]
@@ -78,13 +80,16 @@ class Judge:
 
         at = f"at {condition.label}"
         noise, former_noise = (
-            self.figure(loop, follower, condition, plan.TELEOP, None, "noise_um") for follower in (plan.DEFAULT, plan.FORMER)
+            self.figure(loop, follower, condition, plan.TELEOP, None, "noise_um")
+            for follower in (plan.DEFAULT, plan.FORMER)
         )
         return [
             *self._in_folds(loop, f"RMS ratio {at}", plan.TELEOP, RMS_RATIO[condition], ratio_of("rms_mm")),
             *self._in_folds(loop, f"delay {at}", plan.TELEOP, DELAY_MS[condition], delay, "ms"),
             *self._in_folds(loop, f"largest error's ratio {at}", plan.TELEOP, MAX_RATIO, ratio_of("max_mm")),
-            *self._in_folds(loop, f"acceleration ratio {at}", plan.TELEOP, ACCELERATION_RATIO, ratio_of("acceleration_mps2")),
+            *self._in_folds(
+                loop, f"acceleration ratio {at}", plan.TELEOP, ACCELERATION_RATIO, ratio_of("acceleration_mps2")
+            ),
             Criterion(loop, f"noise at rest {at}", noise, former_noise + MORE_NOISE_UM[condition], "um"),
         ]
 
@@ -94,10 +99,14 @@ class Judge:
         def ratio(name: str) -> float:
             return self.ratio(loop, plan.FAST, setting, name, "rms_mm")
 
-        taker = [self.figure(loop, plan.DEFAULT, plan.FAST, setting, plan.TAKER, figure) for figure in ("rms_mm", "max_mm")]
+        taker = [
+            self.figure(loop, plan.DEFAULT, plan.FAST, setting, plan.TAKER, figure) for figure in ("rms_mm", "max_mm")
+        ]
         return [
             *self._in_folds(loop, "RMS ratio", setting, TURNING_RATIO, ratio),
-            *self._in_folds(loop, "RMS ratio without those that lock", setting, TURNING_RATIO, ratio, without=plan.LOCKING),
+            *self._in_folds(
+                loop, "RMS ratio without those that lock", setting, TURNING_RATIO, ratio, without=plan.LOCKING
+            ),
             Criterion(loop, f"{setting.label}: RMS of {plan.TAKER}", taker[0], TAKER_RMS_MM, "mm"),
             Criterion(loop, f"{setting.label}: largest error of {plan.TAKER}", taker[1], TAKER_MAX_MM, "mm"),
         ]

@@ -52,9 +52,13 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--rate-hz", type=_within(15, 1000), default=250.0)
     parser.add_argument("--latency-ms", type=_within(0, 500), default=4.0)
     parser.add_argument("--noise-mm", type=_within(0, 100), default=0.05)
-    parser.add_argument("--announced-error-ms", type=_within(-500, 500), default=0.0, help="the announced latency less the true one")
+    parser.add_argument(
+        "--announced-error-ms", type=_within(-500, 500), default=0.0, help="the announced latency less the true one"
+    )
     parser.add_argument("--rotation-scale", type=_within(0, 1), default=0.3)
-    parser.add_argument("--position-scale", type=_within(0, 10), help=f"default {SHARE:g} of the largest that is in reach")
+    parser.add_argument(
+        "--position-scale", type=_within(0, 10), help=f"default {SHARE:g} of the largest that is in reach"
+    )
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args(argv)
 
@@ -71,7 +75,9 @@ def run(arguments: argparse.Namespace) -> None:
     follower = firmware({**(PARAMETERS[plan.PAPER] if arguments.paper_law else {}), **dict(arguments.parameters)})
     recordings = [read(path) for path in arguments.recordings]
     print(f"noise at rest {noise_at_rest_um(arm, arguments.task, tracker, follower):.1f} um")
-    print(f"{'recording':<26}{'scale':>8}{'RMS':>8}{'max mm':>8}{'deg':>7}{'delay ms':>10}{'acc m/s2':>10}{'limit %':>9}")
+    print(
+        f"{'recording':<26}{'scale':>8}{'RMS':>8}{'max mm':>8}{'deg':>7}{'delay ms':>10}{'acc m/s2':>10}{'limit %':>9}"
+    )
     for recording in recordings:
         scale = arguments.position_scale
         if scale is None:

@@ -40,7 +40,9 @@ def mjcf(arm: ArmModel) -> str:
 def velocities(gain_per_s: float):
     """gain_per_s: share of the error that shall be gone, per s."""
 
-    def make(arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray) -> Velocities:
+    def make(
+        arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray
+    ) -> Velocities:
         model = mujoco.MjModel.from_xml_string(mjcf(arm))
         configuration = mink.Configuration(model)
         task = mink.FrameTask("hand", "site", 1.0, ORIENTATION_COST, gain=gain_per_s * TICK_S, lm_damping=DAMPING)

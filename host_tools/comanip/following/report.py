@@ -72,7 +72,13 @@ def table(entries: Sequence[dict]) -> Table:
 
 def criteria_table(criteria: Sequence[Criterion]) -> Table:
     shown = Table(title="Criteria: default beside former")
-    for heading, justify in (("loop", "left"), ("criterion", "left"), ("value", "right"), ("at most", "right"), ("", "left")):
+    for heading, justify in (
+        ("loop", "left"),
+        ("criterion", "left"),
+        ("value", "right"),
+        ("at most", "right"),
+        ("", "left"),
+    ):
         shown.add_column(heading, justify=justify, no_wrap=True)
     for c in criteria:
         verdict = Text("pass", "green") if c.passed else Text("not measured" if math.isnan(c.value) else "FAIL", "red")
@@ -94,7 +100,8 @@ def wrong_latency_lines(judge: Judge) -> list[str]:
     lines = []
     for condition in plan.WRONG:
         right, wrong = (
-            row(judge, plan.LOOP, plan.DEFAULT, c, plan.TELEOP) for c in (replace(condition, announced_error_ms=0.0), condition)
+            row(judge, plan.LOOP, plan.DEFAULT, c, plan.TELEOP)
+            for c in (replace(condition, announced_error_ms=0.0), condition)
         )
         lines.append(
             f"{condition.label}: RMS {_shown(right['rms_mm'])} -> {_shown(wrong['rms_mm'])} mm, delay "

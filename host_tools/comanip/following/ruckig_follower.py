@@ -19,7 +19,9 @@ GAIN_PER_S = 35.0  # from reference to measured joints: the law's
 def velocities(velocity_share: float):
     """velocity_share: of the samples' difference quotient, given as the target's velocity; 0 is a target that stands."""
 
-    def make(arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray) -> Velocities:
+    def make(
+        arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray
+    ) -> Velocities:
         posture_rad, _ = posture_path(arm, start_rad, t_s, target_m)
         speed_radps = np.diff(posture_rad, axis=0, prepend=posture_rad[:1]) / np.median(np.diff(t_s))
         most = arm.velocity_max_radps

@@ -13,7 +13,9 @@ from comanip._core import lib
 from comanip.cooperation import enumerators
 from comanip.following import rotations
 
-TASKS = {name: number for name, number in enumerators("task_id_t", "TASK_").items() if name in ("pour", "teleop", "mirror")}
+TASKS = {
+    name: number for name, number in enumerators("task_id_t", "TASK_").items() if name in ("pour", "teleop", "mirror")
+}
 
 
 def _vector(v) -> np.ndarray:

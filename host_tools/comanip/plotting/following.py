@@ -11,17 +11,25 @@ from matplotlib import pyplot as plt
 from comanip.plotting.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, save
 
 COLOURS = {"default": BLUE, "former": VERMILION, "paper": GREY, "one-euro": GREEN, "ruckig": ORANGE, "qp": PURPLE}
-FIGURES = (("rms_mm", "RMS error [mm]", "log"), ("delay_ms", "delay [ms]", "linear"), ("noise_um", "noise at rest [um]", "log"))
+FIGURES = (
+    ("rms_mm", "RMS error [mm]", "log"),
+    ("delay_ms", "delay [ms]", "linear"),
+    ("noise_um", "noise at rest [um]", "log"),
+)
 
 
-def plot(rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], judged: Sequence[str], path: Path) -> Path:
+def plot(
+    rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], judged: Sequence[str], path: Path
+) -> Path:
     """rows: of the report, teleop in the loop without physics. sweeps: per axis, (value, condition). judged: conditions at which all
     followers stand side by side, in the last column."""
     found = {(row["condition"], row["follower"]): row for row in rows}
     known = {condition for condition, _ in found}
     measured = {follower: colour for follower, colour in COLOURS.items() if follower in {name for _, name in found}}
     sweeps = {name: points for name, points in sweeps.items() if known.issuperset(condition for _, condition in points)}
-    figure, axes = plt.subplots(len(FIGURES), len(sweeps) + 1, sharey="row", figsize=(4.0 + 2.9 * len(sweeps), 7.2), squeeze=False)
+    figure, axes = plt.subplots(
+        len(FIGURES), len(sweeps) + 1, sharey="row", figsize=(4.0 + 2.9 * len(sweeps), 7.2), squeeze=False
+    )
 
     def values(conditions: Iterable[str], follower: str, key: str) -> list[float]:
         return [found.get((condition, follower), {}).get(key, np.nan) for condition in conditions]
@@ -35,7 +43,9 @@ def plot(rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], j
         for k, (follower, colour) in enumerate(measured.items()):
             places = np.arange(len(judged)) + 0.13 * (k - 2.5)
             last.plot(places, values(judged, follower, key), "o", ms=5, color=colour, label=follower)
-        last.set_xticks(range(len(judged)), [condition.replace(", ", "\n") for condition in judged] if line == 2 else [""] * 3)
+        last.set_xticks(
+            range(len(judged)), [condition.replace(", ", "\n") for condition in judged] if line == 2 else [""] * 3
+        )
         last.set_xlim(-0.5, len(judged) - 0.5)
         axes[line, 0].set_yscale(scale)
         axes[line, 0].set_ylabel(label)

@@ -1,0 +1,35 @@
+# What can be said of the sources without running them.
+
+C_FILES = $(shell git ls-files '*.[ch]')
+RUFF := $(VENV)/bin/ruff
+CLANG_FORMAT := $(VENV)/bin/clang-format
+.PHONY: check check-deps check-c check-format format
+
+$(VENV)/.installed-check: host_tools/check-requirements.txt | deps
+	@echo "comanip: installing formatter and linter into $(VENV)/"
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
+	@touch $@
+
+check: check-format check-c ## formatter, linter, and all C with clang, warnings as errors
+	@echo "check: passed"
+
+check-format: $(VENV)/.installed-check
+	@$(CLANG_FORMAT) --dry-run --Werror $(C_FILES)
+	@$(RUFF) format --quiet --check . || { $(RUFF) format --check . | head -20; echo "check: not formatted: make format" >&2; exit 1; }
+	@$(RUFF) check --quiet .
+
+format: $(VENV)/.installed-check ## format all C and Python
+	@$(CLANG_FORMAT) -i $(C_FILES)
+	@$(RUFF) format --quiet .
+	@$(RUFF) check --quiet --fix .
+
+check-deps: ## install clang (apt)
+	@host_tools/apt-install.sh "make $@" clang
+
+check-c: $(GENERATED)/.generated
+	@command -v clang >/dev/null || { echo "make check: needs clang. On Debian or Ubuntu: make check-deps" >&2; exit 1; }
+	@for source in $(CORE_SOURCES) firmware/main.c; do for profile in BOTH FD_ONLY CLASSIC_ONLY; do \
+	    clang $(CORE_CFLAGS) -DCAN_$$profile -fsyntax-only $$source || exit 1; done; done
+	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done
+	@for source in $(wildcard hal/host/*.c) hal/no_store.c $(wildcard sim/*.c sim/*/*.c); do \
+	    clang $(SIM_CFLAGS) -fsyntax-only $$source || exit 1; done
