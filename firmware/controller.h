@@ -9,17 +9,17 @@
 #ifndef COMANIP_CONTROLLER_H
 #define COMANIP_CONTROLLER_H
 
-#include "can_transport.h"
-#include "cooperation.h"
-#include "hand_motion.h"
-#include "hand_tracker.h"
-#include "joint_feedback.h"
-#include "joint_limits.h"
-#include "parameter_set.h"
-#include "parameters.h"
-#include "posture_change.h"
-#include "supervisor.h"
-#include "velocity_control.h"
+#include "control/cooperation.h"
+#include "control/hand_motion.h"
+#include "control/hand_tracker.h"
+#include "control/joint_feedback.h"
+#include "control/joint_limits.h"
+#include "control/posture_change.h"
+#include "control/supervisor.h"
+#include "control/velocity_control.h"
+#include "parameters/parameter_set.h"
+#include "parameters/parameters.h"
+#include "protocol/can_transport.h"
 
 #define CONTROLLER_INBOX_FRAMES                                                                                        \
     16 /* CAN FD: eight drives, tracker and operator send 13 a tick; more wait for the next */

@@ -6,7 +6,7 @@
 #include "../hal/hal.h"
 #include "arms/hoap3_right.h"
 #include "controller.h"
-#include "parameter_store.h"
+#include "parameters/parameter_store.h"
 
 /* What is stored comes into force as a whole or not at all. */
 static void load_parameters(controller_t *controller) {

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../firmware/can_frame.h"
-#include "../firmware/can_profile.h"
+#include "../firmware/protocol/can_frame.h"
+#include "../firmware/protocol/can_profile.h"
 
 /* Clock, CAN controller (1 Mbit/s, FD's data phase 5 Mbit/s), watchdog. Panics if the hardware does not answer. */
 void hal_init(void);

@@ -31,7 +31,7 @@ PARTS = [
         "people/person_program",
     )
 ] + [REPOSITORY / "tests" / "stand_in_scene"]  # fmt: skip
-FIRMWARE = [*REPOSITORY.glob("firmware/*.c"), *REPOSITORY.glob("firmware/arms/*.c"), GENERATED / "comanip_dbc.c"]
+FIRMWARE = [*REPOSITORY.glob("firmware/**/*.c"), GENERATED / "comanip_dbc.c"]
 ENDPOINT = REPOSITORY / "sim" / "bus" / "endpoint.c"
 SOURCES = (
     [part.with_suffix(".c") for part in PARTS] + [ENDPOINT] + sorted(file for file in FIRMWARE if file.name != "main.c")

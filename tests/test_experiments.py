@@ -318,7 +318,7 @@ def test_the_recordings_named_are_there():
 
 
 def firmware_ranges() -> dict[str, tuple[float, float]]:
-    text = (REPOSITORY / "firmware" / "parameters.c").read_text()
+    text = (REPOSITORY / "firmware" / "parameters" / "parameters.c").read_text()
     rows = re.findall(r'\{"(\w+)", (-?[\d.e-]+)f, (-?[\d.e-]+)f', text)
     return {name: (float(low), float(high)) for name, low, high in rows}
 

@@ -47,8 +47,7 @@ def loop(tmp_path_factory):
     folder = tmp_path_factory.mktemp("main_loop")
     (folder / "hal.c").write_text(HAL)
     sources = [
-        *REPOSITORY.glob("firmware/*.c"),
-        *REPOSITORY.glob("firmware/arms/*.c"),
+        *REPOSITORY.glob("firmware/**/*.c"),
         REPOSITORY / "build/generated/comanip_dbc.c",
     ]
     flags = ["-std=c11", "-O1", "-fPIC", "-shared", f"-I{REPOSITORY}", f"-I{REPOSITORY}/build/generated",

@@ -66,16 +66,16 @@ def test_the_image_fits_a_small_cortex_m4f(maps):
 def test_the_committed_budget_holds(maps, tmp_path, capsys):
     assert report(maps, BUDGET, tmp_path / "size.json") == 0, capsys.readouterr().err
     written = json.loads((tmp_path / "size.json").read_text())
-    assert written["cortex-m4f"]["modules_bytes"]["firmware/e2e"]["text"] > 0
+    assert written["cortex-m4f"]["modules_bytes"]["firmware/protocol/e2e"]["text"] > 0
     assert written["cortex-m4f"]["total_bytes"]["text"] > 10_000
 
 
 def test_what_is_beyond_its_budget_is_told_with_the_difference(maps, tmp_path, capsys):
     lower = tmp_path / "budget.toml"
-    found = size_report.read_map(maps["cortex-m4f"]).modules["firmware/e2e"].text
+    found = size_report.read_map(maps["cortex-m4f"]).modules["firmware/protocol/e2e"].text
     before, image, after = BUDGET.read_text().partition("[cortex-m4f]")
-    after = after.replace(f'"firmware/e2e" = [{found}, ', f'"firmware/e2e" = [{found - 7}, ', 1)
-    lower.write_text(before + image + after.replace('"firmware/task" = ', '"firmware/another" = ', 1))
+    after = after.replace(f'"firmware/protocol/e2e" = [{found}, ', f'"firmware/protocol/e2e" = [{found - 7}, ', 1)
+    lower.write_text(before + image + after.replace('"firmware/control/task" = ', '"firmware/another" = ', 1))
     assert report(maps, lower, tmp_path / "size.json") == 1
     told = capsys.readouterr().err
     assert f"cortex-m4f: firmware/e2e: text {found} bytes, budget {found - 7}: 7 too many" in told

@@ -1,10 +1,10 @@
 /* Made by `make arms` from hoap3_right.toml: edit that. How: host_tools/comanip/arm_law.py, arm_position_first.py. */
 #include "hoap3_right.h"
 
-#include "../joint_ends.h"
-#include "../position_first_parts.h"
-#include "../trigonometry_inline.h"
-#include "../velocity_control.h"
+#include "../control/joint_ends.h"
+#include "../control/position_first_parts.h"
+#include "../maths/trigonometry_inline.h"
+#include "../control/velocity_control.h"
 
 static const arm_joint_t joints[4] = {
     {{{0.707106781f, -0.707106781f, 0.0f, 0.0f}, {-0.035f, -0.111f, 0.125f}}, {0.0f, 0.0f, 1.0f}, -1.57079633f, 2.61799388f, 4.76f, 10000.0f},

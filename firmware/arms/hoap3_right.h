@@ -3,7 +3,7 @@
 #ifndef COMANIP_ARMS_HOAP3_RIGHT_H
 #define COMANIP_ARMS_HOAP3_RIGHT_H
 
-#include "../arm.h"
+#include "arm.h"
 
 extern const arm_t arm_hoap3_right;
 

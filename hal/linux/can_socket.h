@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_frame.h"
+#include "../../firmware/protocol/can_frame.h"
 #include "../../host_tools/hub/hub_path.h"
 
 #define CAN_SOCKET_NAME_BYTES 16 /* IFNAMSIZ */

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "../../firmware/can_transport.h"
+#include "../../firmware/protocol/can_transport.h"
 #include "../hal.h"
 #include "can_socket.h"
 #include "hardware_clock.h"

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_profile.h"
+#include "../../firmware/protocol/can_profile.h"
 
 /* Opens the bus and reads what is stored; before firmware_main(). parameters: the store's file, or NULL for none. On
  * failure false, and one line in `error`. */

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_profile.h"
+#include "../../firmware/protocol/can_profile.h"
 
 typedef struct {
     const char *can; /* NULL: not given */

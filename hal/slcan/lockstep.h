@@ -5,7 +5,7 @@
 #ifndef COMANIP_LOCKSTEP_H
 #define COMANIP_LOCKSTEP_H
 
-#include "../../firmware/can_frame.h"
+#include "../../firmware/protocol/can_frame.h"
 
 #define LOCKSTEP_STAMP_ID 0x7F0u /* simulator: time of reception of the next frame */
 #define LOCKSTEP_TICK_ID 0x7F1u  /* simulator: a tick begins, at this time */

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_frame.h"
+#include "../../firmware/protocol/can_frame.h"
 
 #define SLCAN_LINE_MAX_BYTES (1 + 3 + 1 + 2 * CAN_FRAME_MAX_BYTES + 1)
 

@@ -34,7 +34,7 @@ def source(arm: Arm, origin: str) -> str:
     ]
     return "\n".join([
         f"/* Made by `make arms` from {origin}: edit that. How: host_tools/comanip/arm_law.py, arm_position_first.py. */",
-        f'#include "{arm.name}.h"', "", '#include "../joint_ends.h"', '#include "../position_first_parts.h"', '#include "../trigonometry_inline.h"', '#include "../velocity_control.h"', "",
+        f'#include "{arm.name}.h"', "", '#include "../control/joint_ends.h"', '#include "../control/position_first_parts.h"', '#include "../maths/trigonometry_inline.h"', '#include "../control/velocity_control.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
         "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {", *forward_kinematics(arm), "}", "",
@@ -58,7 +58,7 @@ def header(arm: Arm, origin: str) -> str:
     guard = f"COMANIP_ARMS_{arm.name.upper()}_H"
     return "\n".join([
         f"/* {arm.title} */", f"/* Made by `make arms` from {origin}: edit that. */", f"#ifndef {guard}", f"#define {guard}", "",
-        '#include "../arm.h"', "", f"extern const arm_t arm_{arm.name};", "", "#endif", "",
+        '#include "arm.h"', "", f"extern const arm_t arm_{arm.name};", "", "#endif", "",
     ])  # fmt: skip
 
 

@@ -12,7 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = 8, 8.0, 32.0, 100.0  # arm_check() in firmware/arm.c
+JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = (
+    8,
+    8.0,
+    32.0,
+    100.0,
+)  # arm_check() in firmware/arms/arm.c
 JERK_RADPS3 = (1e3, 1e6)  # arm_check(), too
 JERK_DEFAULT_RADPS3 = 1e4
 LENGTHS, ANGLES = ("a_m", "d_m"), ("alpha_deg", "theta_deg")

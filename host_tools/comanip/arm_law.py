@@ -1,6 +1,6 @@
 """Law (4), and the hand's pose, written out for one arm, as the lines of C functions.
 
-The law is that of firmware/velocity_control_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
+The law is that of firmware/control/velocity_control_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
 neither J^T W J nor J^T W K e. Here it is seen from the frame of one of the arm's joints in the middle, where the axes are constant or
 depend on few joints; that joint is chosen for which the fewest operations remain. Joints turn about z.
 """

@@ -1,4 +1,4 @@
-"""The law of firmware/position_first.c, written out for one arm as the lines of a C function.
+"""The law of firmware/control/position_first.c, written out for one arm as the lines of a C function.
 
 As with law (4) (arm_law.py) errors, motion and axes are seen from the frame of one of the arm's joints in the middle, for which the fewest
 operations remain. Where joints stand at an end, position_first_solve() solves the equations, for any arm.

@@ -39,8 +39,7 @@ def run(command: list[str]) -> str:
 
 def core_sources() -> list[Path]:
     """All of the firmware but its entry, which needs a HAL; then the loops for Python around it."""
-    sources = [*FIRMWARE.glob("*.c"), *FIRMWARE.glob("arms/*.c")]
-    return sorted(source for source in sources if source.name != "main.c") + sorted(BINDING.glob("*.c"))
+    return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 
 def umbrella(sources: list[Path]) -> str:

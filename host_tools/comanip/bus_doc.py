@@ -174,7 +174,7 @@ def markdown(database: cantools.database.Database, max_delta: int, classic_max_d
 
 
 def max_delta(name: str) -> int:
-    """Of firmware/e2e.h: how far a counter may be ahead."""
+    """Of firmware/protocol/e2e.h: how far a counter may be ahead."""
     text = (Path(__file__).parents[2] / "firmware" / "e2e.h").read_text()
     return int(re.search(rf"#define {name} (\d+)", text)[1])
 

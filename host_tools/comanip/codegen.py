@@ -4,7 +4,7 @@ Run as ``python codegen.py OUT_DIR``. Writes:
 
 ``comanip_dbc.h/.c``
     cantools' structs with pack/unpack of *raw integers*. Its encode, decode and range functions are left out: they
-    convert out-of-range floats (undefined behaviour in C) and pull in double arithmetic; ``firmware/can_protocol.c``
+    convert out-of-range floats (undefined behaviour in C) and pull in double arithmetic; ``firmware/protocol/can_protocol.c``
     scales and range-checks instead. Packing writes each byte once, not zeros first. The generation date is dropped, so that a build is reproducible.
 ``comanip_schema.h``
     what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
@@ -74,7 +74,7 @@ def raw_limits(signal) -> tuple[int, int]:
     return 0, 2**signal.length - 1
 
 
-RAW_MAX = 2**23  # quantise() in firmware/can_protocol.c: adds half in float32
+RAW_MAX = 2**23  # quantise() in firmware/protocol/can_protocol.c: adds half in float32
 
 
 def names_by_value(signal) -> str:

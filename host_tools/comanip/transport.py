@@ -1,5 +1,5 @@
 """Messages on either bus: on CAN FD a message is one frame; on classic CAN the compiled core takes it apart and puts it
-together, as in the firmware (``firmware/can_transport.h``). A message is a Frame in the layout that it has on CAN FD.
+together, as in the firmware (``firmware/protocol/can_transport.h``). A message is a Frame in the layout that it has on CAN FD.
 """
 
 from __future__ import annotations

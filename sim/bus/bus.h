@@ -10,8 +10,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../../firmware/can_frame.h"
-#include "../../firmware/can_profile.h"
+#include "../../firmware/protocol/can_frame.h"
+#include "../../firmware/protocol/can_profile.h"
 
 #define BUS_MAX_NODES 16
 #define BUS_QUEUE_FRAMES 64

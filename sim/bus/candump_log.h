@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_frame.h"
+#include "../../firmware/protocol/can_frame.h"
 
 typedef struct candump_log candump_log_t;
 

@@ -2,7 +2,7 @@
 #ifndef COMANIP_SIM_ENDPOINT_H
 #define COMANIP_SIM_ENDPOINT_H
 
-#include "../../firmware/can_transport.h"
+#include "../../firmware/protocol/can_transport.h"
 #include "bus.h"
 
 #define ENDPOINT_KIND(kind) (UINT32_C(1) << (kind))

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "../../firmware/can_frame.h"
+#include "../../firmware/protocol/can_frame.h"
 
 /* From SOF to the end of the intermission, with the stuff bits that this very id and data cause.
  * Negative: no such frame, for the id has more than 11 bits or no DLC stands for the length. */

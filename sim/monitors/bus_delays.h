@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/protocol/can_protocol.h"
 
 typedef struct {
     uint64_t poses, commands;

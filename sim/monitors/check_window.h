@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/protocol/can_protocol.h"
 #include "../scenario/scenario.h"
 
 #define CHECK_WINDOW_TICK_S 0.001

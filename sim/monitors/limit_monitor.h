@@ -1,13 +1,13 @@
 /* Watches every JointCmd on the bus for position, velocity, acceleration and jerk limits: the manual's (robot_model.h),
- * and the parameters' values. Shares with the firmware the unpacking of the frame (firmware/can_protocol.h), and
- * neither the arm's table nor the code that keeps the limits. */
+ * and the parameters' values. Shares with the firmware the unpacking of the frame (firmware/protocol/can_protocol.h),
+ * and neither the arm's table nor the code that keeps the limits. */
 #ifndef COMANIP_SIM_LIMIT_MONITOR_H
 #define COMANIP_SIM_LIMIT_MONITOR_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/protocol/can_protocol.h"
 #include "../robot/robot_model.h"
 
 typedef struct {

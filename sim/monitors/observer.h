@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_transport.h"
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameters/parameters.h"
+#include "../../firmware/protocol/can_transport.h"
 #include "../bus/bus.h"
 #include "../common/rigid_pose.h"
 #include "../robot/robot_model.h"

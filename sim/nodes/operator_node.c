@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameters/parameters.h"
 #include "../bus/endpoint.h"
 #include "../common/names.h"
 #include "../scenario/step_wait.h"

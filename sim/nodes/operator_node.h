@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/protocol/can_protocol.h"
 #include "../bus/bus.h"
 #include "../scenario/scenario.h"
 

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameters/parameters.h"
 #include "../scenario/scenario.h"
 #include "operator_node.h"
 

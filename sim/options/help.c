@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameters/parameters.h"
 #include "../scenario/scenario_file.h"
 
 static const char usage[] =

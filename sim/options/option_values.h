@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../firmware/can_protocol.h"
+#include "../../firmware/protocol/can_protocol.h"
 
 bool option_number(const char *text, double minimum, double maximum, double *value);
 bool option_unsigned(const char *text, uint64_t maximum, uint64_t *value);

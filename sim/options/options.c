@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../firmware/can_transport.h"
+#include "../../firmware/protocol/can_transport.h"
 #include "../../host_tools/hub/hub_path.h"
 #include "option_values.h"
 

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "../../firmware/can_profile.h"
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameters/parameters.h"
+#include "../../firmware/protocol/can_profile.h"
 #include "../nodes/operator_script.h"
 #include "../nodes/tracker_node.h"
 

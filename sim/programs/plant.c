@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../firmware/can_transport.h"
+#include "../../firmware/protocol/can_transport.h"
 #include "../../hal/linux/pace.h"
 #include "../../hal/linux/run_options.h"
 #include "../bus/live_bus.h"

@@ -8,7 +8,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "../../firmware/can_transport.h"
+#include "../../firmware/protocol/can_transport.h"
 #include "../../hal/slcan/lockstep.h"
 #include "../../hal/slcan/slcan.h"
 

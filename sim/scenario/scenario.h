@@ -7,8 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "../../firmware/can_protocol.h"
-#include "../../firmware/parameters.h"
+#include "../../firmware/parameters/parameters.h"
+#include "../../firmware/protocol/can_protocol.h"
 #include "../common/events.h"
 #include "../common/rigid_pose.h"
 #include "../robot/robot_model.h"

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "../../firmware/arms/hoap3_right.h"
-#include "../../firmware/cooperation.h"
-#include "../../firmware/velocity_control.h"
-#include "../../firmware/velocity_control_isotropic.h"
+#include "../../firmware/control/cooperation.h"
+#include "../../firmware/control/velocity_control.h"
+#include "../../firmware/control/velocity_control_isotropic.h"
 #include "seven.h"
 #include "six.h"
 

@@ -73,7 +73,7 @@ def make_input(folder: Path, smoke: bool) -> None:
 
 
 def core_sources() -> list[Path]:
-    sources = [*(REPOSITORY / "firmware").glob("*.c"), *(REPOSITORY / "firmware" / "arms").glob("*.c")]
+    sources = [*(REPOSITORY / "firmware").rglob("*.c")]
     return sorted(s for s in sources if s.name != "main.c") + [REPOSITORY / "build" / "generated" / "comanip_dbc.c"]
 
 

@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "../../firmware/arms/hoap3_right.h"
-#include "../../firmware/cooperation.h"
-#include "../../firmware/hand_tracker.h"
-#include "../../firmware/parameters.h"
-#include "../../firmware/velocity_control.h"
+#include "../../firmware/control/cooperation.h"
+#include "../../firmware/control/hand_tracker.h"
+#include "../../firmware/control/velocity_control.h"
+#include "../../firmware/parameters/parameters.h"
 
 #define TICKS 20000
 #define TRACKER_TICKS 4u

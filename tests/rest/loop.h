@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "../../firmware/parameter_set.h"
+#include "../../firmware/parameters/parameter_set.h"
 
 #define REST_JOINTS 4
 #define REST_WINDOWS 2

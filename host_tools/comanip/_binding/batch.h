@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-#include "../../../firmware/arm.h"
-#include "../../../firmware/velocity_control.h"
+#include "../../../firmware/arms/arm.h"
+#include "../../../firmware/control/velocity_control.h"
 
 void batch_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[], dual_quaternion_t out[]);
 void batch_conjugate(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[]);

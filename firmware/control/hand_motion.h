@@ -10,8 +10,8 @@
 
 #include <stdint.h>
 
+#include "../maths/pose.h"
 #include "motion_filter.h"
-#include "pose.h"
 
 #define HAND_MOTION_AWAITED_INTERVALS 2.5f
 #define HAND_MOTION_GAP_S 0.05f

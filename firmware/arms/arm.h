@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#include "pose.h"
+#include "../maths/pose.h"
 
 #define ARM_MAX_JOINTS 8
 

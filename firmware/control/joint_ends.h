@@ -3,7 +3,7 @@
 #ifndef COMANIP_JOINT_ENDS_H
 #define COMANIP_JOINT_ENDS_H
 
-#include "ldlt.h"
+#include "../maths/ldlt.h"
 #include "velocity_control.h"
 
 /* Adds to *out the joints, a bit each, that are sent beyond the end at which they stand. Returns those that were not in

@@ -2,11 +2,11 @@
 #ifndef COMANIP_PARAMETERS_H
 #define COMANIP_PARAMETERS_H
 
-#include "can_protocol.h"
-#include "cooperation.h"
-#include "joint_limits.h"
-#include "position_first.h"
-#include "velocity_control.h"
+#include "../control/cooperation.h"
+#include "../control/joint_limits.h"
+#include "../control/position_first.h"
+#include "../control/velocity_control.h"
+#include "../protocol/can_protocol.h"
 
 /* Numbers and names are those of the DBC (ParameterValue.parameter). Vectors stand in a row: FIRST + component. */
 typedef enum {

@@ -2,7 +2,7 @@
 #ifndef COMANIP_SUPERVISOR_H
 #define COMANIP_SUPERVISOR_H
 
-#include "can_protocol.h"
+#include "../protocol/can_protocol.h"
 
 typedef struct {
     bool drives_fresh;

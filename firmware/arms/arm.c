@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "trigonometry.h"
+#include "../maths/trigonometry.h"
 
 #define UNIT_TOLERANCE 1e-4f
 #define REACH_MAX_M 100.0f

@@ -26,7 +26,7 @@
 #ifndef COMANIP_POSITION_FIRST_H
 #define COMANIP_POSITION_FIRST_H
 
-#include "arm.h"
+#include "../arms/arm.h"
 
 #define POSITION_FIRST_ERROR_MAX_M 0.015f
 #define POSITION_FIRST_MARGIN_RAD 0.6f

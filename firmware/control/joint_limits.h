@@ -16,7 +16,7 @@
 
 #include <stdbool.h>
 
-#include "arm.h"
+#include "../arms/arm.h"
 
 /* Braking is planned with this part of the acceleration limit: the rest absorbs rounding and the encoder's noise. */
 #define JOINT_LIMITS_BRAKING_RESERVE 0.9f

@@ -2,7 +2,7 @@
 #ifndef COMANIP_HAND_TRACKER_H
 #define COMANIP_HAND_TRACKER_H
 
-#include "can_protocol.h"
+#include "../protocol/can_protocol.h"
 
 typedef struct {
     uint32_t period_us;  /* as announced by TrackerStatus */

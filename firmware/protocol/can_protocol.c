@@ -3,9 +3,9 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "../maths/float_bits.h"
 #include "comanip_dbc.h"
 #include "comanip_schema.h"
-#include "float_bits.h"
 
 #define FRAME_ROW(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware)                                        \
     [FRAME_##name] = {id, bytes, data_id, period_ms, timeout_ms, to_firmware},

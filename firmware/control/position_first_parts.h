@@ -2,8 +2,8 @@
 #ifndef COMANIP_POSITION_FIRST_PARTS_H
 #define COMANIP_POSITION_FIRST_PARTS_H
 
-#include "float_bits.h"
-#include "ldlt.h"
+#include "../maths/float_bits.h"
+#include "../maths/ldlt.h"
 #include "position_first.h"
 
 #define POSITION_FIRST_DAMPING_M2 1e-5f

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "pose.h"
+#include "../maths/pose.h"
 
 typedef enum {
     TASK_FORM_CONSTANT = 0,

@@ -2,7 +2,7 @@
 #ifndef COMANIP_LDLT_H
 #define COMANIP_LDLT_H
 
-#include "arm.h"
+#include "../arms/arm.h"
 
 typedef struct {
     float matrix[ARM_MAX_JOINTS]

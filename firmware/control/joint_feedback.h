@@ -2,7 +2,7 @@
 #ifndef COMANIP_JOINT_FEEDBACK_H
 #define COMANIP_JOINT_FEEDBACK_H
 
-#include "can_protocol.h"
+#include "../protocol/can_protocol.h"
 
 typedef struct {
     uint32_t timeout_us;

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "float_bits.h"
+#include "../maths/float_bits.h"
 
 #define MAGIC 0x504E4D43u /* "CMNP" */
 #define LAYOUT_AT 4

@@ -10,8 +10,8 @@
 #ifndef COMANIP_MOTION_FILTER_H
 #define COMANIP_MOTION_FILTER_H
 
-#include "dual_quaternion.h"
-#include "float_bits.h"
+#include "../maths/dual_quaternion.h"
+#include "../maths/float_bits.h"
 
 /* The shortest memory, in motion, at the scale's noise and 4 ms between samples; it grows with the eighth root of the
  * noise's variance times the interval (a Kalman filter's for white jerk with the sixth; recordings ask for less), and

@@ -11,7 +11,7 @@
 
 #include <stdbool.h>
 
-#include "arm.h"
+#include "../arms/arm.h"
 
 typedef enum {
     ERROR_FRAME_TORSO = 0,  /* e = q_d - q: the paper to the letter */

@@ -2,9 +2,9 @@
 
 #include <float.h>
 
-#include "can_protocol.h"
+#include "../maths/float_bits.h"
+#include "../protocol/can_protocol.h"
 #include "comanip_schema.h"
-#include "float_bits.h"
 
 #define VELOCITY_RESOLUTION_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_RESOLUTION
 #define VELOCITY_STEPS_PER_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_PER_UNIT

@@ -14,11 +14,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "arm.h"
+#include "../arms/arm.h"
+#include "../control/task.h"
+#include "../maths/pose.h"
 #include "can_frame.h"
 #include "e2e.h"
-#include "pose.h"
-#include "task.h"
 
 /* FRAME_JOINT_STATE0 + i is joint i. */
 typedef enum {

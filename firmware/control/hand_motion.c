@@ -1,6 +1,6 @@
 #include "hand_motion.h"
 
-#include "float_bits.h"
+#include "../maths/float_bits.h"
 
 static const motion_filter_scale_t translation_scale = {
     .noise_variance = 5e-5f * 5e-5f, .velocity_max = 20.0f, .acceleration_max = 200.0f};
