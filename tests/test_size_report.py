@@ -78,8 +78,8 @@ def test_what_is_beyond_its_budget_is_told_with_the_difference(maps, tmp_path, c
     lower.write_text(before + image + after.replace('"firmware/control/task" = ', '"firmware/another" = ', 1))
     assert report(maps, lower, tmp_path / "size.json") == 1
     told = capsys.readouterr().err
-    assert f"cortex-m4f: firmware/e2e: text {found} bytes, budget {found - 7}: 7 too many" in told
-    assert re.search(r"cortex-m4f: firmware/task: no budget", told)
+    assert f"cortex-m4f: firmware/protocol/e2e: text {found} bytes, budget {found - 7}: 7 too many" in told
+    assert re.search(r"cortex-m4f: firmware/control/task: no budget", told)
 
 
 def test_a_new_budget_is_the_present_size(maps, tmp_path):
