@@ -19,7 +19,7 @@ FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch])
 # The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
 SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
     host_tools/hub/hub_path.c
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) hal/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
+HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 

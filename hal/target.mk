@@ -14,8 +14,9 @@ TARGET_MAIN ?= firmware/main.c
 TARGET_CFLAGS := $(CORE_CFLAGS) $(PROFILE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgraph-info=su
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
 
-# What a port with a UART for CAN, and without a store, adds to its own sources.
-SLCAN_SOURCES := $(filter-out hal/slcan/lockstep.c,$(wildcard hal/slcan/*.c)) hal/no_store.c
+# What a port adds to its own sources: ticks by its timer and no store; CAN over a UART.
+COMMON_SOURCES := hal/common/tick.c hal/common/no_store.c
+SLCAN_SOURCES := $(wildcard hal/slcan/*.c)
 
 IMAGES :=
 include $(sort $(wildcard hal/*/images.mk))
@@ -75,13 +76,16 @@ targets: target-$(1)
 endef
 $(foreach image,$(IMAGES),$(eval $(call TARGET_RULES,$(image))))
 
-# The same image in lockstep with the simulator (hal/slcan/lockstep.h): for `make pil`, not among IMAGES.
+# The same image in lockstep with the simulator (hal/lockstep/lockstep.h), for those with a UART for CAN: for `make pil`, not
+# among IMAGES.
 define PIL_VARIABLES
 $(foreach variable,prefix specs cpu folder script,$(eval $(1)-pil.$(variable) := $($(1).$(variable))))
-$(1)-pil.sources := $$($(1).sources:hal/slcan/free_running.c=hal/slcan/lockstep.c)
+$(1)-pil.sources := $$(filter-out $(LOCKSTEP_REPLACES),$$($(1).sources)) hal/lockstep/lockstep.c
 endef
-PIL_IMAGES := $(IMAGES:%=%-pil)
-$(foreach image,$(IMAGES),$(eval $(call PIL_VARIABLES,$(image))))
+LOCKSTEP_REPLACES := hal/common/tick.c hal/slcan/slcan_receive.c
+SLCAN_IMAGES := $(foreach image,$(IMAGES),$(if $(filter hal/slcan/slcan_receive.c,$($(image).sources)),$(image)))
+PIL_IMAGES := $(SLCAN_IMAGES:%=%-pil)
+$(foreach image,$(SLCAN_IMAGES),$(eval $(call PIL_VARIABLES,$(image))))
 $(foreach image,$(PIL_IMAGES),$(eval $(call IMAGE_RULES,$(image))))
 
 PIL_PROCESS := $(BUILD)/host/comanip-pil
@@ -95,6 +99,8 @@ $(PIL_PROCESS): $(PIL_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 pil pil-check: BOARD := $(or $(BOARD),mps2-an386)
 pil-check:
 	$(BOARD_CHECK)
+	@[ -n "$(filter $(BOARD_IMAGE),$(SLCAN_IMAGES))" ] || { \
+	    echo "make pil: BOARD='$(BOARD)': expected an image with a serial line to the simulator: $(SLCAN_IMAGES)" >&2; exit 2; }
 	@case '$(TARGET_PROFILE)' in fd|classic) ;; *) echo "make pil: PROFILE='$(PROFILE)': expected fd or classic" >&2; exit 2;; esac
 	@[ -z "$(CAN)$(filter-out 0 no,$(REALTIME))" ] || { \
 	    echo "make pil: CAN='$(CAN)' REALTIME='$(REALTIME)': expected neither: in lockstep the bus is the simulator's own, in virtual time" >&2; exit 2; }

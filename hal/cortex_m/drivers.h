@@ -5,9 +5,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "../common/clock.h"
+
 /* clock.c, or the board's own where there is no SysTick: the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
-uint32_t clock_us(void); /* monotonic modulo 2^32; also in interrupts */
 
 /* stack_guard.c: from here on the thread's stack faults when it overflows. */
 void stack_guard_start(void);

@@ -13,7 +13,7 @@ $(1).prefix := arm-none-eabi-
 $(1).specs := nano.specs
 $(1).folder := hal/mps2
 $(1).script := hal/mps2/mps2.ld
-$(1).sources := $(wildcard hal/cortex_m/*.c hal/mps2/*.c) $(SLCAN_SOURCES)
+$(1).sources := $(wildcard hal/cortex_m/*.c hal/mps2/*.c) $(COMMON_SOURCES) $(SLCAN_SOURCES)
 $(1).emulator := qemu-system-arm -machine $($(1).board)
 endef
 $(foreach image,cortex-m3 cortex-m4f cortex-m7,$(eval $(call MPS2_IMAGE,$(image))))

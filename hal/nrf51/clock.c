@@ -1,6 +1,5 @@
 /* TIMER0 counts microseconds (nRF51 manual, chapter 18): the nRF51 has no SysTick. */
 #include "../cortex_m/drivers.h"
-#include "../slcan/slcan_hal.h"
 #include "board.h"
 #include "watchdog.h"
 
@@ -21,10 +20,7 @@
 
 enum { CHANNEL_TICK, CHANNEL_NOW };
 
-#define TICK_US 1000u
-
 static volatile uint32_t tick_us; /* time of the last tick */
-static uint32_t given_tick_us;    /* the one that clock_wait_tick() gave last */
 
 void clock_start(void) {
     CLOCK_STARTED = 0;
@@ -33,7 +29,7 @@ void clock_start(void) {
     }
     TIMER_BIT_MODE = TIMER_BIT_MODE_32;
     TIMER_PRESCALER = TIMER_PRESCALER_1_MHZ;
-    TIMER_COUNT(CHANNEL_TICK) = TICK_US;
+    TIMER_COUNT(CHANNEL_TICK) = CLOCK_TICK_US;
     TIMER_INTERRUPT_ENABLE = TIMER_INTERRUPT_COMPARE(CHANNEL_TICK);
     NVIC_SET_ENABLE(BOARD_TIMER_INTERRUPT) = NVIC_BIT(BOARD_TIMER_INTERRUPT);
     TIMER_START = 1;
@@ -48,23 +44,14 @@ uint32_t clock_us(void) {
 void timer_handler(void) {
     TIMER_COMPARE_EVENT(CHANNEL_TICK) = 0;
     do { /* again if the next tick came before it was asked for */
-        if (clock_us() - tick_us >= TICK_US) {
-            tick_us += TICK_US;
+        if (clock_us() - tick_us >= CLOCK_TICK_US) {
+            tick_us += CLOCK_TICK_US;
         }
-        TIMER_COUNT(CHANNEL_TICK) = tick_us + TICK_US;
-    } while (clock_us() - tick_us >= TICK_US);
+        TIMER_COUNT(CHANNEL_TICK) = tick_us + CLOCK_TICK_US;
+    } while (clock_us() - tick_us >= CLOCK_TICK_US);
     watchdog_check(tick_us);
 }
 
-uint32_t clock_wait_tick(void) {
-    /* With interrupts off a tick cannot slip in between the question and the sleep; it still ends the sleep. */
-    interrupts_off();
-    while (tick_us == given_tick_us) {
-        wait_for_interrupt();
-        interrupts_on();
-        interrupts_off();
-    }
-    given_tick_us = tick_us;
-    interrupts_on();
-    return given_tick_us;
+uint32_t clock_tick_us(void) {
+    return tick_us;
 }

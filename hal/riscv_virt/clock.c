@@ -1,5 +1,4 @@
 /* Machine timer (CLINT): the 1 kHz tick, and between ticks the microseconds. */
-#include "../slcan/slcan_hal.h"
 #include "board.h"
 #include "drivers.h"
 
@@ -8,14 +7,12 @@
 #define TIMER_LOW REGISTER(BOARD_CLINT_BASE + 0xBFF8u)
 #define TIMER_HIGH REGISTER(BOARD_CLINT_BASE + 0xBFFCu)
 
-#define TICK_US 1000u
 #define COUNTS_PER_US (BOARD_TIMER_HZ / 1000000u)
-#define COUNTS_PER_TICK (TICK_US * COUNTS_PER_US)
+#define COUNTS_PER_TICK (CLOCK_TICK_US * COUNTS_PER_US)
 
 static volatile uint32_t tick_us;  /* time of the last tick */
 static uint64_t next_tick;         /* in counts of the timer */
 static volatile uint32_t tick_low; /* low half of the timer at the last tick */
-static uint32_t given_tick_us;     /* the one that clock_wait_tick() gave last */
 
 static uint64_t timer_now(void) {
     uint32_t high;
@@ -44,7 +41,7 @@ void clock_start(void) {
 void clock_handler(void) {
     uint64_t now = timer_now();
     while (next_tick <= now) { /* more than once if interrupts were off for a whole tick */
-        tick_us += TICK_US;
+        tick_us += CLOCK_TICK_US;
         tick_low = (uint32_t)next_tick;
         next_tick += COUNTS_PER_TICK;
     }
@@ -64,17 +61,4 @@ uint32_t clock_us(void) {
         count = TIMER_LOW - tick_low;
     } while (tick != tick_us);
     return tick + count / COUNTS_PER_US;
-}
-
-uint32_t clock_wait_tick(void) {
-    /* With interrupts off a tick cannot slip in between the question and the sleep; it still ends the sleep. */
-    interrupts_off();
-    while (tick_us == given_tick_us) {
-        wait_for_interrupt();
-        interrupts_on();
-        interrupts_off();
-    }
-    given_tick_us = tick_us;
-    interrupts_on();
-    return given_tick_us;
 }

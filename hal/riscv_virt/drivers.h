@@ -4,10 +4,10 @@
 
 #include <stdint.h>
 
+#include "../common/clock.h"
+
 /* clock.c: the CLINT's machine timer as the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
-uint32_t clock_us(void);      /* monotonic modulo 2^32; also in interrupts */
-uint32_t clock_tick_us(void); /* time of the last tick */
 void clock_handler(void);
 
 /* ns16550.c: 8N1, interrupt-driven, into slcan_hal_link. */

@@ -12,6 +12,6 @@ $(1).prefix := riscv64-unknown-elf-
 $(1).specs := picolibc.specs
 $(1).folder := hal/riscv_virt
 $(1).script := hal/riscv_virt/virt.ld
-$(1).sources := $(wildcard hal/riscv_virt/*.c) hal/riscv_virt/startup.S $(SLCAN_SOURCES)
+$(1).sources := $(wildcard hal/riscv_virt/*.c) hal/riscv_virt/startup.S $(COMMON_SOURCES) $(SLCAN_SOURCES)
 endef
 $(foreach image,rv32imac rv32imafc,$(eval $(call VIRT_IMAGE,$(image))))

@@ -1,6 +1,5 @@
 /* What a port with a UART instead of a CAN controller shares: it provides the functions below, and gets hal_can_send()
- * (slcan_hal.c), and hal_wait_tick() with hal_can_receive(): free_running.c, or lockstep.c for an image that a
- * simulator steps. */
+ * (slcan_hal.c) and hal_can_receive() (slcan_receive.c). */
 #ifndef COMANIP_SLCAN_HAL_H
 #define COMANIP_SLCAN_HAL_H
 
@@ -11,9 +10,6 @@ extern slcan_link_t slcan_hal_link;
 
 /* Provided by the port: bytes wait in the link; see that the transmit interrupt takes them. */
 void serial_start_transmission(void);
-
-/* Provided by the port: sleeps until a tick of its clock that was not given before; its time. */
-uint32_t clock_wait_tick(void);
 
 /* Provided by the port: sleeps until an interrupt, a tick's at the latest. */
 void serial_wait(void);

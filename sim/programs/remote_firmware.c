@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "../../firmware/protocol/can_transport.h"
-#include "../../hal/slcan/lockstep.h"
+#include "../../hal/lockstep/lockstep.h"
 #include "../../hal/slcan/slcan.h"
 
 #define QUEUE_FRAMES 64       /* hal/host's */

@@ -1,4 +1,4 @@
-/* The firmware as an image at the other end of a serial line, in lockstep with the world: hal/slcan/lockstep.h. In
+/* The firmware as an image at the other end of a serial line, in lockstep with the world: hal/lockstep/lockstep.h. In
  * place of hal/host, whose queue and times it has, so that the same run comes out. */
 #ifndef COMANIP_SIM_REMOTE_FIRMWARE_H
 #define COMANIP_SIM_REMOTE_FIRMWARE_H

@@ -1,5 +1,5 @@
 /* The HAL's store for ports that have none. */
-#include "hal.h"
+#include "../hal.h"
 
 bool hal_store_read(void *bytes, size_t capacity, size_t *length) {
     (void)bytes;

@@ -2,7 +2,7 @@
 #include "lockstep.h"
 
 #include "../hal.h"
-#include "slcan_hal.h"
+#include "../slcan/slcan_hal.h"
 
 #define QUEUE_FRAMES 32 /* two ticks of all that may come */
 

@@ -1,7 +1,8 @@
 /* An image in lockstep with a simulator at the other end of its serial line: the simulator says when a tick is, with
  * what time, and when each frame was received; the image says when it has sent all of a tick. So neither the line's
  * speed nor the emulator's has a part in what is computed. Beside the frames of the bus three of their own go over the
- * line, with ids that no node has. */
+ * line, with ids that no node has. lockstep.c stands in the image in place of hal/common/tick.c and
+ * hal/slcan/slcan_receive.c. */
 #ifndef COMANIP_LOCKSTEP_H
 #define COMANIP_LOCKSTEP_H
 

@@ -1,0 +1,7 @@
+/* Within the port. */
+#ifndef COMANIP_SKELETON_CAN_H
+#define COMANIP_SKELETON_CAN_H
+
+void can_start(void);
+
+#endif

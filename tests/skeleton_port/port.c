@@ -1,0 +1,24 @@
+/* The least that a port has: here without a watchdog and an enable line, whose functions do nothing. */
+#include "../cortex_m/drivers.h"
+#include "../hal.h"
+#include "can.h"
+#include "semihosting.h"
+
+void hal_init(void) {
+    can_start();
+    clock_start();
+}
+
+can_profile_t hal_can_profile(void) {
+    return CAN_PROFILE_FD;
+}
+
+void hal_watchdog_feed(void) {
+}
+
+_Noreturn void hal_panic(const char *cause) {
+    (void)cause;
+    for (;;) {
+        semihosting_exit(false);
+    }
+}

@@ -1,0 +1,63 @@
+"""A port to a board with a CAN controller is a folder of its own: tests/skeleton_port, put beside the others under hal/ of a
+tree that is otherwise the repository's."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+
+import pytest
+from images import REPOSITORY, make
+
+SHARED = {"hal/cortex_m", "hal/common"}
+
+
+def make_in(tree, *arguments: str):
+    return make("-C", str(tree), "-o", "deps", *arguments)  # the environment is the repository's, and complete
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory):
+    missing = make("target-check")
+    if missing.returncode != 0:
+        pytest.skip(missing.stderr.strip())
+    root = tmp_path_factory.mktemp("tree")
+    for name in ("Makefile", "firmware", "host_tools", "sim", "tests", ".venv"):
+        (root / name).symlink_to(REPOSITORY / name)
+    (root / "hal").mkdir()
+    for path in (REPOSITORY / "hal").iterdir():
+        (root / "hal" / path.name).symlink_to(path)
+    shutil.copytree(REPOSITORY / "tests/skeleton_port", root / "hal/skeleton")
+    return root
+
+
+@pytest.fixture(scope="module")
+def built(tree):
+    result = make_in(tree, "target-skeleton")
+    assert (result.returncode, result.stderr) == (0, "")
+    return tree / "build/target/skeleton"
+
+
+def test_a_board_with_a_can_controller_links_from_its_own_folder_and_the_common_one(built):
+    linked = re.findall(r"^LOAD \S*/(hal/\w+)/\w+\.o$", (built / "comanip.map").read_text(), re.MULTILINE)
+    assert set(linked) == SHARED | {"hal/skeleton"}
+
+
+def test_its_image_runs(built, tree):
+    if shutil.which("qemu-system-arm") is None:
+        pytest.skip("qemu-system-arm is not installed: make target-deps")
+    rows = (line.split("\t") for line in make_in(tree, "images").stdout.splitlines())
+    emulator = next(row[-1].split() for row in rows if row[0] == "skeleton")
+    run = subprocess.run(
+        [*emulator, "-icount", "shift=1,sleep=off", "-display", "none", "-kernel", built / "comanip.elf"],
+        timeout=60,
+        check=False,
+    )
+    assert run.returncode == 0
+
+
+def test_it_is_not_stepped_by_a_simulator_over_a_serial_line_that_it_has_not(tree):
+    refused = make_in(tree, "pil", "BOARD=skeleton")
+    assert refused.returncode == 2
+    assert "BOARD='skeleton': expected an image with a serial line" in refused.stderr
