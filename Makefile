@@ -4,6 +4,7 @@ BUILD := build
 GENERATED := $(BUILD)/generated
 VENV := .venv
 PYTHON := $(VENV)/bin/python
+DEVELOPMENT := host_tools/development/comanip_dev
 CC := gcc
 # V=1 shows the commands in full.
 Q := $(if $(V),,@)
@@ -66,9 +67,9 @@ $(VENV)/.installed-tests: tests/requirements.txt | deps
 
 build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## simulator, both processes, Python binding
 
-$(GENERATED)/.generated: host_tools/comanip/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | deps
+$(GENERATED)/.generated: $(DEVELOPMENT)/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | deps
 	@echo "  GENERATE $(GENERATED)/"
-	$(Q)$(PYTHON) $< $(GENERATED)
+	$(Q)$(PYTHON) -m comanip_dev.codegen $(GENERATED)
 	@touch $@
 
 $(GENERATED)/comanip_dbc.c: $(GENERATED)/.generated ;
@@ -94,9 +95,9 @@ $(BUILD)/host/%.o: %.c Makefile $(GENERATED)/.generated
 	@echo "  CC $<"
 	$(Q)$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@
 
-$(BUILD)/python/.built: host_tools/comanip/build_core.py $(wildcard host_tools/comanip/_binding/*) $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
+$(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/comanip/_binding/*) $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
 	@echo "  BIND host_tools/comanip/_core"
-	$(Q)$(PYTHON) $< --generated $(GENERATED) --build-dir $(BUILD)/python --cflags "$(CORE_CFLAGS)"
+	$(Q)$(PYTHON) -m comanip_dev.build_core --generated $(GENERATED) --build-dir $(BUILD)/python --cflags "$(CORE_CFLAGS)"
 	@touch $@
 
 -include $(HOST_OBJECTS:.o=.d) $(LINUX_OBJECTS:.o=.d)
@@ -123,7 +124,7 @@ sim: build ## run a scenario; ends with a pass/fail table and the paths of what 
 		*) echo "make sim: CAN='$(CAN)': expected hub; for a bus of the kernel: make run-plant and make run-firmware" >&2; \
 		exit 2;; esac; \
 	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
-	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
+	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plotting "$$RUN_OUT" || exit; \
 	exit $$status
 
 # The kernel's interface of this name, or else the hub of this name.
@@ -139,11 +140,11 @@ run-plant: build ## the simulated plant as a second process on CAN=vcan0, in rea
 SEEDS := 20
 experiments: export RUN_OUT := $(or $(OUT),out/experiments)
 experiments: build ## the five experiments for SEEDS seeds and on recordings, and the paper's law beside ours
-	@$(PYTHON) -m comanip.experiments --seeds "$(SEEDS)" --out "$$RUN_OUT" $(ARGS)
+	@$(PYTHON) -m comanip_dev.experiments --seeds "$(SEEDS)" --out "$$RUN_OUT" $(ARGS)
 
 gain-search: export RUN_OUT := $(or $(OUT),out/gain-search)
 gain-search: build ## search for the gains of docs/gains.md anew (takes up to an hour)
-	@$(PYTHON) -m comanip.gain_search --out "$$RUN_OUT" $(ARGS)
+	@$(PYTHON) -m comanip_dev.experiments.gain_search --out "$$RUN_OUT" $(ARGS)
 
 $(VENV)/.installed-following: host_tools/following-requirements.txt | deps
 	@echo "comanip: installing what the following is compared with into $(VENV)/"
@@ -153,7 +154,7 @@ $(VENV)/.installed-following: host_tools/following-requirements.txt | deps
 following: export RUN_OUT := $(or $(OUT),out/following)
 following: export RUN_RECORDINGS := $(RECORDINGS)
 following: build $(VENV)/.installed-following ## how closely the robot follows recorded hands, beside other ways; QUICK=1, RECORDINGS=folder
-	@$(PYTHON) -m comanip.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
+	@$(PYTHON) -m comanip_dev.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
 test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
@@ -173,13 +174,13 @@ bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## our tick beside Pinocchi
 	@$(PYTHON) tests/bench/bench.py $(BUILD)
 
 arms: deps ## write firmware/arms/*.c anew from the arms' descriptions, firmware/arms/*.toml
-	@$(PYTHON) -m comanip.arm_codegen
+	@$(PYTHON) -m comanip_dev.arms.codegen
 
 bus-doc: deps ## write docs/bus.md anew from the DBC
-	@$(PYTHON) -m comanip.bus_doc docs/bus.md
+	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
 
 bus-report: deps ## load and worst-case response time of every frame; also build/reports/bus.json
-	@$(PYTHON) -m comanip.bus_report $(BUILD)/reports/bus.json
+	@$(PYTHON) -m comanip_dev.bus.report $(BUILD)/reports/bus.json
 
 include tests/rest/rest.mk
 

@@ -108,8 +108,8 @@ pil-check:
 pil: pil-check build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 (the default) etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes but CAN and REALTIME; up to twelve times as long as what it simulates
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
-	$(PYTHON) -m comanip.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS); status=$$?; \
-	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plot "$$RUN_OUT" || exit; \
+	$(PYTHON) -m comanip_dev.images.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS); status=$$?; \
+	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plotting "$$RUN_OUT" || exit; \
 	exit $$status
 
 pil-matrix-check size-check cycles-check:
@@ -126,11 +126,11 @@ pil-matrix: pil-matrix-check build target-check ## teleop, pour and mirror with 
 	@$(PYTHON) tests/pil_matrix.py $(BUILD)
 
 size: size-check deps targets ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
-	@$(PYTHON) -m comanip.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(filter-out 0 no,$(UPDATE)),--update) \
+	@$(PYTHON) -m comanip_dev.images.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(filter-out 0 no,$(UPDATE)),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
 stack: stack-check deps targets ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
-	@$(PYTHON) -m comanip.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
+	@$(PYTHON) -m comanip_dev.images.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
 bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## one input through every compiler's and processor's controller_step(): the same bytes; SMOKE=1: a short one; build/reports/bitexact.json

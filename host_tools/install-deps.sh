@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs what is missing and nothing else. Usage: install-deps.sh "DEBIAN PACKAGES" VENV REQUIREMENTS
 # System packages: through apt, as root or with sudo; elsewhere they are named and the script fails.
-# Python packages: pinned, into VENV; the comanip package itself is linked there, not copied.
+# Python packages: pinned, into VENV; the repository's own are linked there, not copied.
 set -eu
 packages=$1 venv=$2 requirements=$3
 here=$(cd "$(dirname "$0")" && pwd)
@@ -47,13 +47,21 @@ install_python_packages() {
     python3 -m venv --clear "$venv"
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$requirements" ||
         fail "the Python packages could not be installed: is PyPI within reach (proxy, PIP_INDEX_URL)?"
-    site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-    echo "$here" >"$site/comanip.pth"
     printf '#!%s\nfrom comanip.__main__ import main\n\nmain()\n' "$(cd "$venv" && pwd)/bin/python" >"$venv/bin/comanip"
     chmod +x "$venv/bin/comanip"
     echo "$here" >"$venv/.folder"
     cp "$requirements" "$venv/.installed" # last: an interrupted run starts over
 }
 
+# comanip, and comanip_dev for developers. Also into an environment that is complete otherwise.
+link_packages() {
+    for link in "$venv"/lib/python3*/site-packages; do
+        link=$link/comanip.pth
+        printf '%s\n' "$here" "$here/development" | cmp -s - "$link" ||
+            printf '%s\n' "$here" "$here/development" >"$link"
+    done
+}
+
 system_is_complete || install_system_packages
 venv_is_complete || install_python_packages
+link_packages

@@ -1,4 +1,4 @@
-"""Compiles the firmware into the package when it is installed from a clone of the repository: see comanip/build_core.py.
+"""Compiles the firmware into the package when it is installed from a clone of the repository: see development/comanip_dev/build_core.py.
 
 Where that cannot be (no C compiler), the package is installed without it; the tools that need it say so.
 """
@@ -26,8 +26,8 @@ class BuildWithCore(build_py):
             self.build_core(Path(self.build_lib) / "comanip")
 
     def build_core(self, folder):
-        sys.path.insert(0, str(HERE))
-        from comanip import build_core, codegen
+        sys.path[:0] = [str(HERE), str(HERE / "development")]
+        from comanip_dev import build_core, codegen
 
         for former in folder.glob("_core*.so"):
             former.unlink()

@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from comanip.build_core import preprocessed
+from comanip_dev.build_core import preprocessed
 
 
 def declarations(headers: Iterable[Path], *options: str) -> str:

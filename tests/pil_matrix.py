@@ -31,7 +31,7 @@ def run(folder: Path, scenario: str, image: str | None) -> bytes:
     """The bus log of a run with the host's firmware, or with the image; of a run that failed there is nothing that could be equal."""
     out = folder / scenario / (image or "host")
     options = ["--scenario", scenario, "--quiet", "--out", str(out)]
-    command = [str(SIMULATOR)] if image is None else [sys.executable, "-m", "comanip.pil", " ".join(IMAGES[image].emulator),
+    command = [str(SIMULATOR)] if image is None else [sys.executable, "-m", "comanip_dev.images.pil", " ".join(IMAGES[image].emulator),
                                                       str(elf_of(image)), str(PROGRAM)]  # fmt: skip
     done = subprocess.run([*command, *options], check=False, cwd=REPOSITORY)
     return (out / "bus.log").read_bytes() if done.returncode == 0 else b""

@@ -7,7 +7,7 @@ import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from comanip.response_time import Stream
+from comanip_dev.bus.response_time import Stream
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,11 @@ import subprocess
 import numpy as np
 import oracle
 import pytest
-from comanip import arm_codegen, arm_description, core
+from comanip import core
 from comanip._core import ffi, lib
-from comanip.arm_description import ArmError
+from comanip_dev.arms import codegen as arm_codegen
+from comanip_dev.arms import description as arm_description
+from comanip_dev.arms.description import ArmError
 from simulation import REPOSITORY
 
 HOAP3 = "hoap3_right"

@@ -9,8 +9,8 @@ import bus_log
 import numpy as np
 import pytest
 from bus_log import DBC
-from comanip import bus_doc
 from comanip._core import lib
+from comanip_dev.bus import doc as bus_doc
 from simulation import REPOSITORY, SIMULATOR, run
 
 BUS_MD = REPOSITORY / "docs" / "bus.md"

@@ -9,9 +9,9 @@ import pytest
 from bus_log import CLASSIC_MESSAGES, DBC, FD_MESSAGES
 from can_classic_bits import frame_duration_ns as classic_duration_ns
 from can_fd_bits import frame_duration_ns as fd_duration_ns
-from comanip import bus_report
-from comanip.bus_report import JOINTS
-from comanip.frame_length import BitRates, longest
+from comanip.bus.frame_length import BitRates, longest
+from comanip_dev.bus import report as bus_report
+from comanip_dev.bus.report import JOINTS
 
 FD, CLASSIC = "CAN FD 1/5 Mbit/s", "classic 1 Mbit/s"
 

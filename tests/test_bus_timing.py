@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from bus_log import DBC
 from can_fd_bits import LENGTHS, frame_duration_ns
-from comanip.bus_traffic import (
+from comanip.bus.frame_length import BitRates, longest
+from comanip_dev.bus.response_time import analyse
+from comanip_dev.bus.traffic import (
     ANSWER_US,
     COMPUTING_US,
     Frame,
@@ -22,8 +24,6 @@ from comanip.bus_traffic import (
     fd_frames,
     streams,
 )
-from comanip.frame_length import BitRates, longest
-from comanip.response_time import analyse
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sim_bus import Bus

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from bus_log import DBC
 from can.interfaces.virtual import channels
-from comanip import calibration, logs
-from comanip.calibration import (
+from comanip.bus import logs
+from comanip.bus.frame import Frame, protected
+from comanip.tracker import calibration
+from comanip.tracker.calibration import (
     CalibrationError,
     Move,
     MoveDetector,
@@ -21,7 +23,6 @@ from comanip.calibration import (
     rotation_vector,
     solve,
 )
-from comanip.frame import Frame, protected
 from comanip_command import call, call_here, require_refusal
 from hub import wait_until
 from hypothesis import given

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from bus_log import CLASSIC_MESSAGES, DBC
 from can_classic_bits import frame_duration_ns
-from comanip import logs
+from comanip.bus import logs
 from comanip.replay import Replay, Report
 from comanip_command import call
 from live import Seen, is_authentic

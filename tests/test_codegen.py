@@ -6,7 +6,7 @@ import re
 
 import pytest
 from cantools.database import load_string
-from comanip import codegen
+from comanip_dev import codegen
 from simulation import REPOSITORY
 
 DBC = codegen.DBC_PATH.read_text()

@@ -8,8 +8,8 @@ import struct
 import can
 import pytest
 from bus_log import DBC
-from comanip import logs
-from comanip.frame import Frame
+from comanip.bus import logs
+from comanip.bus.frame import Frame
 from comanip_command import call, require_refusal
 from e2e import p05
 from mcap.reader import make_reader

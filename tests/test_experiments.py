@@ -15,9 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic_run
-from comanip import gain_search
-from comanip.campaign import INPUTS_FILE, CampaignError, Job, run_jobs
-from comanip.experiments import (
+from comanip_dev.experiments import gain_search
+from comanip_dev.experiments.__main__ import (
     DECISIVE,
     RECORDING_SEEDS,
     RECORDINGS,
@@ -27,7 +26,8 @@ from comanip.experiments import (
     figure_lines,
     main,
 )
-from comanip.paper_gains import PAPER_GAINS
+from comanip_dev.experiments.campaign import INPUTS_FILE, CampaignError, Job, run_jobs
+from comanip_dev.experiments.paper_gains import PAPER_GAINS
 from simulation import EXPERIMENTS, REPOSITORY, experiment
 
 FAKE = """#!{python} -IS
@@ -253,7 +253,7 @@ def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator
     out, pids = tmp_path / "out", tmp_path / "pids"
     out.mkdir()
     (out / "experiments.json").write_text("[]")  # of an earlier campaign
-    command = [sys.executable, "-m", "comanip.experiments", "--seeds", "2", "--out", out, "--simulator", simulator]
+    command = [sys.executable, "-m", "comanip_dev.experiments", "--seeds", "2", "--out", out, "--simulator", simulator]
     environment = {**os.environ, "FAKE_TELEOP": "hang", "FAKE_PIDS": str(pids)}
     process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 20.0
@@ -263,7 +263,7 @@ def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator
     _, error = process.communicate(timeout=20)
     assert process.returncode == 130
     again = "; the same command goes on from here"
-    assert error == f"comanip.experiments: interrupted: results are incomplete and not written{again}\n"
+    assert error == f"comanip_dev.experiments: interrupted: results are incomplete and not written{again}\n"
     for pid in pids.read_text().split():
         with pytest.raises(ProcessLookupError):
             os.kill(int(pid), 0)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from comanip.campaign import Job, Outcome
-from comanip.experiments import Condition
-from comanip.paper_gains import PAPER_GAINS
+from comanip_dev.experiments.__main__ import Condition
+from comanip_dev.experiments.campaign import Job, Outcome
+from comanip_dev.experiments.paper_gains import PAPER_GAINS
 from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, recording_csv, run
 
 RECORDINGS = REPOSITORY.parent / "shared" / "data" / "hand_motion"

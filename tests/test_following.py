@@ -9,14 +9,14 @@ import hoap3
 import numpy as np
 import oracle
 import pytest
-from comanip.following import followers, metrics, one, plan, rotations
-from comanip.following.arm_model import ArmModel
-from comanip.following.case import Scene, follow, noise_at_rest_um
-from comanip.following.loop import LoopError, run_firmware
-from comanip.following.recorded_hand import HEADER, HandMotion, Recording, RecordingError, read
-from comanip.following.scale import largest_scale
-from comanip.following.target import targets
-from comanip.following.tracker import MOUNT_M, MOUNT_ROTATION, Tracker, measure
+from comanip_dev.following import followers, metrics, one, plan, rotations
+from comanip_dev.following.arm_model import ArmModel
+from comanip_dev.following.case import Scene, follow, noise_at_rest_um
+from comanip_dev.following.loop import LoopError, run_firmware
+from comanip_dev.following.recorded_hand import HEADER, HandMotion, Recording, RecordingError, read
+from comanip_dev.following.scale import largest_scale
+from comanip_dev.following.target import targets
+from comanip_dev.following.tracker import MOUNT_M, MOUNT_ROTATION, Tracker, measure
 
 ARM = ArmModel("hoap3_right")
 TRACKER = Tracker(rate_hz=250.0, latency_s=0.004, noise_m=0.05e-3)

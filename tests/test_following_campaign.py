@@ -8,16 +8,16 @@ import math
 
 import numpy as np
 import pytest
-from comanip.campaign import run_jobs
-from comanip.following import __main__ as program
-from comanip.following import cases, followers, metrics, ode, one_euro, plan
-from comanip.following.arm_model import ArmModel
-from comanip.following.case import BEGIN_S, Scene, follow, noise_at_rest_um
-from comanip.following.criteria import Judge, tuned
-from comanip.following.optimum import optimum, within_limits
-from comanip.following.recorded_hand import HEADER, HandMotion, Recording
-from comanip.following.results import Results, case_key
-from comanip.following.tracker import measure
+from comanip_dev.experiments.campaign import run_jobs
+from comanip_dev.following import __main__ as program
+from comanip_dev.following import cases, followers, metrics, ode, one_euro, plan
+from comanip_dev.following.arm_model import ArmModel
+from comanip_dev.following.case import BEGIN_S, Scene, follow, noise_at_rest_um
+from comanip_dev.following.criteria import Judge, tuned
+from comanip_dev.following.optimum import optimum, within_limits
+from comanip_dev.following.recorded_hand import HEADER, HandMotion, Recording
+from comanip_dev.following.results import Results, case_key
+from comanip_dev.following.tracker import measure
 
 ARM = ArmModel("hoap3_right")
 NAMES = ("kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour1_com", "pyomeca_boxlift_hand")

@@ -9,7 +9,7 @@ import can_fd_bits
 import numpy as np
 import pytest
 from can_fd_bits import LENGTHS
-from comanip.frame_length import BitRates, longest, shortest
+from comanip.bus.frame_length import BitRates, longest, shortest
 from sim_bus import lib, make_frame
 
 FD, CLASSIC = BitRates(1_000_000, 5_000_000), BitRates(1_000_000)

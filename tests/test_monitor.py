@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from bus_log import DBC
 from can_fd_bits import frame_duration_ns
-from comanip import logs
-from comanip.bus_state import BusState
-from comanip.frame import Frame
+from comanip.bus import logs
+from comanip.bus.frame import Frame
+from comanip.bus.state import BusState
 from comanip_command import COMANIP, call, call_here, require_refusal
 from live_firmware import CHANNEL, firmware
 from simulation import SIMULATOR, run

@@ -97,7 +97,7 @@ def test_parameters_are_written_and_read_back(live, comanip):
 
 def test_parameters_are_saved_once_though_the_store_is_slow(live, comanip, monkeypatch):
     """Slower than the deadline of an attempt: the request is repeated, with the same number."""
-    monkeypatch.setattr("comanip.operator_client.SAVE_S", 0.0)
+    monkeypatch.setattr("comanip.bus.operator_client.SAVE_S", 0.0)
     live.bench.store_result = lib.RESULT_ACCEPTED
     live.bench.store_ticks = 10**9
 
@@ -118,7 +118,7 @@ def test_parameters_are_saved_once_though_the_store_is_slow(live, comanip, monke
 
 def test_a_value_that_reads_back_otherwise_is_told(live, comanip, monkeypatch):
     """As if somebody else had written between."""
-    from comanip.operator_client import OperatorClient
+    from comanip.bus.operator_client import OperatorClient
 
     monkeypatch.setattr(OperatorClient, "read", lambda self, name: 0.75)
     require_refused(comanip("param", "set", "motion_scale", 0.5, *BUS), "accepted as 0.5", "0.75")

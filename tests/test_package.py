@@ -88,6 +88,22 @@ def test_installed_it_has_the_command(installed):
     assert {path.name for path in (installed / "comanip" / "commands").glob("*.py")} >= {"replay.py", "monitor.py"}
 
 
+def test_installed_it_has_no_tools_for_developers(installed):
+    assert [path for path in installed.rglob("*") if path.name.startswith(("comanip_dev", "development"))] == []
+    names = {path.stem for path in (installed / "comanip").rglob("*.py")}
+    assert names >= {"frame", "replay", "transport"} and not names & {
+        "codegen",
+        "build_core",
+        "campaign",
+        "gain_search",
+    }
+    code = "import sys; sys.path = [p for p in sys.path if 'host_tools' not in p]; import comanip.campaign"
+    done = python(code, installed)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("ModuleNotFoundError: comanip.campaign is now comanip_dev.")
+    assert "clone of the repository" in done.stderr.splitlines()[-1]
+
+
 def test_without_a_compiler_it_installs_and_says_what_is_missing(clone, tmp_path):
     target = install(clone, tmp_path / "target", CC="no-such-compiler")
     assert not list(target.rglob("_core*.so"))

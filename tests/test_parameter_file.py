@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 from bus_log import DBC
-from comanip.bus import BusAddress, open_bus
+from comanip.bus.live import BusAddress, open_bus
+from comanip.bus.operator_client import OperatorClient, RefusedError
 from comanip.errors import ToolError
-from comanip.operator_client import OperatorClient, RefusedError
 from comanip_command import COMANIP, WRONG_USE, call
 from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool
 from live import FIRMWARE, INTERFACE, Bus, has_kernel_can

@@ -21,7 +21,7 @@ TIMEOUT_S = 300
 
 
 def pil(*arguments: object) -> subprocess.CompletedProcess:
-    command = [sys.executable, "-m", "comanip.pil", *map(str, arguments)]
+    command = [sys.executable, "-m", "comanip_dev.images.pil", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S)
 
 
@@ -85,7 +85,16 @@ def test_an_image_that_panics_ends_the_run_with_its_words(image, elf, tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
     """Its process group has the emulator and the simulator in it; the files of what has run are written."""
-    command = [sys.executable, "-m", "comanip.pil", " ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "out"]
+    command = [
+        sys.executable,
+        "-m",
+        "comanip_dev.images.pil",
+        " ".join(image.emulator),
+        elf,
+        PROGRAM,
+        "--out",
+        tmp_path / "out",
+    ]
     with subprocess.Popen(
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
     ) as process:

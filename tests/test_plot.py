@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic_run
-from comanip.arm import Arm
-from comanip.plot import main
+from comanip.core.arm import Arm
 from comanip.plotting import geometry
+from comanip.plotting.__main__ import main
 from comanip.plotting.run_data import RunDataError, read_run, read_trace
 from comanip.plotting.scenes import SCENES
 from hoap3 import STOPS_DEG
@@ -92,7 +92,7 @@ def test_broken_summary_is_one_line_and_status_1(tmp_path, capsys, text, expecte
 
 def test_no_folder(tmp_path, capsys):
     assert main([str(tmp_path / "none")]) == 1
-    assert capsys.readouterr().err == f"comanip.plot: {tmp_path / 'none'}: there is no such folder\n"
+    assert capsys.readouterr().err == f"comanip.plotting: {tmp_path / 'none'}: there is no such folder\n"
 
 
 def test_first_of_several_events_and_modes(tmp_path):
@@ -226,7 +226,7 @@ def test_labels_are_spread_in_order(rng):
 
 
 def test_the_package_needs_no_matplotlib():
-    code = "import sys, comanip, comanip.core, comanip.plot; sys.exit('matplotlib' in sys.modules)"
+    code = "import sys, comanip, comanip.core, comanip.plotting.__main__; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -10,10 +10,10 @@ import can
 import numpy as np
 import pytest
 from bus_log import DBC
-from comanip import logs
 from comanip._core import ffi, lib
+from comanip.bus import logs
+from comanip.bus.frame import Frame
 from comanip.errors import ToolError
-from comanip.frame import Frame
 from comanip.replay import Replay, Report
 from comanip_command import call, require_refusal
 from controller_bench import Bench

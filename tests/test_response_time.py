@@ -6,7 +6,7 @@ import dataclasses
 import random
 
 import pytest
-from comanip.response_time import Stream, analyse, load
+from comanip_dev.bus.response_time import Stream, analyse, load
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from priority_bus import PriorityBus

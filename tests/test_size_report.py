@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from comanip import size_report
+from comanip_dev.images import size_report
 from images import IMAGES, make
 from simulation import REPOSITORY
 

@@ -9,8 +9,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from comanip import stack_report
-from comanip.stack_report import Graph, UnboundedError
+from comanip_dev.images import stack_report
+from comanip_dev.images.stack_report import Graph, UnboundedError
 from images import IMAGES, make
 from simulation import REPOSITORY
 from test_target import TESTED, run

@@ -10,8 +10,8 @@ import can
 import numpy as np
 import pytest
 from bus_log import DBC
-from comanip import pose_lines
 from comanip._core import lib
+from comanip.tracker import pose_lines
 from comanip_command import WRONG_USE, call, call_here, require_refusal
 from e2e import p05
 from hub import wait_until

@@ -1,4 +1,4 @@
-/* Made by `make arms` from hoap3_right.toml: edit that. How: host_tools/comanip/arm_law.py, arm_position_first.py. */
+/* Made by `make arms` from hoap3_right.toml: edit that. How: law.py, position_first.py in host_tools/development/comanip_dev/arms. */
 #include "hoap3_right.h"
 
 #include "../control/joint_ends.h"

@@ -11,9 +11,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from comanip import native
+from comanip.bus.frame import Frame, data_id, database, decode, has_right_crc, is_classic, messages
+from comanip.bus.transport import Profile, Receiver
 from comanip.errors import ToolError
-from comanip.frame import Frame, data_id, database, decode, has_right_crc, is_classic, messages
-from comanip.transport import Profile, Receiver
 
 _CAN_FRAME = struct.Struct("<IHB?64s")  # can_frame_t
 _FOREIGN_ID = 0xFFFF  # no standard data frame

@@ -22,10 +22,10 @@ $(VENV)/.installed-bench: tests/bench/requirements.txt | deps
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
-$(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard host_tools/comanip/arm_*.py) host_tools/comanip/straight_line.py | deps
+$(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard $(DEVELOPMENT)/arms/*.py) | deps
 	@mkdir -p $(@D)
 	@cp $< $(@D)
-	$(Q)$(PYTHON) -m comanip.arm_codegen $(@:.c=.toml) >/dev/null
+	$(Q)$(PYTHON) -m comanip_dev.arms.codegen $(@:.c=.toml) >/dev/null
 
 .SECONDARY: $(BENCH_ARMS:%=$(BENCH)/%.c) # not to be removed when they have been compiled
 BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH) -Ifirmware/arms

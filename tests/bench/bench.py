@@ -27,7 +27,7 @@ sys.path.insert(0, str(HERE.parent))
 
 import oracle  # noqa: E402
 import simulator_speed  # noqa: E402
-from comanip import arm_description  # noqa: E402
+from comanip_dev.arms import description as arm_description  # noqa: E402
 from dqrobotics import DQ  # noqa: E402
 
 matplotlib.use("Agg")

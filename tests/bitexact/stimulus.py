@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-from comanip import logs
 from comanip._core import ffi, lib
-from comanip.frame import Frame
+from comanip.bus import logs
+from comanip.bus.frame import Frame
 from comanip.replay import Replay
 
 TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # runner.c

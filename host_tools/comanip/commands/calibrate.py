@@ -10,9 +10,11 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from comanip import logs, pose_lines
-from comanip.bus import BusAddress, LiveBus, open_bus
-from comanip.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
+from comanip.bus import logs
+from comanip.bus.frame import Frame, decode
+from comanip.bus.live import BusAddress, LiveBus, open_bus
+from comanip.bus.operator_client import OperatorClient
+from comanip.bus.transport import Receiver
 from comanip.commands.options import (
     CHANNEL,
     HOST,
@@ -27,9 +29,8 @@ from comanip.commands.options import (
     examples,
 )
 from comanip.errors import ToolError
-from comanip.frame import Frame, decode
-from comanip.operator_client import OperatorClient
-from comanip.transport import Receiver
+from comanip.tracker import pose_lines
+from comanip.tracker.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
 
 HELP = examples(
     "comanip calibrate                                guides you, reads the bus, prints the commands",

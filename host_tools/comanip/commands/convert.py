@@ -8,10 +8,10 @@ from typing import Annotated, BinaryIO
 
 import typer
 
-from comanip import logs, mcap_log, pcap
+from comanip.bus import logs, mcap_log, pcap
+from comanip.bus.frame import Frame
 from comanip.commands.options import LogPath, console, examples
 from comanip.errors import ToolError
-from comanip.frame import Frame
 
 HELP = examples(
     "comanip convert out/pour/bus.log pour.pcap        for Wireshark",

@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
-from comanip import logs
+from comanip.bus import logs
+from comanip.bus.frame import CLASSIC, E2EChecker, messages, signals_text
 from comanip.commands.options import examples
 from comanip.errors import ToolError
-from comanip.frame import CLASSIC, E2EChecker, messages, signals_text
 
 HELP = examples(
     "comanip decode out/pour/bus.log --only FirmwareStatus --only CommandAck",

@@ -13,9 +13,10 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from comanip import logs
-from comanip.bus import BusAddress, open_bus
-from comanip.bus_state import BusState
+from comanip.bus import logs
+from comanip.bus.frame import Frame, signals_text
+from comanip.bus.live import BusAddress, open_bus
+from comanip.bus.state import BusState
 from comanip.commands.options import (
     CHANNEL,
     HOST,
@@ -30,7 +31,6 @@ from comanip.commands.options import (
     examples,
 )
 from comanip.errors import ToolError
-from comanip.frame import Frame, signals_text
 
 HELP = examples(
     "comanip monitor                                   vcan0 through SocketCAN",

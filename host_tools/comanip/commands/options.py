@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from comanip.transport import Profile
+from comanip.bus.transport import Profile
 
 Interface = Annotated[
     str,

@@ -8,7 +8,8 @@ import typer
 from rich.table import Table
 
 from comanip import native
-from comanip.bus import BusAddress, open_bus
+from comanip.bus.live import BusAddress, open_bus
+from comanip.bus.operator_client import OperatorClient, parameter_names
 from comanip.commands.options import (
     CHANNEL,
     HOST,
@@ -23,7 +24,6 @@ from comanip.commands.options import (
     examples,
 )
 from comanip.errors import ToolError
-from comanip.operator_client import OperatorClient, parameter_names
 
 HELP = examples(
     "comanip param list",

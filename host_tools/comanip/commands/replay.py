@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from comanip import logs
+from comanip.bus import logs
+from comanip.bus.frame import Frame, decode, signals_text
 from comanip.commands.options import LogPath, console, examples
 from comanip.errors import ToolError
-from comanip.frame import Frame, decode, signals_text
 from comanip.replay import Difference, Replay
 
 STATUS_DIFFERENT = 1

@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from comanip.bus import BusAddress, open_bus
+from comanip.bus.live import BusAddress, open_bus
+from comanip.bus.operator_client import OperatorClient, choices
+from comanip.bus.transport import Profile
 from comanip.commands.options import (
     CHANNEL,
     HOST,
@@ -21,8 +23,6 @@ from comanip.commands.options import (
     examples,
 )
 from comanip.errors import ToolError
-from comanip.operator_client import OperatorClient, choices
-from comanip.transport import Profile
 
 HELP = examples(
     "comanip task select mirror",

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from comanip.bus import BusAddress, open_bus
+from comanip.bus.live import BusAddress, open_bus
 from comanip.commands.options import (
     CHANNEL,
     HOST,
@@ -25,8 +25,8 @@ from comanip.commands.options import (
     examples,
 )
 from comanip.errors import ToolError
-from comanip.pose_lines import ORDERS, Pose, parse
-from comanip.tracker_publisher import TrackerPublisher, status_period_s
+from comanip.tracker.pose_lines import ORDERS, Pose, parse
+from comanip.tracker.publisher import TrackerPublisher, status_period_s
 
 HELP = examples(
     "my_tracker | comanip tracker --stdin",

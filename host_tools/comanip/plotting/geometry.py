@@ -6,7 +6,7 @@ import numpy as np
 
 from comanip import core
 from comanip._core import ffi, lib
-from comanip.arm import Arm
+from comanip.core.arm import Arm
 
 ARM = "hoap3_right"
 

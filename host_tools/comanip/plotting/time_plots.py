@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from comanip.arm import Arm
+from comanip.core.arm import Arm
 from comanip.plotting import geometry, style
 from comanip.plotting.run_data import JOINTS, RunData
 

@@ -1,0 +1,20 @@
+"""The CAN bus: frames and their meaning, transport, logs, and a live bus."""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+
+_OF_LIVE = ("BusAddress", "CONNECT_S", "LISTEN_S", "LiveBus", "open_bus")
+
+
+def __getattr__(name: str):
+    """``comanip.bus`` used to be the module that is now ``comanip.bus.live``. Goes with the next release."""
+    if name not in _OF_LIVE:
+        raise AttributeError(f"module 'comanip.bus' has no attribute '{name}'")
+    warnings.warn(
+        f"comanip.bus.{name} is now comanip.bus.live.{name}; the old name will go with the next release",
+        DeprecationWarning,
+        stacklevel=2,
+    )
+    return getattr(importlib.import_module("comanip.bus.live"), name)

@@ -1,0 +1,157 @@
+"""One frame as it was on a bus, and what the DBC makes of it."""
+
+from __future__ import annotations
+
+import binascii
+import functools
+from pathlib import Path
+from typing import NamedTuple
+
+import cantools
+from cantools.database.can.message import Message
+
+DBC_PATH = Path(__file__).parents[1] / "comanip.dbc"
+CLASSIC = "Classic"  # names of the frames for classic CAN begin so
+COUNTERS, CLASSIC_COUNTERS = 256, 16
+
+
+class Frame(NamedTuple):
+    """`t_us`: by whatever clock the log or the bus has. `remote`: asks for data, of which only the length counts."""
+
+    t_us: int
+    frame_id: int
+    data: bytes
+    fd: bool = True
+    brs: bool = True  # FD: the data phase is at the higher rate
+    esi: bool = False  # FD: the sender is error passive
+    extended: bool = False
+    remote: bool = False
+    error: bool = False  # `frame_id` then is SocketCAN's error class
+    channel: str = "vcan0"
+
+    @property
+    def message(self) -> Message | None:
+        """The DBC's, if it has this id."""
+        return None if self.extended or self.remote or self.error else messages().get(self.frame_id)
+
+    @property
+    def name(self) -> str:
+        return self.message.name if self.message else f"0x{self.frame_id:X}"
+
+    @property
+    def counter(self) -> int:
+        """Of its end-to-end header."""
+        return self.data[1] % CLASSIC_COUNTERS if is_classic(self.name) else self.data[2]
+
+
+@functools.cache
+def database():
+    return cantools.database.load_file(DBC_PATH)
+
+
+@functools.cache
+def messages() -> dict[int, Message]:
+    return {message.frame_id: message for message in database().messages}
+
+
+@functools.cache
+def data_id(name: str) -> int | None:
+    """The message's E2E Data ID; None: it is not protected."""
+    attribute = database().get_message_by_name(name).dbc.attributes.get("E2EDataId")
+    return int(attribute.value) if attribute else None
+
+
+def is_classic(name: str) -> bool:
+    """The message is for classic CAN: in parts, and with end-to-end protection by Profile 2."""
+    return name.startswith(CLASSIC)
+
+
+def crc(data: bytes, data_id: int) -> int:
+    """AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) over what follows it, and the Data ID, low byte first."""
+    return binascii.crc_hqx(bytes(data[2:]) + data_id.to_bytes(2, "little"), 0xFFFF)
+
+
+@functools.cache
+def _crc8_table() -> list[int]:
+    table = list(range(256))
+    for _ in range(8):
+        table = [(value << 1) & 0xFF ^ (0x2F if value & 0x80 else 0) for value in table]
+    return table
+
+
+def classic_crc(data: bytes, data_id: int) -> int:
+    """AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial and final XOR 0xFF) over what follows it, and the Data ID of the
+    counter: `data_id` + 16 times the counter, modulo 256."""
+    table, value = _crc8_table(), 0xFF
+    for byte in (*data[1:], (data_id + 16 * (data[1] % CLASSIC_COUNTERS)) % 256):
+        value = table[value ^ byte]
+    return value ^ 0xFF
+
+
+def has_right_crc(frame: Frame) -> bool:
+    """Of a protected message of the DBC."""
+    if is_classic(frame.name):
+        return frame.data[0] == classic_crc(frame.data, data_id(frame.name))
+    return int.from_bytes(frame.data[:2], "little") == crc(frame.data, data_id(frame.name))
+
+
+def protected(name: str, signals: dict, counter: int) -> bytes:
+    """The payload of a CAN FD message with its end-to-end header. Signals out of their range raise cantools' EncodeError."""
+    message = database().get_message_by_name(name)
+    data = bytearray(message.encode(signals | {"e2e_crc": 0, "e2e_counter": counter % COUNTERS}))
+    data[0:2] = crc(data, data_id(name)).to_bytes(2, "little")
+    return bytes(data)
+
+
+def decode(frame: Frame) -> dict | None:
+    """Its signals by name; None for an id that the DBC has not, or too few bytes."""
+    message = frame.message
+    if message is None or len(frame.data) < message.length:
+        return None
+    return message.decode(frame.data[: message.length])
+
+
+def signals_text(frame: Frame) -> str:
+    """The signals in one line, without the end-to-end header."""
+    signals = decode(frame)
+    if signals is None:
+        return frame.data.hex(" ") if frame.data else "no data"
+    units = {signal.name: f" {signal.unit}" if signal.unit else "" for signal in frame.message.signals}
+    return ", ".join(
+        f"{name} {_short(value)}{units[name]}" for name, value in signals.items() if not name.startswith("e2e_")
+    )
+
+
+def _short(value: object) -> str:
+    return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+class Verdict(NamedTuple):
+    """`ok`: None for a frame without protection."""
+
+    ok: bool | None
+    text: str
+
+
+class E2EChecker:
+    """Follows the counter of each id, as a receiver does."""
+
+    def __init__(self):
+        self._counter: dict[int, int] = {}
+
+    def check(self, frame: Frame) -> Verdict:
+        message = frame.message
+        if message is None:
+            return Verdict(None, "not in the DBC")
+        if len(frame.data) != message.length:
+            return Verdict(False, f"{len(frame.data)} bytes, expected {message.length}")
+        if data_id(message.name) is None:
+            return Verdict(None, "unprotected")
+        if not has_right_crc(frame):
+            return Verdict(False, "wrong CRC")
+        counter, counters = frame.counter, CLASSIC_COUNTERS if is_classic(message.name) else COUNTERS
+        step = (counter - self._counter.get(frame.frame_id, counter - 1)) % counters
+        self._counter[frame.frame_id] = counter
+        if step == 1:
+            return Verdict(True, "ok")
+        return Verdict(False, "repeated") if step == 0 else Verdict(True, f"ok, {step - 1} lost before it")

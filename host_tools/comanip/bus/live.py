@@ -1,0 +1,111 @@
+"""A live CAN bus through python-can: protected messages in and out, whether it is CAN FD or classic."""
+
+from __future__ import annotations
+
+import logging
+import socket
+import time
+from dataclasses import dataclass
+
+import can
+
+from comanip.bus.frame import Frame
+from comanip.bus.logs import from_message
+from comanip.bus.transport import Profile, Receiver, Sender, profile_of
+from comanip.errors import ToolError
+
+CONNECT_S = 2.0
+LISTEN_S = (
+    0.8  # for what tells the bus's profile: a status comes each 2 or 8 ms, the hub's socketcand begins after 300 ms
+)
+
+
+@dataclass(frozen=True)
+class BusAddress:
+    """What python-can calls interface and channel; host and port are socketcand's."""
+
+    interface: str = "socketcan"
+    channel: str = "vcan0"
+    host: str = "127.0.0.1"
+    port: int = 29536
+    profile: Profile | None = None  # None: as the frames on it tell; CAN FD if there are none
+
+    def __str__(self) -> str:
+        return f"{self.interface} {self.channel}"
+
+
+class LiveBus:
+    """A context."""
+
+    def __init__(self, bus: can.BusABC, address: BusAddress):
+        self._bus, self._address = bus, address
+        self.profile = address.profile or self._heard_profile()
+        self._sender, self._receiver = Sender(self.profile), Receiver()
+
+    def _heard_profile(self) -> Profile:
+        deadline_s = time.monotonic() + LISTEN_S
+        while (left_s := deadline_s - time.monotonic()) > 0:
+            frame = self.receive_frame(left_s)
+            if frame is not None and profile_of(frame) is not None:
+                return profile_of(frame)
+        return Profile.FD
+
+    def __enter__(self) -> LiveBus:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bus.shutdown()
+
+    def send(self, name: str, signals: dict) -> None:
+        """ToolError if the bus does not take it."""
+        is_fd = self.profile is Profile.FD
+        try:
+            frames = self._sender.frames(name, signals)
+        except ValueError as error:
+            raise ToolError(f"{self._address}: {error}") from error
+        for frame_id, data in frames:
+            frame = can.Message(
+                arbitration_id=frame_id, data=data, is_extended_id=False, is_fd=is_fd, bitrate_switch=is_fd
+            )
+            try:
+                self._bus.send(frame, timeout=0.1)
+            except (can.CanError, OSError) as error:
+                raise ToolError(f"{self._address}: {name} cannot be sent: {error}") from error
+
+    def receive(self, timeout_s: float) -> Frame | None:
+        """The next message; None if there is none in time. ToolError if the bus is gone."""
+        deadline_s = time.monotonic() + timeout_s
+        while True:
+            frame = self.receive_frame(max(0.0, deadline_s - time.monotonic()))
+            message = self._receiver.message(frame) if frame else None
+            if message is not None or time.monotonic() >= deadline_s:
+                return message
+
+    def receive_frame(self, timeout_s: float) -> Frame | None:
+        """The next frame, as it is. None may come before the time is over: not all of python-can's interfaces wait."""
+        try:
+            message = self._bus.recv(timeout_s)
+        except (can.CanError, OSError) as error:
+            raise ToolError(f"{self._address}: cannot be read any more: {error}") from error
+        return None if message is None else from_message(message)
+
+    def receive_until(self, deadline_s: float) -> Frame | None:
+        """By time.monotonic()."""
+        return self.receive(max(0.0, deadline_s - time.monotonic()))
+
+
+def open_bus(address: BusAddress) -> LiveBus:
+    """ToolError if python-can cannot open it."""
+    logging.getLogger("can").addHandler(logging.NullHandler())  # what matters comes as an exception
+    options = {"host": address.host, "port": address.port} if address.interface == "socketcand" else {}
+    try:
+        if options:  # python-can itself tries for ten seconds
+            socket.create_connection((address.host, address.port), CONNECT_S).close()
+        bus = can.Bus(
+            interface=address.interface, channel=address.channel, fd=address.profile is not Profile.CLASSIC, **options
+        )
+    except (can.CanError, OSError, ImportError, ValueError, TypeError, NotImplementedError) as error:
+        raise ToolError(
+            f"{address}: cannot be opened: {error}; `comanip doctor` tells which buses this machine has"
+        ) from error
+    return LiveBus(bus, address)

@@ -1,0 +1,134 @@
+"""Logs of a CAN bus, in the order of their lines: candump's own and what python-can reads.
+
+candump's are parsed here, for logs of many minutes; ` R` and ` T` at the end of a line are python-can's addition.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import can
+
+from comanip.bus.frame import Frame
+from comanip.errors import ToolError
+
+CANDUMP_SUFFIX = ".log"
+PYTHON_CAN_SUFFIXES = (".asc", ".blf", ".trc")
+FD_BRS, FD_ESI, FD_FDF = 1, 2, 4  # SocketCAN's flags
+ERROR_FLAG = 0x20000000
+ID_MASK = 0x1FFFFFFF
+MICROSECONDS = 1_000_000
+
+_LOG_LINE = re.compile(
+    r"\((\d+)\.(\d{1,9})\) +(\S+) +([0-9A-F]{3}|[0-9A-F]{8})"
+    r"#(?:#([0-9A-F])((?:[0-9A-F]{2})*)|R([0-8]?)|((?:[0-9A-F]{2}){0,8}))(?: [RT])?",
+    re.IGNORECASE,
+)
+# What candump prints for people, with one of -ta, -tz or no time; two digits in the brackets are CAN FD.
+_SCREEN_LINE = re.compile(
+    r" *(?:\((\d+)\.(\d{1,9})\) +)?(\S+) +([0-9A-F]{3}|[0-9A-F]{8}) +\[(\d{1,2})\] *((?:[0-9A-F]{2} *)*|remote request)",
+    re.IGNORECASE,
+)
+
+
+def _microseconds(seconds: str, fraction: str) -> int:
+    return int(seconds) * MICROSECONDS + int(fraction[:6].ljust(6, "0"))
+
+
+def _identified(identifier: str) -> tuple[int, bool, bool]:
+    """The id without flags, whether it is extended, and whether it is an error frame."""
+    number = int(identifier, 16)
+    error = len(identifier) == 8 and bool(number & ERROR_FLAG)
+    return number & ID_MASK, len(identifier) == 8 and not error, error
+
+
+def parse_candump_line(line: str) -> Frame | None:
+    """A line of `candump -L`, or of candump's screen output. None if it is neither."""
+    match = _LOG_LINE.fullmatch(line)
+    if match:
+        seconds, fraction, channel, identifier, flags, fd_data, remote, data = match.groups()
+        t_us = _microseconds(seconds, fraction)
+        number, extended, error = _identified(identifier)
+        if flags is not None:
+            bits = int(flags, 16)
+            return Frame(
+                t_us, number, bytes.fromhex(fd_data), True, bool(bits & FD_BRS), bool(bits & FD_ESI), extended,
+                channel=channel,
+            )  # fmt: skip
+        payload = bytes(int(remote or 0)) if remote is not None else bytes.fromhex(data)
+        return Frame(t_us, number, payload, False, False, False, extended, remote is not None, error, channel)
+    match = _SCREEN_LINE.fullmatch(line)
+    if match is None:
+        return None
+    seconds, fraction, channel, identifier, length, data = match.groups()
+    number, extended, error = _identified(identifier)
+    remote = data.startswith("remote")
+    payload = bytes(int(length)) if remote else bytes.fromhex(data)
+    if len(payload) != int(length):
+        return None
+    fd = len(length) == 2
+    t_us = _microseconds(seconds, fraction) if seconds else 0
+    return Frame(t_us, number, payload, fd, fd, False, extended, remote, error, channel)
+
+
+def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
+    """ToolError, with the line, for what is no frame. Empty lines are skipped."""
+    for number, line in enumerate(lines, 1):
+        text = line.rstrip("\r\n ")
+        if not text:
+            continue
+        frame = parse_candump_line(text)
+        if frame is None:
+            raise ToolError(
+                f"{name}:{number}: '{text[:80]}' is no frame, expected lines as of `candump -L`: (seconds) interface ID#DATA"
+            )
+        yield frame
+
+
+def from_message(message: can.Message) -> Frame:
+    """Of python-can."""
+    data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
+    return Frame(
+        round(message.timestamp * MICROSECONDS), message.arbitration_id, data, message.is_fd, message.bitrate_switch,
+        message.error_state_indicator, message.is_extended_id and not message.is_error_frame, message.is_remote_frame,
+        message.is_error_frame, str(message.channel if message.channel is not None else "vcan0"),
+    )  # fmt: skip
+
+
+def read(path: Path) -> Iterator[Frame]:
+    """The frames of a log; its suffix says what it is. ToolError for what cannot be read."""
+    suffix = path.suffix.lower()
+    if suffix not in (CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES):
+        known = ", ".join((CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES))
+        raise ToolError(f"{path}: unknown kind of log '{suffix}', expected a name that ends in one of {known}")
+    try:
+        if suffix == CANDUMP_SUFFIX:
+            with open(path, encoding="ascii", errors="replace") as lines:
+                yield from read_candump(lines, str(path))
+        else:
+            with can.LogReader(path) as reader:
+                yield from map(from_message, reader)
+    except OSError as error:
+        raise ToolError(f"{path}: {error.strerror or error}, expected a log of a CAN bus") from error
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, can.CanError) as error:
+        raise ToolError(f"{path}: is no {suffix} log, or is damaged ({error})") from error
+
+
+def candump_line(frame: Frame) -> str:
+    """As `candump -L` writes it."""
+    identifier = (
+        f"{frame.frame_id | (ERROR_FLAG if frame.error else 0):08X}"
+        if frame.extended or frame.error
+        else f"{frame.frame_id:03X}"
+    )
+    seconds, microseconds = divmod(frame.t_us, MICROSECONDS)
+    if frame.remote:
+        data = f"#R{len(frame.data) or ''}"
+    elif frame.fd:
+        data = f"##{FD_BRS * frame.brs + FD_ESI * frame.esi:X}{frame.data.hex().upper()}"
+    else:
+        data = f"#{frame.data.hex().upper()}"
+    return f"({seconds:010d}.{microseconds:06d}) {frame.channel} {identifier}{data}"

@@ -1,0 +1,140 @@
+"""The operator's side of the bus: commands and parameters, acknowledged within a deadline.
+
+A request that is not answered is sent again, with a new counter and the same sequence number. Refusals raise by the name
+that the firmware gives them.
+"""
+
+from __future__ import annotations
+
+import random
+import struct
+import time
+from dataclasses import dataclass
+
+from comanip.bus.frame import database, decode
+from comanip.bus.live import LiveBus
+from comanip.errors import ToolError
+
+ATTEMPTS = 5
+ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
+SAVE_S = 2.0  # but this only when the record is in the store, which may be a slow card
+ACCEPTED = "accepted"
+UNSTABLE = "parameters_unstable"
+
+
+class RefusedError(ToolError):
+    """The firmware said no; `result` is its name for why, `involved` are the parameters and values that it names for it."""
+
+    def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
+        self.result, self.involved = result, involved or {}
+        named = ", ".join(f"{name} = {value:g}" for name, value in self.involved.items())
+        super().__init__(
+            f"{request}: refused: {result}{_WHY.get(result, '').format(named=named or 'the firmware named none')}"
+        )
+
+
+_WHY = {
+    "wrong_mode": " (commands want cooperation, `start` wants mode ready, parameters want the arm at rest)",
+    "tracker_stale": " (the arm holds, for the hand's poses have stopped)",
+    "fault_present": " (the cause of the fault is still there: `comanip monitor` shows it)",
+    "out_of_range": " (docs/bus.md and `comanip param list` have the ranges)",
+    UNSTABLE: " (together these cannot come to rest: {named}; bring them nearer to the defaults that `comanip param list` shows)",
+    "not_supported": " (this firmware has no store: its port has none, or, on Linux, it runs without --parameters FILE)",
+    "store_failed": " (the firmware's port could not write; what was saved before is still there. Its console says why)",
+}
+
+
+def choices(message: str, signal: str) -> list[str]:
+    """The names of an enumerated signal, by number."""
+    table = database().get_message_by_name(message).get_signal_by_name(signal).choices
+    return [str(table[number]) for number in sorted(table)]
+
+
+def parameter_names() -> list[str]:
+    return choices("ParameterValue", "parameter")
+
+
+def as_float32(value: float) -> float:
+    """As the bus carries it."""
+    try:
+        return struct.unpack("<f", struct.pack("<f", value))[0]
+    except OverflowError:
+        raise ToolError(f"{value:g}: expected a number that fits into float32") from None
+
+
+@dataclass(frozen=True)
+class ParameterAnswer:
+    value: float  # in force
+    result: str
+
+
+class OperatorClient:
+    def __init__(self, bus: LiveBus, attempts: int = ATTEMPTS, answer_s: float = ANSWER_S):
+        self._bus, self._attempts, self._answer_s = bus, attempts, answer_s
+        self._sequence = random.randrange(1, 256)
+
+    # ---- requests
+
+    def command(self, name: str, task: str = "pour") -> None:
+        """`task`: of `select`. RefusedError, or ToolError without an answer."""
+        answer = self._request("OperatorCommand", {"command": name, "task": task}, "CommandAck", {"command": name})
+        if answer["result"] != ACCEPTED:
+            raise self._refused(f"{name} {task}" if name == "select" else name, str(answer["result"]))
+
+    def read(self, parameter: str) -> float:
+        answer = self._access("read", parameter, 0.0)
+        if answer.result != ACCEPTED:
+            raise RefusedError(f"{parameter}", answer.result)
+        return answer.value
+
+    def write(self, parameter: str, value: float) -> None:
+        """Written, then read back."""
+        wanted = as_float32(value)
+        answer = self._access("write", parameter, wanted)
+        if answer.result != ACCEPTED:
+            raise RefusedError(f"{parameter} = {value:g} (in force: {answer.value:g})", answer.result)
+        found = self.read(parameter)
+        if found != wanted:
+            raise ToolError(f"{parameter}: accepted as {wanted:g}, but reads back as {found:g}")
+
+    def save(self) -> None:
+        """All parameters, for the next boot: when this returns, they outlast a loss of power."""
+        answer = self._access("save", parameter_names()[0], 0.0, max(SAVE_S, self._answer_s))
+        if answer.result != ACCEPTED:
+            raise self._refused("save", answer.result)
+
+    # ---- one request and its answer
+
+    def _refused(self, request: str, result: str) -> RefusedError:
+        """With the parameters that the firmware names after the answer, one a tick."""
+        involved = {}
+        deadline_s = time.monotonic() + self._answer_s
+        while result == UNSTABLE and time.monotonic() < deadline_s:
+            frame = self._bus.receive_until(deadline_s)
+            found = decode(frame) if frame is not None and frame.name == "ParameterValue" else None
+            if found and found["sequence"] == self._sequence and str(found["result"]) == UNSTABLE:
+                involved[str(found["parameter"])] = found["value"]
+                deadline_s = time.monotonic() + self._answer_s
+        return RefusedError(request, result, involved)
+
+    def _access(self, operation: str, parameter: str, value: float, answer_s: float | None = None) -> ParameterAnswer:
+        signals = {"operation": operation, "parameter": parameter, "value": value}
+        answer = self._request("ParameterAccess", signals, "ParameterValue", {"parameter": parameter}, answer_s)
+        return ParameterAnswer(answer["value"], str(answer["result"]))
+
+    def _request(self, request: str, signals: dict, answer: str, expected: dict, answer_s: float | None = None) -> dict:
+        answer_s = self._answer_s if answer_s is None else answer_s
+        self._sequence = self._sequence % 255 + 1  # 0 is the boot announcement's
+        wanted = expected | {"sequence": self._sequence}
+        for _ in range(self._attempts):
+            self._bus.send(request, signals | {"sequence": self._sequence})
+            deadline_s = time.monotonic() + answer_s
+            while (frame := self._bus.receive_until(deadline_s)) is not None or time.monotonic() < deadline_s:
+                if frame is None or frame.name != answer:
+                    continue
+                found = decode(frame)
+                if found and all(found[name] == value for name, value in wanted.items()):
+                    return found
+        raise ToolError(
+            f"{request}: no {answer} in {self._attempts} attempts of {1000 * answer_s:g} ms: does the firmware run on this bus?"
+        )

@@ -1,0 +1,120 @@
+"""Arms of the firmware by name, and arms of one's own from arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from comanip._core import ffi, lib
+from comanip.core import checks as check
+
+JERK_DEFAULT_RADPS3 = 1e4  # also of an arm's description, firmware/arms/*.toml
+_IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
+
+
+def _built_in() -> dict[str, object]:
+    """The arm tables linked into the firmware, by name."""
+    symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_"))
+    tables = [
+        symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_t")
+    ]
+    return {ffi.string(table.name).decode(): table for table in tables}
+
+
+_BUILT_IN = _built_in()
+
+
+def _pose(x: np.ndarray):
+    """A pose_t of (8,)."""
+    return lib.pose_from_dual_quaternion(ffi.from_buffer("dual_quaternion_t *", x)[0])
+
+
+def arms() -> list[str]:
+    """Names of the arms the firmware knows."""
+    return sorted(_BUILT_IN)
+
+
+class Arm:
+    """A serial arm of n = 1..8 revolute joints, for use wherever the name of an arm is accepted.
+
+    Joint i is reached from the previous one's moving frame (the torso for the first) by the pose fixed[i], and turns
+    about axis[i]; `effector` leads from the last joint's moving frame to the hand. Float32 arrays: fixed (n, 8) unit,
+    axis (n, 3) unit, limits (n,); the jerk limit is 10,000 rad/s^3 unless given.
+    """
+
+    def __init__(
+        self,
+        fixed: np.ndarray,
+        axis: np.ndarray,
+        position_min_rad: np.ndarray,
+        position_max_rad: np.ndarray,
+        velocity_max_radps: np.ndarray,
+        effector: np.ndarray | None = None,
+        name: str = "custom",
+        jerk_max_radps3: np.ndarray | None = None,
+    ) -> None:
+        fixed = check.poses("fixed", fixed, ("n", 8))
+        count = len(fixed)
+        most = lib.ARM_MAX_JOINTS
+        if not 1 <= count <= most:
+            raise ValueError(f"fixed: an arm has 1 to {most} joints, got {count} rows")
+        axis = check.array("axis", axis, (count, 3))
+        if jerk_max_radps3 is None:
+            jerk_max_radps3 = np.full(count, JERK_DEFAULT_RADPS3, np.float32)
+        limits = [
+            check.array(limit_name, value, (count,))
+            for limit_name, value in (
+                ("position_min_rad", position_min_rad),
+                ("position_max_rad", position_max_rad),
+                ("velocity_max_radps", velocity_max_radps),
+                ("jerk_max_radps3", jerk_max_radps3),
+            )
+        ]
+        effector = check.poses("effector", _IDENTITY if effector is None else effector, (8,))
+
+        joints = ffi.new("arm_joint_t[]", count)
+        for row, joint in enumerate(joints):
+            joint.fixed = _pose(fixed[row])
+            ffi.memmove(ffi.addressof(joint, "axis"), axis[row].tobytes(), 12)
+            joint.position_min_rad, joint.position_max_rad, joint.velocity_max_radps, joint.jerk_max_radps3 = (
+                v[row] for v in limits
+            )
+        table = ffi.new("arm_t *")
+        self._keep_alive = (joints, ffi.new("char[]", name.encode()), table)
+        table.name = self._keep_alive[1]
+        table.joint_count = count
+        table.joints = joints
+        table.effector = _pose(effector)
+        table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics")
+        table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
+        table.position_first = ffi.addressof(lib, "position_first")
+        defect = lib.arm_check(table)
+        if defect != ffi.NULL:
+            raise ValueError(ffi.string(defect).decode())
+        self._take(table)
+
+    @classmethod
+    def named(cls, name: str) -> Arm:
+        """One of arms()."""
+        if name not in _BUILT_IN:
+            raise ValueError(f"arm: unknown name {name!r}: known are {', '.join(arms())}")
+        self = cls.__new__(cls)
+        self._take(ffi.addressof(_BUILT_IN[name]))
+        return self
+
+    def _take(self, table) -> None:
+        self.table = table
+        self.name: str = ffi.string(table.name).decode()
+        self.joint_count: int = table.joint_count
+        joints = [table.joints[i] for i in range(table.joint_count)]
+        self.position_min_rad = np.array([joint.position_min_rad for joint in joints], np.float32)
+        self.position_max_rad = np.array([joint.position_max_rad for joint in joints], np.float32)
+        self.velocity_max_radps = np.array([joint.velocity_max_radps for joint in joints], np.float32)
+        self.jerk_max_radps3 = np.array([joint.jerk_max_radps3 for joint in joints], np.float32)
+
+
+def resolve(arm: str | Arm) -> Arm:
+    if isinstance(arm, Arm):
+        return arm
+    if not isinstance(arm, str):
+        raise ValueError(f"arm: expected a name or an Arm, got {type(arm).__name__}")
+    return Arm.named(arm)

@@ -1,0 +1,124 @@
+"""The functions of ``comanip.core`` that work row by row, each a loop in C (``_binding/batch.h``)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from comanip._core import ffi, lib
+from comanip.core import checks as check
+from comanip.core.arm import Arm, resolve
+from comanip.core.cooperation import choice, enumerators
+
+_ERROR_FRAMES = enumerators("error_frame_t", "ERROR_FRAME_")
+
+
+def _dual_quaternions(values: np.ndarray):
+    return check.pointer("dual_quaternion_t", values)
+
+
+def _floats(values: np.ndarray):
+    return check.pointer("float", values)
+
+
+def _joint_positions(arm: Arm, q: object) -> np.ndarray:
+    checked = check.array("q", q, ("N", arm.joint_count))
+    most = lib.TRIGONOMETRY_MAX_RAD
+    if checked.size and np.abs(checked).max() > most:
+        raise ValueError(f"q: expected angles within +-{most:g} rad, got {checked.flat[np.abs(checked).argmax()]:g}")
+    return checked
+
+
+def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The products a b, row by row: (N, 8), (N, 8) -> (N, 8)."""
+    a, b = check.array("a", a, ("N", 8)), check.array("b", b, ("N", 8))
+    check.same_length("a", a, "b", b)
+    out = np.empty_like(a)
+    lib.batch_multiply(len(a), _dual_quaternions(a), _dual_quaternions(b), _dual_quaternions(out))
+    return out
+
+
+def conjugate(a: np.ndarray) -> np.ndarray:
+    """Both quaternions conjugated, the inverse of a pose: (N, 8) -> (N, 8)."""
+    a = check.array("a", a, ("N", 8))
+    out = np.empty_like(a)
+    lib.batch_conjugate(len(a), _dual_quaternions(a), _dual_quaternions(out))
+    return out
+
+
+def normalise(a: np.ndarray) -> np.ndarray:
+    """Back to unit dual quaternions, |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| within 1e-12..1e12, so that its square
+    stays in float32."""
+    a = check.array("a", a, ("N", 8))
+    norm = np.linalg.norm(a[:, :4].astype(float), axis=1)
+    bad = (norm < 1e-12) | (norm > 1e12)
+    if bad.any():
+        row = int(bad.argmax())
+        raise ValueError(f"a: row {row} has a primary part of norm {norm[row]:.3g}, expected 1e-12 to 1e12")
+    out = np.empty_like(a)
+    lib.batch_normalise(len(a), _dual_quaternions(a), _dual_quaternions(out))
+    return out
+
+
+def decompositional_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Equation (6) for poses, T{b} T{a} P(b) P(a), row by row: (N, 8), (N, 8) -> (N, 8)."""
+    a, b = check.poses("a", a), check.poses("b", b)
+    check.same_length("a", a, "b", b)
+    out = np.empty_like(a)
+    lib.batch_decompositional_multiply(len(a), _dual_quaternions(a), _dual_quaternions(b), _dual_quaternions(out))
+    return out
+
+
+def pose_from_matrix(R: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Footnote 1, from rotation matrices and translations [m] to poses: (N, 3, 3), (N, 3) -> (N, 8)."""
+    R, t = check.rotation_matrices("R", R), check.array("t", t, ("N", 3))
+    check.same_length("R", R, "t", t)
+    out = np.empty((len(R), 8), np.float32)
+    lib.batch_pose_from_matrix(len(R), _floats(R), check.pointer("vector3_t", t), _dual_quaternions(out))
+    return out
+
+
+def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
+    """The hand in the torso frame at the joint positions q [rad]: (N, n) -> (N, 8)."""
+    arm = resolve(arm)
+    q = _joint_positions(arm, q)
+    out = np.empty((len(q), 8), np.float32)
+    lib.batch_forward_kinematics(arm.table, len(q), _floats(q), _dual_quaternions(out))
+    return out
+
+
+def pose_jacobian(arm: str | Arm, q: np.ndarray) -> np.ndarray:
+    """d forward_kinematics / d q, with the sign of forward_kinematics: (N, n) -> (N, 8, n)."""
+    arm = resolve(arm)
+    q = _joint_positions(arm, q)
+    out = np.empty((len(q), 8, arm.joint_count), np.float32)
+    lib.batch_pose_jacobian(arm.table, len(q), _floats(q), _floats(out))
+    return out
+
+
+def joint_velocity(
+    arm: str | Arm,
+    q: np.ndarray,
+    target: np.ndarray,
+    gain: float | np.ndarray,
+    damping: float,
+    error_frame: str = "torso",
+    weight: float | np.ndarray | None = None,
+) -> np.ndarray:
+    """Law (4), u = (J^T W J + damping I)^-1 J^T W K e [rad/s], without limits: (N, n), (N, 8) -> (N, n).
+
+    gain and weight: the diagonals of K and W, a number or (8,); no weight is the paper. error_frame: "torso" takes
+    e = q_d - q as the paper does, "target" takes e = 1 - conj(q_d) q and the Jacobian conj(q_d) J.
+    """
+    arm = resolve(arm)
+    q, target = _joint_positions(arm, q), check.poses("target", target)
+    check.same_length("q", q, "target", target)
+    choice("error_frame", error_frame, _ERROR_FRAMES)
+    config = ffi.new("velocity_control_config_t *")
+    config.gain_per_s = check.diagonal("gain", gain)
+    config.weight = check.diagonal("weight", 1.0 if weight is None else weight)
+    config.damping = check.scalar("damping", damping, 0.0)
+    config.error_frame = _ERROR_FRAMES[error_frame]
+    lib.velocity_control_prepare(config)
+    out = np.empty((len(q), arm.joint_count), np.float32)
+    lib.batch_joint_velocity(arm.table, config, len(q), _floats(q), _dual_quaternions(target), _floats(out))
+    return out

@@ -1,0 +1,131 @@
+"""Compiles the firmware into the extension module ``comanip._core``.
+
+Run as ``python -m comanip_dev.build_core --generated DIR --build-dir DIR --cflags FLAGS``, after comanip_dev.codegen has
+written the generated CAN sources. The declarations that Python sees are the real headers, preprocessed, so that they cannot
+drift; cffi compares every struct's layout with the compiler's when the module is used.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import re
+import shlex
+import subprocess
+import sysconfig
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import cffi
+
+from comanip_dev import REPOSITORY
+
+PACKAGE = REPOSITORY / "host_tools" / "comanip"
+FIRMWARE = REPOSITORY / "firmware"
+BINDING = PACKAGE / "_binding"
+
+SHARED = ["-g", "-fPIC", "-fvisibility=hidden"]
+
+
+def compiler() -> list[str]:
+    return shlex.split(os.environ.get("CC", "gcc"))
+
+
+def run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"build_core: {shlex.join(command)}\n{done.stderr}")
+    return done.stdout
+
+
+def core_sources() -> list[Path]:
+    """All of the firmware but its entry, which needs a HAL; then the loops for Python around it."""
+    return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
+
+
+def umbrella(sources: list[Path]) -> str:
+    """Includes the header of each source that has one of its own."""
+    headers = [source.with_suffix(".h") for source in sources]
+    return "".join(f'#include "{header}"\n' for header in headers if header.is_file())
+
+
+def preprocessed(includes: str, folder: Path, *options: str) -> str:
+    """The headers as the compiler sees them, for cffi: without the standard ones, whose types it knows by itself, and with inline
+    functions declared as others are, for it knows no bodies."""
+    source = folder / "umbrella.c"
+    source.write_text(includes)
+    no_headers = folder / "no_headers"
+    no_headers.mkdir(exist_ok=True)
+    for name in ("stdint.h", "stdbool.h", "stddef.h", "stdio.h", "string.h", "stdatomic.h"):
+        (no_headers / name).touch()
+    text = run([*compiler(), "-E", "-nostdinc", f"-I{no_headers}", *options, str(source)])
+    return re.sub(r"^static inline ([^{;]*?) \{.*?^\}", r"\1;", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def declarations(includes: str, generated: Path, build_dir: Path) -> str:
+    """What cffi shall know: the headers, and their numeric constants."""
+    text = preprocessed(includes, build_dir, f"-I{generated}", "-P")
+    macros = preprocessed(includes, build_dir, f"-I{generated}", "-dM", "-undef")
+    integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
+    floats = re.findall(r"^#define ([A-Z]\w+) -?\d+\.\d*f$", macros, re.MULTILINE)
+    return "\n".join(
+        [text, *(f"#define {name} ..." for name in integers), *(f"static const float {name};" for name in floats)]
+    )
+
+
+def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path = PACKAGE) -> Path:
+    """The module in `folder`. SystemExit if something does not compile."""
+    if not (generated / "comanip_dbc.c").is_file():
+        raise SystemExit(
+            f"build_core: {generated}/comanip_dbc.c is missing: run python -m comanip_dev.codegen {generated} first"
+        )
+    build_dir.mkdir(parents=True, exist_ok=True)
+    sources = core_sources()
+    includes = umbrella(sources)
+
+    ffi = cffi.FFI()
+    ffi.cdef(declarations(includes, generated, build_dir))
+    ffi.set_source("comanip._core", includes)
+    module = build_dir / "_core.c"
+    with contextlib.redirect_stdout(None):
+        ffi.emit_c_code(str(module))
+
+    strict = [*compiler(), *core_flags, *SHARED, f"-I{generated}"]
+    common = [flag for flag in strict if not flag.startswith("-W")]  # generated code is not ours to mend
+    python_headers = {f"-I{sysconfig.get_path(key)}" for key in ("include", "platinclude")}
+    jobs = [(strict, source) for source in sources]
+    jobs += [(common, generated / "comanip_dbc.c"), ([*common, *sorted(python_headers)], module)]
+
+    def compile_one(job: tuple[list[str], Path]) -> str:
+        command, source = job
+        target = build_dir / f"{source.stem}.o"
+        run([*command, "-c", str(source), "-o", str(target)])
+        return str(target)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        objects = list(pool.map(compile_one, jobs))
+
+    library = folder / "_core.abi3.so"
+    unfinished = build_dir / library.name
+    run([*compiler(), "-shared", *objects, "-o", str(unfinished)])
+    # Replaced in one step: a process that runs the old one keeps it.
+    temporary = library.with_suffix(".tmp")
+    temporary.write_bytes(unfinished.read_bytes())
+    temporary.replace(library)
+    return library
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Compiles the firmware into the Python module comanip._core.")
+    parser.add_argument("--generated", type=Path, required=True, help="where codegen.py wrote its sources")
+    parser.add_argument("--build-dir", type=Path, required=True, help="for objects and intermediate files")
+    parser.add_argument(
+        "--cflags", required=True, help="how the firmware is compiled: standard, optimisation, warnings"
+    )
+    arguments = parser.parse_args()
+    build(arguments.generated.resolve(), arguments.build_dir.resolve(), shlex.split(arguments.cflags))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,35 @@
+"""The paper's own law (4), to the letter: error in the torso's frame, no weights. The paper gives neither K nor lambda:
+these are the best that comanip_dev.experiments.gain_search found for it (docs/gains.md)."""
+
+from __future__ import annotations
+
+_ROTATION = ("w", "x", "y", "z")
+
+
+def law_parameters(
+    error_frame: float,
+    gain_rotation_per_s: float,
+    gain_dual_per_s: float,
+    weight_rotation: float,
+    weight_dual: float,
+    damping: float,
+) -> tuple[tuple[str, float], ...]:
+    """All the firmware's parameters of law (4), K and W being constant over the four components of each part."""
+    parameters = [("prediction", 0.0), ("error_frame", error_frame), ("damping", damping)]
+    parameters += [(f"gain_{axis}_per_s", gain_rotation_per_s) for axis in _ROTATION]
+    parameters += [(f"gain_dual_{axis}_per_s", gain_dual_per_s) for axis in _ROTATION]
+    parameters += [(f"weight_{axis}", weight_rotation) for axis in _ROTATION]
+    parameters += [(f"weight_dual_{axis}", weight_dual) for axis in _ROTATION]
+    return tuple(parameters)
+
+
+TORSO = 0.0
+
+PAPER_GAINS = law_parameters(
+    error_frame=TORSO,
+    gain_rotation_per_s=3.0,
+    gain_dual_per_s=192.0,
+    weight_rotation=1.0,
+    weight_dual=1.0,
+    damping=3e-2,
+)

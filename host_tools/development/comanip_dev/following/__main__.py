@@ -1,0 +1,205 @@
+"""How closely the robot's hand follows the person's, over recordings, trackers and followers.
+
+``python -m comanip_dev.following --out DIR`` prints one table and the criteria, and writes DIR/following.json and DIR/following.png. What has
+been measured is kept in DIR/results.jsonl: a campaign that was interrupted goes on. Exit status: 0 all criteria passed (or there are no
+recordings: nothing is measured), 1 one failed, 2 wrong use, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+from rich.console import Console
+
+from comanip_dev.experiments.__main__ import RECORDINGS_FOLDER, console, guarded, positive_integer
+from comanip_dev.experiments.campaign import SIMULATOR, CampaignError, Outcome, run_jobs
+from comanip_dev.following import ode, plan, report
+from comanip_dev.following.arm_model import ArmModel
+from comanip_dev.following.case import BEGIN_S
+from comanip_dev.following.cases import ARM, FULL, QUICK, Case, Choice, all_cases, measure, prepare, recordings
+from comanip_dev.following.criteria import Judge
+from comanip_dev.following.loop import LoopError
+from comanip_dev.following.picture import plot
+from comanip_dev.following.plan import Setting
+from comanip_dev.following.recorded_hand import RecordingError, read
+from comanip_dev.following.results import Results, fingerprint, scene_key
+
+TELL_EVERY_S = 10.0
+
+
+class Progress:
+    """A line now and then."""
+
+    def __init__(self, what: str, count: int) -> None:
+        self._what, self._count, self._done, self._told_s = what, count, 0, time.monotonic()
+
+    def step(self) -> None:
+        self._done += 1
+        if self._done == self._count or time.monotonic() - self._told_s > TELL_EVERY_S:
+            self._told_s = time.monotonic()
+            print(f"{self._what}: {self._done}/{self._count}", flush=True)
+
+
+def _leave_signals_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
+    """work: (function, argument, ...), each giving a key and its value."""
+    work = list(work)
+    progress = Progress(what, len(work))
+    with ProcessPoolExecutor(workers, initializer=_leave_signals_to_the_parent) as pool:
+        try:
+            for done in as_completed([pool.submit(*item) for item in work]):
+                results.add(*done.result())
+                progress.step()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _prepare(results: Results, paths: Sequence[Path], workers: int) -> dict[Setting, list[tuple[Path, float]]]:
+    """Of each setting the recordings that the arm can follow, with their scales."""
+    places = [(setting, path) for setting in plan.SETTINGS for path in paths]
+    missing = [(prepare, *place) for place in places if scene_key(place[0], place[1].stem) not in results.values]
+    _in_processes(results, missing, workers, "optima")
+    scenes: dict[Setting, list[tuple[Path, float]]] = {setting: [] for setting in plan.SETTINGS}
+    for setting, path in places:
+        found = results.values[scene_key(setting, path.stem)]
+        if found["followable"]:
+            scenes[setting].append((path, found["position_scale"]))
+    return scenes
+
+
+def _in_ode(results: Results, cases: Sequence[Case], folder: Path, simulator: Path, workers: int) -> None:
+    arm = ArmModel(ARM)
+    progress = Progress("ODE", len(cases))
+    by_folder = {folder / f"{number:04d}": case for number, case in enumerate(cases)}
+    jobs = [
+        ode.job(out, c.follower, c.condition, c.setting, c.recording, c.position_scale, c.seed)
+        for out, c in by_folder.items()
+    ]
+
+    def finish(outcome: Outcome) -> None:
+        case = by_folder[outcome.job.out]
+        try:
+            if case.recording is None:
+                value = {"noise_um": ode.noise_um(arm, outcome)}
+            else:
+                value = ode.judge(arm, case.setting.task, outcome, BEGIN_S + read(case.recording).duration_s).as_dict()
+        except (LoopError, OSError) as error:
+            value = {"error": f"{error} ({outcome.reason})"}
+        for name in ("trace.csv", "bus.log"):
+            (outcome.job.out / name).unlink(missing_ok=True)
+        results.add(case.key, value)
+        progress.step()
+
+    run_jobs(jobs, simulator, workers, finish)
+
+
+def _left_out(results: Results, paths: Sequence[Path], unseen: dict[str, str]) -> dict[str, str]:
+    reasons = dict(unseen)
+    for path in paths:
+        settings = []
+        for setting in plan.SETTINGS:
+            found = results.values[scene_key(setting, path.stem)]
+            if not found["followable"]:
+                settings.append(f"{setting.label}: {found['rms_mm']:.2f} mm")
+        if settings:
+            reasons[path.stem] = f"the best that the arm's limits allow, 0.5 mm or more in {'; '.join(settings)}"
+    return reasons
+
+
+def _report(
+    results: Results, choice: Choice, scenes: dict, left_out: dict[str, str], out: Path, terminal: Console
+) -> bool:
+    judge = Judge(results, {setting: [path.stem for path, _ in found] for setting, found in scenes.items()})
+    entries = report.rows(judge, choice.conditions, choice.has_peers)
+    criteria = [c for loop in (plan.LOOP, plan.ODE) for c in judge.criteria(loop)]
+    knows_wrong = set(plan.WRONG) <= set(choice.conditions)
+    criteria += judge.wrong_latency() if knows_wrong else []
+    scales = {s.label: {path.stem: scale for path, scale in found} for s, found in scenes.items()}
+    document = report.document(entries, criteria, scales, left_out, report.cases(results))
+    text = json.dumps(document, indent=1) + "\n"
+    (out / "following.json").write_text(text)
+    in_loop = [entry for entry in entries if entry["loop"] == plan.LOOP and entry["setting"] == plan.TELEOP.label]
+    attributes = {"rate [Hz]": "rate_hz", "latency [ms]": "latency_ms", "noise [mm]": "noise_mm"}
+    sweeps = {name: [(getattr(c, attributes[name]), c.label) for c in swept] for name, swept in plan.SWEEPS.items()}
+    plot(in_loop, sweeps, [condition.label for condition in plan.JUDGED], out / "following.png")
+    terminal.print(report.table(entries))
+    for name, reason in sorted(left_out.items()):
+        print(f"left out: {name}: {reason}")
+    for line in report.wrong_latency_lines(judge) if knows_wrong else []:
+        print(line)
+    terminal.print(report.criteria_table(criteria))
+    failed = [c for c in criteria if not c.passed]
+    print(
+        f"{len(criteria) - len(failed)} of {len(criteria)} criteria passed; wrote {out}/following.json, following.png"
+    )
+    return not failed
+
+
+def run(arguments: argparse.Namespace) -> int:
+    folder: Path = arguments.recordings
+    if not folder.is_dir() and folder != RECORDINGS_FOLDER:
+        raise CampaignError(f"{folder}: no such folder: expected one with recordings (docs/recordings.md)")
+    if not folder.is_dir():
+        print(
+            f"comanip_dev.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); give another one"
+        )
+        return 0
+    paths, unseen = recordings(folder)
+    if not paths:
+        raise CampaignError(f"{folder}: no recordings: expected CSV files of docs/recordings.md")
+    choice = QUICK if arguments.quick else FULL
+    if arguments.quick:
+        known = [path for path in paths if path.stem in plan.QUICK_RECORDINGS]
+        paths, unseen = known or paths[: len(plan.QUICK_RECORDINGS)], {}
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    results = Results.open(arguments.out / "results.jsonl", fingerprint(arguments.simulator))
+    try:
+        scenes = _prepare(results, paths, arguments.jobs)
+    except RecordingError as error:
+        raise CampaignError(str(error)) from None
+    cases = [case for case in all_cases(choice, scenes) if case.key not in results.values]
+    in_loop = [(measure, case) for case in cases if case.loop == plan.LOOP]
+    _in_processes(results, in_loop, arguments.jobs, "loop")
+    in_ode = [case for case in cases if case.loop == plan.ODE]
+    _in_ode(results, in_ode, arguments.out / "ode", arguments.simulator, arguments.jobs)
+    passed = _report(results, choice, scenes, _left_out(results, paths, unseen), arguments.out, console())
+    return 0 if passed else 1
+
+
+def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="comanip_dev.following", description="How closely the robot follows a recorded hand."
+    )
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
+    parser.add_argument(
+        "--quick", action="store_true", help="four recordings, the judged conditions, no other programs"
+    )
+    parser.add_argument(
+        "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)"
+    )
+    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the program to run")
+    return parser.parse_args(argv)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    arguments = _parse(argv)
+    again = "; what was measured is kept, and the same command goes on from there"
+    return guarded("comanip_dev.following", lambda: run(arguments), again)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,130 @@
+"""Which cases a campaign has, and how one of them is measured, in a process of its own if need be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from comanip_dev.following import followers, plan
+from comanip_dev.following.arm_model import ArmModel
+from comanip_dev.following.case import START_DEG, Scene, follow, noise_at_rest_um
+from comanip_dev.following.loop import LoopError
+from comanip_dev.following.plan import Condition, Setting
+from comanip_dev.following.recorded_hand import HEADER, Recording, read
+from comanip_dev.following.results import Key, case_key, scene_key
+from comanip_dev.following.scale import SHARE, largest_scale
+
+ARM = "hoap3_right"
+
+
+@dataclass(frozen=True)
+class Case:
+    """recording None: the hand stands. position_scale: of the recording in this setting."""
+
+    loop: str
+    follower: str
+    condition: Condition
+    setting: Setting
+    recording: Path | None = None
+    position_scale: float = 1.0
+    seed: int = 1
+
+    @property
+    def key(self) -> Key:
+        name = self.recording.stem if self.recording else None
+        return case_key(self.loop, self.follower, self.condition, self.setting, name, self.seed)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a campaign covers."""
+
+    conditions: tuple[Condition, ...]
+    has_peers: bool
+
+
+FULL = Choice(plan.CONDITIONS, True)
+QUICK = Choice(plan.JUDGED, False)
+
+
+@cache
+def _arm() -> ArmModel:
+    return ArmModel(ARM)
+
+
+@cache
+def _recording(path: Path) -> Recording:
+    return read(path)
+
+
+def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
+    """The recordings of a hand in the folder, and what was left out unseen, with the reason."""
+    paths, left_out = [], {}
+    for path in sorted(folder.glob("*.csv")):
+        with path.open(encoding="utf-8-sig") as file:
+            is_motion = file.readline().strip() == HEADER
+        twin = path.stem.removesuffix("_raw")
+        if not is_motion:
+            left_out[path.stem] = "no motion of a hand: another header"
+        elif twin != path.stem and path.with_stem(twin).is_file():
+            left_out[path.stem] = f"the same motion as {twin}"
+        else:
+            paths.append(path)
+    return paths, left_out
+
+
+def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
+    """The position scale of the recording in this setting, and the optimum there."""
+    from comanip_dev.following.optimum import optimum
+
+    recording = _recording(path)
+    start_rad = np.radians(START_DEG[setting.task])
+    scale = SHARE * largest_scale(_arm(), setting.task, start_rad, recording, setting.rotation_scale)
+    best = optimum(_arm(), Scene(recording, setting.task, scale, setting.rotation_scale))
+    value = {"position_scale": scale, "followable": best.is_followable, **asdict(best)}
+    return scene_key(setting, path.stem), value
+
+
+def measure(case: Case) -> tuple[Key, dict]:
+    """In the loop without physics. An arm that would not cooperate is a result, too."""
+    follower = followers.named(case.follower)
+    tracker = case.condition.tracker(case.seed)
+    try:
+        if case.recording is None:
+            return case.key, {"noise_um": noise_at_rest_um(_arm(), case.setting.task, tracker, follower)}
+        scene = Scene(_recording(case.recording), case.setting.task, case.position_scale, case.setting.rotation_scale)
+        return case.key, follow(_arm(), scene, tracker, follower).as_dict()
+    except LoopError as error:
+        return case.key, {"error": str(error)}
+
+
+def _with_rest(loop: str, follower: str, condition: Condition, setting: Setting, scenes: Sequence[tuple[Path, float]]):
+    yield Case(loop, follower, condition, setting)
+    for path, scale in scenes:
+        for seed in plan.seeds(follower, condition):
+            yield Case(loop, follower, condition, setting, path, scale, seed)
+
+
+def all_cases(choice: Choice, scenes: dict[Setting, list[tuple[Path, float]]]) -> list[Case]:
+    """scenes: of each setting the followable recordings with their scales. The judged ones in ODE, too."""
+    cases: list[Case] = []
+    for condition in choice.conditions:
+        for follower in plan.FIRMWARE:
+            cases += _with_rest(plan.LOOP, follower, condition, plan.TELEOP, scenes[plan.TELEOP])
+    for setting in plan.SETTINGS[1:]:
+        for follower in plan.FIRMWARE:
+            cases += _with_rest(plan.LOOP, follower, plan.FAST, setting, scenes[setting])
+    for follower in (plan.FORMER, plan.DEFAULT):
+        for condition in plan.JUDGED:
+            cases += _with_rest(plan.ODE, follower, condition, plan.TELEOP, scenes[plan.TELEOP])
+        for setting in plan.SETTINGS[1:]:
+            cases += [Case(plan.ODE, follower, plan.FAST, setting, *scene) for scene in scenes[setting]]
+    if choice.has_peers:
+        for condition in plan.JUDGED:
+            for peer in plan.PEER_NAMES:
+                cases += _with_rest(plan.LOOP, peer, condition, plan.TELEOP, scenes[plan.TELEOP])
+    return cases

@@ -1,0 +1,65 @@
+"""All followers by name: the firmware with the paper's law, the former default or its default; and what users know."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from comanip_dev.experiments.paper_gains import PAPER_GAINS
+from comanip_dev.following import plan
+from comanip_dev.following.case import Follower
+from comanip_dev.following.loop import knows, run_firmware
+from comanip_dev.following.one_euro import filtered
+
+PREDICTION = "prediction"
+
+
+def without_prediction(parameters: Mapping[str, float]) -> dict[str, float]:
+    return {**parameters, **({PREDICTION: 0.0} if knows(PREDICTION) else {})}
+
+
+PARAMETERS = {
+    plan.PAPER: without_prediction(dict(PAPER_GAINS)),
+    plan.FORMER: without_prediction({}),
+    plan.DEFAULT: {},
+}
+
+
+def firmware(parameters: Mapping[str, float]) -> Follower:
+    """The firmware with these in place of its defaults."""
+    return lambda arm, task, start_rad, motion, tracker, samples: run_firmware(
+        arm, task, start_rad, motion, tracker, samples, parameters
+    )
+
+
+def one_euro(min_cutoff_hz: float, beta_per_m: float) -> Follower:
+    former = firmware(PARAMETERS[plan.FORMER])
+    return lambda arm, task, start_rad, motion, tracker, samples: former(
+        arm, task, start_rad, motion, tracker, filtered(samples, min_cutoff_hz, beta_per_m)
+    )
+
+
+def _ruckig(velocity_share: float) -> Follower:
+    from comanip_dev.following import ruckig_follower
+    from comanip_dev.following.peer_loop import run_peer
+
+    make = ruckig_follower.velocities(velocity_share)
+    return lambda *scene: run_peer(make, ruckig_follower.GAIN_PER_S, *scene)
+
+
+def _qp(gain_per_s: float) -> Follower:
+    from comanip_dev.following import qp_follower
+    from comanip_dev.following.peer_loop import run_peer
+
+    make = qp_follower.velocities(gain_per_s)
+    return lambda *scene: run_peer(make, gain_per_s, *scene)
+
+
+_PEERS = {"one-euro": one_euro, "ruckig": _ruckig, "qp": _qp}
+
+
+def named(name: str) -> Follower:
+    """One of plan.PAPER, FORMER, DEFAULT and PEER_NAMES; a peer's packages are imported when it is asked for."""
+    if name in PARAMETERS:
+        return firmware(PARAMETERS[name])
+    peer, values = name.split(" ")
+    return _PEERS[peer](*map(float, values.split("/")))

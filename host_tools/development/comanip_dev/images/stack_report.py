@@ -1,0 +1,183 @@
+"""How deep the stack can get: ``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...`` (``make stack``).
+
+The compiler's own call graph (-fcallgraph-info=su) with the frame of each function; for functions of libraries, which have none,
+frames and calls are read from the disassembly. Calls through pointers are in BUDGET.toml by name; one that is not there, and any
+recursion, is an error. A stack's worst case is the deepest call of each of its parts, one interrupting the other, and what the
+processor saves on it. Exit status: 1 beyond the budget or if the graph cannot be bounded, 2 wrong use.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "[^"]*?\\n(\d+) bytes \(([^)]*)\)')
+EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
+FUNCTION = re.compile(r"^[0-9a-f]+ <([^>]+)>:$")
+CALL = re.compile(r"\t(?:bl|blx|b\.w|b\.n|b|jal|j|call|tail|beq\.w|bne\.w)\s.*<([^>+]+)>")
+PUSH = re.compile(r"\t(v?push|stmdb)\s+(?:sp!, )?\{([^}]*)\}")
+SUB = re.compile(r"\tsub(?:w|\.w)?\s+sp, (?:sp, )?#(\d+)|\taddi\s+sp,sp,-(\d+)")
+INDIRECT = "__indirect_call"
+
+
+class UnboundedError(Exception):
+    """The stack has no bound that can be read from the graph."""
+
+
+@dataclass
+class Graph:
+    """Functions: statics as FILE:NAME. `frame`: in bytes."""
+
+    frame: dict[str, int] = field(default_factory=dict)
+    calls: dict[str, set[str]] = field(default_factory=dict)
+
+    def depth(self, function: str, path: tuple[str, ...] = ()) -> tuple[int, tuple[str, ...]]:
+        """In bytes, and the functions down to the deepest. UnboundedError for recursion."""
+        if function in path:
+            raise UnboundedError(f"recursion: {' -> '.join([*path[path.index(function) :], function])}")
+        deepest, way = 0, ()
+        for callee in sorted(self.calls.get(function, ())):
+            below = self.depth(callee, (*path, function))
+            if below[0] > deepest:
+                deepest, way = below
+        return self.frame[function] + deepest, (function, *way)
+
+
+def plain(function: str) -> str:
+    return function.rsplit(":", 1)[-1]
+
+
+def read_call_graphs(folder: Path, graph: Graph) -> None:
+    for path in sorted(folder.rglob("*.ci")):
+        for line in path.read_text().splitlines():
+            node, edge = NODE.match(line), EDGE.match(line)
+            if node:
+                if "dynamic" in node[3] and "bounded" not in node[3]:
+                    raise UnboundedError(f"{node[1]}: its frame has no fixed size")
+                graph.frame[node[1]] = int(node[2])
+            elif edge:
+                graph.calls.setdefault(edge[1], set()).add(edge[2])
+
+
+def registers(kind: str, names: str) -> int:
+    """Of a push: ranges count whole, FPU registers s 4 bytes, d 8."""
+    count = 0
+    for name in names.split(","):
+        ends = [int(n) for n in re.findall(r"(?<=[rsd])\d+", name)]
+        count += ends[1] - ends[0] + 1 if len(ends) == 2 else 1
+    return count * (8 if kind == "vpush" and "d" in names else 4)
+
+
+def read_disassembly(listing: str, graph: Graph) -> None:
+    """Adds functions that the compiler did not tell of."""
+    function = None
+    known = {plain(name) for name in graph.frame}
+    for line in listing.splitlines():
+        begin = FUNCTION.match(line)
+        if begin:
+            function = begin[1] if begin[1] not in known else None
+            if function:
+                graph.frame.setdefault(function, 0)
+            continue
+        if function is None:
+            continue
+        push, sub, call = PUSH.search(line), SUB.search(line), CALL.search(line)
+        if push:
+            graph.frame[function] += registers(push[1], push[2])
+        elif sub:
+            graph.frame[function] += int(sub[1] or sub[2])
+        elif call and call[1] != function:
+            graph.calls.setdefault(function, set()).add(call[1])
+
+
+def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
+    """Calls by pointer, and of functions by their plain names. A function that is nowhere was inlined or left out."""
+    for function, callees in graph.calls.items():
+        if INDIRECT in callees:
+            if plain(function) not in indirect:
+                raise UnboundedError(
+                    f"{function} calls through a pointer, and the budget does not say whom it may call"
+                )
+            callees.discard(INDIRECT)
+            prefixes = tuple(indirect[plain(function)])
+            callees |= {name for name in graph.frame if plain(name).startswith(prefixes)}
+        for name in [name for name in callees if name not in graph.frame]:
+            callees.discard(name)
+
+
+def image_graph(folder: Path, objdump: str, indirect: dict[str, list[str]]) -> Graph:
+    graph = Graph()
+    read_call_graphs(folder, graph)
+    command = [objdump, "-d", "--no-show-raw-insn", str(folder / "comanip.elf")]
+    read_disassembly(subprocess.run(command, capture_output=True, text=True, check=True).stdout, graph)
+    resolve(graph, indirect)
+    return graph
+
+
+def worst_case(graph: Graph, rules: dict) -> dict:
+    """Of one stack. `rules`: its table in the budget."""
+    parts = []
+    for entries in rules["parts"]:
+        missing = set(entries) - {plain(name) for name in graph.frame}
+        if missing:
+            raise UnboundedError(f"no such function: {', '.join(sorted(missing))}")
+        deepest, way = max(graph.depth(name) for name in graph.frame if plain(name) in entries)
+        parts.append({"bytes": deepest, "path": [plain(name) for name in way]})
+    worst = sum(part["bytes"] for part in parts) + rules["saved_bytes"]
+    return {"worst_case_bytes": worst, "budget_bytes": rules["budget_bytes"], "parts": parts}
+
+
+def rules_of(image: str, budget: dict) -> dict:
+    found = [family for family in budget.values() if image in family.get("images", ())]
+    if not found:
+        raise UnboundedError(
+            "the budget has no section with it among its images: add it to one of the same core, or a section of its own"
+        )
+    return found[0]
+
+
+def main(argv: Sequence[str]) -> int:
+    folders = dict(argument.split("=", 1) for argument in argv[2:] if "=" in argument)
+    if len(argv) < 3 or not folders:
+        print(
+            "usage: python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...", file=sys.stderr
+        )
+        return 2
+    budget = tomllib.loads(Path(argv[0]).read_text())
+    content, told = {}, []
+    table = Table("image", "stack", "worst case", "budget", "deepest", title="Stacks in bytes", title_justify="left")
+    for image, folder in folders.items():
+        try:
+            rules = rules_of(image, budget)
+            graph = image_graph(Path(folder), rules["objdump"], budget["indirect"])
+            content[image] = {stack: worst_case(graph, rules[stack]) for stack in ("thread", "exceptions")}
+        except UnboundedError as error:
+            print(f"make stack: {image}: {error}", file=sys.stderr)
+            return 1
+        for stack, found in content[image].items():
+            worst, allowed = found["worst_case_bytes"], found["budget_bytes"]
+            ways = ", then ".join(" > ".join(part["path"]) for part in found["parts"])
+            table.add_row(image, stack, str(worst), str(allowed), ways)
+            if worst > allowed:
+                told.append(f"{image}: {stack}: {worst} bytes, budget {allowed}: {worst - allowed} too many")
+    Console(width=160).print(table)
+    report = Path(argv[1])
+    report.parent.mkdir(parents=True, exist_ok=True)
+    report.write_text(json.dumps(content, indent=1) + "\n")
+    for line in told:
+        print(f"make stack: {line}", file=sys.stderr)
+    print(f"make stack: {'beyond' if told else 'within'} {argv[0]}")
+    return 1 if told else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
