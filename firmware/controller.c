@@ -21,8 +21,8 @@ static float tick_s(const controller_t *self) {
 /* ---- decode */
 
 static void apply_parameters(controller_t *self) {
-    parameters_velocity_control(&self->parameters, &self->velocity_control_config);
-    parameters_position_first(&self->parameters, &self->position_first_config);
+    parameters_differential_ik(&self->parameters, &self->differential_ik_config);
+    parameters_position_priority(&self->parameters, &self->position_priority_config);
     parameters_joint_limits(&self->parameters, self->arm, tick_s(self), &self->joint_limits_config);
     parameters_cooperation(&self->parameters, &self->cooperation_config);
     self->marker_to_hand = parameters_marker_to_hand(&self->parameters);
@@ -34,7 +34,7 @@ static void apply_parameters(controller_t *self) {
     }
     self->marker_is_hand = memcmp(&self->marker_to_hand, &pose_identity, sizeof pose_identity) == 0;
     self->parameter_set = parameter_set_check(&self->parameters, tick_s(self));
-    self->untold = 0;
+    self->unreported = 0;
 }
 
 static void receive_hand(controller_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
@@ -74,7 +74,7 @@ static void decode(controller_t *self, uint32_t now_us, controller_inbox_t *inbo
             joint_feedback_receive(&self->joints, (int)kind - (int)FRAME_JOINT_STATE0, &state, received_us);
         } else if (kind == FRAME_OPERATOR_COMMAND || kind == FRAME_TASK_DEFINE || kind == FRAME_PARAMETER_ACCESS) {
             self->request[self->request_count].kind = kind;
-            self->request[self->request_count++].place = i;
+            self->request[self->request_count++].index = i;
         }
     }
 }
@@ -146,12 +146,12 @@ static float blend(const controller_t *self) {
 
 /* What the law would say of a target that is the robot's own pose: nothing for the error. The target's motion goes on.
  */
-static void meet_target(controller_t *self) {
-    memset(self->wanted_radps, 0, sizeof self->wanted_radps);
+static void zero_feedback(controller_t *self) {
+    memset(self->feedback_radps, 0, sizeof self->feedback_radps);
 }
 
-static void stand(controller_t *self) {
-    meet_target(self);
+static void zero_demand(controller_t *self) {
+    zero_feedback(self);
     memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
     self->catching_up = false;
 }
@@ -173,8 +173,8 @@ static result_t stable_required(controller_t *self, uint8_t sequence) {
     if (self->parameter_set.verdict != PARAMETER_SET_UNSTABLE) {
         return RESULT_ACCEPTED;
     }
-    self->untold = self->parameter_set.involved;
-    self->untold_sequence = sequence;
+    self->unreported = self->parameter_set.involved;
+    self->unreported_sequence = sequence;
     return RESULT_PARAMETERS_UNSTABLE;
 }
 
@@ -185,7 +185,7 @@ static result_t start(controller_t *self, uint8_t sequence) {
         self->blend_elapsed_s = 0.0f;
         cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, robot_pose(self));
         self->cooperation_changed = true;
-        stand(self);
+        zero_demand(self);
     }
     return result;
 }
@@ -205,7 +205,7 @@ static result_t latch(controller_t *self) {
         if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
             cooperation_update(&self->cooperation, &self->hand, blend(self)); /* the virtual hand of this tick */
             cooperation_latch_measured(&self->cooperation, robot_pose(self));
-            meet_target(self);
+            zero_feedback(self);
         } else {
             cooperation_latch(&self->cooperation);
         }
@@ -219,7 +219,7 @@ static result_t clutch(controller_t *self) {
     if (result == RESULT_ACCEPTED) {
         cooperation_clutch(&self->cooperation, self->hand, robot_pose(self), blend(self));
         self->cooperation_changed = true;
-        meet_target(self);
+        zero_feedback(self);
     }
     return result;
 }
@@ -350,22 +350,22 @@ static void end_save(controller_t *self, const controller_inbox_t *inbox, contro
 }
 
 /* From the tick after the refusal on, one a tick, so that they do not crowd the bus. */
-static void name_untold(controller_t *self, controller_outbox_t *outbox) {
-    if (self->untold == 0u) {
+static void report_unstable_parameter(controller_t *self, controller_outbox_t *outbox) {
+    if (self->unreported == 0u) {
         return;
     }
     uint8_t parameter = 0;
-    while ((self->untold >> parameter & 1u) == 0u) {
+    while ((self->unreported >> parameter & 1u) == 0u) {
         parameter++;
     }
-    send_parameter(self, outbox, parameter, self->untold_sequence, RESULT_PARAMETERS_UNSTABLE);
-    self->untold &= self->untold - 1u;
+    send_parameter(self, outbox, parameter, self->unreported_sequence, RESULT_PARAMETERS_UNSTABLE);
+    self->unreported &= self->unreported - 1u;
 }
 
 /* Each request but that to save is answered in the tick that takes it. */
-static void obey(controller_t *self, const controller_inbox_t *inbox, controller_outbox_t *outbox) {
+static void handle_requests(controller_t *self, const controller_inbox_t *inbox, controller_outbox_t *outbox) {
     for (uint8_t i = 0; i < self->request_count; i++) {
-        const can_frame_t *frame = &inbox->frame[self->request[i].place];
+        const can_frame_t *frame = &inbox->frame[self->request[i].index];
         if (self->request[i].kind == FRAME_OPERATOR_COMMAND) {
             operator_command_t command;
             operator_command_unpack(frame, &command);
@@ -393,14 +393,14 @@ static void slow_down(controller_t *self) {
     const float part = CATCHING_UP_SPEED * self->parameters.value[PARAMETER_SPEED_FRACTION];
     float scale = 1.0f;
     for (int i = 0; i < self->arm->joint_count; i++) {
-        const float speed_radps = __builtin_fabsf(self->wanted_radps[i] + self->feedforward_radps[i]);
+        const float speed_radps = __builtin_fabsf(self->feedback_radps[i] + self->feedforward_radps[i]);
         const float allowed_radps = part * self->arm->joints[i].velocity_max_radps;
         if (scale * speed_radps > allowed_radps) {
             scale = allowed_radps / speed_radps;
         }
     }
     for (int i = 0; i < self->arm->joint_count; i++) {
-        self->wanted_radps[i] *= scale;
+        self->feedback_radps[i] *= scale;
         self->feedforward_radps[i] *= scale;
     }
 }
@@ -408,52 +408,52 @@ static void slow_down(controller_t *self) {
 static void follow(controller_t *self, uint32_t now_us, joint_ends_t ends) {
     const twist_t hand = hand_motion(self, now_us);
     const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
-    const position_first_request_t request = {
+    const position_priority_request_t request = {
         .position_rad = self->joints.position_rad,
         .target = &self->cooperation.target,
         .motion = &motion,
         .ends = ends,
     };
-    const posture_change_config_t config = {self->arm, &self->position_first_config, &self->joint_limits_config};
+    const posture_change_config_t config = {self->arm, &self->position_priority_config, &self->joint_limits_config};
     const bool may_change_posture = self->changes_posture && !self->cooperation.latched;
-    if (may_change_posture && posture_change_step(&self->posture_change, &config, &request, self->wanted_radps)) {
+    if (may_change_posture && posture_change_step(&self->posture_change, &config, &request, self->feedback_radps)) {
         memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
         return;
     }
-    const float distance_m = self->arm->position_first(self->arm, &self->position_first_config, &request,
-                                                       self->wanted_radps, self->feedforward_radps);
+    const float distance_m = self->arm->position_priority(self->arm, &self->position_priority_config, &request,
+                                                          self->feedback_radps, self->feedforward_radps);
     if (may_change_posture) {
         posture_change_watch(&self->posture_change, &config, &request, distance_m);
     }
-    self->catching_up = distance_m > POSITION_FIRST_ERROR_MAX_M || (self->catching_up && distance_m > CAUGHT_UP_M);
+    self->catching_up = distance_m > POSITION_PRIORITY_ERROR_MAX_M || (self->catching_up && distance_m > CAUGHT_UP_M);
     if (self->catching_up) {
         slow_down(self);
     }
 }
 
 static void velocity_law(controller_t *self, joint_ends_t ends) {
-    const velocity_request_t request = {
+    const differential_ik_request_t request = {
         .position_rad = self->joints.position_rad,
         .target = &self->cooperation.target,
         .ends = ends,
     };
-    velocity_control(self->arm, &self->velocity_control_config, &request, self->wanted_radps);
+    differential_ik(self->arm, &self->differential_ik_config, &request, self->feedback_radps);
 }
 
 /* What the joints shall do: nothing, unless in cooperation. The law waits in a tick in which the cooperation changes,
  * as both would make it too long; never twice running, so that whoever goes on changing does not stop the law. */
-static void aim(controller_t *self, uint32_t now_us) {
-    const bool has_waited = self->law_waited;
-    self->law_waited = false;
+static void compute_demand(controller_t *self, uint32_t now_us) {
+    const bool was_deferred = self->demand_deferred;
+    self->demand_deferred = false;
     if (self->supervisor.mode != MODE_COOPERATING || self->cooperation_changed) {
         posture_change_init(&self->posture_change);
     }
     if (self->supervisor.mode != MODE_COOPERATING) {
-        stand(self);
+        zero_demand(self);
         return;
     }
-    if (self->cooperation_changed && !has_waited) {
-        self->law_waited = true;
+    if (self->cooperation_changed && !was_deferred) {
+        self->demand_deferred = true;
         return;
     }
     cooperation_update(&self->cooperation, &self->hand, blend(self));
@@ -599,11 +599,11 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     sense(self, now_us);
     supervise(self, now_us);
     end_save(self, inbox, outbox);
-    name_untold(self, outbox);
-    obey(self, inbox, outbox);
-    aim(self, now_us);
+    report_unstable_parameter(self, outbox);
+    handle_requests(self, inbox, outbox);
+    compute_demand(self, now_us);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
-                                      self->wanted_radps, self->feedforward_radps);
+                                      self->feedback_radps, self->feedforward_radps);
     encode(self, now_us, outbox);
     self->tick++;
 }

@@ -10,13 +10,13 @@
 #define COMANIP_CONTROLLER_H
 
 #include "control/cooperation.h"
+#include "control/differential_ik.h"
 #include "control/hand_motion.h"
 #include "control/hand_tracker.h"
 #include "control/joint_feedback.h"
 #include "control/joint_limits.h"
 #include "control/posture_change.h"
 #include "control/supervisor.h"
-#include "control/velocity_control.h"
 #include "parameters/parameter_set.h"
 #include "parameters/parameters.h"
 #include "protocol/can_transport.h"
@@ -43,9 +43,9 @@ typedef struct {
 typedef struct {
     const arm_t *arm;
     parameters_t parameters;
-    parameter_set_t parameter_set;                     /* what they are together */
-    velocity_control_config_t velocity_control_config; /* views of the parameters, made anew when one is written */
-    position_first_config_t position_first_config;
+    parameter_set_t parameter_set;                   /* what they are together */
+    differential_ik_config_t differential_ik_config; /* views of the parameters, made anew when one is written */
+    position_priority_config_t position_priority_config;
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
     bool predicts, changes_posture;
@@ -57,7 +57,7 @@ typedef struct {
     uint32_t tick_ms;
     struct {
         frame_kind_t kind;
-        uint8_t place;                  /* in the inbox */
+        uint8_t index;                  /* in the inbox */
     } request[CONTROLLER_INBOX_FRAMES]; /* this tick's operator frames */
     uint8_t request_count;
 
@@ -76,8 +76,8 @@ typedef struct {
     float blend_elapsed_s; /* of it, in the law's ticks */
     cooperation_t cooperation;
     bool cooperation_changed; /* by the operator, in this tick: started, its task or relation, its reference */
-    bool law_waited;          /* in this tick, for that */
-    float wanted_radps[ARM_MAX_JOINTS];      /* the law's, for the error */
+    bool demand_deferred;     /* in this tick, for that */
+    float feedback_radps[ARM_MAX_JOINTS];    /* the law's, for the error */
     float feedforward_radps[ARM_MAX_JOINTS]; /* the law's, for the target's own motion: 0 without prediction */
     bool catching_up;                        /* the target was out of reach, or too fast, and has not been met since */
     posture_change_t posture_change;
@@ -89,8 +89,8 @@ typedef struct {
     result_t boot_result; /* as it tells it of each parameter */
     bool saving;
     uint8_t save_parameter, save_sequence; /* of the request, for its answer */
-    uint64_t untold;         /* parameters, a bit each, still to be named to whoever was refused for them */
-    uint8_t untold_sequence; /* of that request */
+    uint64_t unreported;         /* parameters, a bit each, still to be named to whoever was refused for them */
+    uint8_t unreported_sequence; /* of that request */
 } controller_t;
 
 /* The arm table must outlive the controller. */

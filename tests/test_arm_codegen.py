@@ -19,18 +19,18 @@ HOAP3 = "hoap3_right"
 
 
 def config(gain=35.0, weight=(0.01, 100.0), damping=0.01, frame=lib.ERROR_FRAME_TARGET):
-    result = ffi.new("velocity_control_config_t *")
+    result = ffi.new("differential_ik_config_t *")
     result.gain_per_s = [gain] * 8
     result.weight = [weight[0]] * 4 + [weight[1]] * 4
     result.damping, result.error_frame = damping, frame
-    lib.velocity_control_prepare(result)
+    lib.differential_ik_prepare(result)
     return result
 
 
 def solve(law, arm, configuration, q, target, lower=0, upper=0) -> np.ndarray:
     position, velocity = ffi.new("float[8]", q.tolist()), ffi.new("float[8]")
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
-    request = ffi.new("velocity_request_t *", {"position_rad": position, "target": pose, "ends": (lower, upper)})
+    request = ffi.new("differential_ik_request_t *", {"position_rad": position, "target": pose, "ends": (lower, upper)})
     law(arm.table, configuration, request, velocity)
     return np.array(list(velocity)[: arm.joint_count])
 
@@ -67,7 +67,7 @@ def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(ar
     """In double precision: the Jacobian without the columns of those that would, until none would. The fast law, the one for any arm
     and the general one alike."""
     configuration = config(weight=weight, frame=frame)
-    laws = (lib.velocity_control, lib.velocity_control_isotropic, lib.velocity_control_general)
+    laws = (lib.differential_ik, lib.differential_ik_isotropic, lib.differential_ik_general)
     w = np.repeat(weight, 4)
     blocked_counts = np.zeros(5, int)
     for number, (q, target) in enumerate(inputs):
@@ -108,8 +108,8 @@ def test_a_target_out_of_all_reach_is_left_to_the_general_law(arm, inputs):
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
         far = oracle.pose(target[:4], [300.0, -200.0, 100.0])
-        general = solve(lib.velocity_control_general, arm, configuration, q, far)
-        assert np.array_equal(solve(lib.velocity_control, arm, configuration, q, far), general)
+        general = solve(lib.differential_ik_general, arm, configuration, q, far)
+        assert np.array_equal(solve(lib.differential_ik, arm, configuration, q, far), general)
         assert np.isfinite(general).all()
 
 
@@ -128,7 +128,7 @@ def test_where_the_fast_law_applies(change, applies):
 def test_any_other_diagonal_is_general(part, component):
     configuration = config(weight=(1.0, 1.0))
     getattr(configuration, part)[component] *= 1.5
-    lib.velocity_control_prepare(configuration)
+    lib.differential_ik_prepare(configuration)
     assert not configuration.isotropic.applies
 
 
@@ -138,7 +138,7 @@ def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
     """So that the joint limits see it: it never passes for a velocity."""
     q, target = (x.copy() for x in inputs[0])
     (q if where == "q" else target)[1] = value
-    assert not np.isfinite(solve(lib.velocity_control, arm, config(), q, target)).all()
+    assert not np.isfinite(solve(lib.differential_ik, arm, config(), q, target)).all()
 
 
 # ---- arms of any kind
@@ -150,21 +150,21 @@ LAW_SOURCES = (
     "joint_ends",
     "ldlt",
     "pose",
-    "position_first",
+    "position_priority",
     "trigonometry",
-    "velocity_control",
-    "velocity_control_general",
+    "differential_ik",
+    "differential_ik_general",
 )
 
 
-def position_first(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
+def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
     """Both velocities, and the distance."""
     position = ffi.new("float[8]", q.tolist())
-    config = ffi.new("position_first_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
+    config = ffi.new("position_priority_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
     twist = ffi.new("twist_t *", (motion[:3].tolist(), motion[3:].tolist()))
     request = ffi.new(
-        "position_first_request_t *",
+        "position_priority_request_t *",
         {"position_rad": position, "target": pose, "motion": twist, "ends": (lower, upper)},
     )
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
@@ -243,7 +243,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 jacobian, hand, targets.astype(float), 35.0, np.repeat(weight, 4), np.float32(0.01), frame_name
             )
             found = np.array(
-                [solve(lib.velocity_control, arm, configuration, *pair) for pair in zip(q, targets, strict=True)]
+                [solve(lib.differential_ik, arm, configuration, *pair) for pair in zip(q, targets, strict=True)]
             )
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
             # the arms reach up to 2 m, HOAP-3 0.3: the rounding of J^T W J grows with the square
@@ -254,7 +254,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
                 written, general = (
                     solve(law, arm, configuration, *pair, lower, upper)
-                    for law in (lib.velocity_control, lib.velocity_control_general)
+                    for law in (lib.differential_ik, lib.differential_ik_general)
                 )
                 sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
                 assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
@@ -263,13 +263,13 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 else:
                     otherwise += 1
         assert otherwise <= 2
-    # as the law for any arm, which test_position_first.py holds against double precision
+    # as the law for any arm, which test_position_priority.py holds against double precision
     otherwise = 0
     for row, target in zip(q, targets, strict=True):
         motion = rng.normal(size=6)
         for lower, upper in ((0, 0), rng.integers(0, 2**n, 2)):
-            written, general = (position_first(law, arm, row, target, motion, int(lower), int(upper))
-                                for law in (arm.table.position_first, lib.position_first))  # fmt: skip
+            written, general = (position_priority(law, arm, row, target, motion, int(lower), int(upper))
+                                for law in (arm.table.position_priority, lib.position_priority))  # fmt: skip
             if np.array_equal(written == 0, general == 0):
                 assert np.abs(written - general).max() < 1e-2 * max(1.0, np.abs(general).max())
             else:

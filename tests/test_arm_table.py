@@ -23,8 +23,8 @@ def verdict(
         setattr(joints[1], name, value)
     table = ffi.new("arm_t *", {"joint_count": joint_count, "joints": joints, "effector": effector})
     table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics") if functions else ffi.NULL
-    table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
-    table.position_first = ffi.addressof(lib, "position_first")
+    table.isotropic = ffi.addressof(lib, "differential_ik_isotropic")
+    table.position_priority = ffi.addressof(lib, "position_priority")
     told = lib.arm_check(table)
     return None if told == ffi.NULL else ffi.string(told).decode()
 
@@ -47,7 +47,7 @@ def test_a_table_within_its_ranges_is_accepted(changes):
     [
         ({"joint_count": 0}, "joint_count"),
         ({"joint_count": 9}, "joint_count"),
-        ({"functions": False}, "forward_kinematics, isotropic and position_first"),
+        ({"functions": False}, "forward_kinematics, isotropic and position_priority"),
         ({"effector": ([0.9, 0.0, 0.0, 0.0], ZERO)}, "effector"),
         ({"effector": (UNIT, [0.0, 100.1, 0.0])}, "effector"),
         ({"effector": (UNIT, [0.0, float("nan"), 0.0])}, "effector"),

@@ -299,7 +299,7 @@ def test_parameters_from_a_store_are_in_force_and_announced():
         assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_ACCEPTED
     bench = Bench(parameters=parameters)
     assert announced(bench, 50) == [(i, lib.RESULT_ACCEPTED, parameters.value[i]) for i in range(lib.PARAMETER_COUNT)]
-    config = bench.controller.velocity_control_config
+    config = bench.controller.differential_ik_config
     assert (config.gain_per_s[0], bench.controller.joint_limits_config.speed_fraction, bench.controller.blend_s) == (
         11,
         0.25,
@@ -451,7 +451,7 @@ def test_latch_turns_the_mirror_into_a_carry(measured):
 
 
 def wanted(bench: Bench) -> np.ndarray:
-    return np.array(list(bench.controller.wanted_radps))
+    return np.array(list(bench.controller.feedback_radps))
 
 
 def in_motion() -> Bench:
@@ -508,7 +508,7 @@ def test_the_law_waits_for_a_start_that_follows_a_change():
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED
     bench.tick()
     assert bench.command(lib.COMMAND_START) == ACCEPTED
-    assert bench.controller.law_waited
+    assert bench.controller.demand_deferred
 
 
 def test_who_goes_on_changing_does_not_stop_the_law():

@@ -78,20 +78,20 @@ def test_view_of_the_control_law(parameters):
     write(parameters, lib.PARAMETER_WEIGHT, weight)
     write(parameters, lib.PARAMETER_DAMPING, [0.5])
     write(parameters, lib.PARAMETER_ERROR_FRAME, [0])
-    config = ffi.new("velocity_control_config_t *")
-    lib.parameters_velocity_control(parameters, config)
+    config = ffi.new("differential_ik_config_t *")
+    lib.parameters_differential_ik(parameters, config)
     assert (list(config.gain_per_s), list(config.weight), config.damping) == (gain, weight, 0.5)
     assert config.error_frame == lib.ERROR_FRAME_TORSO
     write(parameters, lib.PARAMETER_ERROR_FRAME, [1])
-    lib.parameters_velocity_control(parameters, config)
+    lib.parameters_differential_ik(parameters, config)
     assert config.error_frame == lib.ERROR_FRAME_TARGET
 
 
-def test_view_of_position_first(parameters):
+def test_view_of_position_priority(parameters):
     write(parameters, lib.PARAMETER_FOLLOWING_GAIN_PER_S, [20])
     write(parameters, lib.PARAMETER_ORIENTATION_WEIGHT_M2, [2**-12])
-    config = ffi.new("position_first_config_t *")
-    lib.parameters_position_first(parameters, config)
+    config = ffi.new("position_priority_config_t *")
+    lib.parameters_position_priority(parameters, config)
     assert (config.gain_per_s, config.orientation_weight_m2) == (20, 2**-12)
 
 

@@ -17,8 +17,8 @@ const char *arm_check(const arm_t *arm) {
     if (arm->joint_count < 1 || arm->joint_count > ARM_MAX_JOINTS) {
         return "arm table: joint_count must be 1 to 8";
     }
-    if (arm->forward_kinematics == NULL || arm->isotropic == NULL || arm->position_first == NULL) {
-        return "arm table: forward_kinematics, isotropic and position_first must be functions, for any arm or for this "
+    if (arm->forward_kinematics == NULL || arm->isotropic == NULL || arm->position_priority == NULL) {
+        return "arm table: forward_kinematics, isotropic and position_priority must be functions, for any arm or for this "
                "one";
     }
     if (!is_pose(arm->effector)) {
@@ -55,30 +55,30 @@ static pose_t turned(vector3_t axis, float angle_rad, pose_t pose) {
 }
 
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
-    pose_t hand = arm->effector;
+    pose_t end_effector = arm->effector;
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
-        hand = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
+        end_effector = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], end_effector));
     }
-    return hand;
+    return end_effector;
 }
 
-/* From the hand towards the torso, so that the axes come out as seen from the hand: small numbers, near the hand. */
-void arm_lines(const arm_t *arm, const float position_rad[], arm_lines_t *lines) {
-    pose_t hand = arm->effector; /* seen from the frame reached so far, through whose origin the joint's axis goes */
+/* From the end effector towards the torso, in the end effector's frame: near it the numbers stay small. */
+void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian) {
+    pose_t end_effector = arm->effector; /* seen from the frame reached so far, through whose origin the joint's axis goes */
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
-        const quaternion_t to_hand = quaternion_conjugate(hand.rotation);
-        lines->axis[i] = quaternion_rotate(to_hand, joint->axis);
-        lines->moment_m[i] = quaternion_rotate(to_hand, vector3_cross(joint->axis, hand.translation_m));
-        hand = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], hand));
+        const quaternion_t to_end_effector = quaternion_conjugate(end_effector.rotation);
+        jacobian->angular[i] = quaternion_rotate(to_end_effector, joint->axis);
+        jacobian->linear_m[i] = quaternion_rotate(to_end_effector, vector3_cross(joint->axis, end_effector.translation_m));
+        end_effector = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], end_effector));
     }
-    lines->hand = hand;
+    jacobian->end_effector = end_effector;
 }
 
-dual_quaternion_t arm_half_line(vector3_t axis, vector3_t moment_m) {
+dual_quaternion_t arm_half_twist(vector3_t angular, vector3_t linear_m) {
     return (dual_quaternion_t){
-        {0.0f, 0.5f * axis.x, 0.5f * axis.y, 0.5f * axis.z},
-        {0.0f, 0.5f * moment_m.x, 0.5f * moment_m.y, 0.5f * moment_m.z},
+        {0.0f, 0.5f * angular.x, 0.5f * angular.y, 0.5f * angular.z},
+        {0.0f, 0.5f * linear_m.x, 0.5f * linear_m.y, 0.5f * linear_m.z},
     };
 }

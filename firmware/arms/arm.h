@@ -11,10 +11,10 @@
 
 #define ARM_MAX_JOINTS 8
 
-struct velocity_control_config;
-struct velocity_request;
-struct position_first_config;
-struct position_first_request;
+struct differential_ik_config;
+struct differential_ik_request;
+struct position_priority_config;
+struct position_priority_request;
 typedef struct arm arm_t;
 
 /* One revolute joint: from the previous joint's moving frame (the torso for the first) by `fixed`, then a rotation of
@@ -33,17 +33,17 @@ typedef struct {
     uint8_t lower, upper;
 } joint_ends_t;
 
-/* The hand's pose, as arm_forward_kinematics(). */
+/* The end effector's pose, as arm_forward_kinematics(). */
 typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
 
-/* Law (4) where it is isotropic; as velocity_control(), which calls it. */
-typedef void arm_isotropic_law_t(const arm_t *arm, const struct velocity_control_config *config,
-                                 const struct velocity_request *request, float velocity_radps[]);
+/* Law (4) where it is isotropic; as differential_ik(), which calls it. */
+typedef void arm_isotropic_law_t(const arm_t *arm, const struct differential_ik_config *config,
+                                 const struct differential_ik_request *request, float velocity_radps[]);
 
-/* The law that puts position first, as position_first(). */
-typedef float arm_position_first_t(const arm_t *arm, const struct position_first_config *config,
-                                   const struct position_first_request *request, float error_radps[],
-                                   float motion_radps[]);
+/* The law that puts position first, as position_priority(). */
+typedef float arm_position_priority_t(const arm_t *arm, const struct position_priority_config *config,
+                                      const struct position_priority_request *request, float feedback_radps[],
+                                      float feedforward_radps[]);
 
 struct arm {
     const char *name;
@@ -52,17 +52,18 @@ struct arm {
     const arm_joint_t *joints;
     pose_t effector;                      /* from the last joint's moving frame to the hand */
     arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or what `make arms` wrote for just this arm */
-    arm_isotropic_law_t *isotropic; /* velocity_control_isotropic(), or what `make arms` wrote for just this arm */
-    arm_position_first_t *position_first; /* position_first(), or what `make arms` wrote for just this arm */
+    arm_isotropic_law_t *isotropic;       /* differential_ik_isotropic(), or what `make arms` wrote for just this arm */
+    arm_position_priority_t *position_priority; /* position_priority(), or what `make arms` wrote for just this arm */
 };
 
-/* The hand seen from the torso, and each joint's axis seen from the hand, a line: its direction, and its moment about
- * the hand's origin, p x axis with p a point on it. */
+/* The end effector's pose seen from the torso, and the geometric Jacobian in the end effector's frame: column i is the
+ * twist of the end effector per rad/s of joint i, angular = its axis, linear_m = p x axis with p a point on the axis.
+ */
 typedef struct {
-    pose_t hand;
-    vector3_t axis[ARM_MAX_JOINTS];
-    vector3_t moment_m[ARM_MAX_JOINTS];
-} arm_lines_t;
+    pose_t end_effector;
+    vector3_t angular[ARM_MAX_JOINTS];
+    vector3_t linear_m[ARM_MAX_JOINTS];
+} arm_jacobian_t;
 
 /* NULL if the table is complete and within the ranges above, else a line that names the defect. */
 const char *arm_check(const arm_t *arm);
@@ -71,11 +72,11 @@ const char *arm_check(const arm_t *arm);
  * position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
-/* Of the arm's joints. */
-void arm_lines(const arm_t *arm, const float position_rad[], arm_lines_t *lines);
+void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian);
 
-/* A line seen from the hand as a dual quaternion, halved: the hand's dual quaternion times it is the joint's column of
- * the analytic 8 x n Jacobian, d(vec8 hand) / d(position), with the sign of that dual quaternion. */
-dual_quaternion_t arm_half_line(vector3_t axis, vector3_t moment_m);
+/* Half a column of the geometric Jacobian as a dual quaternion: the end effector's dual quaternion times it is the
+ * joint's column of the analytic 8 x n Jacobian, d(vec8 end effector) / d(position), with that dual quaternion's sign.
+ */
+dual_quaternion_t arm_half_twist(vector3_t angular, vector3_t linear_m);
 
 #endif

@@ -1,10 +1,10 @@
-/* Made by `make arms` from hoap3_right.toml: edit that. How: law.py, position_first.py in host_tools/development/comanip_dev/arms. */
+/* Made by `make arms` from hoap3_right.toml: edit that. How: differential_ik.py, position_priority.py in host_tools/development/comanip_dev/arms. */
 #include "hoap3_right.h"
 
 #include "../control/joint_ends.h"
-#include "../control/position_first_parts.h"
+#include "../control/position_priority_terms.h"
 #include "../maths/trigonometry_inline.h"
-#include "../control/velocity_control.h"
+#include "../control/differential_ik.h"
 
 static const arm_joint_t joints[4] = {
     {{{0.707106781f, -0.707106781f, 0.0f, 0.0f}, {-0.035f, -0.111f, 0.125f}}, {0.0f, 0.0f, 1.0f}, -1.57079633f, 2.61799388f, 4.76f, 10000.0f},
@@ -160,10 +160,10 @@ __attribute__((noinline)) static void solve_at_ends(joint_ends_t ends, float vel
     }
 }
 
-/* velocity_control_isotropic() for this arm. */
-static void isotropic(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,
+/* differential_ik_isotropic() for this arm. */
+static void isotropic(const arm_t *arm, const differential_ik_config_t *config, const differential_ik_request_t *request,
                       float velocity_radps[]) {
-    const velocity_isotropic_t *const law = &config->isotropic;
+    const differential_ik_isotropic_t *const law = &config->isotropic;
     const float *const position_rad = request->position_rad;
     const pose_t *const target = request->target;
     const float half_0 = 0.5f * position_rad[0];
@@ -568,7 +568,7 @@ static void isotropic(const arm_t *arm, const velocity_control_config_t *config,
     const float n114 = n113 + n64;
     const float n115 = n114 + n111;
     if (!(n115 <= law->trace_max)) {
-        velocity_control_general(arm, config, request, velocity_radps);
+        differential_ik_general(arm, config, request, velocity_radps);
         return;
     }
     const float matrix_00 = n29;
@@ -622,9 +622,9 @@ static void isotropic(const arm_t *arm, const velocity_control_config_t *config,
     velocity_radps[3] = pull_speed_3;
 }
 
-/* position_first() for this arm. */
-static float written_out(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,
-                         float error_radps[], float motion_radps[]) {
+/* position_priority() for this arm. */
+static float written_out(const arm_t *arm, const position_priority_config_t *config, const position_priority_request_t *request,
+                         float feedback_radps[], float feedforward_radps[]) {
     (void)arm;
     const float *const position_rad = request->position_rad;
     const pose_t *const target = request->target;
@@ -829,7 +829,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m134 = m131 + m132;
     const float m135 = m134 + m133;
     const float m136 = __builtin_sqrtf(m135);
-    const float m137 = position_first_share(m136);
+    const float m137 = position_priority_share(m136);
     const float m138 = m137 * m127;
     const float m139 = m137 * m128;
     const float m140 = m137 * m130;
@@ -842,7 +842,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m147 = m144 * m144;
     const float m148 = m145 + m146;
     const float m149 = m148 + m147;
-    const float m150 = position_first_stiffness(m149);
+    const float m150 = position_priority_stiffness(m149);
     const float m151 = config->orientation_weight_m2 * m150;
     const float m152 = m7 * m23;
     const float m153 = m6 * m23;
@@ -869,7 +869,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m174 = m171 + m173;
     const float m175 = m160 * m160;
     const float m176 = m174 + m175;
-    const float m177 = m176 + POSITION_FIRST_TASK_FLOOR_M2;
+    const float m177 = m176 + POSITION_PRIORITY_TASK_FLOOR_M2;
     const float m178 = m33 * m29;
     const float m179 = m152 * m153;
     const float m180 = 0.029241f * m179;
@@ -888,7 +888,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m193 = m190 + m192;
     const float m194 = m164 * m164;
     const float m195 = m193 + m194;
-    const float m196 = m195 + POSITION_FIRST_TASK_FLOOR_M2;
+    const float m196 = m195 + POSITION_PRIORITY_TASK_FLOOR_M2;
     const float m197 = m153 * m156;
     const float m198 = m164 * m167;
     const float m199 = 0.171f * m197;
@@ -897,7 +897,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m202 = m190 + m201;
     const float m203 = m167 * m167;
     const float m204 = m202 + m203;
-    const float m205 = m204 + POSITION_FIRST_TASK_FLOOR_M2;
+    const float m205 = m204 + POSITION_PRIORITY_TASK_FLOOR_M2;
     const float m206 = m196 * m205;
     const float m207 = m200 * m200;
     const float m208 = m206 - m207;
@@ -923,7 +923,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m228 = m227 + m226;
     const float m229 = m177 + m196;
     const float m230 = m229 + m205;
-    const float m231 = position_first_task_scale(m228, m230);
+    const float m231 = position_priority_task_scale(m228, m230);
     const float m232 = m231 * m208;
     const float m233 = m232 + 1.0f;
     const float m234 = m231 * m211;
@@ -933,7 +933,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m238 = m231 * m220;
     const float m239 = m231 * m223;
     const float m240 = m239 + 1.0f;
-    const float m241 = position_first_out_of_margin(&joints[0], position_rad[0]);
+    const float m241 = position_priority_out_of_margin(&joints[0], position_rad[0]);
     const float m242 = config->orientation_weight_m2 * m143;
     const float m243 = m151 * m241;
     const float m244 = m242 - m243;
@@ -949,7 +949,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m254 = m252 + m253;
     const float m255 = config->orientation_weight_m2 * request->motion->angular_velocity_radps.y;
     const float m256 = m254 - m255;
-    const float m257 = position_first_damping(m151, m241);
+    const float m257 = position_priority_damping(m151, m241);
     const float m258 = m233 * m23;
     const float m259 = m235 * m29;
     const float m260 = 0.171f * m258;
@@ -969,7 +969,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m277 = 0.171f * m275;
     const float m278 = m276 - m277;
     const float m279 = __builtin_fabsf(m278);
-    const float m280 = position_first_out_of_margin(&joints[1], position_rad[1]);
+    const float m280 = position_priority_out_of_margin(&joints[1], position_rad[1]);
     const float m281 = config->orientation_weight_m2 * m144;
     const float m282 = m151 * m280;
     const float m283 = m281 - m282;
@@ -983,7 +983,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m291 = m289 - m290;
     const float m292 = config->orientation_weight_m2 * m126;
     const float m293 = m291 - m292;
-    const float m294 = position_first_damping(m151, m280);
+    const float m294 = position_priority_damping(m151, m280);
     const float m295 = m233 * m33;
     const float m296 = m234 * m29;
     const float m297 = m295 + m296;
@@ -1007,7 +1007,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m315 = m314 + m276;
     const float m316 = __builtin_fabsf(m315);
     const float m317 = m308 + m316;
-    const float m318 = position_first_out_of_margin(&joints[2], position_rad[2]);
+    const float m318 = position_priority_out_of_margin(&joints[2], position_rad[2]);
     const float m319 = m6 * m142;
     const float m320 = m7 * m143;
     const float m321 = m319 - m320;
@@ -1033,7 +1033,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m341 = m339 + m340;
     const float m342 = config->orientation_weight_m2 * m341;
     const float m343 = m338 + m342;
-    const float m344 = position_first_damping(m151, m318);
+    const float m344 = position_priority_damping(m151, m318);
     const float m345 = m233 * m152;
     const float m346 = m234 * m153;
     const float m347 = m235 * m156;
@@ -1094,7 +1094,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m402 = m399 - m401;
     const float m403 = __builtin_fabsf(m402);
     const float m404 = m384 + m403;
-    const float m405 = position_first_out_of_margin(&joints[3], position_rad[3]);
+    const float m405 = position_priority_out_of_margin(&joints[3], position_rad[3]);
     const float m406 = m20 * m142;
     const float m407 = m21 * m143;
     const float m408 = m13 * m144;
@@ -1122,7 +1122,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m430 = m429 - m428;
     const float m431 = config->orientation_weight_m2 * m430;
     const float m432 = m425 + m431;
-    const float m433 = position_first_damping(m151, m405);
+    const float m433 = position_priority_damping(m151, m405);
     const float m434 = m233 * m160;
     const float m435 = m234 * m164;
     const float m436 = m235 * m167;
@@ -1201,16 +1201,16 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float m509 = m508 - m507;
     const float m510 = __builtin_fabsf(m509);
     const float m511 = m489 + m510;
-    const float m512 = POSITION_FIRST_CURVATURE_SHARE * m459;
+    const float m512 = POSITION_PRIORITY_CURVATURE_SHARE * m459;
     const float m513 = m257 + m512;
     const float m514 = m274 + m513;
-    const float m515 = POSITION_FIRST_CURVATURE_SHARE * m469;
+    const float m515 = POSITION_PRIORITY_CURVATURE_SHARE * m469;
     const float m516 = m294 + m515;
     const float m517 = m313 + m516;
-    const float m518 = POSITION_FIRST_CURVATURE_SHARE * m488;
+    const float m518 = POSITION_PRIORITY_CURVATURE_SHARE * m488;
     const float m519 = m344 + m518;
     const float m520 = m391 + m519;
-    const float m521 = POSITION_FIRST_CURVATURE_SHARE * m511;
+    const float m521 = POSITION_PRIORITY_CURVATURE_SHARE * m511;
     const float m522 = m433 + m521;
     const float m523 = m495 + m522;
     const float error_0 = -m250;
@@ -1232,7 +1232,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float matrix_32 = -m481;
     const float matrix_33 = m523;
     if ((request->ends.lower | request->ends.upper) != 0) {
-        position_first_equations_t equations;
+        position_priority_equations_t equations;
         equations.normal.matrix[0][0] = matrix_00;
         equations.normal.matrix[0][1] = matrix_10;
         equations.normal.matrix[1][1] = matrix_11;
@@ -1251,7 +1251,7 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
         equations.motion[1] = motion_1;
         equations.motion[2] = motion_2;
         equations.motion[3] = motion_3;
-        position_first_solve(&equations, 4, request->ends, error_radps, motion_radps);
+        position_priority_solve(&equations, 4, request->ends, feedback_radps, feedforward_radps);
         return m136;
     }
     const float inverse_0 = ldlt_inverse(matrix_00);
@@ -1278,10 +1278,10 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float error_speed_3 = (error_wanted_3) * over;
     const float error_speed_1 = error_carried_1 * inverse_1 - factor_21 * error_speed_2 - factor_31 * error_speed_3;
     const float error_speed_0 = error_0 * inverse_0 - factor_10 * error_speed_1 - factor_20 * error_speed_2 - factor_30 * error_speed_3;
-    error_radps[0] = error_speed_0;
-    error_radps[1] = error_speed_1;
-    error_radps[2] = error_speed_2;
-    error_radps[3] = error_speed_3;
+    feedback_radps[0] = error_speed_0;
+    feedback_radps[1] = error_speed_1;
+    feedback_radps[2] = error_speed_2;
+    feedback_radps[3] = error_speed_3;
     const float motion_carried_1 = motion_1 - factor_10 * motion_0;
     const float motion_carried_2 = motion_2 - factor_20 * motion_0 - factor_21 * motion_carried_1;
     const float motion_carried_3 = motion_3 - factor_30 * motion_0 - factor_31 * motion_carried_1;
@@ -1291,10 +1291,10 @@ static float written_out(const arm_t *arm, const position_first_config_t *config
     const float motion_speed_3 = (motion_wanted_3) * over;
     const float motion_speed_1 = motion_carried_1 * inverse_1 - factor_21 * motion_speed_2 - factor_31 * motion_speed_3;
     const float motion_speed_0 = motion_0 * inverse_0 - factor_10 * motion_speed_1 - factor_20 * motion_speed_2 - factor_30 * motion_speed_3;
-    motion_radps[0] = motion_speed_0;
-    motion_radps[1] = motion_speed_1;
-    motion_radps[2] = motion_speed_2;
-    motion_radps[3] = motion_speed_3;
+    feedforward_radps[0] = motion_speed_0;
+    feedforward_radps[1] = motion_speed_1;
+    feedforward_radps[2] = motion_speed_2;
+    feedforward_radps[3] = motion_speed_3;
     return m136;
 }
 
@@ -1306,5 +1306,5 @@ const arm_t arm_hoap3_right = {
     .effector = {{0.707106781f, -0.707106781f, 0.0f, 0.0f}, {0.0f, 0.171f, 0.0f}},
     .forward_kinematics = forward_kinematics,
     .isotropic = isotropic,
-    .position_first = written_out,
+    .position_priority = written_out,
 };

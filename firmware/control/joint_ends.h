@@ -4,7 +4,7 @@
 #define COMANIP_JOINT_ENDS_H
 
 #include "../maths/ldlt.h"
-#include "velocity_control.h"
+#include "differential_ik.h"
 
 /* Adds to *out the joints, a bit each, that are sent beyond the end at which they stand. Returns those that were not in
  * it: as long as it is not 0 the equations are to be solved again, without them, which is joint_count times at most. */

@@ -99,7 +99,7 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
         .ramp_square = ramp_radps * ramp_radps,
         .fastest_square = (speed_max_radps + coasting_radps) * (speed_max_radps + coasting_radps),
         .coasting_radps = coasting_radps,
-        .near_end_rad = JOINT_LIMITS_AT_LIMIT_RAD +
+        .at_limit_rad = JOINT_LIMITS_AT_LIMIT_RAD +
                         0.5f * (coasting_radps * coasting_radps - ramp_radps * ramp_radps) / braking_radps2,
         .reference_min_rad = joint->position_min_rad + POSITION_RESOLUTION_RAD,
         .reference_max_rad = joint->position_max_rad - POSITION_RESOLUTION_RAD,
@@ -117,10 +117,10 @@ void joint_limits_init(joint_limits_t *self) {
 }
 
 /* How much of the error's velocities is asked for, so that each joint stops on what is left of its way. */
-static float approach_scale(const joint_limits_plan_t plan[], int joint_count, const float error_radps[]) {
+static float approach_scale(const joint_limits_plan_t plan[], int joint_count, const float feedback_radps[]) {
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < joint_count; i++) {
-        const float speed = __builtin_fabsf(error_radps[i]);
+        const float speed = __builtin_fabsf(feedback_radps[i]);
         const float allowed_radps = approach_speed(speed, plan[i].linear_radps);
         if (float_is_below(allowed_radps, speed)) {
             scale = float_smaller(scale, allowed_radps / speed);
@@ -138,15 +138,15 @@ static float ramp_way(const joint_limits_config_t *config, const joint_limits_pl
 }
 
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config,
-                        const float measured_rad[], const float error_radps[], const float feedforward_radps[]) {
-    const float error_scale = approach_scale(config->plan, arm->joint_count, error_radps);
-    float wanted_radps[ARM_MAX_JOINTS];
+                        const float measured_rad[], const float feedback_radps[], const float feedforward_radps[]) {
+    const float error_scale = approach_scale(config->plan, arm->joint_count, feedback_radps);
+    float demand_radps[ARM_MAX_JOINTS];
     bool finite = true;
     float scale = 1.0f; /* of all joints alike */
     for (int i = 0; i < arm->joint_count; i++) {
-        wanted_radps[i] = error_scale * error_radps[i] + feedforward_radps[i];
-        finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(wanted_radps[i]);
-        const float speed = __builtin_fabsf(wanted_radps[i]);
+        demand_radps[i] = error_scale * feedback_radps[i] + feedforward_radps[i];
+        finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(demand_radps[i]);
+        const float speed = __builtin_fabsf(demand_radps[i]);
         if (float_is_below(config->plan[i].speed_max_radps, speed)) {
             scale = float_smaller(scale, config->plan[i].speed_max_radps / speed);
         }
@@ -157,7 +157,7 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         const int32_t last_steps = self->change_steps[i];
         int32_t velocity_steps = 0;
         if (finite) {
-            velocity_steps = float_nearest(scale * wanted_radps[i] * VELOCITY_STEPS_PER_RADPS);
+            velocity_steps = float_nearest(scale * demand_radps[i] * VELOCITY_STEPS_PER_RADPS);
             const bool upwards = velocity_steps > 0;
             float way_rad =
                 upwards ? joint->position_max_rad - measured_rad[i] : measured_rad[i] - joint->position_min_rad;
@@ -185,10 +185,10 @@ joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *co
     unsigned lower = 0, upper = 0;
     for (int i = 0; i < arm->joint_count; i++) {
         const arm_joint_t *joint = &arm->joints[i];
-        const float near_end_rad = config->plan[i].near_end_rad;
+        const float at_limit_rad = config->plan[i].at_limit_rad;
         const unsigned bit = 1u << i;
-        lower |= float_is_below(measured_rad[i] - joint->position_min_rad, near_end_rad) ? bit : 0u;
-        upper |= float_is_below(joint->position_max_rad - measured_rad[i], near_end_rad) ? bit : 0u;
+        lower |= float_is_below(measured_rad[i] - joint->position_min_rad, at_limit_rad) ? bit : 0u;
+        upper |= float_is_below(joint->position_max_rad - measured_rad[i], at_limit_rad) ? bit : 0u;
     }
     return (joint_ends_t){(uint8_t)lower, (uint8_t)upper};
 }

@@ -36,7 +36,7 @@ typedef struct {
     float ramp_square;    /* (a^2 / (2 j))^2: of what the speed changes by while the deceleration grows to a */
     float fastest_square; /* of the stopping speed from which on speed_max_radps holds */
     float coasting_radps; /* what is lost of the stopping speed to that, and to commands under way */
-    float near_end_rad;   /* nearer to an end, the joint counts as standing there */
+    float at_limit_rad;   /* nearer to an end, the joint counts as standing there */
     float reference_min_rad,
         reference_max_rad; /* not quite the ends, so that the rounded reference on the bus is within them */
 } joint_limits_plan_t;
@@ -64,12 +64,12 @@ typedef struct {
 
 void joint_limits_init(joint_limits_t *self);
 
-/* measured_rad, error_radps, feedforward_radps: joint_count values; the law's velocities for the error that is left,
+/* measured_rad, feedback_radps, feedforward_radps: joint_count values; the law's velocities for the error that is left,
  * which the approach rule brakes, and those of the target's own motion. The command is left in self; its velocities are
  * whole multiples of the bus's resolution (1 mrad/s), so that what is limited is what is sent. Returns false, and
  * brakes, if a value is not finite, or the sum of a joint's velocities is not. */
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config,
-                        const float measured_rad[], const float error_radps[], const float feedforward_radps[]);
+                        const float measured_rad[], const float feedback_radps[], const float feedforward_radps[]);
 
 /* Which joints stand at an end of their range. */
 joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]);

@@ -16,7 +16,7 @@
 #define STANDS_RAD 5e-3f /* what was pushed away further is the law's */
 #define STANDS_M 1e-3f   /* so is a target that moves on */
 
-static bool is_away(const posture_change_t *self, const position_first_request_t *request, float distance_m) {
+static bool is_away(const posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(self->target_m, -1.0f));
     return vector3_dot(way_m, way_m) > distance_m * distance_m;
 }
@@ -30,7 +30,7 @@ static float longest_way(const float from_rad[], const float to_rad[], int joint
     return longest_rad;
 }
 
-static void watch_anew(posture_change_t *self, const position_first_request_t *request, float distance_m) {
+static void watch_anew(posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     self->phase = POSTURE_WATCHED;
     self->target_m = request->target->translation_m;
     self->distance_m = distance_m;
@@ -49,7 +49,7 @@ static void begin_candidate(posture_change_t *self, const arm_t *arm, uint8_t se
     }
 }
 
-static void begin_search(posture_change_t *self, const arm_t *arm, const position_first_request_t *request) {
+static void begin_search(posture_change_t *self, const arm_t *arm, const position_priority_request_t *request) {
     self->phase = POSTURE_SEARCHED;
     self->target_m = request->target->translation_m;
     self->way_rad = FLT_MAX;
@@ -61,20 +61,20 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     const arm_t *arm = config->arm;
-    const position_first_config_t law = {
+    const position_priority_config_t law = {
         .gain_per_s = 1.0f,
         .orientation_weight_m2 = ORIENTATION_SHARE * config->law->orientation_weight_m2,
     };
-    const position_first_request_t request = {
+    const position_priority_request_t request = {
         .position_rad = self->candidate_rad,
         .target = target,
         .motion = &none,
         .ends = joint_limits_ends(arm, config->limits, self->candidate_rad),
     };
     float step_rad[ARM_MAX_JOINTS], motion[ARM_MAX_JOINTS];
-    const float distance_m = arm->position_first(arm, &law, &request, step_rad, motion);
+    const float distance_m = arm->position_priority(arm, &law, &request, step_rad, motion);
     for (int i = 0; i < arm->joint_count; i++) {
-        const float inside_rad = 0.99f * config->limits->plan[i].near_end_rad;
+        const float inside_rad = 0.99f * config->limits->plan[i].at_limit_rad;
         const float low_rad = arm->joints[i].position_min_rad + inside_rad;
         const float high_rad = arm->joints[i].position_max_rad - inside_rad;
         const float to_rad = self->candidate_rad[i] + step_rad[i];
@@ -94,7 +94,7 @@ static void keep_nearest(posture_change_t *self, const float position_rad[], int
 
 /* After all seeds, the nearest goes on, so that the law finds little to do there for the orientation either. */
 static void search(posture_change_t *self, const posture_change_config_t *config,
-                   const position_first_request_t *request) {
+                   const position_priority_request_t *request) {
     const float distance_m = improve(self, config, request->target);
     const bool is_met = distance_m < MET_M;
     if (self->seed == SEEDS) {
@@ -118,11 +118,11 @@ static void search(posture_change_t *self, const posture_change_config_t *config
 /* ---- change */
 
 static float hand_speed(const arm_t *arm, const float position_rad[], const float velocity_radps[]) {
-    arm_lines_t lines;
-    arm_lines(arm, position_rad, &lines);
+    arm_jacobian_t jacobian;
+    arm_jacobian(arm, position_rad, &jacobian);
     vector3_t hand_mps = {0.0f, 0.0f, 0.0f};
     for (int i = 0; i < arm->joint_count; i++) {
-        hand_mps = vector3_add(hand_mps, vector3_scale(lines.moment_m[i], velocity_radps[i]));
+        hand_mps = vector3_add(hand_mps, vector3_scale(jacobian.linear_m[i], velocity_radps[i]));
     }
     return __builtin_sqrtf(vector3_dot(hand_mps, hand_mps));
 }
@@ -157,7 +157,7 @@ void posture_change_init(posture_change_t *self) {
 }
 
 bool posture_change_step(posture_change_t *self, const posture_change_config_t *config,
-                         const position_first_request_t *request, float error_radps[]) {
+                         const position_priority_request_t *request, float feedback_radps[]) {
     const int joint_count = config->arm->joint_count;
     if (self->phase != POSTURE_WATCHED && is_away(self, request, POSTURE_CHANGE_AWAY_M)) {
         watch_anew(self, request, 0.0f);
@@ -172,17 +172,17 @@ bool posture_change_step(posture_change_t *self, const posture_change_config_t *
     if (self->phase == POSTURE_WATCHED || self->phase == POSTURE_LEFT) {
         return false;
     }
-    memset(error_radps, 0, (size_t)joint_count * sizeof *error_radps);
+    memset(feedback_radps, 0, (size_t)joint_count * sizeof *feedback_radps);
     if (self->phase == POSTURE_SEARCHED) {
         search(self, config, request);
     } else if (self->phase == POSTURE_CHANGING) {
-        go(self, config, request->position_rad, error_radps);
+        go(self, config, request->position_rad, feedback_radps);
     }
     return true;
 }
 
 void posture_change_watch(posture_change_t *self, const posture_change_config_t *config,
-                          const position_first_request_t *request, float distance_m) {
+                          const position_priority_request_t *request, float distance_m) {
     if (self->phase != POSTURE_WATCHED) {
         return;
     }

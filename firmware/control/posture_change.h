@@ -3,8 +3,8 @@
  *
  *   watched   the law is in force. When for POSTURE_CHANGE_STILL_S the target stood still, further away than
  * POSTURE_CHANGE_ERROR_M, the hand came no nearer, and a joint was at an end: searched  the arm stands.
- * position_first() leads one candidate after the other to the target, a step a tick, from postures that have each joint
- * at a quarter or at three quarters of its range. Of those that get there, the one is taken whose joints have the
+ * position_priority() leads one candidate after the other to the target, a step a tick, from postures that have each
+ * joint at a quarter or at three quarters of its range. Of those that get there, the one is taken whose joints have the
  *             shortest way to go: the longest of their ways counts;
  *   changing  all joints go there together, none above POSTURE_CHANGE_JOINT_SHARE of its largest speed, the hand not
  * above POSTURE_CHANGE_HAND_MPS, the reduced speed of ISO 10218-1; changed   the arm stands there until the target
@@ -16,7 +16,7 @@
 #define COMANIP_POSTURE_CHANGE_H
 
 #include "joint_limits.h"
-#include "position_first.h"
+#include "position_priority.h"
 
 #define POSTURE_CHANGE_ERROR_M 3e-3f
 #define POSTURE_CHANGE_STILL_S 0.5f
@@ -40,21 +40,21 @@ typedef struct {
 /* All members of a request but the target's motion count. */
 typedef struct {
     const arm_t *arm;
-    const position_first_config_t *law;
+    const position_priority_config_t *law;
     const joint_limits_config_t *limits;
 } posture_change_config_t;
 
 /* Watched anew: at the start, and whenever the cooperation is held or changed. */
 void posture_change_init(posture_change_t *self);
 
-/* Before the law: true if it is not to be asked, as error_radps, joint_count values, are set, and the target's motion
- * is not to be fed forward. */
+/* Before the law: true if it is not to be asked, as feedback_radps, joint_count values, are set, and the target's
+ * motion is not to be fed forward. */
 bool posture_change_step(posture_change_t *self, const posture_change_config_t *config,
-                         const position_first_request_t *request, float error_radps[]);
+                         const position_priority_request_t *request, float feedback_radps[]);
 
 /* After the law, which found the hand so far from its target. */
 void posture_change_watch(posture_change_t *self, const posture_change_config_t *config,
-                          const position_first_request_t *request, float distance_m);
+                          const position_priority_request_t *request, float distance_m);
 
 /* Whether the arm moves for it. */
 bool posture_change_is_moving(const posture_change_t *self);

@@ -86,17 +86,17 @@ static vector3_t vector_at(const parameters_t *self, int first) {
     return (vector3_t){self->value[first], self->value[first + 1], self->value[first + 2]};
 }
 
-void parameters_velocity_control(const parameters_t *self, velocity_control_config_t *config) {
+void parameters_differential_ik(const parameters_t *self, differential_ik_config_t *config) {
     for (int i = 0; i < 8; i++) {
         config->gain_per_s[i] = self->value[PARAMETER_GAIN_PER_S + i];
         config->weight[i] = self->value[PARAMETER_WEIGHT + i];
     }
     config->damping = self->value[PARAMETER_DAMPING];
     config->error_frame = self->value[PARAMETER_ERROR_FRAME] > 0.0f ? ERROR_FRAME_TARGET : ERROR_FRAME_TORSO;
-    velocity_control_prepare(config);
+    differential_ik_prepare(config);
 }
 
-void parameters_position_first(const parameters_t *self, position_first_config_t *config) {
+void parameters_position_priority(const parameters_t *self, position_priority_config_t *config) {
     config->gain_per_s = self->value[PARAMETER_FOLLOWING_GAIN_PER_S];
     config->orientation_weight_m2 = self->value[PARAMETER_ORIENTATION_WEIGHT_M2];
 }

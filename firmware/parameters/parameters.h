@@ -3,9 +3,9 @@
 #define COMANIP_PARAMETERS_H
 
 #include "../control/cooperation.h"
+#include "../control/differential_ik.h"
 #include "../control/joint_limits.h"
-#include "../control/position_first.h"
-#include "../control/velocity_control.h"
+#include "../control/position_priority.h"
 #include "../protocol/can_protocol.h"
 
 /* Numbers and names are those of the DBC (ParameterValue.parameter). Vectors stand in a row: FIRST + component. */
@@ -27,9 +27,9 @@ typedef enum {
     PARAMETER_STALE_PERIODS = 36,
     PARAMETER_TRACE = 37, /* 1: TickTrace is sent */
     PARAMETER_PREDICTION =
-        38, /* 1: the hand's motion is predicted and fed forward, position_first.h; 0: interpolated, law (4) */
-    PARAMETER_FOLLOWING_GAIN_PER_S = 39,  /* position_first_config_t's K */
-    PARAMETER_ORIENTATION_WEIGHT_M2 = 40, /* position_first_config_t's w */
+        38, /* 1: the hand's motion is predicted and fed forward, position_priority.h; 0: interpolated, law (4) */
+    PARAMETER_FOLLOWING_GAIN_PER_S = 39,  /* position_priority_config_t's K */
+    PARAMETER_ORIENTATION_WEIGHT_M2 = 40, /* position_priority_config_t's w */
     PARAMETER_TRACKER_LATENCY_S = 41,     /* added to the latency that the tracker announces */
     PARAMETER_POSTURE_CHANGE = 42,        /* 1: with prediction, the arm leaves dead ends, posture_change.h */
     PARAMETER_COUNT = 43
@@ -54,15 +54,15 @@ void parameters_set_defaults(parameters_t *self);
 /* RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (NaN included); a refused value changes nothing. */
 result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
-/* Whether the hand's motion is predicted, and followed as position_first.h has it. */
+/* Whether the hand's motion is predicted, and followed as position_priority.h has it. */
 bool parameters_predict(const parameters_t *self);
 
 /* Whether the arm changes its posture to get out of a dead end. */
 bool parameters_change_posture(const parameters_t *self);
 
 /* Views of the parameters as each stage wants them. */
-void parameters_velocity_control(const parameters_t *self, velocity_control_config_t *config);
-void parameters_position_first(const parameters_t *self, position_first_config_t *config);
+void parameters_differential_ik(const parameters_t *self, differential_ik_config_t *config);
+void parameters_position_priority(const parameters_t *self, position_priority_config_t *config);
 void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config);
 void parameters_cooperation(const parameters_t *self, cooperation_config_t *config);
 pose_t parameters_marker_to_hand(const parameters_t *self);

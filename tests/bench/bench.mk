@@ -11,7 +11,7 @@ BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG $(BENCH_PROCESSOR) -DEIGEN_MAX_ALIGN_BY
     -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS -isystem $(BENCH_SITE)/cmeel.prefix/include \
     -isystem $(BENCH_SITE)/mujoco/include -isystem /usr/include/eigen3
 BENCH_C := $(wildcard firmware/maths/*.c firmware/arms/*.c) tests/bench/tick.c $(addprefix firmware/control/,cooperation.c \
-    joint_ends.c task.c velocity_control.c velocity_control_general.c velocity_control_isotropic.c)
+    joint_ends.c task.c differential_ik.c differential_ik_general.c differential_ik_isotropic.c)
 BENCH_OBJECTS := $(BENCH_C:%.c=$(BENCH)/%.o) $(BENCH_ARMS:%=$(BENCH)/%.o) \
     $(patsubst tests/bench/%.cpp,$(BENCH)/%.cpp.o,$(wildcard tests/bench/*.cpp))
 BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind

@@ -161,7 +161,7 @@ def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str
     answers[peer.name] = [list(peer.velocity(q, hand)) for q, hand in zip(case.states, peer.hands)]
     for name, values in answers.items():
         found[name] = float((np.abs(np.array(values) - expected) / scale).max())
-        single_precision = name in OURS or name.endswith("float")  # then as tests/test_velocity_control.py
+        single_precision = name in OURS or name.endswith("float")  # then as tests/test_differential_ik.py
         bound = max(5e-5, 5e-8 * max(4, *WEIGHT) / DAMPING) if single_precision else 1e-9
         if name != OWN_LAW and not found[name] <= bound:
             told.append(f"n = {case.n}: {name} is {found[name]:.2g} from the equations in double, bound {bound:.2g}")

@@ -5,8 +5,8 @@
 
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/control/cooperation.h"
-#include "../../firmware/control/velocity_control.h"
-#include "../../firmware/control/velocity_control_isotropic.h"
+#include "../../firmware/control/differential_ik.h"
+#include "../../firmware/control/differential_ik_isotropic.h"
 #include "seven.h"
 #include "six.h"
 
@@ -16,7 +16,7 @@ struct tick {
     arm_t arm;
     arm_joint_t joints[ARM_MAX_JOINTS];
     cooperation_t cooperation;
-    velocity_control_config_t config;
+    differential_ik_config_t config;
     float position_rad[ARM_MAX_JOINTS], velocity_radps[ARM_MAX_JOINTS];
     int hand_count;
     pose_t hand[];
@@ -44,7 +44,7 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
                         .joints = self->joints,
                         .effector = pose(&model->fixed[7 * model->joint_count]),
                         .forward_kinematics = arm_forward_kinematics,
-                        .isotropic = velocity_control_isotropic};
+                        .isotropic = differential_ik_isotropic};
 }
 
 tick_t *tick_create(const tick_model_t *model) {
@@ -56,7 +56,7 @@ tick_t *tick_create(const tick_model_t *model) {
     }
     self->config.damping = (float)model->damping;
     self->config.error_frame = ERROR_FRAME_TARGET;
-    velocity_control_prepare(&self->config);
+    differential_ik_prepare(&self->config);
     self->hand_count = model->hand_count;
     for (int i = 0; i < model->hand_count; i++) {
         self->hand[i] = pose(&model->hands[7 * i]);
@@ -76,8 +76,8 @@ void tick_set(tick_t *self, const double position_rad[]) {
 
 static void tick(tick_t *self, int hand) {
     cooperation_update(&self->cooperation, &self->hand[hand], 1.0f);
-    const velocity_request_t request = {.position_rad = self->position_rad, .target = &self->cooperation.target};
-    velocity_control(&self->arm, &self->config, &request, self->velocity_radps);
+    const differential_ik_request_t request = {.position_rad = self->position_rad, .target = &self->cooperation.target};
+    differential_ik(&self->arm, &self->config, &request, self->velocity_radps);
 }
 
 void tick_run(tick_t *self, int count) {

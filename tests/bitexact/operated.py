@@ -51,7 +51,7 @@ class Operated(Bench):
             self.controller.arm, ffi.addressof(self.controller.joint_limits_config), self.controller.joints.position_rad
         )
         cooperates = self.mode == lib.MODE_COOPERATING
-        self.seen["the law waits"] += self.controller.law_waited
+        self.seen["the law waits"] += self.controller.demand_deferred
         self.seen["hold"] += self.mode == lib.MODE_HOLD
         self.seen["a joint at an end"] += cooperates and (ends.lower | ends.upper) != 0
 

@@ -38,17 +38,18 @@ static void told(counted_t what) {
 
 /* Copies, which are not on the stack: it is as large as the product needs it. */
 static cooperation_t cooperation;
-static velocity_control_config_t config;
+static differential_ik_config_t config;
 static hand_motion_t motion;
-static position_first_config_t position_first_config;
+static position_priority_config_t position_priority_config;
 
 /* Algorithm 1, kinematics and law (4), as the controller calls them. */
 static void tick(const float position_rad[], const pose_t *hand, joint_ends_t ends, float blend, counted_t what) {
     float velocity_radps[ARM_MAX_JOINTS];
-    const velocity_request_t request = {.position_rad = position_rad, .target = &cooperation.target, .ends = ends};
+    const differential_ik_request_t request = {
+        .position_rad = position_rad, .target = &cooperation.target, .ends = ends};
     count_begin();
     cooperation_update(&cooperation, hand, blend);
-    velocity_control(&arm_hoap3_right, &config, &request, velocity_radps);
+    differential_ik(&arm_hoap3_right, &config, &request, velocity_radps);
     count_end();
     told(what);
 }
@@ -64,7 +65,7 @@ static void ticks(const float position_rad[], const pose_t *hand) {
     tick(position_rad, hand, none, 1.0f, COUNTED_TICK_TORSO);
     config.error_frame = ERROR_FRAME_TARGET;
     config.weight[1] *= 2.0f;
-    velocity_control_prepare(&config);
+    differential_ik_prepare(&config);
     tick(position_rad, hand, none, 1.0f, COUNTED_TICK_GENERAL);
     tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_ENDS);
 }
@@ -86,12 +87,12 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     told(COUNTED_PREDICTION);
     for (int at_ends = 0; at_ends < 2; at_ends++) {
         const joint_ends_t ends = {at_ends ? 0x5 : 0, at_ends ? 0xA : 0};
-        const position_first_request_t request = {position_rad, &cooperation.target, &target_moves, ends};
-        float error_radps[ARM_MAX_JOINTS], motion_radps[ARM_MAX_JOINTS];
+        const position_priority_request_t request = {position_rad, &cooperation.target, &target_moves, ends};
+        float feedback_radps[ARM_MAX_JOINTS], feedforward_radps[ARM_MAX_JOINTS];
         count_begin();
         cooperation_update(&cooperation, &hand, 1.0f);
-        (void)arm_hoap3_right.position_first(&arm_hoap3_right, &position_first_config, &request, error_radps,
-                                             motion_radps);
+        (void)arm_hoap3_right.position_priority(&arm_hoap3_right, &position_priority_config, &request, feedback_radps,
+                                                feedforward_radps);
         count_end();
         told(at_ends ? COUNTED_LAW_ENDS : COUNTED_LAW);
     }
@@ -105,10 +106,10 @@ static void run_state(const record_t *record, const controller_t *controller) {
     } state;
     (void)platform_read(&state, sizeof state);
     cooperation = (cooperation_t){0};
-    config = controller->velocity_control_config;
+    config = controller->differential_ik_config;
     cooperation_start(&cooperation, &controller->cooperation_config, &task_table[record->count], pose_identity,
                       arm_hoap3_right.forward_kinematics(&arm_hoap3_right, state.position_rad));
-    position_first_config = controller->position_first_config;
+    position_priority_config = controller->position_priority_config;
     hand_motion_init(&motion);
     hand_motion_sample(&motion, &state.hand, 0u, 4000u);
     ticks(state.position_rad, &state.hand);
@@ -138,11 +139,10 @@ void firmware_main(void) {
             controller_step(&controller, record.now_us, &inbox, &outbox);
             count_end();
             told(controller.predicts ? COUNTED_STEP : COUNTED_STEP_NOT_PREDICTED);
-            if (controller.supervisor.mode == MODE_COOPERATING &&
-                controller.velocity_control_config.isotropic.applies) {
+            if (controller.supervisor.mode == MODE_COOPERATING && controller.differential_ik_config.isotropic.applies) {
                 cooperation = controller.cooperation;
-                config = controller.velocity_control_config;
-                position_first_config = controller.position_first_config;
+                config = controller.differential_ik_config;
+                position_priority_config = controller.position_priority_config;
                 motion = controller.marker_motion;
                 ticks(controller.joints.position_rad, &controller.hand);
                 predicted_ticks(controller.joints.position_rad, hand_tracker_newest(&controller.hand_tracker));

@@ -7,8 +7,8 @@
 
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/control/cooperation.h"
+#include "../../firmware/control/differential_ik.h"
 #include "../../firmware/control/hand_tracker.h"
-#include "../../firmware/control/velocity_control.h"
 #include "../../firmware/parameters/parameters.h"
 
 #define TICKS 20000
@@ -43,9 +43,9 @@ static void set_gains(parameters_t *parameters, const float gain[8], const float
 
 static void run(const char *name, const parameters_t *parameters, task_id_t task) {
     const arm_t *arm = &arm_hoap3_right;
-    velocity_control_config_t law;
+    differential_ik_config_t law;
     cooperation_config_t mapping;
-    parameters_velocity_control(parameters, &law);
+    parameters_differential_ik(parameters, &law);
     parameters_cooperation(parameters, &mapping);
     cooperation_t cooperation;
     hand_tracker_t tracker;
@@ -76,11 +76,11 @@ static void run(const char *name, const parameters_t *parameters, task_id_t task
         }
         cooperation_update(&cooperation, &hand, tick < 1000u ? 0.001f * (float)tick : 1.0f);
         const uint8_t lower = tick % 7u == 0u ? (uint8_t)(tick & 15u) : 0u;
-        const velocity_request_t request = {.position_rad = joint,
-                                            .target = &cooperation.target,
-                                            .ends = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
+        const differential_ik_request_t request = {.position_rad = joint,
+                                                   .target = &cooperation.target,
+                                                   .ends = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
         float velocity_radps[ARM_MAX_JOINTS] = {0.0f};
-        velocity_control(arm, &law, &request, velocity_radps);
+        differential_ik(arm, &law, &request, velocity_radps);
         take(&cooperation.target, sizeof cooperation.target);
         take(velocity_radps, sizeof velocity_radps);
     }

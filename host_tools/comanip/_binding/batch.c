@@ -43,14 +43,14 @@ void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_ra
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
-        arm_lines_t lines;
+        arm_jacobian_t geometric;
         float *jacobian = &out[row * 8 * n];
 
-        arm_lines(arm, &position_rad[row * n], &lines);
-        const dual_quaternion_t hand = pose_to_dual_quaternion(lines.hand);
+        arm_jacobian(arm, &position_rad[row * n], &geometric);
+        const dual_quaternion_t hand = pose_to_dual_quaternion(geometric.end_effector);
         for (size_t joint = 0; joint < n; joint++) {
             const dual_quaternion_t column =
-                dual_quaternion_multiply(hand, arm_half_line(lines.axis[joint], lines.moment_m[joint]));
+                dual_quaternion_multiply(hand, arm_half_twist(geometric.angular[joint], geometric.linear_m[joint]));
             const quaternion_t p = column.primary;
             const quaternion_t d = column.dual;
             const float vec8[8] = {p.w, p.x, p.y, p.z, d.w, d.x, d.y, d.z};
@@ -62,15 +62,15 @@ void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_ra
     }
 }
 
-void batch_joint_velocity(const arm_t *arm, const velocity_control_config_t *config, size_t count,
+void batch_joint_velocity(const arm_t *arm, const differential_ik_config_t *config, size_t count,
                           const float position_rad[], const dual_quaternion_t target[], float out[]) {
     const size_t n = arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
         const pose_t pose = pose_from_dual_quaternion(target[row]);
 
-        const velocity_request_t request = {.position_rad = &position_rad[row * n], .target = &pose};
+        const differential_ik_request_t request = {.position_rad = &position_rad[row * n], .target = &pose};
 
-        velocity_control(arm, config, &request, &out[row * n]);
+        differential_ik(arm, config, &request, &out[row * n]);
     }
 }

@@ -85,8 +85,8 @@ class Arm:
         table.joints = joints
         table.effector = _pose(effector)
         table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics")
-        table.isotropic = ffi.addressof(lib, "velocity_control_isotropic")
-        table.position_first = ffi.addressof(lib, "position_first")
+        table.isotropic = ffi.addressof(lib, "differential_ik_isotropic")
+        table.position_priority = ffi.addressof(lib, "position_priority")
         defect = lib.arm_check(table)
         if defect != ffi.NULL:
             raise ValueError(ffi.string(defect).decode())

@@ -113,12 +113,12 @@ def joint_velocity(
     q, target = _joint_positions(arm, q), check.poses("target", target)
     check.same_length("q", q, "target", target)
     choice("error_frame", error_frame, _ERROR_FRAMES)
-    config = ffi.new("velocity_control_config_t *")
+    config = ffi.new("differential_ik_config_t *")
     config.gain_per_s = check.diagonal("gain", gain)
     config.weight = check.diagonal("weight", 1.0 if weight is None else weight)
     config.damping = check.scalar("damping", damping, 0.0)
     config.error_frame = _ERROR_FRAMES[error_frame]
-    lib.velocity_control_prepare(config)
+    lib.differential_ik_prepare(config)
     out = np.empty((len(q), arm.joint_count), np.float32)
     lib.batch_joint_velocity(arm.table, config, len(q), _floats(q), _dual_quaternions(target), _floats(out))
     return out

@@ -1,5 +1,5 @@
-"""``make arms``: from each firmware/arms/NAME.toml its table in C, with kinematics and both laws written out for just this arm (arm_law.py,
-arm_position_first.py).
+"""``make arms``: from each firmware/arms/NAME.toml its table in C, with kinematics and both laws written out for just this arm (differential_ik.py,
+position_priority.py).
 
 Run as ``python -m comanip_dev.arms.codegen [FILE...]``; NAME.c and NAME.h are written beside each file, and are committed.
 """
@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from comanip_dev import REPOSITORY
-from comanip_dev.arms import position_first as arm_position_first
+from comanip_dev.arms import position_priority
 from comanip_dev.arms.description import Arm, ArmError, Pose, read
-from comanip_dev.arms.law import fewest_operations, forward_kinematics
+from comanip_dev.arms.differential_ik import fewest_operations, forward_kinematics
 from comanip_dev.arms.straight_line import literal
 
 ARMS = REPOSITORY / "firmware" / "arms"
@@ -34,24 +34,24 @@ def source(arm: Arm, origin: str) -> str:
         for fixed, limits, jerk in zip(arm.fixed, arm.range_rad, arm.jerk_max_radps3, strict=True)
     ]
     return "\n".join([
-        f"/* Made by `make arms` from {origin}: edit that. How: law.py, position_first.py in host_tools/development/comanip_dev/arms. */",
-        f'#include "{arm.name}.h"', "", '#include "../control/joint_ends.h"', '#include "../control/position_first_parts.h"', '#include "../maths/trigonometry_inline.h"', '#include "../control/velocity_control.h"', "",
+        f"/* Made by `make arms` from {origin}: edit that. How: differential_ik.py, position_priority.py in host_tools/development/comanip_dev/arms. */",
+        f'#include "{arm.name}.h"', "", '#include "../control/joint_ends.h"', '#include "../control/position_priority_terms.h"', '#include "../maths/trigonometry_inline.h"', '#include "../control/differential_ik.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
         "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {", *forward_kinematics(arm), "}", "",
         "/* joint_ends_solve() for this arm. */", *law.at_ends, "",
-        "/* velocity_control_isotropic() for this arm. */",
-        "static void isotropic(const arm_t *arm, const velocity_control_config_t *config, const velocity_request_t *request,",
+        "/* differential_ik_isotropic() for this arm. */",
+        "static void isotropic(const arm_t *arm, const differential_ik_config_t *config, const differential_ik_request_t *request,",
         "                      float velocity_radps[]) {",
         *law.body, "}", "",
-        "/* position_first() for this arm. */",
-        "static float written_out(const arm_t *arm, const position_first_config_t *config, const position_first_request_t *request,",
-        "                         float error_radps[], float motion_radps[]) {",
-        *arm_position_first.fewest_operations(arm), "}", "",
+        "/* position_priority() for this arm. */",
+        "static float written_out(const arm_t *arm, const position_priority_config_t *config, const position_priority_request_t *request,",
+        "                         float feedback_radps[], float feedforward_radps[]) {",
+        *position_priority.fewest_operations(arm), "}", "",
         f"const arm_t arm_{arm.name} = {{",
         f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},", "    .joints = joints,",
         f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,",
-        "    .isotropic = isotropic,", "    .position_first = written_out,", "};", "",
+        "    .isotropic = isotropic,", "    .position_priority = written_out,", "};", "",
     ])  # fmt: skip
 
 

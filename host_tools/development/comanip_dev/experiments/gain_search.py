@@ -1,4 +1,4 @@
-"""A search for the gains of the paper's law (4) and of ours (firmware/control/position_first.h). ``python -m comanip_dev.experiments.gain_search --out DIR``.
+"""A search for the gains of the paper's law (4) and of ours (firmware/control/position_priority.h). ``python -m comanip_dev.experiments.gain_search --out DIR``.
 
 Each candidate runs scenarios x seeds in the simulator. Of each run enter, each divided by what would be acceptable:
 

@@ -24,7 +24,7 @@ PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
 
 class Velocities(Protocol):
-    """error_radps, what the joints shall do for the error that is left, and feedforward_radps, for the target's own motion: (n,)."""
+    """feedback_radps, what the joints shall do for the error that is left, and feedforward_radps, for the target's own motion: (n,)."""
 
     def __call__(self, target: int, measured_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
 

@@ -1,4 +1,4 @@
-#include "velocity_control_isotropic.h"
+#include "differential_ik_isotropic.h"
 
 #include "joint_ends.h"
 
@@ -28,8 +28,8 @@ typedef struct {
     vector3_t dual_m; /* with the pull of translation */
 } pose_error_t;
 
-static pose_error_t error_of(const pose_t *hand, const pose_t *target, const velocity_control_config_t *config) {
-    const velocity_isotropic_t *law = &config->isotropic;
+static pose_error_t error_of(const pose_t *hand, const pose_t *target, const differential_ik_config_t *config) {
+    const differential_ik_isotropic_t *law = &config->isotropic;
     const quaternion_t to_hand = quaternion_conjugate(hand->rotation);
     const quaternion_t d = quaternion_align(quaternion_multiply(to_hand, target->rotation), quaternion_identity);
     const vector3_t turn = vector3_scale((vector3_t){d.x, d.y, d.z}, law->pull_rotation);
@@ -53,31 +53,32 @@ static float dot(quaternion_t a, quaternion_t b) {
     return (a.w * b.w + a.x * b.x) + (a.y * b.y + a.z * b.z);
 }
 
-void velocity_control_isotropic(const arm_t *arm, const velocity_control_config_t *config,
-                                const velocity_request_t *request, float velocity_radps[]) {
-    const velocity_isotropic_t *law = &config->isotropic;
+void differential_ik_isotropic(const arm_t *arm, const differential_ik_config_t *config,
+                               const differential_ik_request_t *request, float velocity_radps[]) {
+    const differential_ik_isotropic_t *law = &config->isotropic;
     const int joint_count = arm->joint_count;
-    arm_lines_t lines;
-    arm_lines(arm, request->position_rad, &lines);
-    const pose_error_t error = error_of(&lines.hand, request->target, config);
+    arm_jacobian_t jacobian;
+    arm_jacobian(arm, request->position_rad, &jacobian);
+    const pose_error_t error = error_of(&jacobian.end_effector, request->target, config);
 
     ldlt_t normal;
     quaternion_t moved[ARM_MAX_JOINTS]; /* dual parts of the columns */
     float trace = 0.0f;
     for (int i = 0; i < joint_count; i++) {
-        const vector3_t axis = lines.axis[i];
-        const vector3_t linear = vector3_add(lines.moment_m[i], vector3_cross(axis, error.g));
+        const vector3_t axis = jacobian.angular[i];
+        const vector3_t linear = vector3_add(jacobian.linear_m[i], vector3_cross(axis, error.g));
         moved[i] = (quaternion_t){vector3_dot(axis, error.g), linear.x, linear.y, linear.z};
         velocity_radps[i] = vector3_dot(axis, error.turn) + vector3_dot(linear, error.dual_m);
         for (int j = 0; j < i; j++) {
-            normal.matrix[j][i] = law->weight_rotation * vector3_dot(axis, lines.axis[j]) + dot(moved[i], moved[j]);
+            normal.matrix[j][i] =
+                law->weight_rotation * vector3_dot(axis, jacobian.angular[j]) + dot(moved[i], moved[j]);
         }
         const float squared = dot(moved[i], moved[i]);
         normal.matrix[i][i] = law->diagonal + squared;
         trace += squared;
     }
     if (!(trace <= law->trace_max)) {
-        velocity_control_general(arm, config, request, velocity_radps);
+        differential_ik_general(arm, config, request, velocity_radps);
         return;
     }
     joint_ends_solve(request->ends, joint_count, &normal, velocity_radps);

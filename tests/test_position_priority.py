@@ -1,4 +1,4 @@
-"""position_first() against its equations in double precision on dqrobotics' kinematics, and against the potential that it goes down."""
+"""position_priority() against its equations in double precision on dqrobotics' kinematics, and against the potential that it goes down."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
 def law(q, target, motion=(0.0,) * 6, ends=(0, 0), written_out=False) -> tuple[np.ndarray, np.ndarray, float]:
     arm = core.Arm.named("hoap3_right")
     position = ffi.new("float[]", [float(x) for x in q])
-    config = ffi.new("position_first_config_t *", {"gain_per_s": GAIN, "orientation_weight_m2": WEIGHT})
+    config = ffi.new("position_priority_config_t *", {"gain_per_s": GAIN, "orientation_weight_m2": WEIGHT})
     goal, twist = ffi.new("pose_t *"), ffi.new("twist_t *")
     goal.rotation, goal.translation_m = (
         dict(zip("wxyz", map(float, target[:4]))),
@@ -69,10 +69,10 @@ def law(q, target, motion=(0.0,) * 6, ends=(0, 0), written_out=False) -> tuple[n
     twist.velocity_mps, twist.angular_velocity_radps = (
         dict(zip("xyz", map(float, part))) for part in np.split(np.asarray(motion), 2)
     )
-    request = ffi.new("position_first_request_t *", {"position_rad": position, "target": goal, "motion": twist})
+    request = ffi.new("position_priority_request_t *", {"position_rad": position, "target": goal, "motion": twist})
     request.ends = {"lower": ends[0], "upper": ends[1]}
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
-    distance = (arm.table.position_first if written_out else lib.position_first)(
+    distance = (arm.table.position_priority if written_out else lib.position_priority)(
         arm.table, config, request, for_error, for_motion
     )
     return np.array(list(for_error)[:JOINTS]), np.array(list(for_motion)[:JOINTS]), distance

@@ -79,15 +79,15 @@ def test_law_where_the_normal_equations_lose_most(rng, error_frame, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [(0.01, 100), (1, 1), (1, 4), (25, 100), (0, 100)], ids=str)
 def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, weight):
-    """Where velocity_control_prepare() lets it take over, which includes the default law."""
+    """Where differential_ik_prepare() lets it take over, which includes the default law."""
     weight = np.repeat(weight, 4).astype(np.float32)
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     for damping in np.geomspace(1.0001e-5, 1e-2, 4) * max(weight):
         config = ffi.new(
-            "velocity_control_config_t *", {"gain_per_s": [35.0] * 8, "weight": weight.tolist(), "damping": damping}
+            "differential_ik_config_t *", {"gain_per_s": [35.0] * 8, "weight": weight.tolist(), "damping": damping}
         )
-        lib.velocity_control_prepare(config)
+        lib.differential_ik_prepare(config)
         assert config.isotropic.applies
         u = core.joint_velocity(HOAP3, q, target, 35.0, damping, error_frame, weight)
         expected = oracle.law(jacobian, hand, target.astype(float), 35.0, weight, np.float32(damping), error_frame)

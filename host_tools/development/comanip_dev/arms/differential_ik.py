@@ -1,6 +1,6 @@
 """Law (4), and the hand's pose, written out for one arm, as the lines of C functions.
 
-The law is that of firmware/control/velocity_control_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
+The law is that of firmware/control/differential_ik_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
 neither J^T W J nor J^T W K e. Here it is seen from the frame of one of the arm's joints in the middle, where the axes are constant or
 depend on few joints; that joint is chosen for which the fewest operations remain. Joints turn about z.
 """
@@ -176,7 +176,7 @@ def see(
 
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
-    """What the two error frames differ in: g, and the error's parts with their pulls; see velocity_control_isotropic.c. What the
+    """What the two error frames differ in: g, and the error's parts with their pulls; see differential_ik_isotropic.c. What the
     equations do not use, as with few joints, is left out."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
@@ -244,7 +244,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
     pulls = {name: term for name, term in results.items() if name.startswith("pull")}
     lines = block.text([*named.values(), *pulls.values(), trace])
     lines += [f"    if (!({value(trace)} <= law->trace_max)) {{",
-              "        velocity_control_general(arm, config, request, velocity_radps);",
+              "        differential_ik_general(arm, config, request, velocity_radps);",
               "        return;", "    }"]  # fmt: skip
     lines += [f"    const float {name} = {value(term)};" for name, term in {**named, **pulls}.items()]
     return lines, {
@@ -388,7 +388,7 @@ def sines_and_cosines(n: int) -> list[str]:
 
 @dataclass
 class Law:
-    """body: of velocity_control_isotropic() for the arm; at_ends: the function that it calls where joints stand at an end."""
+    """body: of differential_ik_isotropic() for the arm; at_ends: the function that it calls where joints stand at an end."""
 
     body: list[str]
     at_ends: list[str]
@@ -396,7 +396,7 @@ class Law:
 
 def law(arm: Arm, middle: int, right_first: bool) -> Law:
     n = len(arm.twist)
-    lines = ["    const velocity_isotropic_t *const law = &config->isotropic;", "    const float *const position_rad = request->position_rad;",
+    lines = ["    const differential_ik_isotropic_t *const law = &config->isotropic;", "    const float *const position_rad = request->position_rad;",
              "    const pose_t *const target = request->target;"]  # fmt: skip
     lines += sines_and_cosines(n)
     block = Block("m")

@@ -1,8 +1,8 @@
-#include "velocity_control.h"
+#include "differential_ik.h"
 
 /* Without refinement, the rounding of J^T W J is the error of the law, divided by the damping. Axes are unit vectors,
  * levers are short: the rotation's weight counts most. What is beyond these bounds, which were found by measurement
- * (tests/ test_velocity_control.py), takes the general law, which refines. */
+ * (tests/ test_differential_ik.py), takes the general law, which refines. */
 #define DAMPING_MIN 1e-5f        /* of the largest weight */
 #define ROTATION_WEIGHT_MAX 1.0f /* or this part of the translation's: */
 #define ROTATION_TO_TRANSLATION_MAX 0.25f
@@ -23,9 +23,9 @@ static bool needs_no_refinement(float rotation, float translation, float damping
            (rotation <= ROTATION_WEIGHT_MAX || rotation <= ROTATION_TO_TRANSLATION_MAX * translation);
 }
 
-void velocity_control_prepare(velocity_control_config_t *config) {
+void differential_ik_prepare(differential_ik_config_t *config) {
     const float rotation = config->weight[0], translation = config->weight[4];
-    config->isotropic = (velocity_isotropic_t){
+    config->isotropic = (differential_ik_isotropic_t){
         .applies = is_isotropic(config->gain_per_s) && is_isotropic(config->weight) &&
                    needs_no_refinement(rotation, translation, config->damping),
     };

@@ -6,8 +6,8 @@
  *
  * It is isotropic when K and W have one value for rotation and one for translation: then it need not be taken in vec8.
  */
-#ifndef COMANIP_VELOCITY_CONTROL_H
-#define COMANIP_VELOCITY_CONTROL_H
+#ifndef COMANIP_DIFFERENTIAL_IK_H
+#define COMANIP_DIFFERENTIAL_IK_H
 
 #include <stdbool.h>
 
@@ -27,39 +27,39 @@ typedef struct {
     float pull_rotation, pull_translation; /* 2 weight gain */
     float diagonal;                        /* of the rotation and the damping: weight_rotation + 4 lambda */
     float trace_max;                       /* of the translation's part: beyond, the damping is too little */
-} velocity_isotropic_t;
+} differential_ik_isotropic_t;
 
-typedef struct velocity_control_config {
+typedef struct differential_ik_config {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
     float damping; /* lambda >= 0. Below 2.5e-7 of the largest diagonal of J^T W J, of all joints, which float32 does
                       not carry through, 2e-6 of it is used: the velocity stays bounded at singularities even for 0 */
     error_frame_t error_frame;
-    velocity_isotropic_t isotropic; /* by velocity_control_prepare() */
-} velocity_control_config_t;
+    differential_ik_isotropic_t isotropic; /* by differential_ik_prepare() */
+} differential_ik_config_t;
 
-typedef struct velocity_request {
+typedef struct differential_ik_request {
     const float *position_rad; /* joint_count angles */
     const pose_t *target;      /* in the torso frame; either sign */
     joint_ends_t ends;
-} velocity_request_t;
+} differential_ik_request_t;
 
 /* Once, after the other members of the config are set. */
-void velocity_control_prepare(velocity_control_config_t *config);
+void differential_ik_prepare(differential_ik_config_t *config);
 
-/* As velocity_control(), for any diagonals K and W and any damping, with the 8 x n Jacobian: what that takes where its
+/* As differential_ik(), for any diagonals K and W and any damping, with the 8 x n Jacobian: what that takes where its
  * fast way does not apply. */
-void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
-                              const velocity_request_t *request, float velocity_radps[]);
+void differential_ik_general(const arm_t *arm, const differential_ik_config_t *config,
+                             const differential_ik_request_t *request, float velocity_radps[]);
 
 /* velocity_radps: joint_count values, without limits. But no joint at an end goes beyond it: solved again without those
  * that would, the law lets the other joints do what they can instead of counting on them. */
-static inline void velocity_control(const arm_t *arm, const velocity_control_config_t *config,
-                                    const velocity_request_t *request, float velocity_radps[]) {
+static inline void differential_ik(const arm_t *arm, const differential_ik_config_t *config,
+                                   const differential_ik_request_t *request, float velocity_radps[]) {
     if (config->isotropic.applies) {
         arm->isotropic(arm, config, request, velocity_radps);
     } else {
-        velocity_control_general(arm, config, request, velocity_radps);
+        differential_ik_general(arm, config, request, velocity_radps);
     }
 }
 

@@ -1,16 +1,16 @@
-"""The law of firmware/control/position_first.c, written out for one arm as the lines of a C function.
+"""The law of firmware/control/position_priority.c, written out for one arm as the lines of a C function.
 
-As with law (4) (arm_law.py) errors, motion and axes are seen from the frame of one of the arm's joints in the middle, for which the fewest
-operations remain. Where joints stand at an end, position_first_solve() solves the equations, for any arm.
+As with law (4) (differential_ik.py) errors, motion and axes are seen from the frame of one of the arm's joints in the middle, for which the fewest
+operations remain. Where joints stand at an end, position_priority_solve() solves the equations, for any arm.
 """
 
 from __future__ import annotations
 
 from comanip_dev.arms.description import Arm
-from comanip_dev.arms.law import cross, factorise, joints_of, see, sines_and_cosines, substitute, to_middle
+from comanip_dev.arms.differential_ik import cross, factorise, joints_of, see, sines_and_cosines, substitute, to_middle
 from comanip_dev.arms.straight_line import ONE, ZERO, Block, Term, Vector, literal, operations, value
 
-CURVATURE = "POSITION_FIRST_CURVATURE_SHARE * __builtin_fabsf({})"
+CURVATURE = "POSITION_PRIORITY_CURVATURE_SHARE * __builtin_fabsf({})"
 
 
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -26,7 +26,7 @@ def scaled(block: Block, factor: Term, v: Vector) -> Vector:
 
 def task_damping(block: Block, moments: list[Vector]) -> list[Vector]:
     """A = I + damping (J_p J_p^T + floor I)^-1, 3 x 3, by cofactors."""
-    floor = Term(1.0, "POSITION_FIRST_TASK_FLOOR_M2")
+    floor = Term(1.0, "POSITION_PRIORITY_TASK_FLOOR_M2")
     m = [[ZERO] * 3 for _ in range(3)]
     cofactor = [[ZERO] * 3 for _ in range(3)]
     for i, j in UPPER:
@@ -36,7 +36,7 @@ def task_damping(block: Block, moments: list[Vector]) -> list[Vector]:
         (a, b), (c, d) = ([(k + 1) % 3, (k + 2) % 3] for k in (i, j))
         cofactor[i][j] = cofactor[j][i] = block.add(block.multiply(m[a][c], m[b][d]), -block.multiply(m[a][d], m[b][c]))
     determinant, trace = block.dot(m[0], cofactor[0]), block.sum(m[i][i] for i in range(3))
-    scale = block.apply("position_first_task_scale({}, {})", determinant, trace)
+    scale = block.apply("position_priority_task_scale({}, {})", determinant, trace)
     return [
         [block.add(block.multiply(scale, cofactor[i][j]), ONE if i == j else ZERO) for j in range(3)] for i in range(3)
     ]
@@ -57,13 +57,13 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
 
     whole_way = [block.add(t, -h) for t, h in zip(seen.target, seen.hand, strict=True)]
     distance = block.apply("__builtin_sqrtf({})", block.dot(whole_way, whole_way))
-    way = scaled(block, block.apply("position_first_share({})", distance), whole_way)
+    way = scaled(block, block.apply("position_priority_share({})", distance), whole_way)
     scale = abs(seen.turn[0].factor)  # taken out where all parts have the same
     w, *vector = (Term(term.factor / scale, term.variable) for term in seen.turn)
     twice = literal(2.0 * scale)
     side = block.apply(f"{{}} < 0.0f ? -{twice} : {twice}", w)  # target and -target are the same pose: the nearer one
     turn = scaled(block, side, vector)
-    stiffness = block.apply("position_first_stiffness({})", block.dot(turn, turn))
+    stiffness = block.apply("position_priority_stiffness({})", block.dot(turn, turn))
     weighted_stiffness = block.multiply(weight, stiffness)
 
     moments = [cross(block, axis, lever) for axis, lever in zip(seen.axes, seen.levers, strict=True)]
@@ -73,13 +73,13 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     damping: list[Term] = []
     curvatures = [ZERO] * n
     for i, (axis, moment) in enumerate(zip(seen.axes, moments, strict=True)):
-        out = block.apply(f"position_first_out_of_margin(&joints[{i}], position_rad[{i}])")
+        out = block.apply(f"position_priority_out_of_margin(&joints[{i}], position_rad[{i}])")
         pull = block.add(block.multiply(weight, block.dot(axis, turn)), block.multiply(weighted_stiffness, out))
         results[f"error_{i}"] = block.multiply(gain, block.add(block.dot(moment, way), pull))
         results[f"motion_{i}"] = block.add(
             block.dot(moment, velocity), block.multiply(weight, block.dot(axis, angular_velocity))
         )
-        damping.append(block.apply("position_first_damping({}, {})", weighted_stiffness, out))
+        damping.append(block.apply("position_priority_damping({}, {})", weighted_stiffness, out))
         damped = [block.dot(row, moment) for row in task]
         for j in range(i + 1):
             turned = block.multiply(weight, block.dot(axis, seen.axes[j]) if j < i else ONE)
@@ -90,7 +90,7 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
                 for joint in {i, j}:
                     curvatures[joint] = block.add(curvatures[joint], size)
     for i in range(n):
-        share = block.multiply(Term(1.0, "POSITION_FIRST_CURVATURE_SHARE"), curvatures[i])
+        share = block.multiply(Term(1.0, "POSITION_PRIORITY_CURVATURE_SHARE"), curvatures[i])
         entries[i, i] = block.add(entries[i, i], block.add(damping[i], share))
     results |= {f"matrix_{i}{j}": term for (i, j), term in entries.items() if not term.is_zero}
     matrix = {(i, j): ZERO if term.is_zero else Term(1.0, f"matrix_{i}{j}") for (i, j), term in entries.items()}
@@ -103,15 +103,15 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
         *block.text([*results.values(), distance]),
         *(f"    const float {name} = {value(term)};" for name, term in results.items()),
         "    if ((request->ends.lower | request->ends.upper) != 0) {",
-        "        position_first_equations_t equations;",
+        "        position_priority_equations_t equations;",
         *(f"        equations.normal.matrix[{j}][{i}] = {value(term)};" for (i, j), term in matrix.items()),
         *(f"        equations.{side}[{i}] = {side}_{i};" for side in ("error", "motion") for i in range(n)),
-        f"        position_first_solve(&equations, {n}, request->ends, error_radps, motion_radps);",
+        f"        position_priority_solve(&equations, {n}, request->ends, feedback_radps, feedforward_radps);",
         f"        return {value(distance)};",
         "    }",
         *factors.lines,
-        *substitute(factors, "error", "error_radps"),
-        *substitute(factors, "motion", "motion_radps"),
+        *substitute(factors, "error", "feedback_radps"),
+        *substitute(factors, "motion", "feedforward_radps"),
         f"    return {value(distance)};",
     ]
 

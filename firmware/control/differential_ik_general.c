@@ -1,4 +1,4 @@
-#include "velocity_control.h"
+#include "differential_ik.h"
 
 #include <string.h>
 
@@ -108,15 +108,15 @@ static void leave_out(equations_t *self, uint8_t joints) {
 }
 
 static void set_hand(equations_t *self, const arm_t *arm, const float position_rad[]) {
-    arm_lines_t lines;
-    arm_lines(arm, position_rad, &lines);
+    arm_jacobian_t jacobian;
+    arm_jacobian(arm, position_rad, &jacobian);
     for (int i = 0; i < arm->joint_count; i++) {
-        self->half_line[i] = arm_half_line(lines.axis[i], lines.moment_m[i]);
+        self->half_line[i] = arm_half_twist(jacobian.angular[i], jacobian.linear_m[i]);
     }
-    self->hand = pose_to_dual_quaternion(lines.hand);
+    self->hand = pose_to_dual_quaternion(jacobian.end_effector);
 }
 
-static void set_wanted(equations_t *self, const velocity_control_config_t *config, const pose_t *target_pose) {
+static void set_wanted(equations_t *self, const differential_ik_config_t *config, const pose_t *target_pose) {
     dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*target_pose), self->hand);
     if (config->error_frame == ERROR_FRAME_TARGET) { /* the same law with all poses seen from the target */
         self->hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), self->hand);
@@ -128,7 +128,7 @@ static void set_wanted(equations_t *self, const velocity_control_config_t *confi
     }
 }
 
-static void set_normal(equations_t *self, const velocity_control_config_t *config) {
+static void set_normal(equations_t *self, const differential_ik_config_t *config) {
     float jacobian[ARM_MAX_JOINTS][8]; /* by joint, so transposed */
     float largest = 0.0f;
     for (int i = 0; i < self->joint_count; i++) {
@@ -149,8 +149,8 @@ static void set_normal(equations_t *self, const velocity_control_config_t *confi
     }
 }
 
-void velocity_control_general(const arm_t *arm, const velocity_control_config_t *config,
-                              const velocity_request_t *request, float velocity_radps[]) {
+void differential_ik_general(const arm_t *arm, const differential_ik_config_t *config,
+                             const differential_ik_request_t *request, float velocity_radps[]) {
     equations_t equations;
     equations.joint_count = arm->joint_count;
     equations.weight = config->weight;
