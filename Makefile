@@ -38,7 +38,7 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc bus-report target target-deps clean
+.PHONY: help deps build sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc schema bus-report target target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
@@ -67,7 +67,8 @@ $(VENV)/.installed-tests: tests/requirements.txt | deps
 
 build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## simulator, both processes, Python binding
 
-$(GENERATED)/.generated: $(DEVELOPMENT)/codegen.py host_tools/comanip/comanip.dbc $(FIRMWARE_FILES) | deps
+$(GENERATED)/.generated: $(DEVELOPMENT)/codegen.py $(wildcard $(DEVELOPMENT)/schema/*.py) host_tools/comanip/parameters.py \
+    host_tools/comanip/tasks.py $(wildcard firmware/schema/*) $(FIRMWARE_FILES) | deps
 	@echo "  GENERATE $(GENERATED)/"
 	$(Q)$(PYTHON) -m comanip_dev.codegen $(GENERATED)
 	@touch $@
@@ -176,8 +177,12 @@ bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## our tick beside Pinocchi
 arms: deps ## write firmware/arms/*.c anew from the arms' descriptions, firmware/arms/*.toml
 	@$(PYTHON) -m comanip_dev.arms.codegen
 
-bus-doc: deps ## write docs/bus.md anew from the DBC
+schema: deps ## bring comanip.dbc, docs/bus.md and docs/parameters.md up to date with firmware/schema/
+	@$(PYTHON) -m comanip_dev.codegen --schema
 	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
+	@$(PYTHON) -m comanip_dev.schema.parameters_doc docs/parameters.md
+
+bus-doc: schema # the former name
 
 bus-report: deps ## load and worst-case response time of every frame; also build/reports/bus.json
 	@$(PYTHON) -m comanip_dev.bus.report $(BUILD)/reports/bus.json

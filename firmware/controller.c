@@ -1,10 +1,12 @@
 #include "controller.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "comanip_build_hash.h"
 
 #define UNIT_TOLERANCE 1e-3f
+#define TRACED_AGE_MAX_US 0xFFFFFFu /* TickTrace has 24 bits for it */
 
 /* A target that was lost is met with this part of the joints' speeds, until the hand is as near to it as this. */
 #define CATCHING_UP_SPEED 0.55f
@@ -224,15 +226,18 @@ static result_t clutch(controller_t *self) {
     return result;
 }
 
+static result_t select_built_in(controller_t *self, uint8_t number) {
+    const task_t *task = task_built_in(number);
+    if (task == NULL) {
+        return RESULT_UNKNOWN_TASK;
+    }
+    select_task(self, (task_id_t)number, task, self->parameters.value[PARAMETER_TASK_BLEND_S]);
+    return RESULT_ACCEPTED;
+}
+
 static result_t command_result(controller_t *self, const operator_command_t *command) {
     switch (command->command) {
-    case COMMAND_SELECT:
-        if (command->task >= TASK_BUILT_IN_COUNT) {
-            return RESULT_UNKNOWN_TASK;
-        }
-        select_task(self, (task_id_t)command->task, &task_table[command->task],
-                    self->parameters.value[PARAMETER_TASK_BLEND_S]);
-        return RESULT_ACCEPTED;
+    case COMMAND_SELECT: return select_built_in(self, command->task);
     case COMMAND_START: return start(self, command->sequence);
     case COMMAND_LATCH: return latch(self);
     case COMMAND_CLUTCH: return clutch(self);
@@ -471,29 +476,32 @@ static void compute_demand(controller_t *self, uint32_t now_us) {
 static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
     /* A stop is driven to its end before the brakes close. */
     bool moving = is_engaged(self) || !joint_limits_at_rest(&self->limits, self->arm);
-    joint_command_t command = {0}; /* braked */
+    joint_cmd_t command = {0}; /* braked */
     for (int i = 0; i < self->arm->joint_count; i++) {
         command.mode[i] = moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;
         command.position_rad[i] = self->limits.position_rad[i];
         command.velocity_radps[i] = self->limits.velocity_radps[i];
     }
     can_frame_t frame;
-    if (joint_command_pack(&command, &frame) == PROTOCOL_OK) {
+    if (joint_cmd_pack(&command, &frame) == PROTOCOL_OK) {
         send(self, outbox, &frame);
     } else {
         self->finite = false; /* arm_check() keeps the limits within the frame: only a defect leads here */
     }
 }
 
+static const pose_t no_target = {{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
+
 static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
     tick_trace_t trace; /* all of it is set here: an initialiser would first write zeros */
     trace.now_us = now_us;
     trace.target_valid = self->supervisor.mode == MODE_COOPERATING;
-    trace.target = self->cooperation.target;
-    trace.hand_age_us = hand_tracker_age_us(&self->hand_tracker, now_us);
+    trace.target = trace.target_valid ? self->cooperation.target : no_target;
+    const uint32_t age_us = hand_tracker_age_us(&self->hand_tracker, now_us);
+    trace.hand_age_us = age_us < TRACED_AGE_MAX_US ? age_us : TRACED_AGE_MAX_US;
     trace.drives_fresh = self->supervisor_inputs.drives_fresh;
     trace.rejected_frames = (uint8_t)self->receiver.protocol.rejected;
-    memcpy(trace.last, self->receiver.protocol.e2e, sizeof trace.last);
+    protocol_trace_inputs(self->receiver.protocol.e2e, &trace);
     can_frame_t frame;
     (void)tick_trace_pack(&trace, &frame);
     send(self, outbox, &frame);
@@ -522,7 +530,7 @@ static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
                               : self->supervisor.mode == MODE_IDLE  ? HEARTBEAT_PRE_OPERATIONAL
                                                                     : HEARTBEAT_OPERATIONAL;
     can_frame_t frame;
-    (void)firmware_heartbeat_pack(state, &frame);
+    (void)firmware_heartbeat_pack(&(firmware_heartbeat_t){state}, &frame);
     send(self, outbox, &frame);
 }
 

@@ -10,7 +10,7 @@
 
 /* What is stored comes into force as a whole or not at all. */
 static void load_parameters(controller_t *controller) {
-    uint8_t record[PARAMETER_STORE_BYTES + 1]; /* a longer one is seen to be longer */
+    uint8_t record[PARAMETER_STORE_MAX_BYTES + 1]; /* the spare byte detects oversized records */
     size_t length;
     if (hal_store_read(record, sizeof record, &length)) {
         parameters_t parameters = controller->parameters;
@@ -21,8 +21,7 @@ static void load_parameters(controller_t *controller) {
 
 static void begin_save(const controller_t *controller) {
     uint8_t record[PARAMETER_STORE_BYTES];
-    parameter_store_encode(&controller->parameters, record);
-    hal_store_write(record, sizeof record);
+    hal_store_write(record, parameter_store_encode(&controller->parameters, record));
 }
 
 static void note_save(controller_inbox_t *inbox) {

@@ -54,7 +54,7 @@ struct world {
     person_program_t *program[SCENARIO_MAX_PEOPLE];
     hand_history_t *hand_history; /* of the tracked person */
     proximity_t *proximity;
-    clearance_t clearance;
+    measured_clearance_t clearance;
     physical_state_t state; /* of the scene, at now_ns */
 
     bus_t *bus;

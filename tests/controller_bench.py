@@ -153,7 +153,7 @@ class Bench:
     def receive_broken_between_others(self) -> None:
         """The same of a Clearance, which is not for the firmware: a port without filters hands it on."""
         frame = ffi.new("can_frame_t *")
-        assert lib.clearance_report_pack(ffi.new("clearance_report_t *"), frame) == lib.PROTOCOL_OK
+        assert lib.clearance_pack(ffi.new("clearance_t *"), frame) == lib.PROTOCOL_OK
         self._receive_broken(frame)
 
     def _receive_broken(self, frame) -> None:
@@ -189,8 +189,8 @@ class Bench:
             self.sent = [(f.id, bytes(f.data[0 : f.length])) for f in frames]
             for frame in frames:
                 if frame.id == FRAME_ID["JOINT_CMD"]:
-                    self.command_sent = ffi.new("joint_command_t *")
-                    lib.joint_command_unpack(ffi.addressof(frame), self.command_sent)
+                    self.command_sent = ffi.new("joint_cmd_t *")
+                    lib.joint_cmd_unpack(ffi.addressof(frame), self.command_sent)
             self.position_rad = self.position_rad + self.velocity_radps * TICK_US * 1e-6
             self.ticks += 1
 

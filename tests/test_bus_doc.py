@@ -9,16 +9,26 @@ import bus_log
 import numpy as np
 import pytest
 from bus_log import DBC
+from comanip import parameters
 from comanip._core import lib
 from comanip_dev.bus import doc as bus_doc
+from comanip_dev.schema import parameters_doc
 from simulation import REPOSITORY, SIMULATOR, run
 
 BUS_MD = REPOSITORY / "docs" / "bus.md"
+PARAMETERS_MD = REPOSITORY / "docs" / "parameters.md"
 
 
 def test_the_document_is_current():
     current = bus_doc.markdown(DBC, lib.E2E_MAX_DELTA, lib.E2E_PROFILE2_MAX_DELTA)
-    assert BUS_MD.read_text() == current, "docs/bus.md is not what the DBC says: run `make bus-doc`"
+    assert BUS_MD.read_text() == current, "docs/bus.md is not what the DBC says: run `make schema`"
+
+
+def test_the_parameters_document_is_current():
+    current = parameters_doc.markdown(parameters.read())
+    assert PARAMETERS_MD.read_text() == current, (
+        "docs/parameters.md is not what parameters.toml says: run `make schema`"
+    )
 
 
 def test_every_frame_and_signal_is_there():
@@ -87,7 +97,7 @@ def test_traffic_is_within_the_ranges(tmp_path):
 def test_parameters_are_within_the_range_of_their_frames():
     """The ranges that the simulator's help tells of them."""
     help_text = subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
-    limits = np.array(re.findall(r"^  \w+ +(\S+) to (\S+), \S+$", help_text, re.MULTILINE), float)
+    limits = np.array(re.findall(r"^ +\w+ +(\S+) to (\S+?)(?: [^,]+)?, \S+$", help_text, re.MULTILINE), float)
     message = DBC.get_message_by_name("ParameterValue")
     assert len(limits) == len(message.get_signal_by_name("parameter").choices)
     value = message.get_signal_by_name("value")

@@ -21,7 +21,7 @@ RENAMED = {
 MESSAGES = {  # DBC name: C message, name of its pack and unpack functions
     "HandPose": ("hand_pose_t", "hand_pose"),
     "TrackerStatus": ("tracker_status_t", "tracker_status"),
-    "JointCmd": ("joint_command_t", "joint_command"),
+    "JointCmd": ("joint_cmd_t", "joint_cmd"),
     "OperatorCommand": ("operator_command_t", "operator_command"),
     "TaskDefine": ("task_define_t", "task_define"),
     "ParameterAccess": ("parameter_access_t", "parameter_access"),
@@ -31,7 +31,7 @@ MESSAGES = {  # DBC name: C message, name of its pack and unpack functions
     "FirmwareIdentity": ("firmware_identity_t", "firmware_identity"),
     "GripperCommand": ("gripper_command_t", "gripper_command"),
     "GripperState": ("gripper_state_t", "gripper_state"),
-    "Clearance": ("clearance_report_t", "clearance_report"),
+    "Clearance": ("clearance_t", "clearance"),
 } | {f"JointState{i}": ("joint_state_t", "joint_state") for i in range(8)}
 
 
@@ -199,8 +199,11 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
     for target in oracle.random_poses(rng, 200, 2.0):
         trace, frame = ffi.new("tick_trace_t *"), ffi.new("can_frame_t *")
         counters = {name: int(rng.integers(256)) for name in RECEIVED}
+        started = {name: bool(rng.integers(2)) for name in RECEIVED}
+        last = ffi.new("e2e_receiver_t[]", lib.FRAME_KIND_COUNT)
         for name, kind in RECEIVED.items():
-            trace.last[kind].counter = counters[name]
+            last[kind] = (started[name], counters[name])
+        lib.protocol_trace_inputs(last, trace)
         trace.now_us, trace.hand_age_us, trace.target_valid = int(rng.integers(2**32)), int(rng.integers(2**24)), True
         trace.drives_fresh, trace.rejected_frames = bool(rng.integers(2)), int(rng.integers(256))
         trace.target = (target[:4].tolist(), oracle.translation(target).tolist())
@@ -223,18 +226,26 @@ def test_tick_trace_carries_counters_target_and_age(dbc, rng):
             ffi.buffer(ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(back.target))), np.float32
         )
         assert oracle.pose_distance(unpacked, target) < 2e-4
-        assert {name: back.last[kind].counter for name, kind in RECEIVED.items()} == counters
+        read = ffi.new("e2e_receiver_t[]", lib.FRAME_KIND_COUNT)
+        lib.protocol_traced_inputs(back, read)
+        assert {name: read[kind].counter for name, kind in RECEIVED.items()} == counters
+        assert {name: read[kind].started for name, kind in RECEIVED.items()} == started
         assert (back.now_us, back.hand_age_us) == (trace.now_us, trace.hand_age_us)
         assert (back.drives_fresh, back.rejected_frames) == (trace.drives_fresh, trace.rejected_frames)
 
 
-def test_tick_trace_limits_the_age_and_marks_a_target_it_cannot_carry(dbc):
+def test_tick_trace_marks_a_target_that_it_cannot_carry(dbc):
     trace, frame = ffi.new("tick_trace_t *"), ffi.new("can_frame_t *")
-    trace.hand_age_us, trace.target_valid = 2**32 - 1, True
+    trace.hand_age_us, trace.target_valid = 2**24 - 1, True
     trace.target = ([1, 0, 0, 0], [9, 0, 0])
-    lib.tick_trace_pack(trace, frame)
+    assert lib.tick_trace_pack(trace, frame) == lib.PROTOCOL_OUT_OF_RANGE
     decoded = dbc.get_message_by_name("TickTrace").decode(bytes(frame.data)[: frame.length])
-    assert (decoded["hand_age_us"], decoded["target_valid"]) == (2**24 - 1, 0)
+    assert (decoded["hand_age_us"], decoded["target_valid"], decoded["target_x_m"]) == (2**24 - 1, 0, 0)
+
+
+def test_an_age_beyond_24_bits_is_out_of_range():
+    trace, frame = ffi.new("tick_trace_t *", {"hand_age_us": 2**24}), ffi.new("can_frame_t *")
+    assert lib.tick_trace_pack(trace, frame) == lib.PROTOCOL_OUT_OF_RANGE
 
 
 def test_heartbeat(dbc):
@@ -245,7 +256,9 @@ def test_heartbeat(dbc):
         lib.HEARTBEAT_OPERATIONAL,
         lib.HEARTBEAT_PRE_OPERATIONAL,
     ):
-        assert lib.firmware_heartbeat_pack(state, frame) == lib.PROTOCOL_OK
+        assert (
+            lib.firmware_heartbeat_pack(ffi.new("firmware_heartbeat_t *", {"state": state}), frame) == lib.PROTOCOL_OK
+        )
         message = dbc.get_message_by_frame_id(frame.id)
         assert (message.name, message.length) == ("FirmwareHeartbeat", frame.length)
         assert message.decode(bytes(frame.data)[:1], decode_choices=False) == {"state": state}
@@ -286,7 +299,7 @@ def test_data_ids_differ(dbc):
     [
         ("MODE_", "FirmwareStatus", "mode"),
         ("REASON_", "FirmwareStatus", "reason"),
-        ("STOP_CATEGORY_", "FirmwareStatus", "stop_category"),
+        ("STOP_", "FirmwareStatus", "stop_category"),
         ("TASK_", "FirmwareStatus", "task"),
         ("COMMAND_", "CommandAck", "command"),
         ("RESULT_", "CommandAck", "result"),
@@ -303,7 +316,7 @@ def test_data_ids_differ(dbc):
 )
 def test_enumerations_are_the_dbcs(dbc, prefix, message, signal):
     kinds = {
-        "MODE_": "control_mode_t", "REASON_": "reason_t", "STOP_CATEGORY_": "stop_category_t", "TASK_": "task_id_t",
+        "MODE_": "control_mode_t", "REASON_": "reason_t", "STOP_": "stop_category_t", "TASK_": "task_id_t",
         "COMMAND_": "command_t", "RESULT_": "result_t", "DRIVE_MODE_": "drive_mode_t", "DRIVE_ERROR_": "drive_error_t",
         "TASK_FORM_": "task_form_t", "PARAMETER_": "parameter_operation_t", "HEARTBEAT_": "heartbeat_state_t",
         "GRIPPER_": "gripper_action_t", "GRIPPER_STATUS_": "gripper_status_t",
@@ -311,8 +324,7 @@ def test_enumerations_are_the_dbcs(dbc, prefix, message, signal):
     }  # fmt: skip
     ours = {number: name.removeprefix(prefix).lower() for number, name in ffi.typeof(kinds[prefix]).elements.items()}
     choices = dbc.get_message_by_name(message).get_signal_by_name(signal).choices
-    # "category_1" stands where C says STOP_CATEGORY_1
-    theirs = {number: str(choice).removeprefix("category_") for number, choice in choices.items()}
+    theirs = {number: str(choice) for number, choice in choices.items()}
     assert ours == theirs
 
 

@@ -395,14 +395,14 @@ def test_long_messages_need_all_their_parts(rng, name):
 
 
 def test_a_command_has_as_many_parts_as_the_arm_has_joints():
-    command = ffi.new("joint_command_t *", {"velocity_radps": [0.1 * (i + 1) for i in range(8)]})
+    command = ffi.new("joint_cmd_t *", {"velocity_radps": [0.1 * (i + 1) for i in range(8)]})
     frame = ffi.new("can_frame_t *")
-    assert lib.joint_command_pack(command, frame) == lib.PROTOCOL_OK
+    assert lib.joint_cmd_pack(command, frame) == lib.PROTOCOL_OK
     for joints in range(1, 9):
         parts = Sender(joints).send(frame)
         assert [named(part) for part in parts] == [f"ClassicJointCmd{i}" for i in range(joints)]
-        found = ffi.new("joint_command_t *")
-        lib.joint_command_unpack(Receiver(joints=joints).message(parts), found)
+        found = ffi.new("joint_cmd_t *")
+        lib.joint_cmd_unpack(Receiver(joints=joints).message(parts), found)
         assert np.allclose(
             list(found.velocity_radps), [0.1 * (i + 1) if i < joints else 0 for i in range(8)], atol=1e-3
         )
@@ -410,7 +410,7 @@ def test_a_command_has_as_many_parts_as_the_arm_has_joints():
 
 def test_commands_for_joints_that_the_arm_does_not_have_are_others_business():
     frame, receiver = ffi.new("can_frame_t *"), Receiver(joints=4)
-    lib.joint_command_pack(ffi.new("joint_command_t *"), frame)
+    lib.joint_cmd_pack(ffi.new("joint_cmd_t *"), frame)
     statuses = [receiver.take(part)[0] for part in Sender(joints=8).send(frame)]
     assert statuses == [lib.PROTOCOL_INCOMPLETE] * 3 + [lib.PROTOCOL_OK] + [lib.PROTOCOL_UNKNOWN_ID] * 4
 

@@ -1,8 +1,11 @@
-"""The code generator refuses a DBC that the firmware's packers could not carry."""
+"""The code generator refuses a schema that does not fit together: what is wrong ends the build, not a user's run."""
 
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
+import sys
 
 import pytest
 from cantools.database import load_string
@@ -48,3 +51,130 @@ def test_multiplexed_signals_are_refused():
     body = "    memset(&dst_p[0], 0, 8);\n    switch (src_p->kind) {\n    }\n\n    return (8);\n"
     with pytest.raises(SystemExit, match="multiplexed"):
         codegen.write_each_byte_once(body)
+
+
+# ---- a mismatch in the schema ends the build, by one line
+
+
+@pytest.fixture
+def schema(tmp_path):
+    shutil.copytree(codegen.SCHEMA, tmp_path / "schema")
+    return tmp_path / "schema"
+
+
+def edit(path, pattern: str, new: str) -> None:
+    text, count = re.subn(pattern, new, path.read_text(), count=1, flags=re.DOTALL | re.MULTILINE)
+    assert count == 1, f"{pattern} is not in {path.name}"
+    path.write_text(text)
+
+
+def generated(schema) -> None:
+    codegen.main(schema.parent / "generated", schema)
+
+
+PARAMETER_MISTAKES = {
+    "no range": (r"^range = \[0, 500\]\n", "", "parameter 'gain_*_per_s': no range"),
+    "no unit": (r'^unit = "rad/s\^2"\n', "", "parameter 'acceleration_limit_radps2': no unit"),
+    "two with one number": (r"^number = 17$", "number = 16", "number 16 is also that of 'damping'"),
+    "a vector over another": (r"^number = 16$", "number = 15", "number 15 is also that of 'weight_dual_z'"),
+    "a retired number": (r"^retired = \[\]", "retired = [36]", "number 36 is retired"),
+    "one name twice": (r'^name = "error_frame"', 'name = "damping"', "'damping' is given twice"),
+    "default out of range": (r"^default = 0.005$", "default = 0.06", "default 0.06"),
+    "a part as integer": (r'(name = "error_frame".*?)default = 1$', r"\1default = 0.5", "of type integer"),
+    "range upside down": (r"^range = \[1, 70\]", "range = [70, 1]", "expected least < greatest"),
+    "unknown key": (r"^unit = \"rad/s\^2\"", 'unit = "rad/s^2"\nhelp = "x"', "unknown key 'help'"),
+    "a number too many": (r"^number = 42$", "number = 64", "number 64: expected 0 to 63"),
+}
+TASK_MISTAKES = {
+    "two with one number": (r"^number = 2$", "number = 1", "task 'mirror': number 1 is also that of 'teleop'"),
+    "the custom task's number": (r"^number = 2$", "number = 3", "but 3, the custom task's"),
+    "no unit quaternion": (r"^q_task = \[1, 0, 0, 0\]", "q_task = [1, 1, 0, 0]", "q_task has norm 1.41421, expected 1"),
+    "unknown form": (r'^form = "mirrored"', 'form = "twisted"', "form 'twisted': expected one of constant, mirrored"),
+    "no form": (r'^form = "mirrored"\n', "", "task 'mirror': keys"),
+}
+DBC_MISTAKES = {
+    "another value table on classic CAN": (r'^VAL_ 1040 mode 0 "idle"', 'VAL_ 1040 mode 0 "off"', "FirmwareStatus has"),
+    "a part of nothing": (
+        r'^BA_ "PartOf" BO_ 1040 "FirmwareStatus"',
+        'BA_ "PartOf" BO_ 1040 "Nobody"',
+        "PartOf 'Nobody'",
+    ),
+    "a received frame that TickTrace lacks": (r"^ SG_ task_define_counter [^\n]*\n", "", "TickTrace has counters of"),
+    "a parameter's name": (r'"damping"', '"dampening"', "make schema"),
+    "a signal of no message": (r"^( SG_) t_high ", r"\1 t_highest ", "has nothing of this name"),
+}
+
+
+@pytest.mark.parametrize("kind", PARAMETER_MISTAKES)
+def test_a_parameter_that_is_described_wrongly(schema, kind):
+    pattern, new, told = PARAMETER_MISTAKES[kind]
+    edit(schema / "parameters.toml", pattern, new)
+    with pytest.raises(SystemExit, match=re.escape(told)):
+        generated(schema)
+
+
+@pytest.mark.parametrize("kind", TASK_MISTAKES)
+def test_a_task_that_is_described_wrongly(schema, kind):
+    pattern, new, told = TASK_MISTAKES[kind]
+    edit(schema / "tasks.toml", pattern, new)
+    with pytest.raises(SystemExit, match=re.escape(told)):
+        generated(schema)
+
+
+@pytest.mark.parametrize("kind", DBC_MISTAKES)
+def test_a_frame_that_is_described_wrongly(schema, kind):
+    pattern, new, told = DBC_MISTAKES[kind]
+    edit(schema / "comanip.dbc", pattern, new)
+    with pytest.raises(SystemExit, match=re.escape(told)):
+        generated(schema)
+
+
+def test_a_frame_without_a_reader(schema):
+    path = schema / "comanip.dbc"
+    message = re.search(r"^BO_ 528 GripperCommand.*?\n\n", path.read_text(), re.DOTALL | re.MULTILINE)[0]
+    path.write_text(path.read_text().replace(message, message.replace(" Gripper\n", " Vector__XXX\n")))
+    with pytest.raises(SystemExit, match="GripperCommand: no reader"):
+        generated(schema)
+
+
+def test_the_schema_as_it_is_and_what_make_schema_writes(schema):
+    generated(schema)
+    before = (schema / "comanip.dbc").read_bytes()
+    codegen.update_schema(schema)
+    assert (schema / "comanip.dbc").read_bytes() == before
+    edit(schema / "tasks.toml", r"\Z", TASK)
+    with pytest.raises(SystemExit, match="make schema"):
+        generated(schema)
+    codegen.update_schema(schema)
+    generated(schema)
+    message = load_string((schema / "comanip.dbc").read_text(), "dbc").get_message_by_name("FirmwareStatus")
+    assert message.get_signal_by_name("task").choices == {0: "pour", 1: "teleop", 2: "mirror", 3: "custom", 4: "carry"}
+
+
+TASK = """
+[[task]]
+number = 4
+name = "carry"
+form = "mirrored"
+t_task_m = [0, 0, 0.1]
+q_task = [0, 1, 0, 0]
+q_inv = [0, 1, 0, 0]
+meaning = "A test's."
+"""
+
+
+def test_a_mistake_is_one_line_of_the_build(tmp_path):
+    """As make calls it."""
+    clone = tmp_path / "clone"
+    shutil.copytree(REPOSITORY / "host_tools", clone / "host_tools", symlinks=True)
+    shutil.copytree(REPOSITORY / "firmware", clone / "firmware")
+    edit(clone / "firmware" / "schema" / "parameters.toml", r"^range = \[0, 500\]\n", "")
+    done = subprocess.run(
+        [sys.executable, "-m", "comanip_dev.codegen", tmp_path / "out"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={"PYTHONPATH": f"{clone / 'host_tools'}:{clone / 'host_tools' / 'development'}"},
+    )
+    assert done.returncode != 0 and done.stderr.count("\n") == 1 and "no range" in done.stderr

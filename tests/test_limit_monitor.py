@@ -21,7 +21,7 @@ class Watch:
 
     def command(self, velocity=(0, 0, 0, 0), position=(1.0, -0.5, 0.0, -1.0), mode=(1, 1, 1, 1), ticks=1, extra=None):
         self.now_ns += ticks * TICK_NS
-        message = ffi.new("joint_command_t *")
+        message = ffi.new("joint_cmd_t *")
         for i in range(4):
             message.mode[i], message.position_rad[i], message.velocity_radps[i] = mode[i], position[i], velocity[i]
         if extra is not None:

@@ -21,7 +21,7 @@ from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool
 from live import FIRMWARE, INTERFACE, Bus, has_kernel_can
 from simulation import REPOSITORY
 from test_comanip_on_a_hub import comanip
-from test_parameter_store import BYTES, DEFAULTS, NAMES, record
+from test_parameter_store import DEFAULTS, NAMES, record
 from test_two_processes import PLAIN
 
 pytestmark = pytest.mark.skipif(has_kernel_can(), reason="the bus has no part in it: tried on a hub")
@@ -88,7 +88,7 @@ def test_saved_killed_and_found_again(hub, file):
         assert client.read("damping") == DEFAULTS[NAMES.index("damping")]
         client.write("motion_scale", 0.25)
         client.save()
-        assert f"comanip-firmware: parameters of {file}, {BYTES} bytes\n" in end(process)
+        assert f"comanip-firmware: parameters of {file}, {len(record(DEFAULTS))} bytes\n" in end(process)
     assert file.read_bytes() == with_scale(0.25)
 
 
@@ -149,7 +149,7 @@ INVALID = {
     "truncated": with_scale(0.5)[:-1],
     "one bit": bytes([*with_scale(0.5)[:100], with_scale(0.5)[100] ^ 0x20, *with_scale(0.5)[101:]]),
     "out of range": with_scale(1e6),
-    "another layout": record(DEFAULTS, ["renamed", *NAMES[1:]]),
+    "another format": record(DEFAULTS, magic=b"CMN3"),
     "longer": with_scale(0.5) + bytes(9000),
     "text": b"motion_scale = 0.5\n",
 }
@@ -175,7 +175,7 @@ def is_whole(file: Path, *scales: float) -> bool:
     return file.read_bytes() in [with_scale(scale) for scale in scales]
 
 
-@pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, BYTES - 1])
+@pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, len(record(DEFAULTS)) - 1])
 def test_killed_within_the_write(hub, file, bytes_written):
     """The kernel kills the process at the byte after these (RLIMIT_FSIZE). Then a firmware boots and saves as if nothing were."""
     file.write_bytes(with_scale(0.5))

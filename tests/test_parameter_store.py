@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
+import re
+import shutil
 import struct
+import subprocess
 import zlib
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pytest
 from comanip._core import ffi, lib
+from comanip_dev import codegen
+from simulation import REPOSITORY
 
 COUNT = lib.PARAMETER_COUNT
 ROWS = [lib.parameter_table[i] for i in range(COUNT)]
 NAMES = [ffi.string(row.name).decode() for row in ROWS]
 DEFAULTS = [row.default_value for row in ROWS]
-BYTES = 12 + 4 * COUNT
 OF_38_PARAMETERS = bytes.fromhex(
     "434d4e509f85f3510000304100000c4200000c4200000c4200000c4200000c4200000c4200000c420ad7233c0ad7233c0ad7233c0ad7233c0000c8420000c842"
     "0000c8420000c8420ad7233c0000803f0000803fdb0fc9bf00000000000000000000000000000000000000000000000000000000000000000000000000000000"
     "00000000000000000000803f0000803e0000c8410ad7a33b000020400000803f63812e4f"
 )
+FORMER_COUNTS = range(38, 44)
+MAX_BYTES = 9 + 5 * 64
 
 
-def record(values, names=NAMES, magic: bytes = b"CMNP") -> bytes:
+def record(values: Mapping[int, float] | Sequence[float], magic: bytes = b"CMN2") -> bytes:
+    """values: by number."""
+    pairs = list(values.items() if isinstance(values, Mapping) else enumerate(values))
+    body = magic + bytes([len(pairs)]) + b"".join(struct.pack("<Bf", number, value) for number, value in pairs)
+    return body + struct.pack("<I", zlib.crc32(body))
+
+
+def former_record(values: Sequence[float], names: Sequence[str] = NAMES, magic: bytes = b"CMNP") -> bytes:
     layout = zlib.crc32(b"".join(name.encode() + b"\0" for name in names))
     body = magic + struct.pack(f"<I{len(values)}f", layout, *values)
     return body + struct.pack("<I", zlib.crc32(body))
@@ -38,9 +53,9 @@ def decode(data: bytes) -> list[float] | None:
 
 
 def encode(values) -> bytes:
-    data = ffi.new("uint8_t[]", BYTES)
-    lib.parameter_store_encode(ffi.new("parameters_t *", {"value": values}), data)
-    return bytes(data)
+    data = ffi.new("uint8_t[]", MAX_BYTES)
+    length = lib.parameter_store_encode(ffi.new("parameters_t *", {"value": values}), data)
+    return bytes(data)[:length]
 
 
 def random_values(rng) -> list[float]:
@@ -77,25 +92,45 @@ def test_other_lengths_are_refused(rng):
     assert decode(good + good) is None
 
 
-def test_other_layouts_are_refused():
-    """With a right CRC: more, none, renamed and rearranged parameters, and what is no record of ours."""
+def test_what_is_no_record_is_refused():
+    """With a right CRC."""
     assert decode(record(DEFAULTS)) == DEFAULTS
-    assert decode(record([*DEFAULTS, 1.0], [*NAMES, "another"])) is None
-    assert decode(record([], [])) is None
-    assert decode(record(DEFAULTS[:-1], NAMES[1:])) is None
-    assert decode(record(DEFAULTS[:-1], NAMES)) is None
-    assert decode(record(DEFAULTS, ["renamed", *NAMES[1:]])) is None
-    assert decode(record(DEFAULTS, [NAMES[1], NAMES[0], *NAMES[2:]])) is None
-    assert decode(record(DEFAULTS, magic=b"cmnp")) is None
-    assert decode(bytes(BYTES)) is None
+    assert decode(record(DEFAULTS, magic=b"cmn2")) is None
+    assert decode(record(DEFAULTS, magic=b"CMN3")) is None
+    assert decode(bytes(9 + 5 * COUNT)) is None
+    body = record(DEFAULTS)[:-4]
+    for count in (0, COUNT - 1, COUNT + 1, 255):
+        other = body[:4] + bytes([count]) + body[5:]
+        assert decode(other + struct.pack("<I", zlib.crc32(other))) is None, count
 
 
-def test_the_record_of_an_older_firmware_is_read_and_what_it_lacks_gets_its_default(rng):
-    """Of the firmware with 38 parameters, and of any other count: parameters are only ever added at the end."""
-    assert NAMES[37] == "trace", "a stored record of that firmware would not be read any more"
+def test_what_a_record_lacks_gets_its_default_and_unknown_numbers_are_skipped(rng):
+    values = dict(enumerate(random_values(rng)))
+    for _ in range(50):
+        kept = {number: value for number, value in values.items() if rng.random() < 0.5}
+        unknown = {int(number): math.nan for number in rng.choice(np.arange(COUNT, 256), 5, replace=False)}
+        pairs = list((kept | unknown).items())
+        rng.shuffle(pairs)
+        shuffled = {int(number): value for number, value in pairs}
+        assert decode(record(shuffled)) == [kept.get(number, DEFAULTS[number]) for number in range(COUNT)]
+    assert decode(record({})) == DEFAULTS
+
+
+def test_the_former_format_is_read(rng):
+    """Of firmware with 38 to 43 parameters, whose names stood in the order of their numbers."""
     values = random_values(rng)
-    for count in (38, *range(1, COUNT)):
-        assert decode(record(values[:count], NAMES[:count])) == [*values[:count], *DEFAULTS[count:]]
+    for count in FORMER_COUNTS:
+        expected = [*values[:count], *DEFAULTS[count:]]
+        assert decode(former_record(values[:count], NAMES[:count])) == expected
+    whole = former_record(values[:43], NAMES[:43])
+    for bit in range(0, 8 * len(whole), 7):
+        bad = bytearray(whole)
+        bad[bit // 8] ^= 1 << bit % 8
+        assert decode(bytes(bad)) is None, bit
+    assert decode(former_record(values[:37], NAMES[:37])) is None
+    assert decode(former_record([*values[:43], 1.0], [*NAMES[:43], "another"])) is None
+    assert decode(former_record(DEFAULTS[:43], ["renamed", *NAMES[1:43]])) is None
+    assert decode(former_record(DEFAULTS[:42], NAMES[:43])) is None
 
 
 def test_the_bytes_of_a_record_that_the_firmware_with_38_parameters_wrote_are_read():
@@ -115,3 +150,44 @@ def test_a_value_out_of_range_refuses_the_whole_record(parameter):
         values = list(DEFAULTS)
         values[parameter] = value
         assert decode(record(values)) is None, value
+
+
+# ---- a firmware whose parameters are not these
+
+
+@pytest.fixture(scope="module")
+def other_firmware(tmp_path_factory):
+    """It has no stale_periods (36), and one more parameter, with number 43."""
+    folder = tmp_path_factory.mktemp("other")
+    schema = folder / "schema"
+    shutil.copytree(REPOSITORY / "firmware" / "schema", schema)
+    text = (schema / "parameters.toml").read_text()
+    without = re.sub(r"\[\[parameter\]\]\nnumber = 36\n.*?(?=\[\[)", "", text, flags=re.DOTALL)
+    assert without != text
+    more = '\n[[parameter]]\nnumber = 43\nname = "another_m"\nunit = "m"\nrange = [0, 9]\ndefault = 4\ngroup = "x"\nmeaning = "x"\n'
+    (schema / "parameters.toml").write_text(without.replace("retired = []", "retired = [36]") + more)
+    codegen.update_schema(schema)
+    codegen.main(folder / "generated", schema)
+    rooms = ("maths", "arms", "protocol", "control", "parameters")
+    sources = [str(file) for room in rooms for file in sorted((REPOSITORY / "firmware" / room).glob("*.c"))]
+    library = folder / "other.so"
+    flags = ["-std=c11", "-O1", "-fPIC", "-shared", "-Wl,-z,defs", f"-I{folder / 'generated'}"]
+    command = ["gcc", *flags, *sources, str(folder / "generated" / "comanip_dbc.c"), "-lm", "-o", str(library)]
+    subprocess.run(command, check=True)
+    return ctypes.CDLL(str(library))
+
+
+def test_stored_values_survive_parameters_that_are_added_and_removed(other_firmware, rng):
+    values = random_values(rng)
+    own = encode(values)
+    theirs = (ctypes.c_float * 44)()
+    assert other_firmware.parameter_store_decode(own, ctypes.c_size_t(len(own)), theirs)
+    expected = [value for number, value in enumerate(values) if number != 36]
+    assert [value for number, value in enumerate(theirs[:43]) if number != 36] == expected and theirs[43] == 4
+    theirs[43] = 7.5
+    data = (ctypes.c_ubyte * 400)()
+    other_firmware.parameter_store_encode.restype = ctypes.c_size_t
+    length = other_firmware.parameter_store_encode(theirs, data)
+    numbers = dict(struct.iter_unpack("<Bf", bytes(data[5 : length - 4])))
+    assert 36 not in numbers and numbers[43] == 7.5 and len(numbers) == 43
+    assert decode(bytes(data[:length])) == [*values[:36], DEFAULTS[36], *values[37:]]

@@ -173,10 +173,10 @@ class Drives:
 
     def tick(self, velocity=None, mode=1, spoil=False):
         if velocity is not None:
-            message, frame = self.ffi.new("joint_command_t *"), self.ffi.new("can_frame_t *")
+            message, frame = self.ffi.new("joint_cmd_t *"), self.ffi.new("can_frame_t *")
             for i in range(4):
                 message.mode[i], message.velocity_radps[i] = mode, velocity[i]
-            assert self.lib.joint_command_pack(message, frame) == 0
+            assert self.lib.joint_cmd_pack(message, frame) == 0
             self.lib.protocol_protect(self.sender, frame)
             frame.data[20] ^= 1 if spoil else 0
             assert self.lib.bus_send(self.bus, self.node, frame, self.now_ns)

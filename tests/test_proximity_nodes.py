@@ -371,7 +371,7 @@ def test_clearance_every_4_ms(dbc):
     told = []
     for tick in range(100):
         person_pair, self_pair = tick % 65 - 1, 63 + tick % 17
-        clearance = ffi.new("clearance_t *", {"person_m": 0.9 * tick / 99, "self_m": 1.0 - 0.01 * tick})
+        clearance = ffi.new("measured_clearance_t *", {"person_m": 0.9 * tick / 99, "self_m": 1.0 - 0.01 * tick})
         clearance.person_pair, clearance.self_pair = person_pair, self_pair if self_pair > 63 else -1
         told.append(clearance)
         lib.proximity_node_step(node, clearance, tick * MS, (tick + 1) * MS)
@@ -479,7 +479,7 @@ def test_the_firmware_takes_no_notice(dbc):
     """The new frames are not its own: nothing refused, nothing in TickTrace, no command changed."""
     benches = [controller_bench.Bench().until_ready().start(core.TASK_TELEOP) for _ in range(2)]
     for tick in range(200):
-        for name, kind in (("clearance_report", "clearance_report_t"), ("gripper_state", "gripper_state_t"),
+        for name, kind in (("clearance", "clearance_t"), ("gripper_state", "gripper_state_t"),
                            ("gripper_command", "gripper_command_t")):  # fmt: skip
             frame = core_ffi.new("can_frame_t *")
             assert getattr(core, f"{name}_pack")(core_ffi.new(f"{kind} *"), frame) == core.PROTOCOL_OK

@@ -497,7 +497,7 @@ def read_scene(people=2, tracked=0, kinds=("STAND", "ROD", "CRANK"), water=True)
     for thing, kind in zip(scenario.object, kinds, strict=False):
         thing.kind = getattr(lib, f"OBJECT_{kind}")
     scenario.water.particles, scenario.cup.present = 60 if water else 0, water
-    lib.physical_state_read(state, scenario, ffi.NULL, ffi.new("clearance_t *", [0.0215, 0.5, 3, 4]))
+    lib.physical_state_read(state, scenario, ffi.NULL, ffi.new("measured_clearance_t *", [0.0215, 0.5, 3, 4]))
     return state
 
 

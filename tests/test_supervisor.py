@@ -115,5 +115,5 @@ def test_stop_clears_a_fault_whose_cause_is_gone(changes):
 
 def test_stop_categories():
     categories = [lib.supervisor_stop_category(supervisor(mode)) for mode in MODES]
-    none = lib.STOP_CATEGORY_NONE
+    none = lib.STOP_NONE
     assert categories == [none, none, none, lib.STOP_CATEGORY_2, lib.STOP_CATEGORY_1]

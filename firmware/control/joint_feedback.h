@@ -2,6 +2,7 @@
 #ifndef COMANIP_JOINT_FEEDBACK_H
 #define COMANIP_JOINT_FEEDBACK_H
 
+#include "../arms/arm.h"
 #include "../protocol/can_protocol.h"
 
 typedef struct {

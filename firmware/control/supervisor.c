@@ -81,6 +81,6 @@ stop_category_t supervisor_stop_category(const supervisor_t *self) {
     switch (self->mode) {
     case MODE_HOLD: return STOP_CATEGORY_2;
     case MODE_FAULT: return STOP_CATEGORY_1;
-    default: return STOP_CATEGORY_NONE;
+    default: return STOP_NONE;
     }
 }

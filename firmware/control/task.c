@@ -1,14 +1,20 @@
 #include "task.h"
 
-#define Q_X_PI {0.0f, 1.0f, 0.0f, 0.0f}
-/* q(x, pi) q(z, pi/4) = (0, cos pi/8, -sin pi/8, 0) */
-#define Q_X_PI_Q_Z_PI_4 {0.0f, 0.92387953251128674f, -0.38268343236508977f, 0.0f}
+#include <stddef.h>
 
-const task_t task_table[TASK_BUILT_IN_COUNT] = {
-    [TASK_POUR] = {TASK_FORM_CONSTANT, {0.01f, 0.0f, -0.05f}, Q_X_PI_Q_Z_PI_4, Q_X_PI},
-    [TASK_TELEOP] = {TASK_FORM_CONSTANT, {0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f, 0.0f}},
-    [TASK_MIRROR] = {TASK_FORM_MIRRORED, {0.0f, 0.0f, 0.0f}, Q_X_PI, Q_X_PI},
-};
+#define BRACES(...) {__VA_ARGS__}
+#define ROW(NAME, number, name, form, t_task, q_task, q_inv)                                                           \
+    [number] = {TASK_FORM_##form, BRACES t_task, BRACES q_task, BRACES q_inv},
+const task_t task_table[COMANIP_TASK_NUMBERS] = {COMANIP_TASKS(ROW)};
+
+const task_t *task_built_in(uint8_t number) {
+#define CASE(NAME, number, name, form, t_task, q_task, q_inv) case number:
+    switch (number) {
+        COMANIP_TASKS(CASE)
+        return &task_table[number];
+    default: return NULL;
+    }
+}
 
 task_relation_t task_relation(const task_t *task) {
     return (task_relation_t){{task->q_task, task->t_task_m}, task->form == TASK_FORM_MIRRORED ? 2.0f : 0.0f};

@@ -5,21 +5,8 @@
 #include <stdint.h>
 
 #include "../maths/pose.h"
-
-typedef enum {
-    TASK_FORM_CONSTANT = 0,
-    TASK_FORM_MIRRORED = 1, /* t_task grows by 2 (x_H - x_H0) along the robot hand's z axis */
-} task_form_t;
-
-/* Numbers are those of the DBC. */
-typedef enum {
-    TASK_POUR = 0,
-    TASK_TELEOP = 1,
-    TASK_MIRROR = 2,
-    TASK_CUSTOM = 3, /* defined by the operator (TaskDefine) */
-} task_id_t;
-
-#define TASK_BUILT_IN_COUNT 3
+#include "../protocol/messages.h"
+#include "comanip_tasks.h"
 
 typedef struct {
     task_form_t form;
@@ -28,8 +15,11 @@ typedef struct {
     quaternion_t q_inv;  /* unit: how the person stands at the start; used by Algorithm 1's initialisation only */
 } task_t;
 
-/* Table I. */
-extern const task_t task_table[TASK_BUILT_IN_COUNT];
+/* The built-in tasks of Table I, by task_id_t; at TASK_CUSTOM, and at numbers that no task has, zeros. */
+extern const task_t task_table[COMANIP_TASK_NUMBERS];
+
+/* NULL: no built-in task has this number. */
+const task_t *task_built_in(uint8_t number);
 
 /* q_task as a function of how far the human's hand has moved along the torso's x axis since the start: that
  * displacement times `slope` adds to the translation along z. */

@@ -1,57 +1,14 @@
 #include "parameters.h"
 
-#define PI 3.14159265358979324f
+#include <stddef.h>
 
-/* In the order of parameter_id_t. Gain, weights and damping of law (4): the best of a search over the five experiments
- * (docs/gains.md). With prediction 0 they give a 4-joint arm equal rates in all directions and near-exact position, at
- * the cost of orientation; weights of 1 in the torso frame are the paper. A higher gain lags less than these 29 ms, but
- * turns the tracker's noise into accelerations at the limit. The law with prediction: docs/control.md. */
-const parameter_description_t parameter_table[PARAMETER_COUNT] = {
-    /* name, minimum, maximum, default, whole numbers only */
-    {"gain_w_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_x_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_y_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_z_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_dual_w_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_dual_x_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_dual_y_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"gain_dual_z_per_s", 0.0f, 500.0f, 35.0f, false},
-    {"weight_w", 0.0f, 10000.0f, 0.01f, false},
-    {"weight_x", 0.0f, 10000.0f, 0.01f, false},
-    {"weight_y", 0.0f, 10000.0f, 0.01f, false},
-    {"weight_z", 0.0f, 10000.0f, 0.01f, false},
-    {"weight_dual_w", 0.0f, 10000.0f, 100.0f, false},
-    {"weight_dual_x", 0.0f, 10000.0f, 100.0f, false},
-    {"weight_dual_y", 0.0f, 10000.0f, 100.0f, false},
-    {"weight_dual_z", 0.0f, 10000.0f, 100.0f, false},
-    {"damping", 0.0f, 1.0f, 0.01f, false},
-    {"error_frame", 0.0f, 1.0f, 1.0f, true},
-    {"motion_scale", 0.01f, 10.0f, 1.0f, false},
-    {"tracker_rotation_x_rad", -PI, PI, -0.5f * PI, false},
-    {"tracker_rotation_y_rad", -PI, PI, 0.0f, false},
-    {"tracker_rotation_z_rad", -PI, PI, 0.0f, false},
-    {"marker_to_hand_rotation_x_rad", -PI, PI, 0.0f, false},
-    {"marker_to_hand_rotation_y_rad", -PI, PI, 0.0f, false},
-    {"marker_to_hand_rotation_z_rad", -PI, PI, 0.0f, false},
-    {"marker_to_hand_translation_x_m", -1.0f, 1.0f, 0.0f, false},
-    {"marker_to_hand_translation_y_m", -1.0f, 1.0f, 0.0f, false},
-    {"marker_to_hand_translation_z_m", -1.0f, 1.0f, 0.0f, false},
-    {"start_offset_x_m", -2.0f, 2.0f, 0.0f, false},
-    {"start_offset_y_m", -2.0f, 2.0f, 0.0f, false},
-    {"start_offset_z_m", -2.0f, 2.0f, 0.0f, false},
-    {"latch_measured", 0.0f, 1.0f, 0.0f, true},
-    {"task_blend_s", 0.0f, 60.0f, 1.0f, false},
-    {"speed_fraction", 0.01f, 1.0f, 1.0f, false},
-    {"acceleration_limit_radps2", 1.0f, 70.0f, 25.0f, false},
-    {"command_delay_s", 0.0f, 0.05f, 0.005f, false},
-    {"stale_periods", 1.5f, 25.0f, 2.5f, false},
-    {"trace", 0.0f, 1.0f, 1.0f, true},
-    {"prediction", 0.0f, 1.0f, 1.0f, true},
-    {"following_gain_per_s", 1.0f, 60.0f, 35.0f, false},
-    {"orientation_weight_m2", 0.0f, 1e-3f, 1.5e-5f, false},
-    {"tracker_latency_s", -0.05f, 0.05f, 0.0f, false},
-    {"posture_change", 0.0f, 1.0f, 0.0f, true},
-};
+#define ROW(number, name, minimum, maximum, default_value, integer, unit, group, meaning)                              \
+    [number] = {name, minimum, maximum, default_value, integer},
+const parameter_description_t parameter_table[PARAMETER_COUNT] = {COMANIP_PARAMETERS(ROW)};
+
+bool parameters_has(uint8_t parameter) {
+    return parameter < PARAMETER_COUNT && parameter_table[parameter].name != NULL;
+}
 
 void parameters_set_defaults(parameters_t *self) {
     for (int i = 0; i < PARAMETER_COUNT; i++) {
@@ -60,7 +17,7 @@ void parameters_set_defaults(parameters_t *self) {
 }
 
 result_t parameters_set(parameters_t *self, uint8_t parameter, float value) {
-    if (parameter >= PARAMETER_COUNT) {
+    if (!parameters_has(parameter)) {
         return RESULT_UNKNOWN_PARAMETER;
     }
     const parameter_description_t *description = &parameter_table[parameter];

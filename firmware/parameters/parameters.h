@@ -6,34 +6,8 @@
 #include "../control/differential_ik.h"
 #include "../control/joint_limits.h"
 #include "../control/position_priority.h"
-#include "../protocol/can_protocol.h"
-
-/* Numbers and names are those of the DBC (ParameterValue.parameter). Vectors stand in a row: FIRST + component. */
-typedef enum {
-    PARAMETER_GAIN_PER_S = 0,   /* 8: diagonal of K, order of vec8 */
-    PARAMETER_WEIGHT = 8,       /* 8: diagonal of W */
-    PARAMETER_DAMPING = 16,     /* lambda */
-    PARAMETER_ERROR_FRAME = 17, /* error_frame_t */
-    PARAMETER_MOTION_SCALE = 18,
-    PARAMETER_TRACKER_ROTATION_RAD = 19,         /* 3: rotation vector of q_Tv^E */
-    PARAMETER_MARKER_TO_HAND_ROTATION_RAD = 22,  /* 3: rotation vector of the hand seen from the marker */
-    PARAMETER_MARKER_TO_HAND_TRANSLATION_M = 25, /* 3 */
-    PARAMETER_START_OFFSET_M = 28,               /* 3 */
-    PARAMETER_LATCH_MEASURED = 31,               /* 0: latch the commanded q_task, 1: the measured one */
-    PARAMETER_TASK_BLEND_S = 32,
-    PARAMETER_SPEED_FRACTION = 33,
-    PARAMETER_ACCELERATION_LIMIT_RADPS2 = 34,
-    PARAMETER_COMMAND_DELAY_S = 35,
-    PARAMETER_STALE_PERIODS = 36,
-    PARAMETER_TRACE = 37, /* 1: TickTrace is sent */
-    PARAMETER_PREDICTION =
-        38, /* 1: the hand's motion is predicted and fed forward, position_priority.h; 0: interpolated, law (4) */
-    PARAMETER_FOLLOWING_GAIN_PER_S = 39,  /* position_priority_config_t's K */
-    PARAMETER_ORIENTATION_WEIGHT_M2 = 40, /* position_priority_config_t's w */
-    PARAMETER_TRACKER_LATENCY_S = 41,     /* added to the latency that the tracker announces */
-    PARAMETER_POSTURE_CHANGE = 42,        /* 1: with prediction, the arm leaves dead ends, posture_change.h */
-    PARAMETER_COUNT = 43
-} parameter_id_t;
+#include "../protocol/messages.h"
+#include "comanip_parameters.h"
 
 typedef struct {
     const char *name;
@@ -43,11 +17,15 @@ typedef struct {
     bool integer; /* only whole numbers are taken */
 } parameter_description_t;
 
+/* By parameter_id_t, from firmware/schema/parameters.toml; a number that no parameter has is without a name. */
 extern const parameter_description_t parameter_table[PARAMETER_COUNT];
 
 typedef struct {
     float value[PARAMETER_COUNT];
 } parameters_t;
+
+/* Whether there is a parameter of this number. */
+bool parameters_has(uint8_t parameter);
 
 void parameters_set_defaults(parameters_t *self);
 

@@ -3,8 +3,8 @@
  * targets compute the same bits; end-to-end protection and the parts' equal counters are can_transport.h's.
  *
  * What is coarser than on CAN FD: positions of hands and targets have 0.1 mm and reach 3.2767 m, rotations have 15 bits
- * for each of the three smaller components (within 0.009 deg), torques 0.2 Nm up to 25.4 Nm; drives tell no
- * temperature. */
+ * for each of the three smaller components (within 0.009 deg), torques 0.2 Nm up to 25.4 Nm; drives do not report
+ * their temperature. */
 #ifndef COMANIP_CAN_CLASSIC_H
 #define COMANIP_CAN_CLASSIC_H
 

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "../arms/arm.h"
 #include "comanip_schema.h"
 
 _Static_assert(FRAME_KIND_COUNT < 32, "a set of kinds is a word");
@@ -15,9 +16,9 @@ static bool is_classic(can_profile_t profile) {
     return can_profile_in_force(profile) == CAN_PROFILE_CLASSIC;
 }
 
-/* FirmwareHeartbeat is the same in both profiles. */
+/* What has no frames of its own for classic CAN is the same in both profiles, as FirmwareHeartbeat. */
 static bool is_translated(can_profile_t profile, frame_kind_t kind) {
-    return is_classic(profile) && kind != FRAME_FIRMWARE_HEARTBEAT;
+    return is_classic(profile) && classic_parts(kind, ARM_MAX_JOINTS) != 0u;
 }
 
 /* The message's first frame. */
@@ -84,6 +85,9 @@ bool transport_send(transport_sender_t *self, can_frame_t *message, const can_si
         return send_parts(self, kind, message, sink);
     }
     message->fd = !is_classic(self->profile);
+    if (!message->fd && message->length > CLASSIC_MAX_BYTES) {
+        return false;
+    }
     protocol_protect(&self->counters, message);
     sink->send(sink->context, message);
     return true;
@@ -98,11 +102,9 @@ void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, 
     self->kinds = kinds;
 }
 
-/* Places in `pending` of the kinds that have parts. */
-static const uint8_t pending_place[FRAME_KIND_COUNT] = {
-    [FRAME_FIRMWARE_IDENTITY] = 0, [FRAME_JOINT_CMD] = 1,   [FRAME_TICK_TRACE] = 2,
-    [FRAME_HAND_POSE] = 3,         [FRAME_TASK_DEFINE] = 4, [FRAME_TRACKER_STATUS] = 5,
-};
+/* Index in `pending` of the kinds that have several parts. */
+#define PENDING_INDEX(name, index) [FRAME_##name] = (index),
+static const uint8_t pending_index[FRAME_KIND_COUNT] = {COMANIP_MULTIPART(PENDING_INDEX)};
 
 /* Sixteen messages later a counter comes again: a part that has waited for so long belongs to another message. */
 static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, uint32_t now_us) {
@@ -112,9 +114,7 @@ static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, ui
 
 /* An invalid pose's stamp means nothing. */
 static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
-    hand_pose_t pose;
-    hand_pose_unpack(message, &pose);
-    if (!pose.valid) {
+    if ((message->data[COMANIP_HAND_POSE_VALID_BYTE] & COMANIP_HAND_POSE_VALID_MASK) == 0u) {
         return;
     }
     uint32_t expected_us = self->pose_stamp_us + (message->timestamp_us - self->pose_received_us);
@@ -136,7 +136,7 @@ static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t coun
 
 static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind, uint8_t parts, uint8_t place,
                                    uint8_t counter, can_frame_t *frame) {
-    transport_pending_t *pending = &self->pending[pending_place[kind]];
+    transport_pending_t *pending = &self->pending[pending_index[kind]];
     if (pending->received == 0u || pending->counter != counter || is_too_old(pending, kind, frame->timestamp_us)) {
         pending->received = 0;
         pending->counter = counter;

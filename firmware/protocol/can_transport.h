@@ -31,9 +31,9 @@ typedef struct {
 } transport_pending_t;
 
 #ifdef CAN_FD_ONLY
-#define TRANSPORT_LONG_KINDS 1 /* none, but C has no empty arrays */
+#define TRANSPORT_MULTIPART_KINDS 1 /* none, but C has no empty arrays */
 #else
-#define TRANSPORT_LONG_KINDS 6 /* that have parts on classic CAN */
+#define TRANSPORT_MULTIPART_KINDS COMANIP_MULTIPART_COUNT /* that have several parts on classic CAN */
 #endif
 
 typedef struct {
@@ -42,7 +42,7 @@ typedef struct {
     uint32_t kinds;               /* that are listened to, one bit for each frame_kind_t */
     protocol_receiver_t protocol; /* classic CAN: counters of the last whole messages */
     e2e_receiver_t classic[CLASSIC_FRAME_COUNT];
-    transport_pending_t pending[TRANSPORT_LONG_KINDS];
+    transport_pending_t pending[TRANSPORT_MULTIPART_KINDS];
     uint32_t pose_stamp_us, pose_received_us; /* of the last valid HandPose on classic CAN */
 } transport_receiver_t;
 

@@ -57,7 +57,7 @@ static void check_jerk(limit_monitor_t *self, int64_t end_ns, int joint, double 
     }
 }
 
-static void check_joint(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, int joint,
+static void check_joint(limit_monitor_t *self, const joint_cmd_t *command, int64_t end_ns, int joint,
                         double velocity_max_radps, double acceleration_max_radps2, double interval_s) {
     const double position_rad = (double)command->position_rad[joint];
     const double velocity_radps = (double)command->velocity_radps[joint];
@@ -92,7 +92,7 @@ static void check_joint(limit_monitor_t *self, const joint_command_t *command, i
     self->last_acceleration_radps2[joint] = self->has_last ? acceleration_radps2 : 0.0;
 }
 
-void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, double speed_fraction,
+void limit_monitor_command(limit_monitor_t *self, const joint_cmd_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2) {
     const double interval_s = ticks_since_last(self, end_ns) * TICK_NS * 1e-9;
     for (int i = 0; i < ROBOT_JOINTS; i++) {

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "../../firmware/arms/arm.h"
 #include "../../firmware/protocol/can_protocol.h"
 #include "../robot/robot_model.h"
 
@@ -24,7 +25,7 @@ void limit_monitor_init(limit_monitor_t *self);
 
 /* The parameters speed_fraction and acceleration_limit_radps2 in force. After a smaller speed_fraction a joint may
  * still brake down to it at its limits of acceleration and jerk. */
-void limit_monitor_command(limit_monitor_t *self, const joint_command_t *command, int64_t end_ns, double speed_fraction,
+void limit_monitor_command(limit_monitor_t *self, const joint_cmd_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2);
 
 /* A JointCmd that its receivers refuse. */

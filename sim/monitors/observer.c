@@ -43,7 +43,7 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
     /* A target may be compared only with the hand of its own time. */
     self->tick.hand_at_target = self->past_hand[(self->ticks - age_ticks) % OBSERVER_PAST_TICKS];
     self->target_ticks_left = self->target_ticks;
-    const quaternion_t r = trace.target.rotation;
+    const quaternion_t r = quaternion_normalise(trace.target.rotation);
     const vector3_t t = trace.target.translation_m;
     self->tick.target =
         (rigid_pose_t){{(double)t.x, (double)t.y, (double)t.z}, {(double)r.w, (double)r.x, (double)r.y, (double)r.z}};
@@ -109,7 +109,7 @@ static void on_message(observer_t *self, frame_kind_t kind, const can_frame_t *m
     } else if (kind == FRAME_COMMAND_ACK) {
         on_ack(self, message, end_ns);
     } else if (kind == FRAME_JOINT_CMD) {
-        joint_command_unpack(message, &self->tick.command);
+        joint_cmd_unpack(message, &self->tick.command);
         self->tick.has_command = true;
         bus_delays_command(&self->delays, (uint32_t)((bus_epoch_ns(self->bus) + end_ns) / 1000));
         limit_monitor_command(&self->limits, &self->tick.command, end_ns,

@@ -36,7 +36,7 @@ typedef struct {
     int64_t target_ns;           /* its own time */
     rigid_pose_t hand_at_target; /* ODE's hand at the target's own time; on CAN FD that of this tick */
     bool has_command;
-    joint_command_t command;
+    joint_cmd_t command;
     double measured_rad[ROBOT_JOINTS]; /* as the drives report it */
 } tick_record_t;
 

@@ -32,7 +32,7 @@ static void read_objects(physical_state_t *self, const scenario_t *scenario, con
 }
 
 void physical_state_read(physical_state_t *self, const scenario_t *scenario, const scene_t *scene,
-                         const clearance_t *clearance) {
+                         const measured_clearance_t *clearance) {
     memset(self, 0, sizeof *self);
     list_what_there_is(self, scenario);
     for (size_t i = 0; i < self->person_count; i++) {

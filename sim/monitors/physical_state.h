@@ -29,11 +29,11 @@ typedef struct {
     double gripper_opening, gripper_force_N;
     rigid_pose_t robot_cup; /* if there is one */
     water_count_t water;
-    clearance_t clearance;
+    measured_clearance_t clearance;
 } physical_state_t;
 
 void physical_state_read(physical_state_t *self, const scenario_t *scenario, const scene_t *scene,
-                         const clearance_t *clearance);
+                         const measured_clearance_t *clearance);
 
 /* N, of the force at this person's hand. */
 double physical_state_force_N(const physical_state_t *self, size_t person);

@@ -70,8 +70,8 @@ static void send_states(drive_node_t *self, int64_t ready_ns) {
 static void on_command(void *context, frame_kind_t kind, const can_frame_t *message, int64_t end_ns) {
     drive_node_t *self = context;
     (void)kind;
-    joint_command_t command;
-    joint_command_unpack(message, &command);
+    joint_cmd_t command;
+    joint_cmd_unpack(message, &command);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         self->drive[i].mode = command.mode[i];
         self->drive[i].commanded_radps = (double)command.velocity_radps[i];

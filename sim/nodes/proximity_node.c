@@ -22,8 +22,8 @@ void proximity_node_destroy(proximity_node_t *self) {
     free(self);
 }
 
-static clearance_report_t report_of(const clearance_t *clearance) {
-    clearance_report_t report = {
+static clearance_t report_of(const measured_clearance_t *clearance) {
+    clearance_t report = {
         .person_m = (float)clearance->person_m,
         .self_m = (float)clearance->self_m,
         .person_valid = clearance->person_pair >= 0,
@@ -43,12 +43,13 @@ static clearance_report_t report_of(const clearance_t *clearance) {
     return report;
 }
 
-void proximity_node_step(proximity_node_t *self, const clearance_t *clearance, int64_t from_ns, int64_t until_ns) {
+void proximity_node_step(proximity_node_t *self, const measured_clearance_t *clearance, int64_t from_ns,
+                         int64_t until_ns) {
     const int64_t period_ns = (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_CLEARANCE) * NS_PER_MS;
-    const clearance_report_t report = report_of(clearance);
+    const clearance_t report = report_of(clearance);
     for (int64_t due_ns = (from_ns + period_ns - 1) / period_ns * period_ns; due_ns < until_ns; due_ns += period_ns) {
         can_frame_t frame;
-        if (clearance_report_pack(&report, &frame) == PROTOCOL_OK) {
+        if (clearance_pack(&report, &frame) == PROTOCOL_OK) {
             endpoint_send(&self->endpoint, &frame, due_ns);
         }
     }

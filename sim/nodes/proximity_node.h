@@ -13,6 +13,7 @@ proximity_node_t *proximity_node_create(bus_t *bus);
 void proximity_node_destroy(proximity_node_t *self);
 
 /* Queues what falls due in [from_ns, until_ns). */
-void proximity_node_step(proximity_node_t *self, const clearance_t *clearance, int64_t from_ns, int64_t until_ns);
+void proximity_node_step(proximity_node_t *self, const measured_clearance_t *clearance, int64_t from_ns,
+                         int64_t until_ns);
 
 #endif

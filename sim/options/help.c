@@ -1,9 +1,10 @@
 #include "help.h"
 
 #include <stdio.h>
+#include <string.h>
 
-#include "../../firmware/parameters/parameters.h"
 #include "../scenario/scenario_file.h"
+#include "comanip_parameters.h"
 
 static const char usage[] =
     "comanip-sim: a human hand moves a simulated humanoid arm over a CAN bus, in virtual time\n"
@@ -60,12 +61,27 @@ static const char usage[] =
     "\n"
     "parameters (range, default)\n";
 
+typedef struct {
+    const char *name, *unit, *group, *meaning;
+    float minimum, maximum, default_value;
+} parameter_help_t;
+
+#define ROW(number, name, minimum, maximum, default_value, integer, unit, group, meaning)                              \
+    {name, unit, group, meaning, minimum, maximum, default_value},
+static const parameter_help_t parameters[] = {COMANIP_PARAMETERS(ROW)};
+
 void help_print(void) {
     (void)fputs(usage, stdout);
-    for (int i = 0; i < PARAMETER_COUNT; i++) {
-        const parameter_description_t *p = &parameter_table[i];
-        (void)printf("  %-32s %g to %g, %g\n", p->name, (double)p->minimum, (double)p->maximum,
-                     (double)p->default_value);
+    for (size_t i = 0; i < sizeof parameters / sizeof parameters[0]; i++) {
+        const parameter_help_t *p = &parameters[i];
+        if (i == 0 || strcmp(p->group, parameters[i - 1].group) != 0) {
+            (void)printf("  %s\n", p->group);
+        }
+        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) { /* once for a vector */
+            (void)printf("    %s\n", p->meaning);
+        }
+        (void)printf("      %-32s %g to %g%s%s, %g\n", p->name, (double)p->minimum, (double)p->maximum,
+                     p->unit[0] != '\0' ? " " : "", p->unit, (double)p->default_value);
     }
 }
 

@@ -164,8 +164,8 @@ void proximity_destroy(proximity_t *self) {
     free(self);
 }
 
-clearance_t proximity_measure(proximity_t *self) {
-    clearance_t clearance;
+measured_clearance_t proximity_measure(proximity_t *self) {
+    measured_clearance_t clearance;
     bodies_place(&self->bodies, self->scenario, self->scene);
     clearance.person_m = search(self, &self->with_person, &clearance.person_pair);
     clearance.self_m = search(self, &self->with_itself, &clearance.self_pair);

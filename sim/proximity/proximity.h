@@ -14,7 +14,7 @@ typedef struct {
     double person_m; /* PROXIMITY_CEILING_M: there is nothing near */
     double self_m;
     int person_pair, self_pair; /* numbers for proximity_pair_name(); -1: none */
-} clearance_t;
+} measured_clearance_t;
 
 /* What a pair's number stands for. */
 typedef struct {
@@ -33,7 +33,7 @@ proximity_t *proximity_create(const scenario_t *scenario, const scene_t *scene);
 void proximity_destroy(proximity_t *self);
 
 /* Of this instant. Error at most CONVEX_DISTANCE_ERROR_M each. */
-clearance_t proximity_measure(proximity_t *self);
+measured_clearance_t proximity_measure(proximity_t *self);
 
 /* As "person.forearm - robot.forearm"; "" for -1. */
 const char *proximity_pair_name(const proximity_t *self, int pair);

@@ -9,20 +9,24 @@ static const char *const actions[] = {"select", "start", "latch", "clutch", "sto
 
 #define STEP_KEYS "do", "name", STEP_START_KEYS
 
-/* "pour", "teleop", "mirror", in the order of task_id_t, and then the file's own. */
+#define NAME(NAME, number, name, form, t_task, q_task, q_inv) name,
+#define NUMBER(NAME, number, name, form, t_task, q_task, q_inv) number,
+
+/* A built-in task, or one of the file's own. */
 static void read_select(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, operate_step_t *step) {
-    const char *tasks[TASK_BUILT_IN_COUNT + SCENARIO_MAX_TASKS + 1] = {"pour", "teleop", "mirror"};
+    static const uint8_t numbers[] = {COMANIP_TASKS(NUMBER)};
+    const char *tasks[COMANIP_TASK_COUNT + SCENARIO_MAX_TASKS + 1] = {COMANIP_TASKS(NAME)};
     for (size_t i = 0; i < self->own_task_count; i++) {
-        tasks[TASK_BUILT_IN_COUNT + i] = self->own_task[i].name;
+        tasks[COMANIP_TASK_COUNT + i] = self->own_task[i].name;
     }
     const yaml_node_t *node = yaml_need(yaml, map, "task");
     const int task = yaml_choice(yaml_scalar(node), tasks);
-    if (task >= TASK_BUILT_IN_COUNT) {
+    if (task >= COMANIP_TASK_COUNT) {
         step->kind = OPERATE_DEFINE;
         step->command = COMMAND_DEFINE;
-        step->own_task = (size_t)task - TASK_BUILT_IN_COUNT;
+        step->own_task = (size_t)task - COMANIP_TASK_COUNT;
     } else if (task >= 0) {
-        step->task = (task_id_t)task;
+        step->task = (task_id_t)numbers[task];
     } else if (node != NULL) {
         yaml_refuse_choice(yaml, node, "tasks", tasks);
     }

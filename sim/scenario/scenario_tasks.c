@@ -24,7 +24,8 @@ static void read_task(yaml_reader_t *yaml, yaml_node_t *map, task_define_t *defi
 }
 
 void scenario_read_tasks(yaml_reader_t *yaml, scenario_t *self) {
-    static const char *const built_in[] = {"pour", "teleop", "mirror", NULL};
+#define NAME(NAME, number, name, form, t_task, q_task, q_inv) name,
+    static const char *const built_in[] = {COMANIP_TASKS(NAME) NULL};
     yaml_node_t *tasks = yaml_find(yaml, yaml_root(yaml), "tasks");
     yaml_node_t *name, *task;
     yaml_expect_mapping(yaml, tasks);

@@ -30,7 +30,7 @@ typedef struct {
     drive_t drive[REST_JOINTS];
     double window_last[REST_JOINTS]; /* a joint's velocity when it was last above REST_CREEP_RADPS, in this window; 0:
                                         not yet */
-    joint_command_t command;
+    joint_cmd_t command;
 } loop_t;
 
 /* ---- frames to the firmware */
@@ -104,7 +104,7 @@ static void send_operator(loop_t *self, int tick, uint32_t now_us) {
 static void take(void *context, const can_frame_t *frame) {
     loop_t *self = context;
     if (frame->id == frame_table[FRAME_JOINT_CMD].id) {
-        joint_command_unpack(frame, &self->command);
+        joint_cmd_unpack(frame, &self->command);
     } else if (frame->id == frame_table[FRAME_COMMAND_ACK].id) {
         command_ack_t ack;
         command_ack_unpack(frame, &ack);

@@ -35,7 +35,7 @@ typedef struct {
     controller_inbox_t inbox;
     uint32_t received_us;      /* of what is being sent to the firmware */
     transport_sender_t others; /* tracker, drives and operator: none sends what another does */
-    joint_command_t command;
+    joint_cmd_t command;
     bool accepted; /* nothing was refused until now */
 } loop_t;
 
@@ -58,7 +58,7 @@ static void send(loop_t *self, can_frame_t *frame, uint32_t received_us) {
 static void from_firmware(void *context, const can_frame_t *frame) {
     loop_t *self = context;
     if (frame->id == frame_table[FRAME_JOINT_CMD].id) {
-        joint_command_unpack(frame, &self->command);
+        joint_cmd_unpack(frame, &self->command);
     } else if (frame->id == frame_table[FRAME_COMMAND_ACK].id) {
         command_ack_t ack;
         command_ack_unpack(frame, &ack);

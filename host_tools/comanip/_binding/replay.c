@@ -86,16 +86,16 @@ static bool is_reboot(replay_t *self) {
            replay_stream_of_kind(self, FRAME_FIRMWARE_IDENTITY)->cursor < self->next[self->tick_place];
 }
 
-static void step(replay_t *self, const tick_trace_t *trace) {
+static void step(replay_t *self, const replay_trace_t *trace) {
     self->controller = self->before;
     replay_stamp_inbox(self, trace);
     self->inbox.save_over = false;
     self->received = self->inbox; /* the step makes messages of it */
-    outbox_step(&self->outbox, &self->controller, trace->now_us, &self->received);
+    outbox_step(&self->outbox, &self->controller, trace->message.now_us, &self->received);
     if (replay_ends_save(self)) {
         self->controller = self->before;
         self->received = self->inbox;
-        outbox_step(&self->outbox, &self->controller, trace->now_us, &self->received);
+        outbox_step(&self->outbox, &self->controller, trace->message.now_us, &self->received);
     }
 }
 
@@ -116,14 +116,14 @@ static bool has_sent(replay_t *self, const uint32_t part_place[]) {
 }
 
 /* False: it cannot have been so. */
-static bool try_plan(replay_t *self, const tick_trace_t *trace, replay_plan_t plan) {
+static bool try_plan(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->controller = self->before;
     memcpy(self->stream, self->stream_before, sizeof self->stream);
     if (!replay_fill_inbox(self, trace, plan)) {
         return false;
     }
     step(self, trace);
-    while ((uint8_t)self->controller.receiver.protocol.rejected != trace->rejected_frames &&
+    while ((uint8_t)self->controller.receiver.protocol.rejected != trace->message.rejected_frames &&
            replay_read_refused(self)) {
         step(self, trace);
     }
@@ -131,7 +131,7 @@ static bool try_plan(replay_t *self, const tick_trace_t *trace, replay_plan_t pl
 }
 
 /* The firmware's tick with what it had read. False: nothing fits. */
-static bool redo_tick(replay_t *self, const uint32_t part_place[], const tick_trace_t *trace) {
+static bool redo_tick(replay_t *self, const uint32_t part_place[], const replay_trace_t *trace) {
     int first_possible = REPLAY_READ_PLANS;
     for (int plan = REPLAY_READ_ALL; plan < REPLAY_READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
         if (try_plan(self, trace, (replay_plan_t)plan)) {
@@ -156,7 +156,7 @@ static void end_without_trace(replay_t *self, uint32_t damaged) {
 }
 
 static void replay_tick(replay_t *self) {
-    tick_trace_t trace;
+    replay_trace_t trace;
     uint32_t part_place[REPLAY_TRACE_PARTS];
     if (!replay_read_trace(self, self->tick_place, &trace, part_place)) {
         end_without_trace(self, part_place[0]);

@@ -49,7 +49,7 @@ static bool is_read(const replay_t *self, replay_plan_t plan, const replay_strea
 }
 
 /* Takes the frames of one id up to the one with the traced counter. False: there is none, or more than a tick reads. */
-static bool read_stream(replay_t *self, replay_stream_t *stream, const tick_trace_t *trace, replay_plan_t plan) {
+static bool read_stream(replay_t *self, replay_stream_t *stream, const replay_trace_t *trace, replay_plan_t plan) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
     const uint8_t wanted = trace->last[stream->kind].counter;
     uint32_t damaged = REPLAY_NO_FRAME;
@@ -85,7 +85,7 @@ static bool read_stream(replay_t *self, replay_stream_t *stream, const tick_trac
 }
 
 /* JointState's of joints that the arm does not have are not read; nobody sends them. */
-bool replay_fill_inbox(replay_t *self, const tick_trace_t *trace, replay_plan_t plan) {
+bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->inbox.count = 0;
     for (int i = 0; i < self->stream_count; i++) {
         if (self->to_firmware[self->stream[i].kind] && !read_stream(self, &self->stream[i], trace, plan)) {
@@ -125,13 +125,13 @@ bool replay_read_refused(replay_t *self) {
 /* ---- times of reception */
 
 /* The oldest stamp with which the drive stays fresh in the ticks that say so, until its next frame. */
-static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const tick_trace_t *trace) {
+static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);
-    uint32_t stamp_us = trace->now_us - timeout_us - 1u;
+    uint32_t stamp_us = trace->message.now_us - timeout_us - 1u;
     uint8_t counter = trace->last[kind].counter;
     uint32_t place = self->tick_place;
     for (int i = 0; i < LOOK_AHEAD_TICKS && place != REPLAY_NO_FRAME; i++, place = self->next[place]) {
-        tick_trace_t ahead;
+        replay_trace_t ahead;
         uint32_t part_place[REPLAY_TRACE_PARTS];
         if (!replay_read_trace(self, place, &ahead, part_place)) {
             break;
@@ -141,19 +141,19 @@ static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const tick_tra
             break;
         }
         counter = ahead.last[kind].counter;
-        if (ahead.drives_fresh) {
-            stamp_us = ahead.now_us - timeout_us;
+        if (ahead.message.drives_fresh) {
+            stamp_us = ahead.message.now_us - timeout_us;
         }
     }
-    return (int32_t)(trace->now_us - stamp_us) < 0 ? trace->now_us : stamp_us;
+    return (int32_t)(trace->message.now_us - stamp_us) < 0 ? trace->message.now_us : stamp_us;
 }
 
-void replay_stamp_inbox(replay_t *self, const tick_trace_t *trace) {
+void replay_stamp_inbox(replay_t *self, const replay_trace_t *trace) {
     for (int i = 0; i < self->inbox.count; i++) {
         const frame_kind_t kind = self->stream[self->stream_of[self->place_of[i]]].kind;
-        uint32_t stamp_us = trace->now_us;
+        uint32_t stamp_us = trace->message.now_us;
         if (kind == FRAME_HAND_POSE) {
-            stamp_us -= trace->hand_age_us;
+            stamp_us -= trace->message.hand_age_us;
         } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
             stamp_us = joint_stamp_us(self, kind, trace);
         }

@@ -2,7 +2,7 @@
 #ifndef COMANIP_REPLAY_INBOX_H
 #define COMANIP_REPLAY_INBOX_H
 
-#include "replay.h"
+#include "replay_log.h"
 
 /* Where the firmware read less than the bus brought, for its queue was full after a pause, the log does not say which
  * frames it had lost. In this order it is tried with which of them the tick sends the recorded TickTrace. */
@@ -23,13 +23,13 @@ void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t cou
 
 /* Takes the frames up to the traced counters. False: there is one that the log does not have (then the replay has
  * ended), or they are more than a tick reads. */
-bool replay_fill_inbox(replay_t *self, const tick_trace_t *trace, replay_plan_t plan);
+bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan);
 
 /* One more: the next in the order of the bus that the firmware may have read and refused without following its counter.
  */
 bool replay_read_refused(replay_t *self);
 
 /* The times of reception, as far as they matter: see replay.h. */
-void replay_stamp_inbox(replay_t *self, const tick_trace_t *trace);
+void replay_stamp_inbox(replay_t *self, const replay_trace_t *trace);
 
 #endif

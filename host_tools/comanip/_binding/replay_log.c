@@ -97,7 +97,7 @@ static uint32_t find_part(const replay_t *self, const replay_stream_t *stream, u
     return REPLAY_NO_FRAME;
 }
 
-bool replay_read_trace(replay_t *self, uint32_t place, tick_trace_t *trace, uint32_t part_place[REPLAY_TRACE_PARTS]) {
+bool replay_read_trace(replay_t *self, uint32_t place, replay_trace_t *trace, uint32_t part_place[REPLAY_TRACE_PARTS]) {
     const replay_stream_t *first = &self->stream[self->stream_of[place]];
     const uint8_t parts =
         self->profile == CAN_PROFILE_CLASSIC ? classic_parts(FRAME_TICK_TRACE, self->controller.arm->joint_count) : 1u;
@@ -115,6 +115,7 @@ bool replay_read_trace(replay_t *self, uint32_t place, tick_trace_t *trace, uint
     if (self->profile == CAN_PROFILE_CLASSIC) {
         classic_join(FRAME_TICK_TRACE, part, message.data);
     }
-    tick_trace_unpack(&message, trace);
+    tick_trace_unpack(&message, &trace->message);
+    protocol_traced_inputs(&trace->message, trace->last);
     return true;
 }

@@ -4,6 +4,11 @@
 
 #include "replay.h"
 
+typedef struct {
+    tick_trace_t message;
+    e2e_receiver_t last[FRAME_KIND_COUNT]; /* that the tick had read, by frame kind */
+} replay_trace_t;
+
 /* Finds out which frame is of which stream. */
 void replay_log_index(replay_t *self);
 
@@ -26,6 +31,6 @@ e2e_receiver_t *replay_receiver(replay_t *self, const replay_stream_t *stream);
 
 /* place: of a TickTrace, or of its first part; part_place: of all of them, in their order. False: *part_place[0] is
  * that of a damaged one, or REPLAY_NO_FRAME if one is missing. */
-bool replay_read_trace(replay_t *self, uint32_t place, tick_trace_t *trace, uint32_t part_place[REPLAY_TRACE_PARTS]);
+bool replay_read_trace(replay_t *self, uint32_t place, replay_trace_t *trace, uint32_t part_place[REPLAY_TRACE_PARTS]);
 
 #endif

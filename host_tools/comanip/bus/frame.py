@@ -66,6 +66,13 @@ def is_classic(name: str) -> bool:
     return name.startswith(CLASSIC)
 
 
+@functools.cache
+def classic_parts(name: str) -> list[str]:
+    """The frames in which classic CAN carries a message of CAN FD; none: it is the same in both profiles."""
+    attributes = {message.name: message.dbc.attributes.get("PartOf") for message in database().messages}
+    return [part for part, whole in attributes.items() if whole and str(whole.value) == name]
+
+
 def crc(data: bytes, data_id: int) -> int:
     """AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) over what follows it, and the Data ID, low byte first."""
     return binascii.crc_hqx(bytes(data[2:]) + data_id.to_bytes(2, "little"), 0xFFFF)

@@ -9,7 +9,7 @@ from collections import defaultdict
 from enum import Enum
 
 from comanip import native
-from comanip.bus.frame import CLASSIC, COUNTERS, Frame, database, is_classic, protected
+from comanip.bus.frame import COUNTERS, Frame, classic_parts, database, is_classic, protected
 
 
 class Profile(str, Enum):
@@ -20,16 +20,17 @@ class Profile(str, Enum):
 
     def message(self, name: str):
         """The DBC's for this bus; on classic CAN its first part."""
-        first = {"HandPose": "HandPosition", "TrackerStatus": "TrackerClock", "FirmwareIdentity": "FirmwareBuild"}
-        is_fd = self is Profile.FD or name == "FirmwareHeartbeat"
-        return database().get_message_by_name(name if is_fd else CLASSIC + first.get(name, name))
+        parts = classic_parts(name) if self is Profile.CLASSIC else []
+        return database().get_message_by_name(parts[0] if parts else name)
 
 
 def profile_of(frame: Frame) -> Profile | None:
     """Of the bus that carries it; None: the frame does not tell."""
-    if frame.message is None or frame.name == "FirmwareHeartbeat":
+    if frame.message is None:
         return None
-    return Profile.CLASSIC if is_classic(frame.name) else Profile.FD
+    if is_classic(frame.name):
+        return Profile.CLASSIC
+    return Profile.FD if classic_parts(frame.name) else None
 
 
 class Sender:

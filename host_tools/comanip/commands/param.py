@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from comanip import native
 from comanip.bus.live import BusAddress, open_bus
 from comanip.bus.operator_client import OperatorClient, parameter_names
 from comanip.commands.options import (
@@ -24,6 +23,7 @@ from comanip.commands.options import (
     examples,
 )
 from comanip.errors import ToolError
+from comanip.parameters import all_parameters
 
 HELP = examples(
     "comanip param list",
@@ -41,16 +41,6 @@ def _require_name(name: str) -> None:
         raise ToolError(f"parameter '{name}': no such parameter, expected one of {', '.join(parameter_names())}")
 
 
-def ranges() -> dict[str, tuple[float, float, float]]:
-    """By name, minimum, maximum and default of this core; empty where it is not built."""
-    try:
-        ffi, lib = native.load()
-    except ToolError:
-        return {}
-    rows = [lib.parameter_table[i] for i in range(lib.PARAMETER_COUNT)]
-    return {ffi.string(row.name).decode(): (row.minimum, row.maximum, row.default_value) for row in rows}
-
-
 @app.command("list", epilog=examples("comanip param list -i socketcand"))
 def list_(
     interface: Interface = INTERFACE,
@@ -59,13 +49,13 @@ def list_(
     port: Port = PORT,
     profile: BusProfile = None,
 ) -> None:
-    """Show the value in force of each parameter, with its range and default."""
-    known = ranges()
-    table = Table("parameter", "value", "from", "to", "default", box=None, pad_edge=False)
+    """Show the value in force of each parameter, with its unit, range, default and meaning."""
+    table = Table("parameter", "value", "unit", "from", "to", "default", "meaning", box=None, pad_edge=False)
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         client = OperatorClient(bus)
-        for name in parameter_names():
-            table.add_row(name, f"{client.read(name):.7g}", *(f"{bound:.7g}" for bound in known.get(name, ())))
+        for name, parameter in all_parameters().items():
+            bounds = (f"{bound:.7g}" for bound in (parameter.minimum, parameter.maximum, parameter.default))
+            table.add_row(name, f"{client.read(name):.7g}", parameter.unit, *bounds, parameter.meaning)
     console().print(table)
 
 

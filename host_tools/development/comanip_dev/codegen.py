@@ -1,19 +1,23 @@
-"""Generates the firmware's CAN sources from comanip.dbc, the one place where frames are described.
+"""Generates the firmware's C from the schema, firmware/schema/: frames, parameters and tasks.
 
-Run as ``python -m comanip_dev.codegen OUT_DIR``. Writes:
+Run as ``python -m comanip_dev.codegen OUT_DIR``. SystemExit names what does not match. Writes:
 
 ``comanip_dbc.h/.c``
     cantools' structs with pack/unpack of *raw integers*. Its encode, decode and range functions are left out: they
-    convert out-of-range floats (undefined behaviour in C) and pull in double arithmetic; ``firmware/protocol/can_protocol.c``
-    scales and range-checks instead. Packing writes each byte once, not zeros first. The generation date is dropped, so that a build is reproducible.
+    convert out-of-range floats (undefined behaviour in C) and pull in double arithmetic; comanip_messages scales and
+    checks ranges instead. Packing writes each byte once, instead of zeros first. The generation date is dropped, so
+    that a build is reproducible.
 ``comanip_schema.h``
     what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
     one X-macro row per frame, for CAN FD and for classic CAN.
+``comanip_messages.h/.inc``, ``comanip_classic.inc``, ``comanip_parameters.h``, ``comanip_tasks.h``
+    see messages.py, classic.py, tables.py.
 ``comanip_build_hash.h``
-    64 bits of SHA-256 over the firmware's sources and the DBC. The same sources have the same hash on the host and on
-    every target, so a log of one can be replayed on another.
+    64 bits of SHA-256 over the firmware's sources and the schema: the same sources have the same hash on the host and
+    on every target.
 
-A file that would not change is left alone, so that make rebuilds only what it must.
+``python -m comanip_dev.codegen --schema`` brings the rows of comanip.dbc that repeat parameters and tasks up to date (``make
+schema``). A file that would not change is left alone, so that make rebuilds only what it must.
 """
 
 from __future__ import annotations
@@ -26,12 +30,18 @@ from pathlib import Path
 import cantools
 from cantools.database.can.c_source import camel_to_snake_case, generate
 from cantools.database.can.message import Message
+from comanip import parameters, tasks
+from comanip.errors import ToolError
 
 from comanip_dev import REPOSITORY
+from comanip_dev.schema import classic as classic_codec
+from comanip_dev.schema import messages as message_codec
+from comanip_dev.schema import tables
+from comanip_dev.schema.signals import CLASSIC, attribute, raw_limits
 
-DBC_PATH = REPOSITORY / "host_tools" / "comanip" / "comanip.dbc"
 FIRMWARE = REPOSITORY / "firmware"
-CLASSIC = "Classic"  # names of the frames for classic CAN begin so
+SCHEMA = FIRMWARE / "schema"
+DBC_PATH = SCHEMA / "comanip.dbc"
 UNWANTED = r"(?:init|encode|decode|is_in_range|is_in_phys_range)"
 
 
@@ -43,15 +53,14 @@ def drop_unwanted_functions(text: str) -> str:
 
 
 def write_each_byte_once(text: str) -> str:
-    """Packing begins with zeros in all bytes, into which each signal is ored: the first of a byte is written instead. For straight-line
-    code, which it is unless signals are multiplexed."""
+    """Packing begins with zeros in all bytes, into which each signal is ored: the first of a byte is written instead.
+
+    For straight-line code, which it is unless signals are multiplexed."""
 
     def rewritten(match: re.Match) -> str:
         body, seen = match["body"], set()
         if "switch" in body:
-            raise SystemExit(
-                "codegen: a message has multiplexed signals, expected none: each byte of a frame is written in any case"
-            )
+            raise SystemExit("codegen: a message has multiplexed signals, expected none")
 
         def first(write: re.Match) -> str:
             again = write["byte"] in seen
@@ -62,21 +71,11 @@ def write_each_byte_once(text: str) -> str:
         empty = [f"    dst_p[{byte}] = 0u;\n" for byte in range(int(match["size"])) if str(byte) not in seen]
         return "".join(empty) + body
 
-    return re.sub(
-        r"    memset\(&dst_p\[0\], 0, (?P<size>\d+)\);\n(?P<body>.*?)(?=\n    return )",
-        rewritten,
-        text,
-        flags=re.DOTALL,
-    )
+    whole = r"    memset\(&dst_p\[0\], 0, (?P<size>\d+)\);\n(?P<body>.*?)(?=\n    return )"
+    return re.sub(whole, rewritten, text, flags=re.DOTALL)
 
 
-def raw_limits(signal) -> tuple[int, int]:
-    if signal.is_signed:
-        return -(2 ** (signal.length - 1)), 2 ** (signal.length - 1) - 1
-    return 0, 2**signal.length - 1
-
-
-RAW_MAX = 2**23  # quantise() in firmware/protocol/can_protocol.c: adds half in float32
+RAW_MAX = 2**23  # quantise() in firmware/protocol/messages.c: adds half in float32
 
 
 def names_by_value(signal) -> str:
@@ -84,9 +83,7 @@ def names_by_value(signal) -> str:
     return ", ".join(f'[{value}] = "{name}"' for value, name in sorted(signal.choices.items()))
 
 
-def attribute(message: Message, name: str) -> int:
-    found = message.dbc.attributes.get(name) if message.dbc else None
-    return int(found.value) if found else 0
+# ---- what must match
 
 
 def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
@@ -108,9 +105,51 @@ def check_joints_are_scaled_alike(message: Message) -> None:
     for signal in message.signals:
         own = (signal.length, signal.is_signed, signal.scale)
         if scaling.setdefault(re.sub(r"_\d(?=_|$)", "", signal.name), own) != own:
+            raise SystemExit(f"codegen: {message.name}: {signal.name} is scaled otherwise than joint 0's")
+
+
+def check_classic_tables(messages: list[Message]) -> None:
+    """A signal of the same name has the same value table in either profile."""
+    parts = classic_codec.parts_of(messages)
+    for message in messages:
+        own = {signal.name: signal.choices for signal in message.signals if signal.choices}
+        for part in parts.get(message.name, []):
+            for signal in part.signals:
+                if signal.name in own and signal.choices != own[signal.name]:
+                    raise SystemExit(f"codegen: {part.name}.{signal.name}: another value table than {message.name} has")
+
+
+def check_readers(messages: list[Message]) -> None:
+    """Each frame has a sender and a receiver among the DBC's nodes."""
+    for message in messages:
+        if not message.senders or not message.receivers:
             raise SystemExit(
-                f"codegen: {message.name}: {signal.name} is scaled otherwise than joint 0's: one loop serves all eight"
+                f"codegen: {message.name}: no {'reader' if message.senders else 'sender'}, expected a node of BU_"
             )
+
+
+def check_trace(messages: list[Message]) -> None:
+    """TickTrace has the counter of every frame that the firmware receives, in the order of the bits of `received`."""
+    trace = next(message for message in messages if message.name == "TickTrace")
+    counters = [s.name for s in trace.signals if s.name.endswith("_counter") and not s.name.startswith("e2e_")]
+    expected = [trace_counter(message) for message in to_firmware(messages)]
+    if sorted(counters) != sorted(expected) or trace.get_signal_by_name("received").length != len(counters):
+        raise SystemExit(
+            f"codegen: TickTrace has counters of {', '.join(counters)}; the firmware receives {', '.join(expected)}"
+        )
+
+
+def to_firmware(messages: list[Message]) -> list[Message]:
+    """Those of CAN FD."""
+    return [m for m in messages if "Firmware" in m.receivers and not m.name.startswith(CLASSIC)]
+
+
+def trace_counter(message: Message) -> str:
+    """hand_pose_counter; joint_state_3_counter of JointState3."""
+    return re.sub(r"(\D)(\d)$", r"\1_\2", camel_to_snake_case(message.name)) + "_counter"
+
+
+# ---- headers
 
 
 def frame_rows(messages: list[Message]) -> list[str]:
@@ -123,21 +162,47 @@ def frame_rows(messages: list[Message]) -> list[str]:
 
 
 def x_macro(name: str, rows: list[str]) -> list[str]:
-    return [f"#define {name}(FRAME) \\", *(row + " \\" for row in rows[:-1]), rows[-1], ""]
+    return [f"#define {name} \\", *(row + " \\" for row in rows[:-1]), rows[-1], ""]
+
+
+def trace_rows(messages: list[Message]) -> list[str]:
+    """In the order of the counters in TickTrace, which is that of the bits in `received`."""
+    trace = next(message for message in messages if message.name == "TickTrace")
+    by_counter = {trace_counter(m): m for m in to_firmware(messages)}
+    rows = []
+    for signal in trace.signals:
+        if signal.name in by_counter:
+            member = re.sub(r"^(.*)_(\d)_counter$", r"\1_counter[\2]", signal.name)
+            rows.append(f"    COUNTER({camel_to_snake_case(by_counter[signal.name].name).upper()}, {member})")
+    return rows
+
+
+def multipart_rows(messages: list[Message]) -> list[str]:
+    """Messages that have several frames on classic CAN."""
+    long = [name for name, parts in classic_codec.parts_of(messages).items() if len(parts) > 1]
+    return [f"    KIND({camel_to_snake_case(name).upper()}, {i})" for i, name in enumerate(long)]
 
 
 def schema_header(database) -> str:
+    fd = [m for m in database.messages if not m.name.startswith(CLASSIC)]
+    classic = [m for m in database.messages if m.name.startswith(CLASSIC)]
     lines = [
-        "/* Generated from comanip.dbc by codegen.py: do not edit. */",
+        message_codec.GENERATED,
         "#ifndef COMANIP_SCHEMA_H",
         "#define COMANIP_SCHEMA_H",
         "",
         "/* FRAME(NAME, id, bytes, E2E Data ID (0 = unprotected), period in ms (0 = event), timeout in ms (0 = none),",
         " *       whether the firmware receives it) */",
-        *x_macro("COMANIP_FRAMES", frame_rows([m for m in database.messages if not m.name.startswith(CLASSIC)])),
-        *x_macro("COMANIP_CLASSIC_FRAMES", frame_rows([m for m in database.messages if m.name.startswith(CLASSIC)])),
-        "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Signals in plain counts have none.",
-        " * NAMES: initialisers of an array of an enumerated signal's names. */",
+        *x_macro("COMANIP_FRAMES(FRAME)", frame_rows(fd)),
+        *x_macro("COMANIP_CLASSIC_FRAMES(FRAME)", frame_rows(classic)),
+        "/* COUNTER(NAME, member of tick_trace_t): frames that the firmware receives, in the order of TickTrace.received */",
+        *x_macro("COMANIP_TRACED(COUNTER)", trace_rows(database.messages)),
+        "/* KIND(NAME, index): messages that have several frames on classic CAN */",
+        *x_macro("COMANIP_MULTIPART(KIND)", multipart_rows(database.messages)),
+        f"#define COMANIP_MULTIPART_COUNT {len(multipart_rows(database.messages))}",
+        "",
+        "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Plain counts have none.",
+        " * NAMES: initialisers of an array of an enumerated signal's names. BYTE: of 4 bytes the first, or that of a flag. */",
     ]
     for message in database.messages:
         for signal in message.signals:
@@ -146,9 +211,15 @@ def schema_header(database) -> str:
             prefix = f"COMANIP_{camel_to_snake_case(message.name).upper()}_{signal.name.upper()}"
             low, high = raw_limits(signal)
             if float(signal.scale) != 1.0 and max(abs(low), abs(high)) > RAW_MAX:
+                most = max(abs(low), abs(high))
                 raise SystemExit(
-                    f"codegen: {message.name}.{signal.name}: raw values to {max(abs(low), abs(high))}, expected at most {RAW_MAX}"
+                    f"codegen: {message.name}.{signal.name}: raw values to {most}, expected at most {RAW_MAX}"
                 )
+            if signal.length == 32 and signal.start % 8 == 0 and signal.byte_order == "little_endian":
+                lines.append(f"#define {prefix}_BYTE {signal.start // 8}")
+            if signal.length == 1:
+                lines.append(f"#define {prefix}_BYTE {signal.start // 8}")
+                lines.append(f"#define {prefix}_MASK 0x{1 << signal.start % 8:02X}u")
             if signal.choices:
                 lines.append(f"#define {prefix}_NAMES {names_by_value(signal)}")
             if float(signal.scale) == 1.0:
@@ -162,13 +233,16 @@ def schema_header(database) -> str:
 
 def build_hash_header() -> str:
     digest = hashlib.sha256()
-    for path in [DBC_PATH, *sorted(FIRMWARE.rglob("*.[ch]"))]:
+    for path in [*sorted(SCHEMA.iterdir()), *sorted(FIRMWARE.rglob("*.[ch]"))]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return (
-        "/* Generated by codegen.py: do not edit. */\n"
+        f"{message_codec.GENERATED}\n"
         "#ifndef COMANIP_BUILD_HASH_H\n#define COMANIP_BUILD_HASH_H\n\n"
         f"#define COMANIP_BUILD_HASH 0x{digest.hexdigest()[:16]}ull\n\n#endif\n"
     )
+
+
+# ---- files
 
 
 def write_if_changed(path: Path, text: str) -> None:
@@ -176,23 +250,67 @@ def write_if_changed(path: Path, text: str) -> None:
         path.write_text(text)
 
 
-def main(out_dir: Path) -> None:
-    database = cantools.database.load_file(DBC_PATH)
-    for prefix in ("JointState", CLASSIC + "JointState", CLASSIC + "JointCmd"):
-        check_joints_are_alike(database.messages, prefix)
-    check_joints_are_scaled_alike(database.get_message_by_name("JointCmd"))
+def dbc_sources(database) -> dict[str, str]:
     header, source, _, _ = generate(
         database, "comanip", "comanip_dbc.h", "comanip_dbc.c", "unused.c", floating_point_numbers=False
     )
+    texts = {"comanip_dbc.h": header, "comanip_dbc.c": source}
+    for name, text in texts.items():
+        dated = re.sub(r"(This \w+ file was generated by cantools version \S+?)\.? .*", r"\1", text)
+        texts[name] = write_each_byte_once(drop_unwanted_functions(dated))
+    return texts
+
+
+def check(database) -> None:
+    for prefix in ("JointState", CLASSIC + "JointState", CLASSIC + "JointCmd"):
+        check_joints_are_alike(database.messages, prefix)
+    check_joints_are_scaled_alike(database.get_message_by_name("JointCmd"))
+    check_readers(database.messages)
+    check_trace(database.messages)
+    check_classic_tables(database.messages)
+
+
+def main(out_dir: Path, schema: Path = SCHEMA) -> None:
+    """Writes the sources into out_dir. SystemExit says what does not match."""
+    try:
+        all_parameters, all_tasks = parameters.read(schema / "parameters.toml"), tasks.read(schema / "tasks.toml")
+    except ToolError as error:
+        raise SystemExit(f"codegen: {error}") from error
+    dbc = (schema / "comanip.dbc").read_text()
+    if tables.dbc_with_tables(dbc, all_parameters, all_tasks) != dbc:
+        raise SystemExit(
+            f"codegen: {schema}/comanip.dbc has other parameters or tasks than parameters.toml and tasks.toml: make schema"
+        )
+    database = cantools.database.load_string(dbc, "dbc")
+    check(database)
+    texts = dbc_sources(database) | {
+        "comanip_schema.h": schema_header(database),
+        "comanip_messages.h": message_codec.header(database.messages),
+        "comanip_messages.inc": message_codec.bodies(database.messages),
+        "comanip_classic.inc": classic_codec.bodies(database.messages),
+        "comanip_parameters.h": tables.parameters_header(all_parameters),
+        "comanip_tasks.h": tables.tasks_header(all_tasks),
+        "comanip_build_hash.h": build_hash_header(),
+    }
     out_dir.mkdir(parents=True, exist_ok=True)
-    for name, text in (("comanip_dbc.h", header), ("comanip_dbc.c", source)):
-        text = re.sub(r"(This \w+ file was generated by cantools version \S+?)\.? .*", r"\1", text)
-        write_if_changed(out_dir / name, write_each_byte_once(drop_unwanted_functions(text)))
-    write_if_changed(out_dir / "comanip_schema.h", schema_header(database))
-    write_if_changed(out_dir / "comanip_build_hash.h", build_hash_header())
+    for name, text in texts.items():
+        write_if_changed(out_dir / name, text)
+
+
+def update_schema(schema: Path = SCHEMA) -> None:
+    """Writes the rows of comanip.dbc that repeat parameters and tasks."""
+    path = schema / "comanip.dbc"
+    try:
+        own = parameters.read(schema / "parameters.toml"), tasks.read(schema / "tasks.toml")
+    except ToolError as error:
+        raise SystemExit(f"codegen: {error}") from error
+    write_if_changed(path, tables.dbc_with_tables(path.read_text(), *own))
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        raise SystemExit("usage: python -m comanip_dev.codegen OUT_DIR")
-    main(Path(sys.argv[1]))
+        raise SystemExit("usage: codegen.py OUT_DIR | --schema")
+    if sys.argv[1] == "--schema":
+        update_schema()
+    else:
+        main(Path(sys.argv[1]))

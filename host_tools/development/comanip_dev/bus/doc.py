@@ -19,7 +19,7 @@ from comanip_dev import REPOSITORY
 
 HEAD = """# The bus
 
-Written by `make bus-doc` from `host_tools/comanip/comanip.dbc`, the one place where frames are described: do not edit.
+Written by `make schema` from `firmware/schema/comanip.dbc`, the one place where frames are described: do not edit.
 
 Two profiles, of which a bus has one: [CAN FD](#can-fd), with control at 1 kHz, and [classic CAN](#classic-can), with control at
 250 Hz. Identifiers have 11 bits, signals are little-endian. Physical value = raw x scale. A measurement that its signal cannot
@@ -121,7 +121,11 @@ def signal_row(signal: Signal, is_repeated: bool) -> list[str]:
     kind = "float32" if signal.is_float else f"{'s' if signal.is_signed else 'u'}{signal.length}"
     scale = "" if signal.is_float or float(signal.scale) == 1.0 else scale_text(float(signal.scale))
     values = ", ".join(f"{value} {name}" for value, name in sorted((signal.choices or {}).items()))
+    if signal.name == "parameter":
+        values = "a number of [parameters.md](parameters.md)"
     span = values or f"{number(signal.minimum)} to {number(signal.maximum)}"
+    if signal.comment:
+        span += f". {signal.comment}" if not is_repeated else f". {signal.comment} (of each joint)"
     name = JOINT.sub("_N", signal.name) if is_repeated else signal.name
     return [f"`{name}`", str(signal.start), kind, scale, signal.unit or "", span]
 

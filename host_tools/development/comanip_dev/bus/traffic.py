@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import cantools
 from cantools.database.can import Message
-from comanip.bus.frame import CLASSIC, DBC_PATH, is_classic
+from comanip.bus.frame import CLASSIC, DBC_PATH, classic_parts, is_classic
 from comanip.bus.frame_length import BitRates, longest, shortest
 
 from comanip_dev.bus.response_time import Stream
@@ -86,11 +86,11 @@ def _number(name: str, kind: str) -> int | None:
 
 
 def _messages(is_for_classic: bool) -> list[Message]:
-    """The heartbeat is the same on both."""
+    """Those without frames of their own for classic CAN are the same on both, as the heartbeat."""
     return [
         message
         for message in cantools.database.load_file(DBC_PATH).messages
-        if is_classic(message.name) == is_for_classic or message.name == "FirmwareHeartbeat"
+        if is_classic(message.name) == is_for_classic or not (is_classic(message.name) or classic_parts(message.name))
     ]
 
 

@@ -1,0 +1,1 @@
+"""From the schema, firmware/schema/, to C and to documents."""

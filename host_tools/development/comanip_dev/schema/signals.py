@@ -1,0 +1,151 @@
+"""What the code generator makes of the DBC's signals: which of them are one member of a message's C struct.
+
+The rules, by name:
+
+``NAME_0_UNIT`` .. ``NAME_7_UNIT``     an array, NAME_UNIT[8]: one element for each joint
+``BASE_x_m``, ``_y_m``, ``_z_m``       a vector3_t, BASE_m; ``x_m y_m z_m`` is position_m
+``BASE_w``, ``_x``, ``_y``, ``_z``     a quaternion_t, BASE; ``qw qx qy qz`` is rotation
+``BASE_x_m`` .. and ``BASE_qw`` ..     both together a pose_t, BASE
+``valid`` or ``BASE_valid``            says whether the vector and the quaternion of BASE mean anything
+
+The attribute EnumType of a signal, "TYPE PREFIX", makes an enumeration of its value table; "TYPE PREFIX number" declares
+the enumeration, but the member is an integer, because the signal may carry numbers that this firmware does not know.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from cantools.database.can.c_source import camel_to_snake_case
+from cantools.database.can.message import Message
+from cantools.database.can.signal import Signal
+
+CLASSIC = "Classic"  # names of the frames for classic CAN begin so
+JOINTS = 8
+AXES, QUATERNION = "xyz", "wxyz"
+_JOINT = re.compile(r"_(\d)(?=_|$)")
+
+
+def attribute(owner: Message | Signal, name: str, default=0):
+    found = owner.dbc.attributes.get(name) if owner.dbc else None
+    return found.value if found else default
+
+
+def is_header(signal: Signal) -> bool:
+    """Of end-to-end protection."""
+    return signal.name.startswith("e2e_")
+
+
+def payload(message: Message) -> list[Signal]:
+    """Without the end-to-end header."""
+    return [signal for signal in message.signals if not is_header(signal)]
+
+
+def raw_limits(signal: Signal) -> tuple[int, int]:
+    if signal.is_signed:
+        return -(2 ** (signal.length - 1)), 2 ** (signal.length - 1) - 1
+    return 0, 2**signal.length - 1
+
+
+def integer_bits(signal: Signal, largest: int | None = None) -> int:
+    """Width of the smallest C integer that holds the signal, or its largest value in the unit of the DBC."""
+    bits = signal.length if largest is None else largest.bit_length()
+    return next(width for width in (8, 16, 32, 64) if width >= bits)
+
+
+def raw_type(signal: Signal) -> str:
+    """As cantools' struct has it."""
+    return f"{'int' if signal.is_signed else 'uint'}{integer_bits(signal)}_t"
+
+
+@dataclass
+class Group:
+    """Signals that are one member: a scalar, an array over the joints, a vector or a quaternion."""
+
+    member: str
+    kind: str  # "scalar", "array", "vector", "quaternion"
+    signals: list[Signal]
+    base: str = ""  # of a vector or quaternion
+    validity: Signal | None = None  # what says whether it means anything
+
+    @property
+    def first(self) -> Signal:
+        return self.signals[0]
+
+
+@dataclass
+class Layout:
+    """A message: its groups in the order of the signals."""
+
+    message: Message
+    groups: list[Group] = field(default_factory=list)
+
+    @property
+    def poses(self) -> set[str]:
+        """Bases that have a vector and a quaternion, and a name."""
+        bases = {kind: {g.base for g in self.groups if g.kind == kind} for kind in ("vector", "quaternion")}
+        return {base for base in bases["vector"] & bases["quaternion"] if base}
+
+    def access(self, group: Group) -> str:
+        """The member as C has it: `rotation`, or `target.rotation` in a pose."""
+        if group.base not in self.poses:
+            return group.member
+        return f"{group.base}.{'translation_m' if group.kind == 'vector' else 'rotation'}"
+
+
+def _vector_base(names: set[str], name: str) -> str | None:
+    match = re.fullmatch(r"(?:(\w+)_)?x_m", name)
+    base = match and (match[1] or "")
+    prefix = f"{base}_" if base else ""
+    return base if match and all(f"{prefix}{axis}_m" in names for axis in AXES) else None
+
+
+def _quaternion_prefix(names: set[str], name: str) -> str | None:
+    """`q` of qw, `target_q` of target_qw, `q_task_` of q_task_w."""
+    prefix = name[:-1]
+    return prefix if name.endswith("w") and all(prefix + axis in names for axis in QUATERNION) else None
+
+
+def layout(message: Message) -> Layout:
+    """SystemExit if an array does not have one element for each joint."""
+    signals = {signal.name: signal for signal in payload(message)}
+    found, taken = Layout(message), set()
+    for name, signal in signals.items():
+        if name in taken:
+            continue
+        base, prefix = _vector_base(set(signals), name), _quaternion_prefix(set(signals), name)
+        if base is not None:
+            members = [signals[f"{base}_{axis}_m" if base else f"{axis}_m"] for axis in AXES]
+            group = Group(f"{base}_m" if base else "position_m", "vector", members, base)
+        elif prefix is not None:
+            base = prefix.removesuffix("q").removesuffix("_") if prefix.endswith("q") else prefix.removesuffix("_")
+            member = base if not prefix.endswith("q") else f"{base}_rotation" if base else "rotation"
+            group = Group(member, "quaternion", [signals[prefix + axis] for axis in QUATERNION], base)
+        elif _JOINT.search(name):
+            member = _JOINT.sub("", name)
+            elements = [signals.get(_JOINT.sub(f"_{i}", name)) for i in range(JOINTS)]
+            if None in elements:
+                raise SystemExit(f"codegen: {message.name}.{name}: expected one signal for each of {JOINTS} joints")
+            group = Group(member, "array", elements)
+        else:
+            group = Group(name, "scalar", [signal])
+        if group.kind in ("vector", "quaternion"):
+            group.validity = signals.get(f"{group.base}_valid" if group.base else "valid")
+        taken |= {s.name for s in group.signals}
+        found.groups.append(group)
+    return found
+
+
+def snake(message: Message) -> str:
+    return camel_to_snake_case(message.name)
+
+
+def constant(message: Message, signal: Signal) -> str:
+    """How comanip_schema.h calls the signal's scale and range: COMANIP_ and this, and _PER_UNIT and so on."""
+    return f"{snake(message)}_{signal.name}".upper()
+
+
+def lower(signal: Signal) -> str:
+    """As cantools' struct calls it."""
+    return camel_to_snake_case(signal.name)

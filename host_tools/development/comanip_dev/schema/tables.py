@@ -1,0 +1,87 @@
+"""What parameters.toml and tasks.toml become: C headers, and the rows of comanip.dbc that repeat them.
+
+``comanip_parameters.h``: parameter_id_t, and COMANIP_PARAMETERS, one X-macro row for each parameter.
+``comanip_tasks.h``: COMANIP_TASKS, one X-macro row for each built-in task.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from comanip.parameters import NUMBERS, Parameter
+from comanip.tasks import CUSTOM_NAME, CUSTOM_NUMBER, Task
+
+from comanip_dev.schema.messages import GENERATED
+
+
+def number(value: float) -> str:
+    """A float literal: the compiler rounds it to float32."""
+    return f"{value!r}f"
+
+
+def parameters_header(parameters: Sequence[Parameter]) -> str:
+    """The enumerator of a vector is its first component's; its comment says how many there are."""
+    first: dict[str, list[Parameter]] = {}
+    for parameter in parameters:
+        first.setdefault(parameter.vector, []).append(parameter)
+    names = []
+    for vector, components in first.items():
+        count = f"{len(components)}: " if len(components) > 1 else ""
+        names += [
+            f"    /* {count}{components[0].meaning} */",
+            f"    PARAMETER_{vector.upper()} = {components[0].number},",
+        ]
+    rows = [
+        f'    PARAMETER({p.number}, "{p.name}", {number(p.minimum)}, {number(p.maximum)}, {number(p.default)}, '
+        f'{str(p.kind != "float").lower()}, "{p.unit}", "{p.group}", "{p.meaning}")'
+        for p in parameters
+    ]
+    return "\n".join([
+        GENERATED, "#ifndef COMANIP_PARAMETER_ROWS_H", "#define COMANIP_PARAMETER_ROWS_H", "",
+        "/* Numbers on the wire. Vectors stand in a row: FIRST + component. */",
+        "typedef enum {", *names, f"    PARAMETER_COUNT = {parameters[-1].number + 1} /* one more than the largest number */",
+        "} parameter_id_t;", "",
+        f"#define PARAMETER_NUMBERS {NUMBERS} /* numbers that there can be */", "",
+        "/* PARAMETER(number, name, minimum, maximum, default, whole numbers only, unit, group, meaning) */",
+        "#define COMANIP_PARAMETERS(PARAMETER) \\", *(f"{row} \\" for row in rows[:-1]), rows[-1], "", "#endif", "",
+    ])  # fmt: skip
+
+
+def tasks_header(tasks: Sequence[Task]) -> str:
+    def vector(values: tuple[float, ...]) -> str:
+        return f"({', '.join(number(value) for value in values)})"
+
+    rows = [
+        f'    TASK({task.name.upper()}, {task.number}, "{task.name}", {task.form.upper()}, '
+        f"{vector(task.t_task_m)}, {vector(task.q_task)}, {vector(task.q_inv)})"
+        for task in tasks
+    ]
+    return "\n".join([
+        GENERATED, "#ifndef COMANIP_TASKS_H", "#define COMANIP_TASKS_H", "",
+        f"#define COMANIP_TASK_NUMBERS {max(CUSTOM_NUMBER, *(t.number for t in tasks)) + 1} /* one more than the largest number */",
+        f"#define COMANIP_TASK_COUNT {len(tasks)} /* built-in tasks */", "",
+        "/* TASK(NAME, number, name, form, (t_task), (q_task), (q_inv)) */",
+        "#define COMANIP_TASKS(TASK) \\", *(f"{row} \\" for row in rows[:-1]), rows[-1], "", "#endif", "",
+    ])  # fmt: skip
+
+
+# ---- rows of the DBC
+
+
+def _value_table(names: dict[int, str]) -> str:
+    return " ".join(f'{value} "{name}"' for value, name in sorted(names.items()))
+
+
+def _with_table(text: str, signal: str, names: dict[int, str]) -> str:
+    """The value tables of all signals of this name, and the range that follows from them."""
+    text = re.sub(rf"^(VAL_ \d+ {signal}) .*;$", lambda m: f"{m[1]} {_value_table(names)} ;", text, flags=re.MULTILINE)
+    return re.sub(rf"^( SG_ {signal} : \S+ \(1,0\)) \[0\|\d+\]", rf"\1 [0|{max(names)}]", text, flags=re.MULTILINE)
+
+
+def dbc_with_tables(text: str, parameters: Sequence[Parameter], tasks: Sequence[Task]) -> str:
+    """The DBC with the names and ranges of these parameters and tasks."""
+    text = _with_table(text, "parameter", {p.number: p.name for p in parameters})
+    text = _with_table(text, "task", {CUSTOM_NUMBER: CUSTOM_NAME, **{t.number: t.name for t in tasks}})
+    low, high = min(p.minimum for p in parameters), max(p.maximum for p in parameters)
+    return re.sub(r"^( SG_ value : \S+ \(1,0\)) \[.*?\]", rf"\1 [{low:.7g}|{high:.7g}]", text, flags=re.MULTILINE)
