@@ -16,18 +16,11 @@ import numpy as np
 import pytest
 import synthetic_run
 from comanip_dev.experiments import gain_search
-from comanip_dev.experiments.__main__ import (
-    DECISIVE,
-    RECORDING_SEEDS,
-    RECORDINGS,
-    RECORDINGS_FOLDER,
-    RESULT_FILES,
-    Figure,
-    figure_lines,
-    main,
-)
+from comanip_dev.experiments.__main__ import RESULT_FILES, main
 from comanip_dev.experiments.campaign import INPUTS_FILE, CampaignError, Job, run_jobs
+from comanip_dev.experiments.jobs import RECORDING_SEEDS, RECORDINGS, RECORDINGS_FOLDER
 from comanip_dev.experiments.paper_gains import PAPER_GAINS
+from comanip_dev.experiments.table import DECISIVE, Figure, figure_lines
 from simulation import EXPERIMENTS, REPOSITORY, experiment
 
 FAKE = """#!{python} -IS

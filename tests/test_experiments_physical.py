@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from comanip_dev.experiments.__main__ import Condition
 from comanip_dev.experiments.campaign import Job, Outcome
+from comanip_dev.experiments.judgement import Condition
 from comanip_dev.experiments.paper_gains import PAPER_GAINS
 from simulation import EXIT_CHECK_FAILED, EXPERIMENTS, REPOSITORY, Run, experiment, recording_csv, run
 

@@ -35,9 +35,10 @@ from pathlib import Path
 import numpy as np
 from comanip.plotting.run_data import RunDataError, read_trace
 
-from comanip_dev.experiments.__main__ import SCENARIOS, guarded, positive_integer
 from comanip_dev.experiments.campaign import SIMULATOR, CampaignError, Job, Outcome, run_jobs
+from comanip_dev.experiments.jobs import SCENARIOS
 from comanip_dev.experiments.paper_gains import TORSO, law_parameters
+from comanip_dev.experiments.program import guarded, positive_integer
 
 POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, FAILED = 5.0, 20.0, 0.1, 5.0, 0.1
 WORST = 100.0

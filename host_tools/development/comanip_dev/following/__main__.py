@@ -19,8 +19,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from comanip_dev.experiments.__main__ import RECORDINGS_FOLDER, console, guarded, positive_integer
 from comanip_dev.experiments.campaign import SIMULATOR, CampaignError, Outcome, run_jobs
+from comanip_dev.experiments.jobs import RECORDINGS_FOLDER
+from comanip_dev.experiments.program import console, guarded, positive_integer
 from comanip_dev.following import ode, plan, report
 from comanip_dev.following.arm_model import ArmModel
 from comanip_dev.following.case import BEGIN_S

@@ -1,0 +1,75 @@
+"""What the experiments run: scenarios, recordings and seeds, with our law and with the paper's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from comanip_dev import REPOSITORY
+from comanip_dev.experiments.campaign import CampaignError, Job
+from comanip_dev.experiments.paper_gains import PAPER_GAINS
+
+SCENARIOS = ("pour", "teleop", "mirror", "handover", "crank")
+RECORDINGS_FOLDER = REPOSITORY.parent / "shared" / "data" / "hand_motion"
+RECORDING_SEEDS = (1, 2, 3)
+LAW_SEEDS = 5
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recorded motion of the tracked person; `second` moves the other one."""
+
+    scenario: str
+    file: str
+    reason: str
+    second: str | None = None
+
+
+# How far each is scaled into the arm's reach stands in the scenario, and in each run's summary.
+RECORDINGS = (
+    Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of the very task"),
+    Recording("pour", "kul_pour2_com.csv", "the same with a longer way; every sample is logged twice"),
+    Recording("pour", "cmu_13_08_rhand.csv", "unscrews a cap and drinks: a vessel in the hand, other axes"),
+    Recording("teleop", "ethz_handheld1.csv", "an object led freely in all six directions: teleoperation in kind"),
+    Recording("teleop", "dfki_pillow_grasp.csv", "repeated reach and grasp"),
+    Recording(
+        "teleop",
+        "kth_ho_sample_giver.csv",
+        "giver and taker of one handover move both people",
+        second="kth_ho_sample_taker.csv",
+    ),
+    Recording("handover", "kth_ho_sample_taker.csv", "a person takes a baton from another: here from the robot"),
+    Recording("handover", "kth_ho_p1s1h2_taker.csv", "another taker, with glitches of 20 mm near the contact"),
+    Recording("handover", "kth_ho_sample_taker_raw.csv", "the first with the 8 % of lost samples left out"),
+)
+
+
+def seed_jobs(seeds: int, out: Path) -> list[Job]:
+    return [Job(name, seed, out / name / f"seed-{seed:02d}") for name in SCENARIOS for seed in range(1, seeds + 1)]
+
+
+def recording_jobs(folder: Path, out: Path) -> list[Job]:
+    """A file that the folder lacks is refused: a shorter list must not look like the whole one."""
+    missing = sorted({r.file for r in RECORDINGS if not (folder / r.file).is_file()})
+    missing += sorted({r.second for r in RECORDINGS if r.second and not (folder / r.second).is_file()} - set(missing))
+    if missing:
+        raise CampaignError(f"{folder}: lacks {', '.join(missing)}")
+    return [
+        Job(
+            r.scenario,
+            seed,
+            out / r.scenario / f"recording-{Path(r.file).stem}-seed-{seed:02d}",
+            folder / r.file,
+            folder / r.second if r.second else None,
+        )
+        for r in RECORDINGS
+        for seed in RECORDING_SEEDS
+    ]
+
+
+def paper_law_jobs(seeds: int, out: Path) -> list[Job]:
+    return [
+        Job(name, seed, out / name / f"paper-law-seed-{seed:02d}", parameters=PAPER_GAINS, arguments=("--paper-law",))
+        for name in SCENARIOS
+        for seed in range(1, min(seeds, LAW_SEEDS) + 1)
+    ]

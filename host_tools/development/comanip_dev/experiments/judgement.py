@@ -1,0 +1,91 @@
+"""What came of the experiments: the record of each run, and what is judged over all seeds of a condition together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from comanip_dev.experiments.campaign import Outcome
+
+CAUGHT_TOGETHER_MIN_PERCENT = 95.0  # of the particles that left the robot's glass, over all seeds of a condition
+
+
+def shown(value: float | None) -> str:
+    """A figure with four digits; a dash: not measured."""
+    return "-" if value is None else f"{value:.4g}"
+
+
+def record(outcome: Outcome) -> dict:
+    """One element of experiments.json."""
+    job = outcome.job
+    return {
+        "scenario": job.scenario,
+        "seed": job.seed,
+        "recording": job.recording.name if job.recording else None,
+        "result": outcome.result,
+        "reason": outcome.reason,
+        "checks": outcome.checks,
+    }
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A scenario with its built-in motion or one recording, over all its seeds. In a single run of `pour` some 60 of 160
+    particles leave the glass: 5 % of them are three, and chance decides. Together they are enough to be judged."""
+
+    scenario: str
+    recording: str | None
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def label(self) -> str:
+        played = f", {self.recording}" if self.recording else ""
+        return f"{self.scenario}{played}, {len(self.outcomes)} seeds together"
+
+    def _particles(self, key: str) -> int:
+        return sum((o.summary.get("water") or {}).get(key, 0) for o in self.outcomes)
+
+    @property
+    def poured(self) -> int:
+        return self._particles("poured")
+
+    @property
+    def caught(self) -> int:
+        return self._particles("in_person_cup")
+
+    @property
+    def caught_percent(self) -> float | None:
+        return 100.0 * self.caught / self.poured if self.poured else None
+
+    @property
+    def passed(self) -> bool:
+        return self.caught_percent is not None and self.caught_percent >= CAUGHT_TOGETHER_MIN_PERCENT
+
+    @property
+    def reason(self) -> str:
+        """Why it failed."""
+        return (
+            f"{self.caught} of {self.poured} particles caught ({shown(self.caught_percent)} %), "
+            f"expected at least {CAUGHT_TOGETHER_MIN_PERCENT:g} %"
+        )
+
+    def record(self) -> dict:
+        """One element of conditions.json."""
+        return {
+            "scenario": self.scenario,
+            "recording": self.recording,
+            "runs": len(self.outcomes),
+            "poured": self.poured,
+            "caught": self.caught,
+            "caught_percent": self.caught_percent,
+            "limit_percent": CAUGHT_TOGETHER_MIN_PERCENT,
+            "pass": self.passed,
+        }
+
+
+def pouring_conditions(outcomes: Sequence[Outcome]) -> list[Condition]:
+    found: dict[str | None, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.job.scenario == "pour":
+            found.setdefault(outcome.job.recording.name if outcome.job.recording else None, []).append(outcome)
+    return [Condition("pour", recording, tuple(part)) for recording, part in found.items()]
