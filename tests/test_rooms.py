@@ -17,18 +17,9 @@ PACKAGES = {
 }
 # Each may use itself and those before it.
 ROOMS = (
-    "_former_names",
-    "errors",
-    "_core",
-    "native",
-    "bus",
-    "core",
-    "tracker",
-    "replay",
-    "plotting",
-    "commands",
-    "cli",
-)
+    "_former_names", "errors", "parameters", "tasks", "_core", "native",
+    "bus", "core", "tracker", "replay", "plotting", "commands", "cli",
+)  # fmt: skip
 
 
 def modules(package: str) -> dict[str, Path]:
