@@ -29,6 +29,9 @@ result_t supervisor_start(supervisor_t *self);
 /* cooperating, hold -> ready; fault -> idle if its cause is gone; idle and ready stay. */
 result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
 
+/* Cooperating, or in a hold. */
+bool supervisor_is_engaged(const supervisor_t *self);
+
 stop_category_t supervisor_stop_category(const supervisor_t *self);
 
 #endif

@@ -1,0 +1,108 @@
+#include "controller_demand.h"
+
+#include <string.h>
+
+#include "controller_inputs.h"
+
+/* After the target was lost, it is approached with at most this share of the joints' speeds, until the end effector is
+ * as near to it as this. */
+#define CATCHING_UP_SPEED 0.55f
+#define CAUGHT_UP_M 1e-3f
+
+float controller_task_blend(const controller_t *self) {
+    if (self->blend_elapsed_s >= self->blend_s) {
+        return 1.0f;
+    }
+    float s = self->blend_elapsed_s / self->blend_s;
+    return s * s * s * (10.0f + s * (6.0f * s - 15.0f));
+}
+
+void controller_zero_feedback(controller_t *self) {
+    memset(self->feedback_radps, 0, sizeof self->feedback_radps);
+}
+
+void controller_zero_demand(controller_t *self) {
+    controller_zero_feedback(self);
+    memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
+    self->catching_up = false;
+}
+
+/* All joints in proportion, so that the end effector keeps its direction. */
+static void limit_catching_up(controller_t *self) {
+    const float part = CATCHING_UP_SPEED * self->parameters.value[PARAMETER_SPEED_FRACTION];
+    float scale = 1.0f;
+    for (int i = 0; i < self->arm->joint_count; i++) {
+        const float speed_radps = __builtin_fabsf(self->feedback_radps[i] + self->feedforward_radps[i]);
+        const float allowed_radps = part * self->arm->joints[i].velocity_max_radps;
+        if (scale * speed_radps > allowed_radps) {
+            scale = allowed_radps / speed_radps;
+        }
+    }
+    for (int i = 0; i < self->arm->joint_count; i++) {
+        self->feedback_radps[i] *= scale;
+        self->feedforward_radps[i] *= scale;
+    }
+}
+
+/* With prediction: the target's motion is fed forward, and position has priority over orientation. */
+static void follow_predicted_target(controller_t *self, uint32_t now_us, joint_ends_t ends) {
+    const twist_t hand = controller_hand_twist(self, now_us);
+    const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
+    const position_priority_request_t request = {
+        .position_rad = self->joints.position_rad,
+        .target = &self->cooperation.target,
+        .motion = &motion,
+        .ends = ends,
+    };
+    const posture_change_config_t config = {self->arm, &self->position_priority_config, &self->joint_limits_config};
+    const bool may_change_posture = self->changes_posture && !self->cooperation.latched;
+    if (may_change_posture && posture_change_step(&self->posture_change, &config, &request, self->feedback_radps)) {
+        memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
+        return;
+    }
+    const float distance_m = self->arm->position_priority(self->arm, &self->position_priority_config, &request,
+                                                          self->feedback_radps, self->feedforward_radps);
+    if (may_change_posture) {
+        posture_change_watch(&self->posture_change, &config, &request, distance_m);
+    }
+    self->catching_up = distance_m > POSITION_PRIORITY_ERROR_MAX_M || (self->catching_up && distance_m > CAUGHT_UP_M);
+    if (self->catching_up) {
+        limit_catching_up(self);
+    }
+}
+
+/* Without prediction: the paper's law. */
+static void follow_target(controller_t *self, joint_ends_t ends) {
+    const differential_ik_request_t request = {
+        .position_rad = self->joints.position_rad,
+        .target = &self->cooperation.target,
+        .ends = ends,
+    };
+    differential_ik(self->arm, &self->differential_ik_config, &request, self->feedback_radps);
+}
+
+/* In a tick in which the operator changes the cooperation, the demand of the last tick is kept, as both together would
+ * take too long; but not twice in succession, so that repeated operator commands cannot starve control. */
+void controller_compute_demand(controller_t *self, uint32_t now_us) {
+    const bool was_deferred = self->demand_deferred;
+    self->demand_deferred = false;
+    if (self->supervisor.mode != MODE_COOPERATING || self->cooperation_changed) {
+        posture_change_init(&self->posture_change);
+    }
+    if (self->supervisor.mode != MODE_COOPERATING) {
+        controller_zero_demand(self);
+        return;
+    }
+    if (self->cooperation_changed && !was_deferred) {
+        self->demand_deferred = true;
+        return;
+    }
+    cooperation_update(&self->cooperation, &self->hand, controller_task_blend(self));
+    self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? controller_tick_s(self) : 0.0f;
+    const joint_ends_t ends = joint_limits_ends(self->arm, &self->joint_limits_config, self->joints.position_rad);
+    if (self->predicts) {
+        follow_predicted_target(self, now_us, ends);
+    } else {
+        follow_target(self, ends);
+    }
+}

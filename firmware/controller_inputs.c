@@ -1,0 +1,86 @@
+#include "controller_inputs.h"
+
+static void receive_hand(controller_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
+    if (!hand_tracker_receive(&self->hand_tracker, pose, received_us, now_us)) {
+        self->receiver.protocol.rejected += pose->valid;
+        return;
+    }
+    if (self->predicts) {
+        const int32_t later_us = (int32_t)(1e6f * self->parameters.value[PARAMETER_TRACKER_LATENCY_S]);
+        const uint32_t captured_us = hand_tracker_captured_us(&self->hand_tracker) - (uint32_t)later_us;
+        hand_motion_sample(&self->marker_motion, hand_tracker_newest(&self->hand_tracker), captured_us, now_us);
+    }
+}
+
+void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t *inbox) {
+    self->request_count = 0;
+    for (uint8_t i = 0; i < inbox->count; i++) {
+        can_frame_t *frame = &inbox->frame[i];
+        frame_kind_t kind;
+        if (transport_receive(&self->receiver, frame, &kind) != PROTOCOL_OK) {
+            continue;
+        }
+        bool after_now = (int32_t)(now_us - frame->timestamp_us) < 0;
+        uint32_t received_us = after_now ? now_us : frame->timestamp_us;
+        if (kind == FRAME_HAND_POSE) {
+            hand_pose_t pose;
+            hand_pose_unpack(frame, &pose);
+            receive_hand(self, &pose, received_us, now_us);
+        } else if (kind == FRAME_TRACKER_STATUS) {
+            tracker_status_t status;
+            tracker_status_unpack(frame, &status);
+            hand_tracker_status(&self->hand_tracker, &status);
+        } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
+            joint_state_t state;
+            joint_state_unpack(frame, &state);
+            joint_feedback_receive(&self->joints, (int)kind - (int)FRAME_JOINT_STATE0, &state, received_us);
+        } else if (kind == FRAME_OPERATOR_COMMAND || kind == FRAME_TASK_DEFINE || kind == FRAME_PARAMETER_ACCESS) {
+            self->request[self->request_count].kind = kind;
+            self->request[self->request_count++].index = i;
+        }
+    }
+}
+
+/* The encoders were sampled one tick ago, when the last command arrived. With prediction, once it has started, the
+ * hand's pose is that of the same instant. */
+void controller_update_hand(controller_t *self, uint32_t now_us) {
+    if (self->predicts && self->marker_motion.is_running) {
+        self->hand = hand_motion_pose(&self->marker_motion, now_us, -controller_tick_s(self));
+        if (!self->marker_is_hand) {
+            const vector3_t marker_m = self->hand.translation_m;
+            self->hand = pose_multiply(self->hand, self->marker_to_hand);
+            self->lever_m = vector3_add(self->hand.translation_m, vector3_scale(marker_m, -1.0f));
+        }
+    } else {
+        self->hand = pose_multiply(hand_tracker_pose(&self->hand_tracker, now_us), self->marker_to_hand);
+        self->lever_m = (vector3_t){0.0f, 0.0f, 0.0f};
+    }
+}
+
+/* The lever from the marker to the hand rotates until the command acts. */
+twist_t controller_hand_twist(const controller_t *self, uint32_t now_us) {
+    const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
+    const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);
+    if (self->marker_is_hand) {
+        return marker;
+    }
+    const vector3_t turning_mps = vector3_cross(marker.angular_velocity_radps, self->lever_m);
+    const float turning_s = controller_tick_s(self) + ahead_s;
+    const vector3_t lever_m = vector3_add(self->lever_m, vector3_scale(turning_mps, turning_s));
+    return (twist_t){vector3_add(marker.velocity_mps, vector3_cross(marker.angular_velocity_radps, lever_m)),
+                     marker.angular_velocity_radps};
+}
+
+void controller_supervise(controller_t *self, uint32_t now_us) {
+    self->supervisor_inputs = (supervisor_inputs_t){
+        .drives_fresh = joint_feedback_check_fresh(&self->joints, self->arm->joint_count, now_us),
+        .drive_error = joint_feedback_has_error(&self->joints, self->arm->joint_count),
+        .tracker_fresh =
+            !hand_tracker_check_stale(&self->hand_tracker, now_us, self->parameters.value[PARAMETER_STALE_PERIODS]),
+        .finite = self->finite,
+    };
+    supervisor_update(&self->supervisor, &self->supervisor_inputs);
+    if (!self->hand_tracker.has_pose) {
+        hand_motion_reset(&self->marker_motion);
+    }
+}

@@ -1,0 +1,19 @@
+/* The frames that the controller sends. */
+#ifndef COMANIP_CONTROLLER_OUTPUTS_H
+#define COMANIP_CONTROLLER_OUTPUTS_H
+
+#include "controller_state.h"
+
+/* A value that classic CAN cannot carry is not sent. */
+void controller_send(controller_t *self, can_frame_t *frame, controller_outbox_t *outbox);
+
+/* Answers to a request: sequence is its sequence number. */
+void controller_send_ack(controller_t *self, uint8_t command, uint8_t sequence, result_t result,
+                         controller_outbox_t *outbox);
+void controller_send_parameter(controller_t *self, uint8_t parameter, uint8_t sequence, result_t result,
+                               controller_outbox_t *outbox);
+
+/* The joint command, and of the trace, status and heartbeat those that are due in this tick. */
+void controller_publish(controller_t *self, uint32_t now_us, controller_outbox_t *outbox);
+
+#endif
