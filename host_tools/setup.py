@@ -1,4 +1,5 @@
-"""Compiles the firmware into the package when it is installed from a clone of the repository: see development/comanip_dev/build_core.py.
+"""Compiles the firmware into the package when it is installed from a clone of the repository: see
+development/comanip_dev/build_core.py.
 
 Where that cannot be (no C compiler), the package is installed without it; the tools that need it say so.
 """

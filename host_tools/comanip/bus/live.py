@@ -1,4 +1,4 @@
-"""A live CAN bus through python-can: protected messages in and out, whether it is CAN FD or classic."""
+"""A live CAN bus, CAN FD or classic, through python-can: sends and receives messages with end-to-end protection."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ LISTEN_S = (
 
 @dataclass(frozen=True)
 class BusAddress:
-    """What python-can calls interface and channel; host and port are socketcand's."""
+    """interface, channel: as python-can names them. host, port: for the interface socketcand only."""
 
     interface: str = "socketcan"
     channel: str = "vcan0"
     host: str = "127.0.0.1"
     port: int = 29536
-    profile: Profile | None = None  # None: as the frames on it tell; CAN FD if there are none
+    profile: Profile | None = None  # None: detected from the traffic; CAN FD if there is none
 
     def __str__(self) -> str:
         return f"{self.interface} {self.channel}"
 
 
 class LiveBus:
-    """A context."""
+    """Use it as a context manager: it closes the bus at the end."""
 
     def __init__(self, bus: can.BusABC, address: BusAddress):
         self._bus, self._address = bus, address
@@ -57,7 +57,7 @@ class LiveBus:
         self._bus.shutdown()
 
     def send(self, name: str, signals: dict) -> None:
-        """ToolError if the bus does not take it."""
+        """Sends a message. ToolError if the bus refuses it."""
         is_fd = self.profile is Profile.FD
         try:
             frames = self._sender.frames(name, signals)
@@ -73,7 +73,7 @@ class LiveBus:
                 raise ToolError(f"{self._address}: {name} cannot be sent: {error}") from error
 
     def receive(self, timeout_s: float) -> Frame | None:
-        """The next message; None if there is none in time. ToolError if the bus is gone."""
+        """The next message, or None after the timeout. ToolError if the bus can no longer be read."""
         deadline_s = time.monotonic() + timeout_s
         while True:
             frame = self.receive_frame(max(0.0, deadline_s - time.monotonic()))
@@ -82,7 +82,7 @@ class LiveBus:
                 return message
 
     def receive_frame(self, timeout_s: float) -> Frame | None:
-        """The next frame, as it is. None may come before the time is over: not all of python-can's interfaces wait."""
+        """The next frame, unchecked, or None. Some of python-can's interfaces return None before the timeout."""
         try:
             message = self._bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
@@ -90,16 +90,16 @@ class LiveBus:
         return None if message is None else from_message(message)
 
     def receive_until(self, deadline_s: float) -> Frame | None:
-        """By time.monotonic()."""
+        """As receive(), until this time of time.monotonic()."""
         return self.receive(max(0.0, deadline_s - time.monotonic()))
 
 
 def open_bus(address: BusAddress) -> LiveBus:
     """ToolError if python-can cannot open it."""
-    logging.getLogger("can").addHandler(logging.NullHandler())  # what matters comes as an exception
+    logging.getLogger("can").addHandler(logging.NullHandler())  # errors that matter are raised as exceptions
     options = {"host": address.host, "port": address.port} if address.interface == "socketcand" else {}
     try:
-        if options:  # python-can itself tries for ten seconds
+        if options:  # python-can itself would try for ten seconds
             socket.create_connection((address.host, address.port), CONNECT_S).close()
         bus = can.Bus(
             interface=address.interface, channel=address.channel, fd=address.profile is not Profile.CLASSIC, **options

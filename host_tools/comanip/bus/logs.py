@@ -1,6 +1,6 @@
-"""Logs of a CAN bus, in the order of their lines: candump's own and what python-can reads.
+"""Reads logs of a CAN bus, frame by frame: candump's own format, and those that python-can reads.
 
-candump's are parsed here, for logs of many minutes; ` R` and ` T` at the end of a line are python-can's addition.
+candump's lines are parsed here, which is faster for long logs. python-can appends ` R` or ` T` to them.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ def _microseconds(seconds: str, fraction: str) -> int:
 
 
 def _identified(identifier: str) -> tuple[int, bool, bool]:
-    """The id without flags, whether it is extended, and whether it is an error frame."""
+    """(id without flags, whether it is extended, whether it is an error frame)."""
     number = int(identifier, 16)
     error = len(identifier) == 8 and bool(number & ERROR_FLAG)
     return number & ID_MASK, len(identifier) == 8 and not error, error
 
 
 def parse_candump_line(line: str) -> Frame | None:
-    """A line of `candump -L`, or of candump's screen output. None if it is neither."""
+    """The frame of one line of `candump -L` or of candump's screen output; None if the line is neither."""
     match = _LOG_LINE.fullmatch(line)
     if match:
         seconds, fraction, channel, identifier, flags, fd_data, remote, data = match.groups()
@@ -75,7 +75,7 @@ def parse_candump_line(line: str) -> Frame | None:
 
 
 def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
-    """ToolError, with the line, for what is no frame. Empty lines are skipped."""
+    """The frames of these lines. Empty lines are skipped. ToolError names the line that is not a frame."""
     for number, line in enumerate(lines, 1):
         text = line.rstrip("\r\n ")
         if not text:
@@ -89,7 +89,7 @@ def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
 
 
 def from_message(message: can.Message) -> Frame:
-    """Of python-can."""
+    """A message of python-can as a Frame."""
     data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
     return Frame(
         round(message.timestamp * MICROSECONDS), message.arbitration_id, data, message.is_fd, message.bitrate_switch,
@@ -99,7 +99,7 @@ def from_message(message: can.Message) -> Frame:
 
 
 def read(path: Path) -> Iterator[Frame]:
-    """The frames of a log; its suffix says what it is. ToolError for what cannot be read."""
+    """The frames of a log file, whose suffix gives its format. ToolError if it cannot be read."""
     suffix = path.suffix.lower()
     if suffix not in (CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES):
         known = ", ".join((CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES))
@@ -118,7 +118,7 @@ def read(path: Path) -> Iterator[Frame]:
 
 
 def candump_line(frame: Frame) -> str:
-    """As `candump -L` writes it."""
+    """The frame as `candump -L` writes it."""
     identifier = (
         f"{frame.frame_id | (ERROR_FLAG if frame.error else 0):08X}"
         if frame.extended or frame.error

@@ -1,4 +1,4 @@
-"""Logs as MCAP, for Foxglove and Lichtblick: a channel for each message of the DBC, with its signals as JSON."""
+"""Writes logs as MCAP, for Foxglove and Lichtblick: one channel per message of the DBC, its signals as JSON."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def message_schema(message: Message) -> dict:
 
 
 def foreign_schema() -> dict:
-    """Of frames that the DBC does not have."""
+    """The schema of frames that are not in the DBC."""
     return {
         "title": FOREIGN,
         "type": "object",
@@ -43,13 +43,13 @@ def foreign_schema() -> dict:
 
 
 def signals_json(frame: Frame) -> dict:
-    """Enumerated values by name, or as text where the number has none."""
+    """The signals; enumerated values by name, or as a decimal number where they have none."""
     enumerated = {signal.name for signal in frame.message.signals if signal.choices}
     return {name: str(value) if name in enumerated else value for name, value in decode(frame).items()}
 
 
 def write(file: BinaryIO, frames: Iterable[Frame]) -> int:
-    """How many frames were written."""
+    """Writes the frames. Returns their number."""
     try:
         from mcap.writer import Writer
     except ImportError as error:

@@ -1,7 +1,7 @@
-"""The operator's side of the bus: commands and parameters, acknowledged within a deadline.
+"""The operator's side of the bus: sends commands and parameter accesses, and waits for their acknowledgement.
 
-A request that is not answered is sent again, with a new counter and the same sequence number. Refusals raise by the name
-that the firmware gives them.
+A request without an answer is sent again, with a new counter and the same sequence number. A refusal raises
+RefusedError with the name of the firmware's result.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ UNSTABLE = "parameters_unstable"
 
 
 class RefusedError(ToolError):
-    """The firmware said no; `result` is its name for why, `involved` are the parameters and values that it names for it."""
+    """The firmware refused. result: the name of the reason. involved: the parameters and values that it reports with
+    it."""
 
     def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
         self.result, self.involved = result, involved or {}
@@ -45,7 +46,7 @@ _WHY = {
 
 
 def choices(message: str, signal: str) -> list[str]:
-    """The names of an enumerated signal, by number."""
+    """The value table of an enumerated signal: names by number."""
     table = database().get_message_by_name(message).get_signal_by_name(signal).choices
     return [str(table[number]) for number in sorted(table)]
 
@@ -55,7 +56,7 @@ def parameter_names() -> list[str]:
 
 
 def as_float32(value: float) -> float:
-    """As the bus carries it."""
+    """The value rounded to float32, as the bus carries it."""
     try:
         return struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:
@@ -76,7 +77,7 @@ class OperatorClient:
     # ---- requests
 
     def command(self, name: str, task: str = "pour") -> None:
-        """`task`: of `select`. RefusedError, or ToolError without an answer."""
+        """task: for `select` only. RefusedError if the firmware refuses, ToolError if it does not answer."""
         answer = self._request("OperatorCommand", {"command": name, "task": task}, "CommandAck", {"command": name})
         if answer["result"] != ACCEPTED:
             raise self._refused(f"{name} {task}" if name == "select" else name, str(answer["result"]))
@@ -88,7 +89,7 @@ class OperatorClient:
         return answer.value
 
     def write(self, parameter: str, value: float) -> None:
-        """Written, then read back."""
+        """Writes the value, and reads it back."""
         wanted = as_float32(value)
         answer = self._access("write", parameter, wanted)
         if answer.result != ACCEPTED:
@@ -98,7 +99,7 @@ class OperatorClient:
             raise ToolError(f"{parameter}: accepted as {wanted:g}, but reads back as {found:g}")
 
     def save(self) -> None:
-        """All parameters, for the next boot: when this returns, they outlast a loss of power."""
+        """Saves all parameters for the next boot. They are in non-volatile memory when this returns."""
         answer = self._access("save", parameter_names()[0], 0.0, max(SAVE_S, self._answer_s))
         if answer.result != ACCEPTED:
             raise self._refused("save", answer.result)
@@ -106,7 +107,7 @@ class OperatorClient:
     # ---- one request and its answer
 
     def _refused(self, request: str, result: str) -> RefusedError:
-        """With the parameters that the firmware names after the answer, one a tick."""
+        """The refusal, with the parameters that the firmware reports after its answer, one per tick."""
         involved = {}
         deadline_s = time.monotonic() + self._answer_s
         while result == UNSTABLE and time.monotonic() < deadline_s:

@@ -1,4 +1,4 @@
-"""Logs as pcap, LINKTYPE_CAN_SOCKETCAN (227): Wireshark and tcpdump open them.
+"""Writes logs as pcap with LINKTYPE_CAN_SOCKETCAN (227), for Wireshark and tcpdump.
 
 Each record is SocketCAN's can_frame (16 bytes) or canfd_frame (72 bytes), but the CAN id is in network byte order:
 https://www.tcpdump.org/linktypes/LINKTYPE_CAN_SOCKETCAN.html
@@ -30,7 +30,7 @@ def packet(frame: Frame) -> bytes:
 
 
 def write(file: BinaryIO, frames: Iterable[Frame]) -> int:
-    """How many frames were written."""
+    """Writes the frames. Returns their number."""
     file.write(_FILE_HEADER.pack(0xA1B2C3D4, 2, 4, 0, 0, _CANFD_FRAME.size, LINKTYPE_CAN_SOCKETCAN))
     count = 0
     for frame in frames:

@@ -1,4 +1,5 @@
-"""What a bus is doing, from its frames: rates, ages, load, errors, the last signals. Without a clock of its own."""
+"""The state of a bus, computed from its frames: rates, ages, load, errors, latest signals. Time is that of the
+frames."""
 
 from __future__ import annotations
 
@@ -16,11 +17,11 @@ CLASSIC_RATES = BitRates(1_000_000)
 
 @dataclass
 class IdState:
-    """Of one id. `times_us`: of the frames within the window."""
+    """The state of one id. times_us: arrival of the frames within the last WINDOW_US."""
 
     last: Frame
     count: int = 0
-    refused: int = 0  # by the end-to-end check
+    refused: int = 0  # failed the end-to-end check
     verdict: Verdict = Verdict(None, "")
     times_us: deque[int] = field(default_factory=deque)
 
@@ -63,7 +64,7 @@ class BusState:
         self._busy_ns += duration_ns
 
     def load_percent(self, now_us: int | None = None) -> float:
-        """Of the bus, at most: each frame counts as the longest of its id and length, at 1 and 5 Mbit/s."""
+        """Upper bound of the bus load, at 1 and 5 Mbit/s: each frame counts as the longest one of its id and length."""
         now_us = self.now_us if now_us is None else now_us
         while self._busy and self._busy[0][0] <= now_us - WINDOW_US:
             self._busy_ns -= self._busy.popleft()[1]
@@ -74,21 +75,21 @@ class BusState:
         return sum(state.rate_hz(now_us) for state in self.ids.values())
 
     def of(self, name: str) -> IdState | None:
-        """Of this message of the DBC, if it was seen."""
+        """The state of this message's id; None if it was never seen."""
         frame_id = next(i for i, message in messages().items() if message.name == name)
         return self.ids.get((frame_id, False))
 
     def signals(self, name: str) -> dict:
-        """The last ones of this message, on a bus of either profile; empty before the first."""
+        """The latest signals of this message, on a bus of either profile; empty before the first."""
         message = self._messages.get(name)
         return (decode(message) or {}) if message else {}
 
 
 def frame_duration_ns(frame: Frame) -> int:
-    """The longest that a frame of this id and length takes. An extended id counts like a standard one and 20 bits more."""
+    """Duration of the longest frame with this id and length. An extended id counts as a standard one plus 20 bits."""
     classic = (
         not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)
-    )  # socketcand tells no FD
+    )  # socketcand does not report FD
     length = len(frame.data) if classic else next((n for n in FD_LENGTHS if n >= len(frame.data)), FD_LENGTHS[-1])
     duration_ns = longest(
         frame.frame_id & 0x7FF, 0 if frame.remote else length, CLASSIC_RATES if classic else FD_RATES

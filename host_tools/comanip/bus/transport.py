@@ -1,5 +1,5 @@
-"""Messages on either bus: on CAN FD a message is one frame; on classic CAN the compiled core takes it apart and puts it
-together, as in the firmware (``firmware/protocol/can_transport.h``). A message is a Frame in the layout that it has on CAN FD.
+"""Messages on a bus of either profile. On CAN FD a message is one frame. On classic CAN the compiled core splits and
+reassembles it, as in the firmware (``firmware/protocol/can_transport.h``). A message is a Frame in its CAN FD layout.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from comanip.bus.frame import COUNTERS, Frame, classic_parts, database, is_class
 
 
 class Profile(str, Enum):
-    """Of a bus."""
+    """Which CAN a bus speaks."""
 
     FD = "fd"
     CLASSIC = "classic"
@@ -25,7 +25,7 @@ class Profile(str, Enum):
 
 
 def profile_of(frame: Frame) -> Profile | None:
-    """Of the bus that carries it; None: the frame does not tell."""
+    """The profile of the bus that carries this frame; None if the frame may be on either."""
     if frame.message is None:
         return None
     if is_classic(frame.name):
@@ -34,7 +34,7 @@ def profile_of(frame: Frame) -> Profile | None:
 
 
 class Sender:
-    """The counters of one sender, each begun anywhere: a receiver takes a first repetition for one."""
+    """One sender and its counters. They start at random: a receiver would take a restart at 0 for a repetition."""
 
     def __init__(self, profile: Profile):
         self._profile = profile
@@ -47,7 +47,7 @@ class Sender:
                 self._state.counters.counter[kind] = random.randrange(COUNTERS)
 
     def frames(self, name: str, signals: dict) -> list[tuple[int, bytes]]:
-        """Id and data of the message's frames. Signals out of their range raise ValueError."""
+        """(id, data) of each frame of the message. ValueError if a signal is out of range."""
         self._counter[name] = (self._counter[name] + 1) % COUNTERS
         frame_id = database().get_message_by_name(name).frame_id
         data = protected(name, signals, self._counter[name])
@@ -62,8 +62,8 @@ class Sender:
 
 
 class Receiver:
-    """Whole messages out of the frames of a bus of either profile. JointCmd, whose parts are as many as the arm's joints,
-    is not among those of classic CAN."""
+    """Reassembles messages from the frames of a bus of either profile. Not JointCmd on classic CAN: its number of parts
+    is that of the arm's joints, which the bus does not tell."""
 
     def __init__(self):
         self._state = None
@@ -75,7 +75,7 @@ class Receiver:
         self._lib.transport_receiver_init(self._state, self._lib.CAN_PROFILE_CLASSIC, self._lib.ARM_MAX_JOINTS, kinds)
 
     def message(self, frame: Frame) -> Frame | None:
-        """The message that this frame completes. Frames of CAN FD come back as they are."""
+        """The message that this frame completes, or None. A CAN FD frame is returned unchanged."""
         if not is_classic(frame.name):
             return frame
         if self._state is None:

@@ -1,4 +1,4 @@
-"""Arms of the firmware by name, and arms of one's own from arrays."""
+"""The firmware's arms by name, and your own arms from arrays."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _BUILT_IN = _built_in()
 
 
 def _pose(x: np.ndarray):
-    """A pose_t of (8,)."""
+    """A dual quaternion (8,) as pose_t."""
     return lib.pose_from_dual_quaternion(ffi.from_buffer("dual_quaternion_t *", x)[0])
 
 
 def arms() -> list[str]:
-    """Names of the arms the firmware knows."""
+    """Names of the firmware's built-in arms."""
     return sorted(_BUILT_IN)
 
 

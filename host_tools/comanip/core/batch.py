@@ -46,8 +46,8 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def normalise(a: np.ndarray) -> np.ndarray:
-    """Back to unit dual quaternions, |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| within 1e-12..1e12, so that its square
-    stays in float32."""
+    """Back to unit dual quaternions, |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| within 1e-12..1e12, so that its
+    square stays in float32."""
     a = check.array("a", a, ("N", 8))
     norm = np.linalg.norm(a[:, :4].astype(float), axis=1)
     bad = (norm < 1e-12) | (norm > 1e12)

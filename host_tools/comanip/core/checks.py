@@ -1,4 +1,4 @@
-"""Checks of what callers pass in: each failure names the argument, what it was and what was expected."""
+"""Checks of arguments. Each error names the argument, its value and what was expected."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNIT_TOLERANCE = 1e-4
 
 
 def array(name: str, value: object, shape: tuple[int | str, ...]) -> np.ndarray:
-    """A contiguous float32 array of that shape, with finite values. A letter in `shape` stands for any length."""
+    """The value as a contiguous, finite float32 array of this shape. A letter in shape stands for any length."""
     expected = f"float32 numpy array of shape ({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
     if not isinstance(value, np.ndarray):
         raise ValueError(f"{name}: expected a {expected}, got {type(value).__name__}")
@@ -34,7 +34,7 @@ def same_length(first_name: str, first: np.ndarray, second_name: str, second: np
 
 
 def scalar(name: str, value: object, minimum: float = -math.inf, *, above: bool = False) -> float:
-    """A number that is finite in float32, and there at least (or, with `above`, greater than) the minimum."""
+    """The value as a number, finite in float32 and at least the minimum (with above: greater than it)."""
     bound = "" if minimum == -math.inf else f" {'above' if above else 'of at least'} {minimum:g}"
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, np.floating)):
         raise ValueError(f"{name}: expected a number{bound}, got {type(value).__name__}")
@@ -68,7 +68,7 @@ def _reject_off_unit(name: str, error: np.ndarray, what: str) -> None:
 
 
 def poses(name: str, value: object, shape: tuple[int | str, ...] = ("N", 8)) -> np.ndarray:
-    """Unit dual quaternions: |P| = 1 and P . D = 0 within UNIT_TOLERANCE."""
+    """The value as unit dual quaternions: |P| = 1 and P . D = 0 within UNIT_TOLERANCE."""
     checked = array(name, value, shape)
     rows = checked.reshape(-1, 8).astype(np.float64)
     norm_error = np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1.0)
@@ -99,5 +99,5 @@ def rotation_matrices(name: str, value: object) -> np.ndarray:
 
 
 def pointer(kind: str, values: np.ndarray):
-    """The array's memory as a C pointer; the array must outlive its use."""
+    """A C pointer to the array's memory. The array must outlive it."""
     return ffi.cast(f"{kind} *", ffi.from_buffer(values)) if values.size else ffi.NULL

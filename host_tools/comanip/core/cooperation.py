@@ -1,4 +1,4 @@
-"""Algorithm 1 of the paper, one instance per cooperation: the firmware's own, driven from Python."""
+"""The firmware's Algorithm 1, driven from Python: one instance per cooperation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from comanip.core import checks as check
 
 
 def enumerators(kind: str, prefix: str) -> dict[str, int]:
-    """{"pour": 0, ...} from a C enumeration whose names begin with the prefix."""
+    """The members of a C enumeration by their names without the prefix, in lower case: {"pour": 0, ...}."""
     elements = sorted(ffi.typeof(kind).elements.items())
     return {name.removeprefix(prefix).lower(): number for number, name in elements}
 
@@ -31,12 +31,12 @@ def _pose(name: str, value: object):
 
 
 class Cooperation:
-    """From the pose of the human's hand in the tracker frame to the pose the robot's hand shall take in the torso frame.
+    """Maps the pose of the human's hand (tracker frame) to the target pose of the robot's hand (torso frame).
 
     task: "pour", "teleop" or "mirror" (Table I). tracker_rotation: the torso's axes seen from the tracker, a unit
     quaternion (4,); the paper's (9) by default. latch: what grasp() keeps, the "commanded" q_task or the "measured"
-    one. scale: of the hand's displacement, never of its rotation. start_offset: (3,) in m in torso axes, where the
-    person's hand is at the start less where the robot's hand is; 0, the paper's assumption, by default.
+    one. scale: multiplies the hand's displacement, not its rotation. start_offset: (3,) in m in torso axes, the
+    position of the person's hand at the start minus that of the robot's hand; 0, the paper's assumption, by default.
     """
 
     def __init__(
@@ -66,20 +66,20 @@ class Cooperation:
             ffi.memmove(ffi.addressof(self._config, "start_offset_m"), offset.tobytes(), 12)
 
     def start(self, hand: np.ndarray, robot: np.ndarray) -> None:
-        """Initialisation of Algorithm 1: the human's hand in the tracker frame, the robot's in the torso frame, (8,)."""
+        """Initialises Algorithm 1. hand: (8,) in the tracker frame. robot: (8,) in the torso frame."""
         lib.cooperation_start(self._state, self._config, self._task, _pose("hand", hand), _pose("robot", robot))
         self._started = True
 
     def target(self, hand: np.ndarray) -> np.ndarray:
-        """The robot's target (8,) for this pose of the human's hand."""
+        """The target (8,) of the robot's hand for this pose (8,) of the human's hand."""
         self._require_start("target")
         lib.cooperation_update(self._state, ffi.new("pose_t *", _pose("hand", hand)), 1.0)
         vec8 = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(self._state.target))
         return np.frombuffer(ffi.buffer(vec8), np.float32).copy()
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
-        """From here on q_task is constant: the one in force at the latest target() (or start()) with latch "commanded",
-        the one being performed with "measured", which needs the robot's measured pose (8,)."""
+        """Holds q_task constant from now on. latch "commanded": that of the latest target() or start(). "measured": the
+        one that the hands have now, which needs the robot's measured pose (8,)."""
         self._require_start("grasp")
         measured = None if robot is None else _pose("robot", robot)
         if self._latch == "commanded":

@@ -1,1 +1,1 @@
-"""Pictures of a finished run. Only the drawing modules import matplotlib."""
+"""Plots of a finished run. Only the modules that draw import matplotlib."""

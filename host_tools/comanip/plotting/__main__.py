@@ -11,7 +11,7 @@ from comanip.plotting.run_data import RunDataError, read_run
 
 
 def draw(folder: Path) -> list[Path]:
-    """The pictures' paths. RunDataError, in one line: what the folder lacks."""
+    """Draws all plots that the run has data for. Returns their paths. RunDataError says what the folder lacks."""
     run = read_run(folder)
     try:
         from comanip.plotting import experiment, paths, style, time_plots
@@ -33,7 +33,7 @@ def draw(folder: Path) -> list[Path]:
     written = []
     for name, make in pictures.items():
         path = report / f"{name}.png"
-        path.unlink(missing_ok=True)  # an older run's must not stand for this one
+        path.unlink(missing_ok=True)  # of an earlier run
         figure = make(run)
         if figure is not None:
             written.append(style.save(figure, path))

@@ -1,4 +1,4 @@
-"""One picture per experiment: four instants of the scene, and the curve that decides."""
+"""One figure per experiment: four instants of the scene, and the curve that decides its success."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from comanip.plotting.scenes import SCENES, Scene
 SNAPSHOTS = 4
 WIDTH_INCH = 11.0
 TORSO_M = np.array([[0.0, 0.0, 0.0], [-0.035, 0.0, 0.125]])  # waist and chest, HOAP-3 manual
-FOREARM_M = 0.16  # drawn of the person's
+FOREARM_M = 0.16  # length drawn of the person's
 SCALE_BAR_M = 0.1
 CARRIER_COLOURS = {"hand": style.ROBOT, "person": style.PERSON, "second": style.SECOND}
 RING = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
 def plain_scene(run: RunData) -> Scene:
-    """Of a scenario of one's own: the curve of what is in it."""
+    """The scene of a user's scenario: its curve follows from the objects in it."""
     of_thing = {"rod": "handing", "crank": "crank"}
     decisive = "water" if run.has("water_robot") else of_thing[run.thing.kind] if run.thing else "tracking"
     return Scene(run.scenario, (), decisive)
 
 
 def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
-    """(time, caption): the scene's own if all of them happened, else evenly over the cooperation."""
+    """(time, caption) of the snapshots: the scene's own if all of them occurred, else spread evenly over the
+    cooperation."""
     starts = [(run.event_s(event), after_s, caption) for event, after_s, caption in scene.instants]
     if starts and all(start is not None for start, _, _ in starts):
         return [(start + after_s, caption) for start, after_s, caption in starts]
@@ -38,7 +39,7 @@ def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
 
 
 class View:
-    """Orthographic, from an azimuth and an elevation: points in torso axes (..., 3) become (..., 2) on paper, in m."""
+    """Orthographic projection by azimuth and elevation: points in torso axes (..., 3) to paper (..., 2), in m."""
 
     def __init__(self, azimuth_deg: float, elevation_deg: float) -> None:
         a, e = np.radians([azimuth_deg, elevation_deg])
@@ -125,7 +126,7 @@ def _draw_snapshot(axes: Axes, view: View, run: RunData, row: int, arm_m: np.nda
 
 
 def _frame(panels: list[Axes]) -> float:
-    """The same section in all panels, equal scales, and one scale bar; returns the section's height over its width."""
+    """Gives all panels the same limits and scale, and one scale bar. Returns the ratio of height to width."""
     limits = np.array([[*p.get_xlim(), *p.get_ylim()] for p in panels])
     x0, x1 = limits[:, 0].min(), limits[:, 1].max()
     y0, y1 = limits[:, 2].min(), limits[:, 3].max()
@@ -139,7 +140,7 @@ def _frame(panels: list[Axes]) -> float:
 
 
 def _lay_out(figure: Figure, panels: list[Axes], rows: list[Axes], section: float) -> float:
-    """Snapshots in a row, as high as their section needs, the curves below; returns the figure's height in inches."""
+    """Places the snapshots in a row, as high as needed, and the curves below. Returns the figure's height in inches."""
     gap, width = 0.1, 10.8 / SNAPSHOTS - 0.1
     panel = min(3.4, width * section)
     bottoms = (2.12, 0.48)  # of the curves

@@ -1,4 +1,4 @@
-"""Rotations and the arm's links as points, from the firmware's own mathematics."""
+"""Rotations, and the points of the arm's links, computed by the firmware's code."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ARM = "hoap3_right"
 
 
 def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Unit quaternions (N, 4), w first, on one vector (3,) or one each (N, 3) -> (N, 3)."""
+    """Rotates one vector (3,), or one each (N, 3), by unit quaternions (N, 4), w first -> (N, 3)."""
     w, axis = rotation[:, :1], rotation[:, 1:]
     vector = np.broadcast_to(vector, axis.shape)
     cross = 2.0 * np.cross(axis, vector)
@@ -20,7 +20,7 @@ def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def angle_between_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of the rotation from a to b, unit quaternions (N, 4) of either sign -> (N,), 0..180."""
+    """Angle of the rotation from a to b, unit quaternions (N, 4) of either sign -> (N,), 0..180."""
     cosine = np.abs((a * b).sum(axis=1))
     # |a - b| and |a + b| are exact near 0, where the arc cosine is not.
     nearer = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
@@ -28,7 +28,7 @@ def angle_between_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def tilt_deg(rotation: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Between torso z and an axis (3,) of the turned body: (N, 4) -> (N,)."""
+    """Angle between torso z and an axis (3,) of the rotated body: (N, 4) -> (N,)."""
     return np.degrees(np.arccos(np.clip(rotate(rotation, axis)[:, 2], -1.0, 1.0)))
 
 
@@ -41,7 +41,7 @@ def _translation(poses: np.ndarray) -> np.ndarray:
 
 
 def _first_joints(arm: Arm, count: int) -> Arm:
-    """The arm cut off behind its joint `count`, without an effector."""
+    """The arm truncated after joint `count`, without an effector."""
     rows = [arm.table.joints[i] for i in range(count)]
     fixed = np.array([np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", pose)), np.float32)
                       for pose in (lib.pose_to_dual_quaternion(row.fixed) for row in rows)])  # fmt: skip

@@ -1,4 +1,4 @@
-"""The ways of the hands and of the object in space."""
+"""The paths of the hands and of the object in 3D."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ WAYS = (
 
 
 def _corners(axes: Axes3D) -> np.ndarray:
-    """Of the box, on paper: (8, 2) in pixels."""
+    """The corners of the box in pixels: (8, 2)."""
     corners = np.array(list(itertools.product(axes.get_xlim(), axes.get_ylim(), axes.get_zlim())))
     x, y, _ = proj3d.proj_transform(*corners.T, axes.get_proj())
     return axes.transData.transform(np.column_stack([x, y]))
 
 
 def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
-    """The box with sides in this proportion, with its names and numbers, as large as FRAME has room for."""
+    """Scales the box, with sides in this proportion, to the room that FRAME leaves beside labels and ticks."""
     left, bottom, width, height = FRAME
     zoom = 1.0
     for line in axes.lines:
@@ -54,7 +54,7 @@ def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
 
 
 def paths(run: RunData) -> Figure:
-    """In 3D with equal axes; a ring marks each start, a square each end."""
+    """The figure, with equal axes. A ring marks each start, a square each end."""
     figure = plt.figure(figsize=(8.6, 5.8))
     axes = figure.add_axes(FRAME, projection="3d")
     part = style.thinned(run)

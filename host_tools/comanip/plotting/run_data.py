@@ -1,4 +1,4 @@
-"""A finished run, read from its folder: summary.json and trace.csv."""
+"""Reads a finished run from its folder: summary.json and trace.csv."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ JOINTS = 4
 
 
 class RunDataError(Exception):
-    """What is missing or broken, in one line."""
+    """One line that says what is missing or malformed."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Cup:
-    """Seen from the hand that carries it: the centre of its inner bottom, and the axis to its opening."""
+    """A cup relative to the hand that carries it: centre of its inner bottom, and axis towards its opening."""
 
     carrier: str  # "hand", "person" or "second", as the trace's columns
     mount_m: tuple[float, float, float]
@@ -35,7 +35,7 @@ class Cup:
 
 @dataclass(frozen=True)
 class Thing:
-    """What the trace's object_* columns are of. Of a crank, `length_m` is the handle's and `radius_m` its lever."""
+    """The object of the trace's object_* columns. For a crank, length_m is the handle's and radius_m the lever arm."""
 
     kind: str  # "rod" or "crank"
     length_m: float
@@ -44,7 +44,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class RunData:
-    """One row per tick. Cells that are empty in the file are NaN, and so is all of a column that the file lacks."""
+    """One row per tick. An empty cell is NaN, as are all cells of a column that the file lacks."""
 
     folder: Path
     summary: dict
@@ -60,17 +60,17 @@ class RunData:
 
     @property
     def events(self) -> list[Event]:
-        """In the order of time."""
+        """The events in order of time."""
         found = [Event(float(event["t_s"]), event["name"]) for event in self.summary.get("events") or []]
         return sorted(found, key=lambda event: event.t_s)
 
     def event_s(self, *names: str) -> float | None:
-        """When the first of these names that happened did."""
+        """Time of the first of these events, in this order of preference, that occurred; None: none did."""
         times = {event.name: event.t_s for event in reversed(self.events)}
         return next((times[name] for name in names if name in times), None)
 
     def modes(self) -> list[tuple[float, float, str]]:
-        """(from, until, mode), all along the run."""
+        """(from, until, mode) over the whole run."""
         changes = self.summary["modes"]
         ends = [change["t_s"] for change in changes[1:]] + [float(self.t_s[-1])]
         return [(change["t_s"], end, change["mode"]) for change, end in zip(changes, ends, strict=True)]
@@ -95,7 +95,7 @@ class RunData:
         return bool(np.isfinite(self.column(name)).any())
 
     def limits(self, unit: str) -> list[tuple[str, float]]:
-        """Names and limits of the run's checks in this unit."""
+        """Names and limits of the run's checks that have this unit."""
         checks = self.summary.get("checks") or []
         return [(check["name"].replace("_", " "), check["limit"]) for check in checks if check.get("unit") == unit]
 
@@ -112,7 +112,7 @@ class RunData:
         return np.stack([self.column(f"q{i}_rad") for i in range(JOINTS)], axis=1)
 
     def rates_radps(self) -> np.ndarray:
-        """(N, 4), as commanded."""
+        """Commanded joint velocities (N, 4)."""
         return np.stack([self.column(f"dq{i}_command_radps") for i in range(JOINTS)], axis=1)
 
     def row_at(self, time_s: float) -> int:
@@ -134,14 +134,14 @@ def read_summary(path: Path) -> dict:
 
 
 def _with_nan(text: str) -> str:
-    """Empty cells as "nan", which numpy's fast reader knows."""
+    """Writes "nan" into empty cells, for numpy's fast reader."""
     for _ in range(2):  # an empty cell may have an empty one beside it
         text = text.replace(",,", ",nan,")
     return text.replace(",\n", ",nan\n")
 
 
 def read_trace(path: Path) -> dict[str, np.ndarray]:
-    """Each column but `mode` by its name, (N,) float64."""
+    """All columns but `mode`, by name: (N,) float64."""
     try:
         text = path.read_text()
     except OSError as error:

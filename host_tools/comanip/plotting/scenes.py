@@ -1,4 +1,4 @@
-"""The instants that tell the story of the five experiments, as the paper's Figs. 5 to 7 do, and the curves that decide."""
+"""The snapshots of the five experiments, as in the paper's Figs. 5 to 7, and the curves that decide their success."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scene:
-    """`instants`: (event, seconds after it, caption), in time's order. `view_deg`: azimuth, elevation of the eye."""
+    """instants: (event, seconds after it, caption) in order of time. view_deg: azimuth, elevation of the viewpoint."""
 
     title: str
     instants: tuple[tuple[str, float, str], ...]

@@ -1,4 +1,4 @@
-"""How all pictures look: type, palette (Okabe and Ito 2008, safe for colour-blind eyes), events and modes in time."""
+"""The common style of all figures: fonts, palette (Okabe and Ito 2008, safe for colour blindness), events and modes."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ plt.rcParams.update(
 
 
 def thinned(run: RunData) -> slice:
-    """Every k-th tick, so that no more than MAX_DRAWN are drawn."""
+    """Every k-th tick, such that at most MAX_DRAWN are drawn."""
     return slice(None, None, max(1, -(-len(run.t_s) // MAX_DRAWN)))
 
 
@@ -66,14 +66,14 @@ def heading(run: RunData, what: str) -> str:
 
 
 def legend_beside(axes: Axes) -> None:
-    """Right of the axes: it covers no data."""
+    """A legend to the right of the axes, where it covers no data."""
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="upper left", bbox_to_anchor=(1.005, 1.03), borderaxespad=0.0, handlelength=1.6)
 
 
 def spread(positions: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
-    """Ascending positions moved apart to at least `gap` (less where there is no room), within low..high, each about as
-    far as its neighbours."""
+    """Moves ascending positions apart to at least `gap` (less if there is no room) within low..high, each about as far
+    as its neighbours."""
     wanted = np.asarray(positions, float)
     if len(wanted) < 2:
         return np.clip(wanted, low, high)
@@ -87,7 +87,7 @@ def spread(positions: Sequence[float], gap: float, low: float, high: float) -> n
 
 
 def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
-    """Modes as bands and events as lines in all rows (of one time axis), the events' names above the first."""
+    """Draws modes as bands and events as lines in all rows of a time axis, and the events' names above the first."""
     begin_s, end_s = float(run.t_s[0]), float(run.t_s[-1])
     for axes in rows:
         axes.set_xlim(begin_s, end_s)
@@ -104,7 +104,7 @@ def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
 
 
 def _explain_modes(run: RunData, axes: Axes) -> None:
-    """A legend of the bands, beside the time axis' name."""
+    """A legend of the bands, beside the label of the time axis."""
     seen = [mode for mode in MODE_COLOURS if mode in {name for _, _, name in run.modes()}]
     handles = [Patch(facecolor=MODE_COLOURS[mode], edgecolor=PALE, label=mode) for mode in seen]
     # Of its own, so that the axes' legend stays.
@@ -134,7 +134,7 @@ def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
 
 
 def time_figure(run: RunData, what: str, rows: int, row_inch: float = 1.5) -> tuple[Figure, list[Axes]]:
-    """Rows that share the time axis, with room for the events' names above and legends beside."""
+    """A figure of rows that share the time axis, with room for event names above and legends beside."""
     longest = max((len(event.name) for event in run.events), default=0)
     top_inch = 0.4 + (0.2 + CHARACTER_INCH * longest if longest else 0.0)
     height = top_inch + rows * row_inch + 0.45

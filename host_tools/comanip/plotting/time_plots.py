@@ -1,4 +1,4 @@
-"""What a run did, over time: one function per picture. Each gives the figure, None where nothing is to show."""
+"""Quantities of a run over time, one function per figure. Each returns the figure, or None if there is no data."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LOG_RATIO = 30.0  # of the largest to the least clearance: from there on a logar
 
 
 def tracking(run: RunData) -> Figure | None:
-    """Target against ODE's hand per axis, and the error below each."""
+    """Target and simulated hand per axis, with the error below."""
     if not run.has("target_x_m"):
         return None
     figure, rows = style.time_figure(run, "Target and robot's hand", 6, 1.05)
@@ -55,7 +55,7 @@ def orientation(run: RunData) -> Figure | None:
 
 
 def joints(run: RunData) -> Figure:
-    """Positions within the usable range, and commanded rates, with their limits."""
+    """Joint positions in their usable range, and commanded velocities, with limits."""
     figure, rows = style.time_figure(run, "Joints", 2 * JOINTS, 0.95)
     arm, part = Arm.named(geometry.ARM), style.thinned(run)
     position_deg, rates = np.degrees(run.joints_rad())[part], run.rates_radps()[part]
@@ -107,13 +107,13 @@ def clearance(run: RunData) -> Figure | None:
 
 
 def draw_limits(axes: Axes, limits: list[tuple[str, float]], unit: str) -> None:
-    """What the scenario's checks allow, a line each."""
+    """One line per limit of the scenario's checks."""
     for (name, limit), line in zip(limits, itertools.cycle(("--", ":", "-.")), strict=False):
         axes.axhline(limit, color=style.LIMIT, ls=line, lw=1.0, label=f"{name}: {limit:g} {unit}")
 
 
 def plot_force(run: RunData, axes: Axes) -> None:
-    """Magnitude at the people's hands while they hold something, and what the scenario allows."""
+    """Magnitude of the force at the people's hands while they hold something, with the scenario's limits."""
     part = style.thinned(run)
     force = np.sqrt(sum(run.column(f"force_{axis}_N") ** 2 for axis in "xyz"))
     if run.has("force_x_N"):

@@ -1,9 +1,10 @@
-"""How the tracker is turned against the robot, q_Tv^E, from three guided moves of the hand.
+"""Estimates the rotation between tracker and robot, q_Tv^E, from three guided moves of the hand.
 
-The person moves the hand forward, to the left and up, as the robot's torso sees it (its x, y and z), with rests between.
-Each move has a direction in the tracker's frame; the rotation that takes the torso's axes to these three, in the least
-squares sense, is Wahba's problem, solved by a singular value decomposition (Kabsch; Markley 1988). What the directions
-leave over tells how sure the result is: the covariance of the attitude is the inverse of the Fisher information.
+The person moves the hand forward, to the left and up, as the robot's torso sees it (its x, y and z), with rests
+between. Each move has a direction in the tracker's frame; the rotation that takes the torso's axes to these three, in
+the least squares sense, is Wahba's problem, solved by a singular value decomposition (Kabsch; Markley 1988). The
+residuals of the directions give the uncertainty: the covariance of the attitude is the inverse of the Fisher
+information.
 """
 
 from __future__ import annotations
@@ -27,12 +28,13 @@ DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles a direction, less the thre
 
 
 class CalibrationError(ToolError):
-    """What is wrong with the moves."""
+    """The moves do not determine the rotation; the message says why."""
 
 
 @dataclass(frozen=True)
 class Move:
-    """A straight move between two rests. `direction`: unit, in the tracker's frame; `crooked`: RMS off the line, over length."""
+    """A straight move between two rests. `direction`: unit, in the tracker's frame; `crooked`: RMS off the line, over
+    length."""
 
     direction: np.ndarray
     length_m: float

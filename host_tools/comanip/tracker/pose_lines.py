@@ -1,4 +1,4 @@
-"""Poses of a hand as lines of text, CSV or JSON: the way to attach any tracker.
+"""Parses poses of a hand from lines of text, CSV or JSON, so that any tracker can be attached.
 
 CSV, separated by commas, semicolons or blanks, each with or without a leading time stamp in seconds:
     x, y, z, qw, qx, qy, qz                  metres and a unit quaternion (order `wxyz`, or `xyzw` if asked for)
@@ -23,7 +23,7 @@ _COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # numbe
 
 
 class Pose(NamedTuple):
-    """`t_s`: the tracker's own time, if it tells one."""
+    """position_m, quaternion: in the tracker's frame. t_s: the tracker's own time, if the line has one."""
 
     position_m: tuple[float, float, float]
     quaternion: tuple[float, float, float, float]  # w x y z
@@ -31,7 +31,7 @@ class Pose(NamedTuple):
 
 
 def _quaternion_from_matrix(rotation: np.ndarray) -> np.ndarray:
-    """Shepperd's method: from the greatest of the four components."""
+    """Shepperd's method: computes the largest of the four components first."""
     trace = np.trace(rotation)
     greatest = int(np.argmax([trace, *np.diag(rotation)]))
     if greatest == 0:
@@ -106,7 +106,7 @@ def _parse_json(line: str, order: str) -> Pose:
 
 
 def parse(line: str, order: str = "wxyz") -> Pose | None:
-    """None for an empty line, a comment (#) or a header. ValueError says what is wrong with it."""
+    """The pose of one line; None for an empty line, a comment (#) or a header. ValueError says what is wrong."""
     text = line.strip()
     if not text or NO_POSE.match(text):
         return None

@@ -1,4 +1,5 @@
-"""Publishes poses as a tracker does: HandPose for each, TrackerStatus every 20 ms, both with end-to-end protection."""
+"""Acts as the tracker on the bus: sends HandPose for each pose and TrackerStatus every 20 ms, with end-to-end
+protection."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ from comanip.tracker.pose_lines import Pose
 
 CLOCK_US = 2**32  # the tracker's clock wraps
 COUNT = 2**16
-PERIOD_US = (1_000, 100_000)  # that the firmware takes
-INTERVALS = 50  # over whose median the period is taken
+PERIOD_US = (1_000, 100_000)  # range that the firmware accepts
+INTERVALS = 50  # the period is their median
 
 
 def status_period_s(bus: LiveBus) -> float:
@@ -21,7 +22,8 @@ def status_period_s(bus: LiveBus) -> float:
 
 
 class TrackerPublisher:
-    """`rate_hz`: of the tracker; None: told by the times of its poses. `clock`: of those that come without a time."""
+    """rate_hz: the tracker's; None: estimated from the poses' time stamps. clock: stamps poses that come without a
+    time."""
 
     def __init__(self, bus: LiveBus, rate_hz: float | None = None, clock=time.monotonic):
         self._bus, self._clock = bus, clock
@@ -31,12 +33,12 @@ class TrackerPublisher:
         self.sent = self.lost = self.range_errors = 0
 
     def publish(self, pose: Pose) -> None:
-        """A pose that no frame can carry goes out as an invalid one, and counts as a range error."""
+        """Sends the pose. One that is out of the frame's range is sent as invalid, and counted as a range error."""
         t_us = round(1e6 * (self._clock() if pose.t_s is None else pose.t_s))
         if self._last_us is not None and t_us - self._last_us > 0:
             self._intervals_us.append(t_us - self._last_us)
         self._last_us = t_us
-        quaternion = (min(max(component, -1.0), 1.0) for component in pose.quaternion)  # rounding may pass 1
+        quaternion = (min(max(component, -1.0), 1.0) for component in pose.quaternion)  # rounding may exceed 1
         signals = dict(zip(("x_m", "y_m", "z_m"), pose.position_m)) | dict(zip(("qw", "qx", "qy", "qz"), quaternion))
         positions, quaternions = self._bus.profile.message("HandPose"), database().get_message_by_name("HandPose")
         ranges = {
@@ -50,7 +52,7 @@ class TrackerPublisher:
             self._lose(t_us)
 
     def lose(self) -> None:
-        """There was a sample, and no pose in it."""
+        """Sends an invalid pose: there was a sample without a pose."""
         self._lose(round(1e6 * self._clock()) if self._last_us is None else self._last_us + self.period_us)
 
     def _lose(self, t_us: int) -> None:
@@ -60,7 +62,7 @@ class TrackerPublisher:
 
     @property
     def period_us(self) -> int:
-        """In steps of 10 us, as the frame carries it."""
+        """The sample period, in steps of 10 us as in the frame."""
         period_us = self._period_us
         if period_us is None:
             default_us = 1000 * self._bus.profile.message("HandPose").cycle_time

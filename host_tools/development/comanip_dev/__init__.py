@@ -1,5 +1,5 @@
-"""Tools for those who develop comanip: code generation, the build of the core, reports, experiments. Run in a clone of the
-repository, never installed."""
+"""Tools for those who develop comanip: code generation, the build of the core, reports, experiments. Run in a clone of
+the repository, never installed."""
 
 from pathlib import Path
 

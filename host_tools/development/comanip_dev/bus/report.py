@@ -1,7 +1,7 @@
 """Load and worst-case response times of the bus: ``python -m comanip_dev.bus.report [FILE]`` (``make bus-report``).
 
-Prints for 4, 6, 7 and 8 joints, CAN FD and classic, what each frame takes at most, and marks what comes too late; writes all
-of it to FILE (JSON) as well. Exit status: 0 also if frames are late, 2 wrong use.
+Prints the worst case of each frame for 4, 6, 7 and 8 joints, CAN FD and classic, and marks those beyond their deadline.
+Also writes all of it to FILE (JSON). Exit status: 0, even if frames are late; 2 wrong use.
 """
 
 from __future__ import annotations
@@ -50,8 +50,9 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class Row:
-    """Times in ms. `queued_ms` is from the queueing to the end of the frame, `response_ms` from its event: the tick for what
-    the firmware and the drives send; for frames on events the queueing. None: no bound, the bus is overloaded."""
+    """Times in ms to the end of the frame. queued_ms: since it was queued. response_ms: since its event, which is the
+    tick for frames of firmware and drives, and the queueing for frames on events. None: unbounded, the bus is
+    overloaded."""
 
     name: str
     id: int
@@ -67,7 +68,8 @@ class Row:
 
 @dataclass(frozen=True)
 class Result:
-    """Loads are shares of the longest frames; `late_at_boot`: names, with what is sent at boot only."""
+    """Loads assume the longest frames. late_at_boot: names of the frames that are late while those of the boot are
+    sent."""
 
     profile: str
     joints: int
@@ -79,7 +81,7 @@ class Result:
 
 
 def rows(frames: Sequence[Frame], rates: BitRates) -> list[Row]:
-    """In the order of ids."""
+    """The rows in order of ids."""
     all_streams = streams(frames, rates)
     found = analyse(all_streams, rates.nominal_ns)
     result = []
@@ -122,7 +124,7 @@ def result(profile: Profile, joints: int) -> Result:
 
 
 def names(late: Sequence[str]) -> str:
-    """JointState4, JointState5, JointState6 as JointState4..6."""
+    """The names, with JointState4, JointState5, JointState6 shortened to JointState4..6."""
     families: dict[str, list[str]] = {}
     for name in late:
         families.setdefault(name.rstrip("0123456789"), []).append(name)
@@ -149,7 +151,7 @@ def overview(results: Sequence[Result]) -> Table:
 
 
 def time_text(row: Row | None) -> str:
-    """Late ones are marked: in colour, and with an exclamation mark where there is none."""
+    """The time; if it is late in colour, or with an exclamation mark where there is no colour."""
     if row is None:
         return ""
     text = "no bound" if row.response_ms is None else f"{row.response_ms:.3f}"
@@ -157,7 +159,7 @@ def time_text(row: Row | None) -> str:
 
 
 def details(results: Sequence[Result]) -> Table:
-    """Of one profile: a row for each frame, a column for each number of joints."""
+    """The table of one profile: a row per frame, a column per number of joints."""
     table = Table(title=f"{results[0].profile}: worst-case response in ms", title_justify="left")
     columns = ("id", "frame", "bytes", "us at most", "period ms", *(f"{item.joints} joints" for item in results))
     for header in columns:

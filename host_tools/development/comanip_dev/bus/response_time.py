@@ -1,19 +1,19 @@
 """Worst-case response times on a CAN bus: non-preemptive fixed priorities.
 
-R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability analysis: refuted, revisited
-and revised. Real-Time Systems 35 (2007), with all instances of the busy period. Frames that answer others get their jitter
-from these, until nothing changes any more (holistic analysis: K. Tindell, J. Clark, 1994).
+R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability analysis: refuted,
+revisited and revised. Real-Time Systems 35 (2007), over all instances of the busy period. Frames that answer others
+inherit their jitter from them, iterated to a fixed point (holistic analysis: K. Tindell, J. Clark, 1994).
 
-Assumed: ids are priorities; each node offers its lowest id first; frames of two streams with one id delay each other; no
-errors. All times are whole nanoseconds.
+Assumed: ids are priorities; each node offers its lowest id first; frames of two streams with one id delay each other;
+no errors. All times are whole nanoseconds.
 
-An answer is not independent of the frame it answers, and the sum of both worst cases would count most frames twice. So if
-the answers to a frame are through before it is queued again, and no other frame comes between them in the order of
-priority, then from the start of the busy period on in which the asking frame is queued, all of them are sent once, as is
-what is queued together with it: while frames of higher priority wait, no earlier answer starts, and earlier answers could
-not be through if those had waited for a period. This bounds an answer that is queued while that busy period lasts.
-Otherwise the bus was free of these frames at some time between the end of the asking frame and the queueing of the answer,
-and a busy period without what was queued together with the asking frame bounds it.
+An answer is not independent of the frame it answers, and the sum of both worst cases would count most frames twice. So
+if the answers to a frame are through before it is queued again, and no other frame comes between them in the order of
+priority, then from the start of the busy period on in which the asking frame is queued, all of them are sent once, as
+is what is queued together with it: while frames of higher priority wait, no earlier answer starts, and earlier answers
+could not be through if those had waited for a period. This bounds an answer that is queued while that busy period
+lasts. Otherwise the bus was free of these frames at some time between the end of the asking frame and the queueing of
+the answer, and a busy period without what was queued together with the asking frame bounds it.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ UNBOUNDED_NS = 10_000_000_000  # a response beyond is none
 @dataclass(frozen=True)
 class Stream:
     """Frames of one kind. The n-th is queued `earliest_ns` to `earliest_ns + jitter_ns` after its event, the events are
-    `period_ns` or more apart. Jitter is also how frames on events come in bursts: with a period of 20 ms and a jitter of
-    19 ms two are at least 1 ms apart, and in the long run one comes in 20 ms.
+    `period_ns` or more apart. Jitter is also how frames on events come in bursts: with a period of 20 ms and a jitter
+    of 19 ms two are at least 1 ms apart, and in the long run one comes in 20 ms.
 
-    `batch`: streams of one batch are queued at the same instants, those of one period always together.
-    `one_of`: of the streams with this name, alike in period and jitter, only one is sent at a time.
-    `answers`: is queued `answer_delay_ns` after the end of that frame; its event and period are that frame's, `earliest_ns`
-    and `jitter_ns` are then found by ``analyse``.
+    `batch`: streams of one batch are queued at the same instants, those of one period always together. `one_of`: of the
+    streams with this name, alike in period and jitter, only one is sent at a time. `answers`: is queued
+    `answer_delay_ns` after the end of that frame; its event and period are that frame's, `earliest_ns` and `jitter_ns`
+    are then found by ``analyse``.
     """
 
     name: str
@@ -51,19 +51,20 @@ class Stream:
 
 @dataclass(frozen=True)
 class Response:
-    """Up to the end of the frame: since it was queued, and since its event. None: unbounded, the bus is overloaded."""
+    """Times to the end of the frame, since it was queued and since its event. None: unbounded, the bus is
+    overloaded."""
 
     queued_ns: int | None
     event_ns: int | None
 
 
 def load(streams: Sequence[Stream]) -> float:
-    """The share of the time that the longest frames take."""
+    """Bus load if all frames are their longest."""
     return sum(stream.longest_ns / stream.period_ns for stream in one_of_each(streams))
 
 
 def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
-    """The longest stream of each `one_of`, and all without."""
+    """The longest stream of each `one_of`, and all streams that have none."""
     chosen: dict[str, Stream] = {}
     for stream in streams:
         key = stream.one_of or stream.name
@@ -73,7 +74,7 @@ def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
 
 
 def analyse(streams: Sequence[Stream], bit_ns: int) -> dict[str, Response]:
-    """By name. `bit_ns`: of the arbitration phase. KeyError if a stream answers one that is not there."""
+    """Responses by name. bit_ns: of the arbitration phase. KeyError if a stream answers one that does not exist."""
     known = {stream.name: Response(0, 0) for stream in streams}
     while True:
         by_name = {stream.name: stream for stream in streams}
@@ -107,12 +108,12 @@ def _response(streams: Sequence[Stream], stream: Stream, known: dict[str, Respon
 
 
 def _instances(stream: Stream, window_ns: int) -> int:
-    """How many are queued in a window at most."""
+    """Maximum number of instances queued in a window."""
     return -(-(window_ns + stream.jitter_ns) // stream.period_ns)
 
 
 def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
-    """The least that is as long as the work that comes in it."""
+    """The shortest window that is as long as the work queued in it."""
     window_ns = start_ns
     while (needed_ns := work_ns(window_ns)) != window_ns:
         window_ns = needed_ns
@@ -120,8 +121,8 @@ def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
 
 
 def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int = 0) -> int:
-    """Until a frame starts: base_ns of work that is there anyway, and all that comes with a higher priority meanwhile, up
-    to the bit in which the arbitration begins."""
+    """Time until a frame starts: base_ns of work, plus all of higher priority that is queued meanwhile, up to the bit
+    in which arbitration begins."""
     return _least_window(
         max(base_ns, at_least_ns),
         lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher),
@@ -129,7 +130,7 @@ def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int
 
 
 def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit_ns: int) -> Response:
-    """The analysis of Davis et al.: each instance in the busy period."""
+    """The analysis of Davis et al., over each instance in the busy period."""
     level = [stream, *higher]
     busy_ns = _least_window(
         stream.longest_ns, lambda ns: blocking_ns + sum(_instances(other, ns) * other.longest_ns for other in level)
@@ -148,7 +149,7 @@ def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit
 def _answer(
     stream: Stream, higher: Sequence[Stream], blocking_ns: int, known: dict[str, Response], bit_ns: int
 ) -> Response | None:
-    """As the head of this file has it; None where that does not hold."""
+    """The bound described at the top of this file; None where its conditions do not hold."""
     asked = next((other for other in higher if other.name == stream.answers), None)
     if asked is None:
         return None

@@ -1,10 +1,10 @@
-"""The paper's three experiments and the two further tasks of its Fig. 1, for many seeds and on recordings, headless.
+"""Runs the paper's three experiments and the two further tasks of its Fig. 1 over many seeds and on recordings.
 
 ``python -m comanip_dev.experiments --seeds 20 --out DIR`` prints one table and writes DIR/experiments.json (each run's
 verdict and checks), DIR/laws.json, DIR/laws.md (our law beside the paper's own) and DIR/conditions.json (what is judged
-over all seeds of a condition together). Exit status: 0 all runs and conditions with our law passed, 1 one failed, 2 wrong
-use, 130 interrupted; after 2 and 130 none of these files is written. Finished runs stay in DIR: started again, a campaign
-repeats only those whose program, scenario, recording or options have changed.
+over all seeds of a condition together). Exit status: 0 all runs and conditions with our law passed, 1 one failed, 2
+wrong use, 130 interrupted; after 2 and 130 none of these files is written. Finished runs stay in DIR: when the same
+command is run again, it repeats only those whose program, scenario, recording or options have changed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ RESULT_FILES = ("experiments.json", "laws.json", "laws.md", "conditions.json")
 
 
 def _write(path: Path, text: str) -> None:
-    """In one step: what is there is whole."""
+    """Writes the file atomically."""
     unfinished = path.with_name(path.name + ".part")
     unfinished.write_text(text)
     unfinished.replace(path)

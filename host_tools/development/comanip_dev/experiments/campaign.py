@@ -1,4 +1,4 @@
-"""Many runs of the simulator in a few processes: what to run, what came of it, and no child left behind."""
+"""Runs the simulator many times in a few processes: jobs, their outcomes, and results that are reused."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ END_S = 2.0  # for a child to end by itself when told to
 
 
 class CampaignError(Exception):
-    """What prevents the runs, in one line."""
+    """One line that says why the runs cannot be done."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run. `parameters` are written over the bus; `arguments` are further options of the simulator."""
+    """One run. parameters: written over the bus. arguments: further options of the simulator."""
 
     scenario: str
     seed: int
@@ -41,7 +41,7 @@ class Job:
 
     @property
     def label(self) -> str:
-        """As people name it: "pour, seed 7" or "pour, kul_pour1_com.csv, seed 2"."""
+        """For messages: "pour, seed 7" or "pour, kul_pour1_com.csv, seed 2"."""
         played = f", {self.recording.name}" if self.recording else ""
         return f"{self.scenario}{played}, seed {self.seed}"
 
@@ -59,7 +59,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a job. Without a summary the run did not get as far as to judge itself."""
+    """The outcome of a job. Without a summary the run ended before it was judged."""
 
     job: Job
     result: str  # "pass", "fail"; "error" without a summary
@@ -79,7 +79,7 @@ class Outcome:
 
 
 def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
-    """Equal digests, equal results: of the program, the scenario, the recordings and the command line."""
+    """One digest per job, of program, scenario, recordings and command line: equal digests mean equal results."""
 
     @functools.cache
     def content(path: Path) -> str:
@@ -95,13 +95,13 @@ def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
 
 
 def remember(outcome: Outcome, digest: str) -> None:
-    """A run that judged itself need not be repeated, passed or not."""
+    """Marks a run that was judged, passed or failed, so that it is not repeated."""
     if outcome.result != "error":
         (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
 
 
 def recall(job: Job, digest: str, files: Sequence[str]) -> Outcome | None:
-    """The outcome of an earlier run with these inputs that left these files; None: there was none."""
+    """The outcome of an earlier run with these inputs, if it left these files; else None."""
     try:
         if (job.out / INPUTS_FILE).read_text().strip() != digest:
             return None
@@ -124,7 +124,7 @@ class _Child:
 
 
 def _judge(job: Job, status: int, stderr: str) -> Outcome:
-    """The summary's own verdict, if the exit status agrees with it."""
+    """The verdict of the summary, if the exit status agrees with it."""
     last_line = stderr.strip().splitlines()[-1] if stderr.strip() else "it said nothing"
     if status not in (0, 1):
         return Outcome(job, "error", f"exit status {status}: {last_line}")
@@ -161,7 +161,7 @@ def _end(children: list[_Child]) -> None:
 
 
 def _collect(child: _Child, job: Job, timeout_s: float) -> Outcome | None:
-    """None while it runs."""
+    """The outcome of a child that has ended; None while it runs."""
     status = child.process.poll()
     if status is None:
         if time.monotonic() - child.started_s < timeout_s:
@@ -186,7 +186,8 @@ def run_jobs(
     on_done: Callable[[Outcome], None] = lambda outcome: None,
     timeout_s: float = RUN_TIMEOUT_S,
 ) -> list[Outcome]:
-    """Runs all jobs, `workers` at a time; outcomes in the order of the jobs. Interrupted, it ends its children."""
+    """Runs all jobs, `workers` at a time. Returns the outcomes in the order of the jobs. Ends its children if
+    interrupted."""
     require_simulator(simulator)
     outcomes: list[Outcome | None] = [None] * len(jobs)
     waiting = list(reversed(range(len(jobs))))

@@ -1,20 +1,24 @@
-"""A search for the gains of the paper's law (4) and of ours (firmware/control/position_priority.h). ``python -m comanip_dev.experiments.gain_search --out DIR``.
+"""Searches for the gains of the paper's law (4) and of ours (firmware/control/position_priority.h).
 
-Each candidate runs scenarios x seeds in the simulator. Of each run enter, each divided by what would be acceptable:
+``python -m comanip_dev.experiments.gain_search --out DIR`` (``make gain-search``).
+
+Each candidate runs all scenarios and seeds in the simulator. The score of a run is a sum of terms, each divided by an
+acceptable value:
 
     score = position RMS / 5 mm + orientation RMS / 20 deg + share of ticks at the acceleration limit / 10 %
             + force RMS / 5 N + 10 if a check failed
 
-averaged over the runs; the lowest wins. What a run did not measure (it never cooperated, nothing was held) counts
-nothing, but its failed check does; a run without a summary counts WORST. Checks weigh most: gains that fail the task
-are no use however smooth. Orientation has a wide divisor because four joints cannot follow it.
+averaged over the runs; the lowest wins. A term that a run did not measure (it never cooperated, nothing was held)
+counts 0, but its failed check counts; a run without a summary counts WORST. Checks weigh most, because gains that fail
+the task are useless. Orientation has a large divisor because four joints cannot follow it.
 
-(a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid.
-(b) ours, with prediction: the gain k = following_gain_per_s, and the ratio 1 / orientation_weight_m2 on a grid.
+(a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid. (b)
+ours, with prediction: the gain k = following_gain_per_s, and the ratio 1 / orientation_weight_m2 on a grid.
 
-First a coarse grid on one seed, in a shuffled, repeatable order, so that a search cut short by --budget-s has seen all
-of its range; then the neighbours of the best, half a grid step away, and the best again with more seeds. Written are
-tried.csv, every candidate, and gains.md, the best of each law and how much of the grid was seen.
+The search tries a coarse grid on one seed, in a shuffled but repeatable order, so that one cut short by --budget-s
+still covers the whole range; then the neighbours of the best, half a grid step away; then the best again with more
+seeds. It writes tried.csv (every candidate) and gains.md (the best of each law, and the share of the grid that was
+tried).
 """
 
 from __future__ import annotations
@@ -58,8 +62,8 @@ ORDER_SEED = 1
 
 @dataclass(frozen=True)
 class Candidate:
-    """`gain_per_s`: k_r of the paper's law, k of ours. `ratio`: k_t / k_r of the paper's, 1 / orientation_weight_m2 of ours.
-    `damping`: the paper's; 0 for ours, which has none to choose."""
+    """`gain_per_s`: k_r of the paper's law, k of ours. `ratio`: k_t / k_r of the paper's, 1 / orientation_weight_m2 of
+    ours. `damping`: the paper's; 0 for ours, which has none to choose."""
 
     law: str  # "paper" or "ours"
     gain_per_s: float
@@ -68,7 +72,7 @@ class Candidate:
 
     @property
     def is_possible(self) -> bool:
-        """Within the ranges of the firmware's parameters."""
+        """True if all values are within the ranges of the firmware's parameters."""
         if self.law == "paper":
             return self.gain_per_s * self.ratio <= MAX_GAIN_PER_S
         lowest, highest = OUR_GAIN_RANGE_PER_S
@@ -87,7 +91,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Score:
-    """Means over the runs that measured each; NaN: none did."""
+    """Means over the runs that measured each term; NaN if none did."""
 
     score: float
     position_mm: float
@@ -109,7 +113,7 @@ class Tried:
 
 
 def acceleration_share(trace: dict[str, np.ndarray]) -> float:
-    """Share of the commanded ticks in which a joint's speed changes by all that the limit allows."""
+    """Share of the commanded ticks in which a joint accelerates at its limit."""
     rates = np.stack([trace[f"dq{i}_command_radps"] for i in range(4)], axis=1)
     change = np.abs(np.diff(rates, axis=0))
     change = change[np.isfinite(change).all(axis=1)]
@@ -161,7 +165,7 @@ def coarse_grid(law: str) -> list[Candidate]:
 
 
 def neighbours(candidate: Candidate) -> list[Candidate]:
-    """Half a step of the coarse grid to either side, one axis at a time."""
+    """Candidates half a step of the coarse grid to either side, one axis at a time."""
     steps = (("gain_per_s", 1.4), ("ratio", 2.0), ("damping", 3.0))
     found = []
     for name, factor in steps:
@@ -176,7 +180,7 @@ def best_of(tried: Iterable[Tried], count: int) -> list[Candidate]:
 
 
 class Search:
-    """Tries candidates until the time is up. What it found is in `tried`."""
+    """Tries candidates until the time is up. tried: their scores."""
 
     def __init__(self, run: Callable[[Candidate, int], Score], budget_s: float) -> None:
         self._run = run
@@ -184,7 +188,7 @@ class Search:
         self.tried: list[Tried] = []
 
     def stage(self, name: str, candidates: Sequence[Candidate], seeds: int, share_end_s: float) -> list[Tried]:
-        """The first always runs, so that there is a result."""
+        """Tries these candidates. The first is always tried, so that there is a result."""
         done: list[Tried] = []
         for candidate in candidates:
             if done and time.monotonic() > share_end_s:
@@ -201,7 +205,7 @@ class Search:
         return done
 
     def law(self, law: str, seeds: int, end_s: float) -> None:
-        """Of the time until `end_s`, half for the grid and a quarter each for refining and for more seeds."""
+        """Searches one law until end_s: half of the time on the grid, a quarter each on refining and on more seeds."""
         begin_s = time.monotonic()
         span_s = max(0.0, min(end_s, self._end_s) - begin_s)
         coarse = self.stage("coarse", coarse_grid(law), 1, begin_s + 0.5 * span_s)
@@ -234,7 +238,7 @@ def csv_text(tried: Sequence[Tried]) -> str:
 
 
 def markdown(tried: Sequence[Tried], scenarios: Sequence[str]) -> str:
-    """The best of each law: confirmed ones, on more seeds, first."""
+    """The best of each law; those confirmed on more seeds come first."""
     names = ", ".join(scenarios)
     lines = [
         "# Gains found",

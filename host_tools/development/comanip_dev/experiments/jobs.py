@@ -1,4 +1,4 @@
-"""What the experiments run: scenarios, recordings and seeds, with our law and with the paper's."""
+"""The runs of the experiments: scenarios, recordings and seeds, with our law and with the paper's."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def seed_jobs(seeds: int, out: Path) -> list[Job]:
 
 
 def recording_jobs(folder: Path, out: Path) -> list[Job]:
-    """A file that the folder lacks is refused: a shorter list must not look like the whole one."""
+    """CampaignError if the folder lacks a file: an incomplete campaign must not pass for a complete one."""
     missing = sorted({r.file for r in RECORDINGS if not (folder / r.file).is_file()})
     missing += sorted({r.second for r in RECORDINGS if r.second and not (folder / r.second).is_file()} - set(missing))
     if missing:

@@ -1,4 +1,4 @@
-"""What came of the experiments: the record of each run, and what is judged over all seeds of a condition together."""
+"""The record of each run, and the verdict over all seeds of a condition together."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CAUGHT_TOGETHER_MIN_PERCENT = 95.0  # of the particles that left the robot's gla
 
 
 def shown(value: float | None) -> str:
-    """A figure with four digits; a dash: not measured."""
+    """The value with four digits; a dash if it was not measured."""
     return "-" if value is None else f"{value:.4g}"
 
 
@@ -30,8 +30,9 @@ def record(outcome: Outcome) -> dict:
 
 @dataclass(frozen=True)
 class Condition:
-    """A scenario with its built-in motion or one recording, over all its seeds. In a single run of `pour` some 60 of 160
-    particles leave the glass: 5 % of them are three, and chance decides. Together they are enough to be judged."""
+    """A scenario with its built-in motion or one recording, over all its seeds. In a single run of `pour` about 60 of
+    160 particles leave the glass, 5 % of which are three: the verdict would be chance. All seeds together are
+    enough."""
 
     scenario: str
     recording: str | None
@@ -63,7 +64,7 @@ class Condition:
 
     @property
     def reason(self) -> str:
-        """Why it failed."""
+        """One line that says why the condition failed."""
         return (
             f"{self.caught} of {self.poured} particles caught ({shown(self.caught_percent)} %), "
             f"expected at least {CAUGHT_TOGETHER_MIN_PERCENT:g} %"

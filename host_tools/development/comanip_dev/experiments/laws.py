@@ -1,4 +1,4 @@
-"""Our law beside the paper's own, over the same seeds."""
+"""Compares our law with the paper's over the same seeds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _tracking(key: str) -> Callable[[dict], float | None]:
 
 
 def _force(key: str) -> Callable[[dict], float | None]:
-    """The largest of the people's."""
+    """Reads the largest value of all people."""
 
     def read(summary: dict) -> float | None:
         values = [person[key] for person in summary.get("people") or [] if person.get(key) is not None]
@@ -31,7 +31,7 @@ def _force(key: str) -> Callable[[dict], float | None]:
 
 
 def law_figures(outcomes: Sequence[Outcome]) -> dict:
-    """Medians over the runs, and how many passed; null: no run measured it."""
+    """Medians over the runs, and the number that passed; None if no run measured the quantity."""
     return {
         "runs": len(outcomes),
         "passed": sum(o.passed for o in outcomes),
@@ -43,7 +43,7 @@ def law_figures(outcomes: Sequence[Outcome]) -> dict:
 
 
 def compare_laws(ours: Sequence[Outcome], paper: Sequence[Outcome]) -> list[dict]:
-    """Per scenario, both laws over the same seeds."""
+    """One row per scenario: both laws over the same seeds."""
     rows = []
     for name in SCENARIOS:
         theirs = [o for o in paper if o.job.scenario == name]

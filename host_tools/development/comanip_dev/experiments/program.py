@@ -1,4 +1,4 @@
-"""What the programs of this package have in common: how they parse, print, and end."""
+"""Common to the programs of this package: arguments, console, and how they end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def positive_integer(text: str) -> int:
 
 
 def interrupt_on_sigterm() -> None:
-    """Told to end, a program ends its children as after Ctrl-C."""
+    """Handles SIGTERM as Ctrl-C, so that a program ends its children."""
 
     def interrupt(signal_number: int, frame: object) -> None:
         raise KeyboardInterrupt
@@ -30,7 +30,7 @@ def interrupt_on_sigterm() -> None:
 
 
 def guarded(program: str, run: Callable[[], int], after_interruption: str = "") -> int:
-    """What stops the program is one line and an exit status, no traceback."""
+    """Runs the program. An interruption or an error prints one line and returns an exit status, without a traceback."""
     interrupt_on_sigterm()
     try:
         return run()
@@ -43,5 +43,5 @@ def guarded(program: str, run: Callable[[], int], after_interruption: str = "") 
 
 
 def console() -> Console:
-    """As wide as the terminal; in a file, as wide as our lines."""
+    """A console as wide as the terminal, or FILE_COLUMNS wide when the output is a file."""
     return Console() if sys.stdout.isatty() else Console(width=FILE_COLUMNS)

@@ -1,4 +1,4 @@
-"""Runs the experiments that are not done yet, and shows how far it is."""
+"""Runs the jobs that are not done yet, and shows the progress."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _drop_bulky_files(outcome: Outcome) -> None:
 
 
 def part_times(outcomes: Sequence[Outcome]) -> str:
-    """What each part of the campaign took: the sum of its runs' wall times."""
+    """The sum of the wall times of the runs, for each part of the campaign."""
     took_s: dict[str, float] = {}
     for outcome in outcomes:
         job = outcome.job
@@ -40,7 +40,7 @@ def part_times(outcomes: Sequence[Outcome]) -> str:
 def run_with_progress(
     jobs: Sequence[Job], simulator: Path, workers: int, console: Console, finish: Callable[[Outcome], None]
 ) -> list[Outcome]:
-    """On a terminal a bar, elsewhere a line per run."""
+    """Runs the jobs, with a progress bar on a terminal and a line per run elsewhere."""
     if not console.is_terminal:
         done = 0
 
@@ -64,7 +64,7 @@ def run_with_progress(
 
 
 def run_what_is_left(jobs: Sequence[Job], arguments: argparse.Namespace, console: Console) -> list[Outcome]:
-    """Outcomes in the order of the jobs. What an earlier campaign into this folder finished is not repeated."""
+    """Returns the outcomes in the order of the jobs. Runs that an earlier campaign finished are not repeated."""
     require_simulator(arguments.simulator)
     digests = dict(zip(jobs, inputs_digests(jobs, arguments.simulator), strict=True))
     files = BULKY_FILES if arguments.keep else ()

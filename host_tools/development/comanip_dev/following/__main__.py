@@ -1,8 +1,8 @@
-"""How closely the robot's hand follows the person's, over recordings, trackers and followers.
+"""Measures how closely the robot's hand follows the person's, over recordings, trackers and followers.
 
-``python -m comanip_dev.following --out DIR`` prints one table and the criteria, and writes DIR/following.json and DIR/following.png. What has
-been measured is kept in DIR/results.jsonl: a campaign that was interrupted goes on. Exit status: 0 all criteria passed (or there are no
-recordings: nothing is measured), 1 one failed, 2 wrong use, 130 interrupted.
+``python -m comanip_dev.following --out DIR`` prints one table and the criteria, and writes DIR/following.json and
+DIR/following.png. Results are kept in DIR/results.jsonl, so that an interrupted campaign continues. Exit status: 0 all
+criteria passed, or there are no recordings and nothing is measured; 1 one failed, 2 wrong use, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ TELL_EVERY_S = 10.0
 
 
 class Progress:
-    """A line now and then."""
+    """Prints a line from time to time."""
 
     def __init__(self, what: str, count: int) -> None:
         self._what, self._count, self._done, self._told_s = what, count, 0, time.monotonic()
@@ -55,7 +55,7 @@ def _leave_signals_to_the_parent() -> None:
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
-    """work: (function, argument, ...), each giving a key and its value."""
+    """Calls each (function, argument, ...) of work in a process; each returns a key and its value."""
     work = list(work)
     progress = Progress(what, len(work))
     with ProcessPoolExecutor(workers, initializer=_leave_signals_to_the_parent) as pool:
@@ -69,7 +69,7 @@ def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: s
 
 
 def _prepare(results: Results, paths: Sequence[Path], workers: int) -> dict[Setting, list[tuple[Path, float]]]:
-    """Of each setting the recordings that the arm can follow, with their scales."""
+    """For each setting, the recordings that the arm can follow, with their scales."""
     places = [(setting, path) for setting in plan.SETTINGS for path in paths]
     missing = [(prepare, *place) for place in places if scene_key(place[0], place[1].stem) not in results.values]
     _in_processes(results, missing, workers, "optima")

@@ -1,4 +1,4 @@
-"""The arm in double precision over many postures at once: where its hand is, and which posture brings it to a position."""
+"""Forward and inverse kinematics of the arm in double precision, for many postures at once."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ArmModel:
         self.velocity_max_radps = self.arm.velocity_max_radps.astype(float)
 
     def hand(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of the joint angles (N, n): positions in m (N, 3) and rotations (N, 4) in the torso frame."""
+        """Pose of the hand at joint angles (N, n): positions in m (N, 3) and rotations (N, 4) in the torso frame."""
         position_m, rotation, _, _ = self._chain(q)
         return position_m, rotation
 
@@ -61,8 +61,8 @@ class ArmModel:
         return position_m, rotations.multiply(rotation, turn), axis, origin_m
 
     def reach(self, target_m: np.ndarray, start_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Postures (N, n) within the joints' ranges whose hands are as near to the targets (N, 3) as damped Gauss-Newton steps from
-        start_rad (N, n) come, and the distances left in m (N,)."""
+        """Postures (N, n) within the joints' ranges whose hands are as near to the targets (N, 3) as damped
+        Gauss-Newton steps from start_rad (N, n) come, and the distances left in m (N,)."""
         q = np.clip(start_rad, self.position_min_rad, self.position_max_rad)
         best, nearest_m = q.copy(), np.full(len(q), np.inf)
         for _ in range(MAX_ITERATIONS):

@@ -1,4 +1,4 @@
-"""One recording at one condition: how a follower does."""
+"""One case: a follower on one recording at one condition."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Figures:
-    """Errors are distances to the instantaneous target, from the motion's beginning to its end."""
+    """Errors are distances to the instantaneous target while the motion lasts."""
 
     rms_mm: float
     max_mm: float
@@ -58,7 +58,7 @@ class Figures:
 
 
 def target_path(arm: ArmModel, scene: Scene, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the robot's hand should be at each instant: positions (T, 3) and rotations (T, 4)."""
+    """Target of the robot's hand at each instant: positions (T, 3) and rotations (T, 4)."""
     start_m, start_rotation = arm.hand(scene.start_rad[None])
     return targets(scene.task, start_m[0], start_rotation[0], *scene.motion.displacement(t_s))
 
@@ -90,7 +90,7 @@ def judge(arm: ArmModel, scene: Scene, run: Run) -> Figures:
 
 
 def noise_at_rest_um(arm: ArmModel, task: str, tracker: Tracker, follower: Follower) -> float:
-    """Of the robot's hand while the person's stands, from the same tracker."""
+    """Noise of the robot's hand while the person's hand is at rest, with the same tracker."""
     motion = HandMotion(None, 1.0, 1.0, BEGIN_S, REST_S)
     start_rad = np.radians(START_DEG[task])
     run = follower(arm, task, start_rad, motion, tracker, measure(tracker, motion))

@@ -1,4 +1,4 @@
-"""Which cases a campaign has, and how one of them is measured, in a process of its own if need be."""
+"""The cases of a campaign, and the measurement of one of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ARM = "hoap3_right"
 
 @dataclass(frozen=True)
 class Case:
-    """recording None: the hand stands. position_scale: of the recording in this setting."""
+    """recording None: the hand is at rest. position_scale: of the recording in this setting."""
 
     loop: str
     follower: str
@@ -41,7 +41,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Choice:
-    """What a campaign covers."""
+    """The scope of a campaign."""
 
     conditions: tuple[Condition, ...]
     has_peers: bool
@@ -62,7 +62,7 @@ def _recording(path: Path) -> Recording:
 
 
 def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
-    """The recordings of a hand in the folder, and what was left out unseen, with the reason."""
+    """The recordings of a hand in the folder, and the files that were skipped, with the reason."""
     paths, left_out = [], {}
     for path in sorted(folder.glob("*.csv")):
         with path.open(encoding="utf-8-sig") as file:
@@ -90,7 +90,7 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 
 
 def measure(case: Case) -> tuple[Key, dict]:
-    """In the loop without physics. An arm that would not cooperate is a result, too."""
+    """Measures in the loop without physics. An arm that refuses to cooperate is a result, too."""
     follower = followers.named(case.follower)
     tracker = case.condition.tracker(case.seed)
     try:
@@ -110,7 +110,8 @@ def _with_rest(loop: str, follower: str, condition: Condition, setting: Setting,
 
 
 def all_cases(choice: Choice, scenes: dict[Setting, list[tuple[Path, float]]]) -> list[Case]:
-    """scenes: of each setting the followable recordings with their scales. The judged ones in ODE, too."""
+    """All cases. scenes: for each setting, the followable recordings with their scales. Judged cases also run in
+    ODE."""
     cases: list[Case] = []
     for condition in choice.conditions:
         for follower in plan.FIRMWARE:

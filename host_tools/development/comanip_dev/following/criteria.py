@@ -1,4 +1,5 @@
-"""What the default must reach, beside the former one, in each of two halves of the recordings. What was not measured has not passed."""
+"""The criteria that the default must meet, compared with the former default, on each half of the recordings. A
+criterion that was not measured has not passed."""
 
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ WRONG_NOISE_RATIO = 1.1  # an announced latency that is wrong must not make the 
 
 @dataclass(frozen=True)
 class Criterion:
-    """value NaN: it could not be measured."""
+    """value NaN: not measured."""
 
     loop: str
     what: str
@@ -36,7 +37,7 @@ class Criterion:
 
 
 class Judge:
-    """Reads results; `scenes`: of each setting, the names of the followable recordings."""
+    """Evaluates results. scenes: for each setting, the names of the followable recordings."""
 
     def __init__(self, results: Results, scenes: dict[Setting, Sequence[str]]) -> None:
         self._results = results
@@ -45,14 +46,14 @@ class Judge:
     def figure(
         self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str
     ) -> float:
-        """The mean over the seeds of the tracker's noise. name None: of the hand that stands."""
+        """Mean over the seeds of the tracker's noise. name None: the hand at rest."""
         seeds = plan.seeds(follower, condition) if name else (1,)
         keys = [case_key(loop, follower, condition, setting, name, seed) for seed in seeds]
         found = [self._results.values.get(key, {}).get(figure, math.nan) for key in keys]
         return sum(found) / len(found)
 
     def ratio(self, loop: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
-        """Of the default to the former one."""
+        """Ratio of the default to the former default."""
         former = self.figure(loop, plan.FORMER, condition, setting, name, figure)
         return self.figure(loop, plan.DEFAULT, condition, setting, name, figure) / former if former else math.nan
 
@@ -63,7 +64,7 @@ class Judge:
         self, loop: str, what: str, setting: Setting, limit: float, one: Callable[[str], float], unit: str = "",
         without: Sequence[str] = (),
     ) -> list[Criterion]:  # fmt: skip
-        """The mean over each fold's recordings."""
+        """Mean over the recordings of each fold."""
         found = []
         for number, fold in enumerate(self.folds(setting), 1):
             values = [one(name) for name in fold if name not in without]
@@ -121,7 +122,7 @@ class Judge:
         return found
 
     def wrong_latency(self) -> list[Criterion]:
-        """At rest, where only the arm's own swinging would show."""
+        """At rest, where only an oscillation of the arm would show."""
         found = []
         for condition in plan.WRONG:
             right = Condition(condition.rate_hz, condition.latency_ms, condition.noise_mm)
@@ -138,7 +139,8 @@ class Judge:
 
 
 def tuned(judge: Judge, peer: str, condition: Condition, figure: str) -> tuple[float, list[str]]:
-    """The mean of a figure over all recordings, each half with the values that were best on the other by their mean RMS; and these."""
+    """Mean of a figure over all recordings, each half with the values that were best on the other half (least mean
+    RMS), and these values."""
     halves, total, count, chosen = judge.folds(plan.TELEOP), 0.0, 0, []
     names = [plan.peer_name(peer, values) for values in plan.PEERS[peer]]
 

@@ -20,7 +20,7 @@ COOPERATING = lib.MODE_COOPERATING
 
 
 class LoopError(Exception):
-    """Why there is no run, in one line."""
+    """One line that says why there is no run."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ _NAMES = {ffi.string(lib.parameter_table[i].name).decode(): i for i in range(lib
 
 
 def knows(parameter: str) -> bool:
-    """Whether this firmware has the parameter."""
+    """True if this firmware has the parameter."""
     return parameter in _NAMES
 
 
 def parameter_set(values: Mapping[str, float]):
-    """The firmware's defaults but for these."""
+    """The firmware's defaults with these values in their place."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
     for name, value in values.items():

@@ -1,5 +1,5 @@
-"""How closely a path of the robot's hand followed the path that it should have taken at the same instant. Paths (T, 3) in m, one row per
-tick of 1 ms."""
+"""Error, delay and noise of a path of the robot's hand against its target path. Paths are (T, 3) in m, one row per tick
+of 1 ms."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ def rms(values: np.ndarray) -> float:
 
 
 def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
-    """By how much the truth, shifted, fits the path best in the least squares of the displacement, a constant offset left out; between the
-    ticks by a parabola through the three best. NaN: the hand did not move, or no shift that was tried is best."""
+    """By how much the truth, shifted, fits the path best in the least squares of the displacement, a constant offset
+    left out; between the ticks by a parabola through the three best. NaN: the hand did not move, or no shift that was
+    tried is best."""
     reach = max(abs(DELAYS.start), DELAYS.stop)
     begin, end = reach, len(path_m) - reach
     if end - begin < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
@@ -42,17 +43,18 @@ def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
 
 
 def acceleration_rms_mps2(path_m: np.ndarray) -> float:
-    """RMS of the magnitude of the second difference over single ticks."""
+    """RMS magnitude of the acceleration, from second differences over single ticks."""
     return rms(np.linalg.norm(np.diff(path_m, 2, axis=0), axis=1) / TICK_S**2)
 
 
 def noise_um(path_m: np.ndarray) -> float:
-    """RMS distance from the mean place, of a hand that should stand."""
+    """RMS distance from the mean position, of a hand that should be at rest."""
     return 1e6 * rms(np.linalg.norm(path_m - path_m.mean(axis=0), axis=1))
 
 
 def limit_share(command_radps: np.ndarray, velocity_max_radps: np.ndarray, acceleration_max_radps2: float) -> float:
-    """Share of the ticks in which a joint is commanded at its limit of speed or of acceleration; command_radps (T, n) has whole mrad/s."""
+    """Share of the ticks in which a joint is commanded at its limit of speed or of acceleration; command_radps (T, n)
+    has whole mrad/s."""
     step_radps = 1e-3  # of the bus
     change = np.abs(np.diff(command_radps, axis=0)).max(axis=1)
     at_acceleration = change > acceleration_max_radps2 * TICK_S - 0.5 * step_radps

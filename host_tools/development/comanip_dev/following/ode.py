@@ -1,4 +1,4 @@
-"""The same figures from the simulator: firmware, bus, drives and the arm's dynamics in ODE, from the trace of a run."""
+"""The same figures from a run of the simulator, with bus, drives and the arm's dynamics in ODE."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def job(
     position_scale: float,
     seed: int = 1,
 ) -> Job:
-    """`out` gets the scene and the run's files."""
+    """The job of one case. out: folder for the scene and the run's files."""
     out.mkdir(parents=True, exist_ok=True)
     scene = out / "scene.yaml"
     text = SCENE.format(
@@ -88,7 +88,7 @@ def _pose(trace: np.ndarray, who: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_trace(path: Path, joint_count: int) -> np.ndarray:
-    """Of all ticks in which the arm cooperates the time, both hands and the commands. LoopError: it never did."""
+    """Time, both hands and commands of all ticks in which the arm cooperates. LoopError: it never did."""
     names = ["t_s", *_pose_names("hand"), *_pose_names("person"), *(f"dq{i}_command_radps" for i in range(joint_count))]
     with path.open() as file:
         header = file.readline().strip().split(",")
@@ -100,7 +100,7 @@ def read_trace(path: Path, joint_count: int) -> np.ndarray:
 
 
 def judge(arm: ArmModel, task: str, outcome: Outcome, end_s: float) -> Figures:
-    """Until end_s, the end of the recorded motion. LoopError: the run did not come so far."""
+    """The figures until end_s, the end of the recorded motion. LoopError: the run ended before it."""
     trace = read_trace(outcome.job.out / "trace.csv", arm.joint_count)
     path_m, rotation = _pose(trace, "hand")
     person_m, turned = _pose(trace, "person")
@@ -122,7 +122,7 @@ def judge(arm: ArmModel, task: str, outcome: Outcome, end_s: float) -> Figures:
 
 
 def noise_um(arm: ArmModel, outcome: Outcome) -> float:
-    """Of a run with a still hand."""
+    """Noise of a run with the hand at rest."""
     trace = read_trace(outcome.job.out / "trace.csv", arm.joint_count)
     path_m, _ = _pose(trace, "hand")
     return metrics.noise_um(path_m[(trace["t_s"] >= BEGIN_S) & (trace["t_s"] < BEGIN_S + REST_S)])

@@ -1,4 +1,7 @@
-"""One recording at one condition. ``python -m comanip_dev.following.one RECORDING.csv --set motion_scale=0.5`` prints how the firmware follows."""
+"""Prints how closely the firmware follows one recording at one condition.
+
+``python -m comanip_dev.following.one RECORDING.csv --set motion_scale=0.5``
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ def _assignment(text: str) -> tuple[str, float]:
 
 
 def _within(low: float, high: float):
-    """A number of that range, for argparse."""
+    """An argparse type: a number in this range."""
 
     def parse(text: str) -> float:
         try:

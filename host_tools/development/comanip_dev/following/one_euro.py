@@ -1,5 +1,6 @@
-"""The One-Euro filter in front of a follower: Casiez, Roussel, Vogel, "1 Euro Filter: A Simple Speed-based Low-pass Filter for Noisy Input in
-Interactive Systems", CHI 2012. On positions each axis by itself; on rotations along the great circle, by the angular speed."""
+"""The One-Euro filter in front of a follower: Casiez, Roussel, Vogel, "1 Euro Filter: A Simple Speed-based Low-pass
+Filter for Noisy Input in Interactive Systems", CHI 2012. On positions each axis by itself; on rotations along the great
+circle, by the angular speed."""
 
 from __future__ import annotations
 
@@ -14,12 +15,12 @@ DERIVATIVE_CUTOFF_HZ = 1.0  # the paper's
 
 
 def _share(cutoff_hz: np.ndarray | float, period_s: float) -> np.ndarray | float:
-    """Of the new sample, of a low-pass of this cutoff."""
+    """Weight of the new sample in a low-pass filter of this cutoff."""
     return 1.0 / (1.0 + 1.0 / (2.0 * np.pi * cutoff_hz * period_s))
 
 
 def filtered(samples: Samples, min_cutoff_hz: float, beta_per_m: float) -> Samples:
-    """What the filter makes of the valid samples. beta_per_m: what the cutoff gains, in Hz, per m/s of the hand's speed."""
+    """The valid samples, filtered. beta_per_m: increase of the cutoff, in Hz, per m/s of the hand's speed."""
     position_m, rotation = samples.position_m.copy(), samples.rotation.copy()
     seen = np.flatnonzero(samples.valid)
     speed_mps, turning_radps = np.zeros(3), np.zeros(3)
@@ -39,5 +40,5 @@ def filtered(samples: Samples, min_cutoff_hz: float, beta_per_m: float) -> Sampl
 
 
 def _vector(step: np.ndarray) -> np.ndarray:
-    """The shorter way round."""
+    """Rotation vector of the shorter of both rotations."""
     return rotations.to_vector(step if step[0] >= 0.0 else -step)

@@ -1,7 +1,8 @@
-"""How closely the arm could follow a motion that it knows in advance: the least that its limits alone cost.
+"""Lower bound of the following error: how closely the arm could follow a motion known in advance, within its limits.
 
-The joints' path of the instantaneous targets (inverse kinematics) is brought within the limits of position, speed and acceleration with the
-least change, in the least squares, by ADMM. What comes out keeps the limits, so its error is an upper bound of the optimum.
+The joint path of the instantaneous targets (inverse kinematics) is projected onto the limits of position, speed and
+acceleration with the least change, in the least squares sense, by ADMM. The result keeps the limits, so its error is an
+upper bound of the optimum.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ def _gram(count: int, order: int) -> np.ndarray:
 def within_limits(
     q: np.ndarray, step_s: float, position: tuple[np.ndarray, np.ndarray], speed: np.ndarray, acceleration: float
 ) -> np.ndarray:
-    """The path (T, n) nearest to q that keeps the limits: positions between the two (n,), speed (n,) in rad/s, acceleration in rad/s^2."""
+    """The path (T, n) nearest to q that keeps the limits: positions between the two (n,), speed (n,) in rad/s,
+    acceleration in rad/s^2."""
     bounds = {
         0: position,
         1: (-speed * step_s * RESERVE, speed * step_s * RESERVE),
@@ -86,7 +88,7 @@ def within_limits(
 
 
 def optimum(arm: ArmModel, scene: Scene) -> Optimum:
-    """From the motion's beginning, before which the arm stands at its start, to its end."""
+    """The optimum over the motion, before which the arm rests at its start posture."""
     motion = scene.motion
     t_s = np.arange(motion.begin_s - 0.5, motion.end_s, STEP_S)
     target_m, _ = target_path(arm, scene, t_s)

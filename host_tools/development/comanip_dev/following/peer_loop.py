@@ -1,7 +1,8 @@
-"""Ways to follow that other programs offer, in the loop of the firmware: the same tracker frames, limiter, bus times, drives and encoders;
-only what stands between the hand's samples and the joint velocities is theirs.
+"""Other programs as followers, in the loop of the firmware: the same tracker frames, limiter, bus times, drives and
+encoders. Only the computation from the hand's samples to joint velocities is theirs.
 
-A follower gets the newest sample's target, by Algorithm 1 from the same reference as the firmware's, and the measured joints.
+A follower gets the newest sample's target, by Algorithm 1 from the same reference as the firmware's, and the measured
+joints.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
 
 class Velocities(Protocol):
-    """feedback_radps, what the joints shall do for the error that is left, and feedforward_radps, for the target's own motion: (n,)."""
+    """feedback_radps: to correct the error. feedforward_radps: for the motion of the target. Both (n,)."""
 
     def __call__(self, target: int, measured_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
 
@@ -36,7 +37,7 @@ MakeVelocities = Callable[[ArmModel, np.ndarray, np.ndarray, np.ndarray, np.ndar
 def sample_targets(
     arm: ArmModel, task: str, start_rad: np.ndarray, samples: Samples, reference: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where each sample, counted from the reference sample, sends the robot's hand."""
+    """The target of the robot's hand for each sample, relative to the reference sample."""
     displacement_m = rotations.rotate(MOUNT_ROTATION, samples.position_m - samples.position_m[reference])
     in_torso = rotations.multiply(MOUNT_ROTATION, samples.rotation)
     turn = rotations.multiply(in_torso, rotations.conjugate(in_torso[reference]))
@@ -54,7 +55,7 @@ def run_peer(
     tracker: Tracker,
     samples: Samples,
 ) -> Run:
-    """gain_per_s: of the follower, for the limiter's approach rule."""
+    """One run of a follower. gain_per_s: its gain, for the limiter's approach rule."""
     ticks, count = int(round(motion.duration_s / TICK_S)), arm.joint_count
     start = int(round(START_S / TICK_S))
     seen = np.flatnonzero(samples.valid)

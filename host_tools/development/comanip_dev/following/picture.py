@@ -1,4 +1,4 @@
-"""Error, delay and noise of the followers over the tracker's rate, latency and noise."""
+"""Plots error, delay and noise of the followers over the tracker's rate, latency and noise."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ FIGURES = (
 def plot(
     rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], judged: Sequence[str], path: Path
 ) -> Path:
-    """rows: of the report, teleop in the loop without physics. sweeps: per axis, (value, condition). judged: conditions at which all
-    followers stand side by side, in the last column."""
+    """rows: of the report, teleop in the loop without physics. sweeps: per axis, (value, condition). judged: conditions
+    at which all followers stand side by side, in the last column."""
     found = {(row["condition"], row["follower"]): row for row in rows}
     known = {condition for condition, _ in found}
     measured = {follower: colour for follower, colour in COLOURS.items() if follower in {name for _, name in found}}

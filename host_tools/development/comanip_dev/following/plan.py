@@ -1,4 +1,4 @@
-"""What `make following` measures: conditions, recordings with their folds, scenes, followers."""
+"""The plan of `make following`: conditions, recordings with their folds, settings, followers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FOLDS = (
 
 
 def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The two halves of these recordings; those that FOLDS does not know go to either in turn."""
+    """The two halves of these recordings. Those that are not in FOLDS go to the halves in turn."""
     unknown = [name for name in sorted(names) if not any(name in fold for fold in FOLDS)]
     first, second = (tuple(sorted([*set(names).intersection(FOLDS[i]), *unknown[i::2]])) for i in (0, 1))
     return first, second
@@ -63,7 +63,7 @@ CONDITIONS = tuple(dict.fromkeys((*JUDGED, Condition(60, 50, 0.5), *RATES, *LATE
 
 @dataclass(frozen=True)
 class Setting:
-    """By which task, and how much of the recorded rotation."""
+    """The task, and the share of the recorded rotation."""
 
     task: str
     rotation_scale: float
@@ -93,7 +93,8 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
 
 
 def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
-    """Of the tracker's noise. With much of it a single seed would decide what the largest error is."""
+    """Seeds of the tracker's noise: more of them when it is large, where a single seed would decide the largest
+    error."""
     return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
 
 

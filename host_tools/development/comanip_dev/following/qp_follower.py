@@ -1,5 +1,5 @@
-"""Differential inverse kinematics as a quadratic programme with the joints' limits as constraints: mink, which follows Pink (Caron et al.), on
-the arm's kinematics in MuJoCo."""
+"""Differential inverse kinematics as a quadratic programme with the joints' limits as constraints: mink, which follows
+Pink (Caron et al.), on the arm's kinematics in MuJoCo."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""A recorded hand as the simulator plays it (docs/recordings.md): at rest, then the motion at its natural speed, scaled, then at rest."""
+"""A recorded hand as the simulator plays it (docs/recordings.md): at rest, then the motion at its natural speed,
+scaled, then at rest."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ GAP_MEDIANS = 1.5  # an interval above so many median intervals is a gap
 
 
 class RecordingError(Exception):
-    """What is wrong with a recording, in one line."""
+    """One line that says what is wrong with a recording."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def read(path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class HandMotion:
-    """The hand from 0 to duration_s; it moves from begin_s on. Without a recording it stays at rest."""
+    """The hand from 0 to duration_s. It moves from begin_s on; without a recording it stays at rest."""
 
     recording: Recording | None
     position_scale: float
@@ -82,7 +83,8 @@ class HandMotion:
         return self.end_s + self.rest_s
 
     def displacement(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement in m (N, 3) and turn (N, 4) since the beginning: linear in position, along the great circle in rotation."""
+        """Displacement in m (N, 3) and turn (N, 4) since the beginning: linear in position, along the great circle in
+        rotation."""
         if self.recording is None:
             return np.zeros((len(t_s), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(t_s), 1))
         r = self.recording
@@ -96,7 +98,7 @@ class HandMotion:
         return self.position_scale * moved_m, scaled
 
     def visible(self, t_s: np.ndarray) -> np.ndarray:
-        """(N,): false inside a gap."""
+        """(N,): False inside a gap."""
         if self.recording is None:
             return np.ones(len(t_s), bool)
         r = self.recording

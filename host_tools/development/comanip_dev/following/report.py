@@ -19,7 +19,7 @@ HEADINGS = ("RMS mm", "max mm", "RMS deg", "delay ms", "m/s2", "% lim.", "rest u
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:
-    """Each figure's mean over the recordings of the setting, those left out that have none, as a hand without motion has no delay."""
+    """Mean of each figure over the recordings of the setting that have it: a hand at rest has no delay."""
     names = [name for fold in judge.folds(setting) for name in fold]
     means = {}
     for figure in FIGURES:
@@ -31,7 +31,7 @@ def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: S
 
 
 def rows(judge: Judge, conditions: Sequence[Condition], has_peers: bool) -> list[dict]:
-    """All of the table: loop, setting, condition, follower, and their means."""
+    """All rows of the table: loop, setting, condition, follower, and their means."""
     places = [(plan.LOOP, plan.TELEOP, condition, plan.FIRMWARE) for condition in conditions]
     places += [(plan.LOOP, setting, plan.FAST, plan.FIRMWARE) for setting in plan.SETTINGS[1:]]
     ode = (plan.FORMER, plan.DEFAULT)
@@ -87,7 +87,7 @@ def criteria_table(criteria: Sequence[Criterion]) -> Table:
 
 
 def without_nan(value):
-    """JSON has none."""
+    """The values with None for NaN, which JSON does not have."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -96,7 +96,7 @@ def without_nan(value):
 
 
 def wrong_latency_lines(judge: Judge) -> list[str]:
-    """What it costs the default when the latency that the tracker announces is wrong."""
+    """The cost of a wrong announced tracker latency, with the default."""
     lines = []
     for condition in plan.WRONG:
         right, wrong = (
@@ -111,7 +111,7 @@ def wrong_latency_lines(judge: Judge) -> list[str]:
 
 
 def cases(results: Results) -> list[dict]:
-    """Each single one, with its figures."""
+    """Each case with its figures."""
     names = ("loop", "follower", "condition", "setting", "recording", "seed")
     return [
         {**dict(zip(names, key[1:], strict=True)), **value}

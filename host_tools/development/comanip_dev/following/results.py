@@ -1,4 +1,4 @@
-"""What has been measured, kept in one file from which an interrupted campaign goes on."""
+"""Results in one file, from which an interrupted campaign continues."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOT_MEASURING = ("__main__.py", "criteria.py", "one.py", "report.py", "results.p
 
 
 def case_key(loop: str, follower: str, condition: Condition, setting: Setting, recording: str | None, seed: int) -> Key:
-    """recording None: the hand stands."""
+    """recording None: the hand is at rest."""
     return ("case", loop, follower, condition.label, setting.label, recording or "at rest", f"seed {seed}")
 
 
@@ -26,7 +26,8 @@ def scene_key(setting: Setting, recording: str) -> Key:
 
 
 def fingerprint(*files: Path) -> str:
-    """Of all that a result depends on: the compiled core, these tools, and further files. A result with another one is not used."""
+    """Digest of all that a result depends on: the compiled core, these tools, and further files. Results with another
+    digest are not used."""
     core, here = Path(comanip.__file__).parent, Path(__file__).parent
     digest = hashlib.sha256()
     tools = [path for path in here.glob("*.py") if path.name not in NOT_MEASURING]

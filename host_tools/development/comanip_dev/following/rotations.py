@@ -1,4 +1,4 @@
-"""Unit quaternions [w x y z] in double, over any leading dimensions."""
+"""Unit quaternions [w x y z] in double precision, with any leading dimensions."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """As numpy's, which takes several times as long."""
+    """As numpy.cross(), which is several times slower."""
     ax, ay, az = (a[..., i] for i in range(3))
     bx, by, bz = (b[..., i] for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def rotate(rotation: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The vectors (..., 3) turned by (..., 4)."""
+    """Rotates vectors (..., 3) by quaternions (..., 4)."""
     w, r = rotation[..., :1], rotation[..., 1:]
     return v + 2.0 * cross(r, cross(r, v) + w * v)
 
@@ -52,12 +52,12 @@ def to_vector(rotation: np.ndarray) -> np.ndarray:
 
 
 def continuous(rotation: np.ndarray) -> np.ndarray:
-    """(N, 4) with the signs that lie on the side of the one before."""
+    """(N, 4) with signs such that each is closest to the one before."""
     flips = np.sum(rotation[1:] * rotation[:-1], axis=1) < 0.0
     sign = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
     return rotation * sign[:, None]
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """In rad, 0 to pi, whatever the signs."""
+    """Angle in rad, 0 to pi, whatever the signs."""
     return 2.0 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0.0, 1.0))

@@ -1,5 +1,6 @@
-"""Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target States", RSS 2021) on joint targets, as it
-stands in front of many arms: inverse kinematics of each sample, then the time-optimal way there from the present reference."""
+"""Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target States", RSS 2021) on
+joint targets, as it stands in front of many arms: inverse kinematics of each sample, then the time-optimal way there
+from the present reference."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ GAIN_PER_S = 35.0  # from reference to measured joints: the law's
 
 
 def velocities(velocity_share: float):
-    """velocity_share: of the samples' difference quotient, given as the target's velocity; 0 is a target that stands."""
+    """velocity_share: of the samples' difference quotient, given as the target's velocity; 0 is a target that
+    stands."""
 
     def make(
         arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray

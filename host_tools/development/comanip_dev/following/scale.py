@@ -19,7 +19,8 @@ BISECTIONS = 8
 def largest_scale(
     arm: ArmModel, task: str, start_rad: np.ndarray, recording: Recording, rotation_scale: float
 ) -> float:
-    """The positions' scale at which, from there down, every target of the motion is in reach of a posture within the joints' ranges."""
+    """The positions' scale at which, from there down, every target of the motion is in reach of a posture within the
+    joints' ranges."""
     start_m, start_rotation = arm.hand(start_rad[None])
     at_s = np.linspace(0.0, recording.duration_s, POINTS)
     displacement_m, turn = HandMotion(recording, 1.0, rotation_scale, 0.0, 0.0).displacement(at_s)

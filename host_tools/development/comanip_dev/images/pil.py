@@ -1,7 +1,8 @@
 """Processor in the loop: the firmware's image in QEMU, in lockstep with the simulator over its serial line.
 
-``python -m comanip_dev.images.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``), with the command that emulates the
-board. Exit status: the simulator's, 2 for wrong use or if there is no emulator. What QEMU computes is what the processor's instructions say; cycles and times it cannot show.
+``python -m comanip_dev.images.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). EMULATOR: the
+command that emulates the board. Exit status: the simulator's; 2 for wrong use or without an emulator. QEMU executes the
+processor's instructions; it shows neither cycles nor times.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def complain(text: str) -> int:
 
 
 def run(program: list[str]) -> int:
-    """Its exit status. It ends with us: also when we are told to."""
+    """Runs the program. Returns its exit status. Ends it when this process is interrupted or terminated."""
     process = subprocess.Popen(program)
     try:
         return process.wait()

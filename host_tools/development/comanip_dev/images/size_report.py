@@ -1,8 +1,8 @@
-"""What the images take, per module: ``python -m comanip_dev.images.size_report BUDGET.toml REPORT.json [--update] IMAGE=MAP...`` (``make size``).
+"""Flash and RAM of the images, per module (``make size``).
 
-Read from the linker's maps, so it is what is in the image, after the linker has left out what nobody calls. Each figure is compared
-with its budget; what has grown beyond is told with the difference, and the exit status is then 1. ``--update`` writes the present
-figures as the new budget. Exit status 2: wrong use.
+``python -m comanip_dev.images.size_report BUDGET.toml REPORT.json [--update] IMAGE=MAP...``. The sizes come from the
+linker's maps, after unused functions were removed. Each is compared with its budget, and each excess is printed.
+``--update`` writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 wrong use.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Image:
 
 
 def module_of(file: str, build: str) -> str:
-    """firmware/controller; a library's files by the library's name."""
+    """The module of an object file, such as firmware/controller; a library counts as one module."""
     library = re.fullmatch(r".*/(lib\w+)\.a\(.*\)", file)
     if library:
         return library[1]
@@ -56,12 +56,12 @@ def module_of(file: str, build: str) -> str:
 
 
 def joined_lines(text: str) -> list[str]:
-    """A name that is too long for its column has the rest on the next line."""
+    """The lines of the map. A name too long for its column continues on the next line: joined here."""
     return re.sub(r"^( \.\S+)\n +(?=0x)", r"\1 ", text, flags=re.MULTILINE).splitlines()
 
 
 def read_map(path: Path) -> Image:
-    """Of `path`, in the folder of the objects: BUILD/IMAGE/comanip.map."""
+    """The size of each module, from the map BUILD/IMAGE/comanip.map, which stands in the folder of the objects."""
     text = path.read_text()
     image, kind = Image(), None
     parts: list[tuple[str, int, int, str]] = []  # kind, address, bytes, module
@@ -92,7 +92,7 @@ def read_budget(path: Path) -> dict[str, dict]:
 
 
 def budgeted(image: Image) -> dict[str, Size]:
-    """What has a budget: all but the padding, which moves with any module's size and counts in the total."""
+    """The modules that have a budget: all but padding, which depends on all sizes and counts in the total."""
     return {"total": image.total, **{name: size for name, size in image.modules.items() if name != PADDING}}
 
 
@@ -105,7 +105,7 @@ def write_budget(path: Path, images: dict[str, Image]) -> None:
 
 
 def excesses(images: dict[str, Image], budget: dict[str, dict]) -> list[str]:
-    """A line for each figure beyond its budget. A module without one is told."""
+    """One line for each size beyond its budget, and for each module without a budget."""
     told = []
     for name, image in images.items():
         for module, size in budgeted(image).items():

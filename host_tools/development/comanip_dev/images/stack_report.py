@@ -1,9 +1,10 @@
-"""How deep the stack can get: ``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...`` (``make stack``).
+"""Worst-case stack depth of the images (``make stack``).
 
-The compiler's own call graph (-fcallgraph-info=su) with the frame of each function; for functions of libraries, which have none,
-frames and calls are read from the disassembly. Calls through pointers are in BUDGET.toml by name; one that is not there, and any
-recursion, is an error. A stack's worst case is the deepest call of each of its parts, one interrupting the other, and what the
-processor saves on it. Exit status: 1 beyond the budget or if the graph cannot be bounded, 2 wrong use.
+``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...``. Call graph and frame sizes come
+from the compiler (-fcallgraph-info=su); those of library functions are read from the disassembly. BUDGET.toml lists the
+targets of calls through pointers; an unlisted one is an error, as is recursion. The worst case of a stack is the
+deepest call of each of its parts, one interrupting the other, plus what the processor saves. Exit status: 1 over budget
+or unbounded, 2 wrong use.
 """
 
 from __future__ import annotations
@@ -30,18 +31,18 @@ INDIRECT = "__indirect_call"
 
 
 class UnboundedError(Exception):
-    """The stack has no bound that can be read from the graph."""
+    """The call graph gives no bound of the stack."""
 
 
 @dataclass
 class Graph:
-    """Functions: statics as FILE:NAME. `frame`: in bytes."""
+    """Functions, static ones as FILE:NAME. frame: bytes on the stack."""
 
     frame: dict[str, int] = field(default_factory=dict)
     calls: dict[str, set[str]] = field(default_factory=dict)
 
     def depth(self, function: str, path: tuple[str, ...] = ()) -> tuple[int, tuple[str, ...]]:
-        """In bytes, and the functions down to the deepest. UnboundedError for recursion."""
+        """(bytes, functions on the deepest path). UnboundedError for recursion."""
         if function in path:
             raise UnboundedError(f"recursion: {' -> '.join([*path[path.index(function) :], function])}")
         deepest, way = 0, ()
@@ -69,7 +70,7 @@ def read_call_graphs(folder: Path, graph: Graph) -> None:
 
 
 def registers(kind: str, names: str) -> int:
-    """Of a push: ranges count whole, FPU registers s 4 bytes, d 8."""
+    """Bytes that a push stores. Ranges are expanded; the FPU registers s take 4 bytes, d 8."""
     count = 0
     for name in names.split(","):
         ends = [int(n) for n in re.findall(r"(?<=[rsd])\d+", name)]
@@ -78,7 +79,7 @@ def registers(kind: str, names: str) -> int:
 
 
 def read_disassembly(listing: str, graph: Graph) -> None:
-    """Adds functions that the compiler did not tell of."""
+    """Adds the functions that are not in the compiler's call graph."""
     function = None
     known = {plain(name) for name in graph.frame}
     for line in listing.splitlines():
@@ -100,7 +101,7 @@ def read_disassembly(listing: str, graph: Graph) -> None:
 
 
 def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
-    """Calls by pointer, and of functions by their plain names. A function that is nowhere was inlined or left out."""
+    """Resolves calls through pointers and by plain names. A function that is not found was inlined or removed."""
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:
@@ -124,7 +125,7 @@ def image_graph(folder: Path, objdump: str, indirect: dict[str, list[str]]) -> G
 
 
 def worst_case(graph: Graph, rules: dict) -> dict:
-    """Of one stack. `rules`: its table in the budget."""
+    """Worst case of one stack. rules: its table in the budget."""
     parts = []
     for entries in rules["parts"]:
         missing = set(entries) - {plain(name) for name in graph.frame}
