@@ -38,7 +38,7 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc schema bus-report target target-deps clean
+.PHONY: help deps build golden sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc schema bus-report target target-deps clean
 
 help: ## this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
@@ -168,6 +168,9 @@ test-socketcan: build $(VENV)/.installed-tests ## prove it on the kernel's Socke
 test-images: build $(VENV)/.installed-tests ## prove every target image, not only the two of `make test` (five minutes)
 	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py tests/test_size_report.py \
 	    tests/test_bitexact.py $(PYTEST_ARGS)
+
+golden: build $(VENV)/.installed-tests ## record the golden logs anew, after a change of behaviour: tests/golden/golden.py says how
+	@$(PYTHON) tests/golden/golden.py $(ARGS)
 
 include tests/bench/bench.mk
 

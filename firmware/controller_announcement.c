@@ -1,6 +1,6 @@
 #include "controller_announcement.h"
 
-#include "comanip_build_hash.h"
+#include "comanip_identity.h"
 #include "controller_outputs.h"
 
 static void send_identity(controller_t *self, controller_outbox_t *outbox) {
@@ -9,6 +9,8 @@ static void send_identity(controller_t *self, controller_outbox_t *outbox) {
         .arm = self->arm->id,
         .joint_count = self->arm->joint_count,
         .parameter_count = PARAMETER_COUNT,
+        .trace_version = COMANIP_TRACE_VERSION,
+        .trace_hash = COMANIP_TRACE_HASH,
     };
     can_frame_t frame;
     (void)firmware_identity_pack(&identity, &frame);

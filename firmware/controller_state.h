@@ -17,7 +17,7 @@
 /* On CAN FD eight drives, tracker and operator send 13 frames in a tick; more wait for the next tick. */
 #define CONTROLLER_INBOX_FRAMES 16
 /* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and the identity or two ParameterValue. */
-#define CONTROLLER_CYCLIC_FRAMES 17
+#define CONTROLLER_CYCLIC_FRAMES 18
 /* An answer to each frame received, with a parameter's announcement before it; and the outcome of a save. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 

@@ -182,7 +182,7 @@ def test_boot_announces_firmware_and_parameters(short):
     identity_message = DBC.get_message_by_name("FirmwareIdentity")
     (announced,) = logged[identity_message.frame_id]
     identity = identity_message.decode(announced.data)
-    header = (REPOSITORY / "build" / "generated" / "comanip_build_hash.h").read_text()
+    header = (REPOSITORY / "build" / "generated" / "comanip_identity.h").read_text()
     assert identity["build_hash"] == int(re.search(r"0x[0-9a-f]{16}", header)[0], 16)
     assert identity["arm"] == "hoap3_right"
     assert identity["joint_count"] == 4
@@ -196,7 +196,7 @@ def test_boot_announces_firmware_and_parameters(short):
 
     default = {str(value["parameter"]): value["value"] for value in values}
     help_text = subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
-    told = dict(re.findall(r"^  (\w+) +\S+ to \S+, (\S+)$", help_text, re.MULTILINE))
+    told = dict(re.findall(r"^ +(\w+) +\S+ to \S+?(?: [^,]+)?, (\S+)$", help_text, re.MULTILINE))
     assert told.keys() == default.keys()
     assert all(float(told[name]) == pytest.approx(default[name], rel=1e-5) for name in told)
     rotation = [default[f"tracker_rotation_{axis}_rad"] for axis in "xyz"]

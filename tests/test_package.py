@@ -69,7 +69,7 @@ def test_installed_from_sources_it_has_the_core_of_these_sources(installed):
     assert done.returncode == 0, done.stderr
     place, build_hash, arms = done.stdout.split()
     assert Path(place).is_relative_to(installed)
-    assert build_hash in (REPOSITORY / "build" / "generated" / "comanip_build_hash.h").read_text()
+    assert build_hash in (REPOSITORY / "build" / "generated" / "comanip_identity.h").read_text()
     assert int(arms) >= 1
 
 

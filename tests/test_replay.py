@@ -443,11 +443,14 @@ def test_a_trace_that_is_switched_off(tmp_path):
 # ---- refused
 
 
-def test_another_build_is_refused_with_both_hashes(tmp_path, short):
+def test_another_trace_is_refused_with_both_builds(tmp_path, short):
     message = DBC.get_message_by_name("FirmwareIdentity")
     place = next(i for i, frame in enumerate(short) if frame.frame_id == message.frame_id)
     data = bytearray(
-        message.encode(message.decode(short[place].data, decode_choices=False) | {"build_hash": 0x1234567890ABCDEF})
+        message.encode(
+            message.decode(short[place].data, decode_choices=False)
+            | {"build_hash": 0x1234567890ABCDEF, "trace_version": 77}
+        )
     )
     p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value, increment_counter=False)
     changed = [*short[:place], short[place]._replace(data=bytes(data)), *short[place + 1 :]]

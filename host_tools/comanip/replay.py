@@ -1,7 +1,9 @@
 """Replays a recorded bus: the C core, fed with the frames of a log, must send what the firmware had sent.
 
 Each TickTrace tells the time of its tick and which frames it had read; ``_binding/replay.h`` says how. The log must begin
-at the firmware's boot, and come from a firmware of the same build hash.
+at the firmware's boot. It may come from another build, if TickTrace and the frames that the firmware receives have the
+same layout and meaning (FirmwareIdentity.trace_version and trace_hash); what only one of the two builds sends is left out
+of the comparison, and named.
 """
 
 from __future__ import annotations
@@ -10,9 +12,11 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from cantools.database.can.message import Message
+
 from comanip import native
-from comanip.bus.frame import Frame, data_id, database, decode, has_right_crc, is_classic, messages
-from comanip.bus.transport import Profile, Receiver
+from comanip.bus.frame import Frame, data_id, database, decode, decode_raw, has_right_crc, messages
+from comanip.bus.transport import Profile
 from comanip.errors import ToolError
 
 _CAN_FRAME = struct.Struct("<IHB?64s")  # can_frame_t
@@ -37,6 +41,8 @@ class Report:
     fed: int  # frames that the firmware had read
     compared: int  # frames that it had sent
     difference: Difference | None
+    other_build: int | None = None  # hash of the build that recorded the log, if it is not this core
+    left_out: tuple[str, ...] = ()  # frames that only one of the two builds sends
 
 
 def _native_log(ffi, frames: Sequence[Frame]):
@@ -56,29 +62,66 @@ def _first(frames: Sequence[Frame], name: str) -> Frame | None:
     return next((frame for frame in frames if frame.message and frame.name == name), None)
 
 
-def _identity(frames: Sequence[Frame]) -> dict | None:
-    """What the first FirmwareIdentity tells; on classic CAN of the two parts, each of them undamaged. Build hash None: it is
-    damaged."""
-    receiver = Receiver()
+IDENTITY = ("FirmwareIdentity", "ClassicFirmwareBuild", "ClassicFirmwareIdentity", "ClassicFirmwareTrace")
+BEFORE_TRACE_HASH_BYTES = 16  # of a FirmwareIdentity without trace_version and trace_hash
+BEFORE_TRACE_HASH = 0xBC992C5D  # what such a firmware would have told: it had version 1
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What a log's first FirmwareIdentity tells. build_hash None: it is damaged. arm: by name."""
+
+    arm: str
+    build_hash: int | None
+    trace_version: int = 1
+    trace_hash: int = BEFORE_TRACE_HASH
+
+
+def _from_signals(signals: dict) -> Identity:
+    return Identity(
+        str(signals["arm"]), signals["build_hash"], int(signals["trace_version"]), int(signals["trace_hash"])
+    )
+
+
+def _fd_identity(frame: Frame) -> Identity:
+    is_short = len(frame.data) == BEFORE_TRACE_HASH_BYTES
+    whole = frame._replace(data=frame.data.ljust(frame.message.length, b"\0")) if is_short else frame
+    signals = decode(whole) or {"arm": "", "build_hash": None, "trace_version": 0, "trace_hash": 0}
+    if not has_right_crc(frame):
+        return Identity(str(signals["arm"]), None)
+    found = _from_signals(signals)
+    return Identity(found.arm, found.build_hash) if is_short else found
+
+
+def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
+    """Of the undamaged parts; None: one is missing or damaged. The third is missing in logs of earlier firmware."""
+    found: dict[str, dict] = {}
     for frame in frames:
-        if frame.message is None or frame.name not in (
-            "FirmwareIdentity",
-            "ClassicFirmwareBuild",
-            "ClassicFirmwareIdentity",
-        ):
-            continue
-        if not is_classic(frame.name) and not has_right_crc(frame):
-            return decode(frame) | {"build_hash": None}
-        message = receiver.message(frame)
-        if message is not None:
-            return decode(message)
-    return None
+        if frame.message and frame.name in IDENTITY and has_right_crc(frame):
+            found.setdefault(frame.name, decode(frame))
+        if len(found) == len(IDENTITY) - 1:
+            break
+    build, identity, trace = (found.get(name) for name in IDENTITY[1:])
+    if build is None or identity is None:
+        return None
+    build_hash = int(identity["build_hash_high"]) << 48 | int(build["build_hash_low"])
+    if trace is None:
+        return Identity(str(identity["arm"]), build_hash)
+    return Identity(str(identity["arm"]), build_hash, int(trace["trace_version"]), int(trace["trace_hash"]))
 
 
-def _require_boot(frames: Sequence[Frame], profile: Profile, build_hash: int) -> str:
-    """The arm's name. ToolError unless the log begins at the boot of a firmware with this hash. A damaged identity is no
-    other build: the replay will come upon it."""
-    trace, told = _first(frames, profile.message("TickTrace").name), _identity(frames)
+def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
+    """None: there is none, or on classic CAN a damaged one."""
+    if profile is Profile.CLASSIC:
+        return _classic_identity(frames)
+    first = _first(frames, "FirmwareIdentity")
+    return _fd_identity(first) if first else None
+
+
+def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
+    """ToolError unless the log begins at the boot of a firmware whose trace this core understands. A damaged identity is
+    no other build: the replay will come upon it."""
+    trace = _first(frames, profile.message("TickTrace").name)
     if trace is None:
         raise ToolError(
             "the log has no TickTrace, expected one each tick: is the parameter `trace` 0, or is this another bus?"
@@ -89,14 +132,24 @@ def _require_boot(frames: Sequence[Frame], profile: Profile, build_hash: int) ->
             f"the log does not begin at the firmware's boot (its first TickTrace has number {trace.counter}"
             f"{'' if began else ', and there is no FirmwareIdentity'}), expected all frames since then"
         )
-    if told is None or told["build_hash"] is None:
-        return str(told["arm"]) if told else ""
-    if told["build_hash"] != build_hash:
+    told = _identity(frames, profile)
+    if told is None or told.build_hash is None:
+        return told or Identity("", None)
+    own = lib.replay_trace_version(), lib.replay_trace_hash()
+    if (told.trace_version, told.trace_hash) != own:
         raise ToolError(
-            f"the log comes from the firmware with build hash {told['build_hash']:016x}, this core has {build_hash:016x}: "
-            "expected the same; check out and build the revision that recorded it"
+            f"the log's firmware, build {told.build_hash:016x}, traces its ticks by version {told.trace_version} "
+            f"(hash {told.trace_hash:08x}), this core, build {lib.replay_build_hash():016x}, by version {own[0]} "
+            f"(hash {own[1]:08x}): expected the same; check out and build the revision that recorded it"
         )
-    return str(told["arm"])
+    return told
+
+
+def _announced_parameters(frames: Sequence[Frame], profile: Profile) -> set[int]:
+    """Numbers of the parameters that the firmware announces at its boot."""
+    name = profile.message("ParameterValue").name
+    values = (decode_raw(frame) for frame in frames if frame.message and frame.name == name and has_right_crc(frame))
+    return {value["parameter"] for value in values if value and value["sequence"] == 0}
 
 
 def _profile(frames: Sequence[Frame]) -> Profile:
@@ -125,8 +178,9 @@ class Replay:
         self.frames = frames
         ffi, lib = self._ffi, self._lib
         profile = _profile(frames)
-        name = _require_boot(frames, profile, lib.replay_build_hash())
-        arm = getattr(lib, f"arm_{name}", lib.arm_hoap3_right)  # a damaged name: the replay will come upon it
+        identity = _require_boot(frames, profile, lib)
+        arm = getattr(lib, f"arm_{identity.arm}", lib.arm_hoap3_right)  # a damaged name: the replay will come upon it
+        self._other_build = None if identity.build_hash in (None, lib.replay_build_hash()) else identity.build_hash
         by_kind = [messages()[lib.frame_table[kind].id] for kind in range(lib.FRAME_KIND_COUNT)]
         self._log = _native_log(ffi, frames)
         self._stream_of = ffi.new("uint8_t[]", len(frames))
@@ -138,6 +192,24 @@ class Replay:
             self._log, len(frames), self._stream_of, self._next,
             [FIRMWARE in message.receivers for message in by_kind], [FIRMWARE in message.senders for message in by_kind],
         )  # fmt: skip
+
+        self._left_out: tuple[str, ...] = ()
+        if self._other_build is not None:
+            self._leave_out(profile, by_kind)
+
+    def _leave_out(self, profile: Profile, by_kind: Sequence[Message]) -> None:
+        """Of the comparison: FirmwareIdentity, which tells the build, and what only one of the two builds sends."""
+        in_log = {frame.frame_id for frame in self.frames if frame.message}
+        ids = [profile.message(message.name).frame_id for message in by_kind]
+        sent = [FIRMWARE in message.senders for message in by_kind]
+        left_out = [
+            is_sent and (message.name == "FirmwareIdentity" or frame_id not in in_log)
+            for message, frame_id, is_sent in zip(by_kind, ids, sent, strict=True)
+        ]
+        announced = _announced_parameters(self.frames, profile)
+        has_parameter = [number in announced for number in range(self._lib.PARAMETER_NUMBERS)]
+        self._lib.replay_other_build(self._state, left_out, has_parameter)
+        self._left_out = tuple(message.name for message, out in zip(by_kind, left_out, strict=True) if out)
 
     def run(self, chunk: int = 20_000) -> Iterator[int]:
         """Replays; yields after each chunk how many frames of the log are done."""
@@ -154,7 +226,9 @@ class Replay:
         """After all of it was run."""
         self._lib.replay_finish(self._state)
         state = self._state
-        return Report(state.ticks, state.boots, state.fed, state.compared, self._difference())
+        return Report(
+            state.ticks, state.boots, state.fed, state.compared, self._difference(), self._other_build, self._left_out
+        )
 
     # ---- the first difference, in words
 

@@ -3,13 +3,22 @@
 
 #include <string.h>
 
-#include "comanip_build_hash.h"
+#include "../../../firmware/maths/float_bits.h"
+#include "comanip_identity.h"
 #include "replay_inbox.h"
 #include "replay_log.h"
 #include "replay_store.h"
 
 uint64_t replay_build_hash(void) {
     return COMANIP_BUILD_HASH;
+}
+
+uint32_t replay_trace_hash(void) {
+    return COMANIP_TRACE_HASH;
+}
+
+uint8_t replay_trace_version(void) {
+    return COMANIP_TRACE_VERSION;
 }
 
 void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const can_frame_t log[], uint32_t count,
@@ -28,6 +37,13 @@ void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const 
     replay_boot(self, arm);
 }
 
+void replay_other_build(replay_t *self, const bool left_out[FRAME_KIND_COUNT],
+                        const bool has_parameter[PARAMETER_NUMBERS]) {
+    self->is_of_another_build = true;
+    memcpy(self->left_out, left_out, sizeof self->left_out);
+    memcpy(self->has_parameter, has_parameter, sizeof self->has_parameter);
+}
+
 /* ---- differences */
 
 void replay_end(replay_t *self, replay_result_t result, uint32_t place) {
@@ -44,8 +60,45 @@ void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t cou
 
 /* ---- what it had sent */
 
+/* About a parameter that one of the two builds lacks. */
+static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
+    if (!self->is_of_another_build || stream->kind != FRAME_PARAMETER_VALUE) {
+        return false;
+    }
+    const uint8_t parameter = replay_parameter_value(self, frame).parameter;
+    return !parameters_has(parameter) || parameter >= PARAMETER_NUMBERS || !self->has_parameter[parameter];
+}
+
+/* Past frames in the log that are not compared. */
+static void skip_recorded(replay_t *self, replay_stream_t *stream) {
+    while (stream->cursor != REPLAY_NO_FRAME && is_of_one_build(self, stream, &self->log[stream->cursor])) {
+        stream->cursor = self->next[stream->cursor];
+    }
+}
+
+static bool is_equal(const replay_t *self, const replay_stream_t *stream, const can_frame_t *recorded,
+                     const can_frame_t *sent) {
+    if (recorded->length != sent->length) {
+        return false;
+    }
+    if (self->is_of_another_build && stream->kind == FRAME_PARAMETER_VALUE) {
+        const parameter_value_t a = replay_parameter_value(self, recorded), b = replay_parameter_value(self, sent);
+        return a.parameter == b.parameter && a.sequence == b.sequence && a.result == b.result &&
+               float_bits(a.value) == float_bits(b.value);
+    }
+    return memcmp(recorded->data, sent->data, sent->length) == 0;
+}
+
 static void compare_frame(replay_t *self, const can_frame_t *sent) {
     replay_stream_t *stream = replay_stream_of_id(self, sent->id);
+    if (is_of_one_build(self, stream, sent)) {
+        return;
+    }
+    if (self->left_out[stream->kind]) {
+        stream->cursor = stream->cursor != REPLAY_NO_FRAME ? self->next[stream->cursor] : REPLAY_NO_FRAME;
+        return;
+    }
+    skip_recorded(self, stream);
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
@@ -55,8 +108,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
         }
         return;
     }
-    const can_frame_t *recorded = &self->log[place];
-    if (recorded->length != sent->length || memcmp(recorded->data, sent->data, sent->length) != 0) {
+    if (!is_equal(self, stream, &self->log[place], sent)) {
         if (self->result == REPLAY_EQUAL || place < self->place) {
             self->sent = *sent;
         }
@@ -69,8 +121,9 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
 /* Frames of the firmware before `limit` that the replay has not sent. */
 static void find_unsent(replay_t *self, uint32_t limit) {
     for (int i = 0; i < self->stream_count; i++) {
-        const replay_stream_t *stream = &self->stream[i];
-        if (self->from_firmware[stream->kind] && stream->cursor < limit) {
+        replay_stream_t *stream = &self->stream[i];
+        skip_recorded(self, stream);
+        if (self->from_firmware[stream->kind] && !self->left_out[stream->kind] && stream->cursor < limit) {
             replay_end(self, REPLAY_NOT_SENT, stream->cursor);
         }
     }

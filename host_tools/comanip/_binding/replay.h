@@ -1,15 +1,19 @@
 /* The firmware again, fed with a recorded bus: what each of its ticks had consumed stands in that tick's TickTrace.
  *
- * The parameters at boot, which may be stored ones, are those of its announcement; how a saving ended is in its answer.
+ * The parameters at boot, which may be stored ones, are those of its announcement; the outcome of a save is in its answer.
  *
- * The log's own times are not used, for they are another clock's than the firmware's (the simulator's log apart). What
- * the firmware makes of a frame's time of reception is in the trace: hand_age_us     A HandPose is stamped now -
- * hand_age: whatever its true stamp was, the tracker's clock offset and the age come out the same, for both follow from
- * now, the age and the tracker's own stamp. drives_fresh    A JointState gets the oldest stamp with which its drive
- * stays fresh as long as the trace says so. rejected_frames Which frames that leave no counter (wrong CRC, length,
- * repeated) a tick had read.
+ * The log's own times are not used, for they are of another clock than the firmware's (the simulator's log apart). What
+ * the firmware makes of a frame's time of reception is in the trace:
  *
- * On classic CAN the parts of a message are read in the tick that had read the last of them. */
+ *   hand_age_us     A HandPose is stamped now - hand_age: whatever its true stamp was, the tracker's clock offset and the
+ *                   age come out the same, for both follow from now, the age and the tracker's own stamp.
+ *   drives_fresh    A JointState gets the oldest stamp with which its drive stays fresh as long as the trace says so.
+ *   rejected_frames Which frames that leave no counter (wrong CRC, length, repeated) a tick had read.
+ *
+ * On classic CAN the parts of a message are read in the tick that had read the last of them.
+ *
+ * A log of another build is compared in what both builds know: kinds of frames that are left out are fed, but not
+ * compared, and of ParameterValue neither the counters nor what is about a parameter that one of them lacks. */
 #ifndef COMANIP_REPLAY_H
 #define COMANIP_REPLAY_H
 
@@ -49,6 +53,9 @@ typedef struct {
     uint32_t *next;     /* count: place of the next frame of the same stream */
     bool to_firmware[FRAME_KIND_COUNT];
     bool from_firmware[FRAME_KIND_COUNT];
+    bool left_out[FRAME_KIND_COUNT]; /* of the comparison */
+    bool is_of_another_build;
+    bool has_parameter[PARAMETER_NUMBERS]; /* the build that recorded the log */
     can_profile_t profile;
     replay_stream_t stream[REPLAY_MAX_STREAMS];
     int stream_count;
@@ -68,12 +75,18 @@ typedef struct {
     uint32_t ticks, boots, fed, compared;
 } replay_t;
 
-/* Of this core: a log of another one cannot be replayed. */
+/* Of this core. */
 uint64_t replay_build_hash(void);
+uint32_t replay_trace_hash(void);
+uint8_t replay_trace_version(void);
 
 /* to_firmware, from_firmware: FRAME_KIND_COUNT each, as the DBC has it. stream_of, next: room for `count` each. */
 void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const can_frame_t log[], uint32_t count,
                  uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]);
+
+/* Between replay_init() and replay_run(), for a log of another build: what not to compare, and which parameters it had. */
+void replay_other_build(replay_t *self, const bool left_out[FRAME_KIND_COUNT],
+                        const bool has_parameter[PARAMETER_NUMBERS]);
 
 /* Replays the ticks whose TickTrace stands before `end`, up to the first difference. True: there may be more. */
 bool replay_run(replay_t *self, uint32_t end);

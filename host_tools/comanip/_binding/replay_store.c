@@ -5,7 +5,7 @@
 
 #include "replay_log.h"
 
-static parameter_value_t read_value(const replay_t *self, const can_frame_t *frame) {
+parameter_value_t replay_parameter_value(const replay_t *self, const can_frame_t *frame) {
     can_frame_t message = *frame;
     if (self->profile == CAN_PROFILE_CLASSIC) {
         uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES] = {{0}};
@@ -25,7 +25,7 @@ void replay_boot(replay_t *self, const arm_t *arm) {
     parameters_t parameters;
     parameters_set_defaults(&parameters);
     for (uint32_t i = stream->cursor; i != REPLAY_NO_FRAME && known < PARAMETER_COUNT; i = self->next[i]) {
-        const parameter_value_t told = read_value(self, &self->log[i]);
+        const parameter_value_t told = replay_parameter_value(self, &self->log[i]);
         if (replay_has_right_crc(self, stream, &self->log[i]) && told.sequence == 0u &&
             told.parameter < PARAMETER_COUNT && !is_known[told.parameter]) {
             (void)parameters_set(&parameters, told.parameter, told.value);
@@ -41,7 +41,7 @@ void replay_boot(replay_t *self, const arm_t *arm) {
 
 /* Of the save's request, or of another one about the same parameter with the same number. */
 static bool is_answer(const replay_t *self, const can_frame_t *frame) {
-    const parameter_value_t value = read_value(self, frame);
+    const parameter_value_t value = replay_parameter_value(self, frame);
     return value.parameter == self->before.save_parameter && value.sequence == self->before.save_sequence;
 }
 
@@ -53,7 +53,8 @@ bool replay_ends_save(replay_t *self) {
     int surplus = 0;
     for (uint32_t i = stream->cursor; i < self->tick_place; i = self->next[i]) {
         if (is_answer(self, &self->log[i])) {
-            self->inbox.save_result = surplus == 0 ? read_value(self, &self->log[i]).result : self->inbox.save_result;
+            self->inbox.save_result =
+                surplus == 0 ? replay_parameter_value(self, &self->log[i]).result : self->inbox.save_result;
             surplus++;
         }
     }

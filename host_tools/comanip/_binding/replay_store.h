@@ -8,6 +8,9 @@
  * not announced, for the log ends before, has its default. */
 void replay_boot(replay_t *self, const arm_t *arm);
 
+/* What the log's frame, or one that was sent, tells. */
+parameter_value_t replay_parameter_value(const replay_t *self, const can_frame_t *frame);
+
 /* After a step. True: in this tick the answer to a save was sent as well; the inbox now says so. */
 bool replay_ends_save(replay_t *self);
 

@@ -118,6 +118,14 @@ def decode(frame: Frame) -> dict | None:
     return message.decode(frame.data[: message.length])
 
 
+def decode_raw(frame: Frame) -> dict | None:
+    """As decode(), but enumerated values as numbers."""
+    message = frame.message
+    if message is None or len(frame.data) < message.length:
+        return None
+    return message.decode(frame.data[: message.length], decode_choices=False)
+
+
 def signals_text(frame: Frame) -> str:
     """The signals in one line, without the end-to-end header."""
     signals = decode(frame)

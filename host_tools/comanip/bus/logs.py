@@ -5,6 +5,8 @@ candump's lines are parsed here, which is faster for long logs. python-can appen
 
 from __future__ import annotations
 
+import gzip
+import lzma
 import re
 import struct
 from collections.abc import Iterable, Iterator
@@ -17,6 +19,7 @@ from comanip.errors import ToolError
 
 CANDUMP_SUFFIX = ".log"
 PYTHON_CAN_SUFFIXES = (".asc", ".blf", ".trc")
+_OPENERS = {".gz": gzip.open, ".xz": lzma.open}  # of compressed candump logs
 FD_BRS, FD_ESI, FD_FDF = 1, 2, 4  # SocketCAN's flags
 ERROR_FLAG = 0x20000000
 ID_MASK = 0x1FFFFFFF
@@ -98,19 +101,30 @@ def from_message(message: can.Message) -> Frame:
     )  # fmt: skip
 
 
+def _open_text(path: Path):
+    """A candump log, which may be compressed."""
+    opener = _OPENERS.get(path.suffix.lower(), open)
+    return opener(path, mode="rt", encoding="ascii", errors="replace")
+
+
 def read(path: Path) -> Iterator[Frame]:
     """The frames of a log file, whose suffix gives its format. ToolError if it cannot be read."""
-    suffix = path.suffix.lower()
+    is_compressed = path.suffix.lower() in _OPENERS
+    suffix = (path.with_suffix("") if is_compressed else path).suffix.lower()
+    if is_compressed and suffix != CANDUMP_SUFFIX:
+        raise ToolError(f"{path}: expected a compressed candump log, a name that ends in .log{path.suffix}")
     if suffix not in (CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES):
         known = ", ".join((CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES))
         raise ToolError(f"{path}: unknown kind of log '{suffix}', expected a name that ends in one of {known}")
     try:
         if suffix == CANDUMP_SUFFIX:
-            with open(path, encoding="ascii", errors="replace") as lines:
+            with _open_text(path) as lines:
                 yield from read_candump(lines, str(path))
         else:
             with can.LogReader(path) as reader:
                 yield from map(from_message, reader)
+    except (lzma.LZMAError, gzip.BadGzipFile, EOFError) as error:
+        raise ToolError(f"{path}: is no {path.suffix[1:]} file, or is damaged ({error})") from error
     except OSError as error:
         raise ToolError(f"{path}: {error.strerror or error}, expected a log of a CAN bus") from error
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, can.CanError) as error:

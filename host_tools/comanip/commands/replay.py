@@ -92,6 +92,11 @@ def replay(
     (_run_paced if pace else _run_fast)(replaying)
     report = replaying.report()
     took_s = time.monotonic() - began_s
+    if report.other_build is not None:
+        console().print(
+            f"{log}: recorded by another build, {report.other_build:016x}; not compared: {', '.join(report.left_out)}",
+            soft_wrap=True,
+        )
     boots = f", {report.boots} boots" if report.boots > 1 else ""
     if report.difference is not None:
         _tell_difference(report.difference, frames[0].t_us)

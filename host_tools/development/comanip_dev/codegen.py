@@ -12,9 +12,9 @@ Run as ``python -m comanip_dev.codegen OUT_DIR``. SystemExit names what does not
     one X-macro row per frame, for CAN FD and for classic CAN.
 ``comanip_messages.h/.inc``, ``comanip_classic.inc``, ``comanip_parameters.h``, ``comanip_tasks.h``
     see messages.py, classic.py, tables.py.
-``comanip_build_hash.h``
-    64 bits of SHA-256 over the firmware's sources and the schema: the same sources have the same hash on the host and
-    on every target.
+``comanip_identity.h``
+    what FirmwareIdentity tells: 64 bits of SHA-256 over the firmware's sources and the schema (the same sources have the
+    same hash on the host and on every target), and a version and a hash of what a replay depends on.
 
 ``python -m comanip_dev.codegen --schema`` brings the rows of comanip.dbc that repeat parameters and tasks up to date (``make
 schema``). A file that would not change is left alone, so that make rebuilds only what it must.
@@ -231,14 +231,37 @@ def schema_header(database) -> str:
     return "\n".join([*lines, "", "#endif", ""])
 
 
-def build_hash_header() -> str:
+def trace_hash(database) -> int:
+    """32 bits of SHA-256 over what a replay depends on: the version of the trace's meaning, and the layouts of TickTrace
+    and of the frames that the firmware receives, on CAN FD and classic CAN."""
+    parts = classic_codec.parts_of(database.messages)
+    names = [m.name for m in to_firmware(database.messages)] + ["TickTrace"]
+    names += [part.name for name in names for part in parts.get(name, [])]
+    layouts = []
+    for name in sorted(names):
+        message = database.get_message_by_name(name)
+        signals = sorted(
+            (s.name, s.start, s.length, float(s.scale), float(s.offset), s.is_signed, s.is_float)
+            for s in message.signals
+        )
+        layouts.append((name, message.frame_id, message.length, attribute(message, "E2EDataId"), signals))
+    return int(hashlib.sha256(repr((trace_version(database), layouts)).encode()).hexdigest()[:8], 16)
+
+
+def trace_version(database) -> int:
+    return int(database.dbc.attributes["TraceVersion"].value)
+
+
+def identity_header(database) -> str:
     digest = hashlib.sha256()
     for path in [*sorted(SCHEMA.iterdir()), *sorted(FIRMWARE.rglob("*.[ch]"))]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return (
         f"{message_codec.GENERATED}\n"
-        "#ifndef COMANIP_BUILD_HASH_H\n#define COMANIP_BUILD_HASH_H\n\n"
-        f"#define COMANIP_BUILD_HASH 0x{digest.hexdigest()[:16]}ull\n\n#endif\n"
+        "#ifndef COMANIP_IDENTITY_H\n#define COMANIP_IDENTITY_H\n\n"
+        f"#define COMANIP_BUILD_HASH 0x{digest.hexdigest()[:16]}ull\n"
+        f"#define COMANIP_TRACE_VERSION {trace_version(database)}u\n"
+        f"#define COMANIP_TRACE_HASH 0x{trace_hash(database):08x}u\n\n#endif\n"
     )
 
 
@@ -290,7 +313,7 @@ def main(out_dir: Path, schema: Path = SCHEMA) -> None:
         "comanip_classic.inc": classic_codec.bodies(database.messages),
         "comanip_parameters.h": tables.parameters_header(all_parameters),
         "comanip_tasks.h": tables.tasks_header(all_tasks),
-        "comanip_build_hash.h": build_hash_header(),
+        "comanip_identity.h": identity_header(database),
     }
     out_dir.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
