@@ -1,16 +1,14 @@
 """The simulated arm in its physical scene, its drives and the monitors as a Python library: ``ffi, lib = load()``.
-Needs ODE and build/generated."""
+Needs ODE."""
 
 from __future__ import annotations
 
 import functools
-import subprocess
-import tempfile
-from pathlib import Path
 
+import c_library
 import cffi
 from c_declarations import declarations
-from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
+from c_library import CORE, REPOSITORY
 
 PARTS = (
     "bus/bus", "bus/frame_time", "common/events", "common/names", "common/rigid_pose", "common/solve_3x3", "monitors/limit_monitor",
@@ -39,17 +37,6 @@ void dSetMessageHandler(dMessageFunction *);
 
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
-    """Compiled anew in each test run: a few seconds, and never stale."""
-    BUILD.mkdir(parents=True, exist_ok=True)
-    sources = [str(REPOSITORY / "sim" / f"{part}.c") for part in (*PARTS, *WITHOUT_HEADER)]
-    sources += sorted(str(file) for file in FIRMWARE if file.name != "main.c")
-    ffi = cffi.FFI()
-    with tempfile.TemporaryDirectory(dir=BUILD) as name:
-        folder = Path(name)
-        ffi.cdef(declarations(REPOSITORY / "sim" / f"{part}.h" for part in PARTS) + ODE)
-        library = folder / "plant.so"
-        command = [*COMPILE, "-shared", *sources, "-lode", "-lm", "-o", str(library)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
-        return ffi, ffi.dlopen(str(library))
+    headers = [REPOSITORY / "sim" / f"{part}.h" for part in PARTS]
+    sources = [REPOSITORY / "sim" / f"{part}.c" for part in (*PARTS, *WITHOUT_HEADER)]
+    return c_library.load("plant", declarations(headers) + ODE, sources + CORE, libraries=["ode"])

@@ -1,17 +1,15 @@
-"""The reader of scenario files as a Python library: ``ffi, lib = load()``. Needs ODE, libccd, libyaml and build/generated."""
+"""The reader of scenario files as a Python library: ``ffi, lib = load()``.
+Needs ODE, libccd and libyaml."""
 
 from __future__ import annotations
 
 import functools
-import os
-import subprocess
-import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import c_library
 import cffi
 from c_declarations import declarations
-from sim_binding import BUILD, COMPILE, FIRMWARE, REPOSITORY
+from c_library import CORE, REPOSITORY
 
 SIM = REPOSITORY / "sim"
 HEADERS = [SIM / "scenario" / f"{name}.h" for name in ("scenario", "scenario_file", "scenario_geometry")]
@@ -19,34 +17,10 @@ FOLDERS = ("common", "robot", "scenario", "scene", "proximity")
 NOT_NEEDED = ("person_program.c", "proximity.c")  # they pull in the people's hands and the bus
 
 
-def _compile(folder: Path) -> Path:
-    sources = [file for name in FOLDERS for file in sorted((SIM / name).glob("*.c")) if file.name not in NOT_NEEDED]
-    sources += sorted(file for file in FIRMWARE if file.name != "main.c")
-
-    def run(command: list[str]) -> None:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
-
-    def compile_one(source: Path) -> str:
-        run([*COMPILE, "-c", str(source), "-o", str(folder / f"{source.stem}.o")])
-        return str(folder / f"{source.stem}.o")
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = list(pool.map(compile_one, sources))
-    library = folder / "scenario.so"
-    run([*COMPILE, "-shared", "-Wl,-z,defs", *objects, "-lode", "-lccd", "-lyaml", "-lm", "-o", str(library)])
-    return library
-
-
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
-    """Compiled anew in each test run: a few seconds, and never stale."""
-    BUILD.mkdir(parents=True, exist_ok=True)
-    ffi = cffi.FFI()
-    with tempfile.TemporaryDirectory(dir=BUILD) as name:
-        ffi.cdef(declarations(HEADERS))
-        return ffi, ffi.dlopen(str(_compile(Path(name))))
+    sources = [file for name in FOLDERS for file in sorted((SIM / name).glob("*.c")) if file.name not in NOT_NEEDED]
+    return c_library.load("scenario", declarations(HEADERS), sources + CORE, libraries=("ode", "ccd", "yaml"))
 
 
 def read(path: Path) -> object:

@@ -1,0 +1,88 @@
+"""C sources as Python libraries for the tests: ``load()``. Compiled with the product's warnings as errors, and with the
+undefined-behaviour sanitiser, which ends the process at the first fault. Needs build/generated, which ``make build`` writes.
+
+A source is compiled once, whichever libraries and test processes it is for, and again when it, a header, or the command
+has changed.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import subprocess
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import cffi
+from once import lock
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+GENERATED = REPOSITORY / "build" / "generated"
+BUILD = REPOSITORY / "build" / "tests"
+# All of the firmware but its entry, which needs a HAL.
+CORE = sorted(file for file in REPOSITORY.glob("firmware/**/*.c") if file.name != "main.c")
+CORE.append(GENERATED / "comanip_dbc.c")
+
+COMPILE = [
+    os.environ.get("CC", "gcc"), "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g", "-fPIC",
+    "-fsanitize=undefined,float-cast-overflow", "-fno-sanitize-recover=all",
+    "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror", f"-I{GENERATED}",
+]  # fmt: skip
+OPTIMISED = ("-O2", "-ffp-contract=off")  # for tests that compute much
+
+
+def _run(command: list[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")
+
+
+@functools.cache
+def _headers() -> bytes:
+    """A digest of all headers that a source could include."""
+    digest = hashlib.sha256()
+    for folder in ("sim", "hal", "host_tools/hub", "firmware", "tests", "build/generated"):
+        for file in sorted((REPOSITORY / folder).rglob("*")):
+            if file.suffix in (".h", ".inc"):
+                digest.update(f"{file}\n".encode() + file.read_bytes())
+    return digest.digest()
+
+
+def _made(target: Path, key: str, command: list[str]) -> str:
+    """The file `target`, which the command writes behind its ``-o``, made anew if another key's is there."""
+    stamp = target.with_suffix(".key")
+    with lock(target.with_suffix(".lock")):
+        if not (target.exists() and stamp.exists() and stamp.read_text() == key):
+            unfinished = target.with_suffix(".unfinished")
+            _run([*command, "-o", str(unfinished)])
+            stamp.unlink(missing_ok=True)
+            unfinished.replace(target)  # who has the old library open keeps it
+            stamp.write_text(key)
+    return key
+
+
+def _object(source: Path, compile_: list[str]) -> tuple[Path, str]:
+    digest = hashlib.sha256(_headers() + source.read_bytes() + "\0".join(compile_).encode())
+    kind = hashlib.sha256("\0".join(compile_).encode()).hexdigest()[:8]
+    target = (BUILD / "objects" / kind / source.relative_to(REPOSITORY)).with_suffix(".o")
+    return target, _made(target, digest.hexdigest(), [*compile_, "-c", str(source)])
+
+
+def load(
+    name: str, declared: str, sources: Iterable[Path], *options: str, libraries: Iterable[str] = ()
+) -> tuple[cffi.FFI, object]:
+    """``ffi, lib`` of these sources. declared: what of them Python sees, for cffi. options: of the compiler, behind
+    COMPILE. libraries: to link with, as the linker names them, libm apart. RuntimeError: the compiler's words."""
+    ffi = cffi.FFI()
+    ffi.cdef(declared)
+    compile_ = [*COMPILE, *options]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        objects = list(pool.map(lambda source: _object(source, compile_), sources))
+    link = [*compile_, "-shared", "-Wl,-z,defs", *(str(target) for target, _ in objects)]
+    link += [*(f"-l{library}" for library in libraries), "-lm"]
+    digest = hashlib.sha256("\0".join([*link, *(key for _, key in objects)]).encode())
+    library = BUILD / f"{name}.so"
+    _made(library, digest.hexdigest(), link)
+    return ffi, ffi.dlopen(str(library))
