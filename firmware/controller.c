@@ -9,16 +9,16 @@
 #include "controller_parameters.h"
 #include "controller_requests.h"
 
-#define LISTENS_TO                                                                                                     \
-    (UINT32_C(1) << FRAME_HAND_POSE | UINT32_C(1) << FRAME_TRACKER_STATUS | UINT32_C(0xFF) << FRAME_JOINT_STATE0 |     \
-     UINT32_C(1) << FRAME_OPERATOR_COMMAND | UINT32_C(1) << FRAME_TASK_DEFINE | UINT32_C(1) << FRAME_PARAMETER_ACCESS)
+/* A bit for each kind of frame that the firmware receives. */
+#define KIND_BIT(NAME, name) | UINT32_C(1) << FRAME_##NAME
+#define RECEIVED_KINDS (0u COMANIP_RECEIVED(KIND_BIT))
 
 void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile) {
     memset(self, 0, sizeof *self);
     self->arm = arm;
     self->tick_ms = transport_period_ms(profile, FRAME_JOINT_CMD);
     transport_sender_init(&self->sender, profile, arm->joint_count);
-    transport_receiver_init(&self->receiver, profile, arm->joint_count, LISTENS_TO);
+    transport_receiver_init(&self->receiver, profile, arm->joint_count, RECEIVED_KINDS);
     hand_tracker_init(&self->hand_tracker, 1000u * transport_period_ms(profile, FRAME_HAND_POSE));
     hand_motion_init(&self->marker_motion);
     joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));

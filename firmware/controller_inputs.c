@@ -1,14 +1,64 @@
 #include "controller_inputs.h"
 
-static void receive_hand(controller_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us) {
-    if (!hand_tracker_receive(&self->hand_tracker, pose, received_us, now_us)) {
-        self->receiver.protocol.rejected += pose->valid;
+typedef struct {
+    const can_frame_t *frame;
+    frame_kind_t kind;
+    uint8_t index;        /* in the inbox */
+    uint32_t received_us; /* not after now_us */
+    uint32_t now_us;
+} received_t;
+
+static void take_hand_pose(controller_t *self, const received_t *received) {
+    hand_pose_t pose;
+    hand_pose_unpack(received->frame, &pose);
+    if (!hand_tracker_receive(&self->hand_tracker, &pose, received->received_us, received->now_us)) {
+        self->receiver.protocol.rejected += pose.valid;
         return;
     }
     if (self->predicts) {
         const int32_t later_us = (int32_t)(1e6f * self->parameters.value[PARAMETER_TRACKER_LATENCY_S]);
         const uint32_t captured_us = hand_tracker_captured_us(&self->hand_tracker) - (uint32_t)later_us;
-        hand_motion_sample(&self->marker_motion, hand_tracker_newest(&self->hand_tracker), captured_us, now_us);
+        hand_motion_sample(&self->marker_motion, hand_tracker_newest(&self->hand_tracker), captured_us,
+                           received->now_us);
+    }
+}
+
+static void take_tracker_status(controller_t *self, const received_t *received) {
+    tracker_status_t status;
+    tracker_status_unpack(received->frame, &status);
+    hand_tracker_status(&self->hand_tracker, &status);
+}
+
+static void take_joint_state(controller_t *self, const received_t *received) {
+    joint_state_t state;
+    joint_state_unpack(received->frame, &state);
+    joint_feedback_receive(&self->joints, (int)received->kind - (int)FRAME_JOINT_STATE0, &state, received->received_us);
+}
+
+static void note_request(controller_t *self, const received_t *received) {
+    self->request[self->request_count].kind = received->kind;
+    self->request[self->request_count++].index = received->index;
+}
+
+static void take_operator_command(controller_t *self, const received_t *received) {
+    note_request(self, received);
+}
+
+static void take_task_define(controller_t *self, const received_t *received) {
+    note_request(self, received);
+}
+
+static void take_parameter_access(controller_t *self, const received_t *received) {
+    note_request(self, received);
+}
+
+/* A frame that the DBC sends to the firmware, but that has no function here, fails to compile. */
+static void take(controller_t *self, const received_t *received) {
+    switch (received->kind) {
+#define TAKE(NAME, name)                                                                                               \
+    case FRAME_##NAME: take_##name(self, received); break;
+        COMANIP_RECEIVED(TAKE)
+    default: break;
     }
 }
 
@@ -17,26 +67,10 @@ void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t 
     for (uint8_t i = 0; i < inbox->count; i++) {
         can_frame_t *frame = &inbox->frame[i];
         frame_kind_t kind;
-        if (transport_receive(&self->receiver, frame, &kind) != PROTOCOL_OK) {
-            continue;
-        }
-        bool after_now = (int32_t)(now_us - frame->timestamp_us) < 0;
-        uint32_t received_us = after_now ? now_us : frame->timestamp_us;
-        if (kind == FRAME_HAND_POSE) {
-            hand_pose_t pose;
-            hand_pose_unpack(frame, &pose);
-            receive_hand(self, &pose, received_us, now_us);
-        } else if (kind == FRAME_TRACKER_STATUS) {
-            tracker_status_t status;
-            tracker_status_unpack(frame, &status);
-            hand_tracker_status(&self->hand_tracker, &status);
-        } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
-            joint_state_t state;
-            joint_state_unpack(frame, &state);
-            joint_feedback_receive(&self->joints, (int)kind - (int)FRAME_JOINT_STATE0, &state, received_us);
-        } else if (kind == FRAME_OPERATOR_COMMAND || kind == FRAME_TASK_DEFINE || kind == FRAME_PARAMETER_ACCESS) {
-            self->request[self->request_count].kind = kind;
-            self->request[self->request_count++].index = i;
+        if (transport_receive(&self->receiver, frame, &kind) == PROTOCOL_OK) {
+            const bool after_now = (int32_t)(now_us - frame->timestamp_us) < 0;
+            const uint32_t received_us = after_now ? now_us : frame->timestamp_us;
+            take(self, &(received_t){frame, kind, i, received_us, now_us});
         }
     }
 }

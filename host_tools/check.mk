@@ -3,14 +3,14 @@
 C_FILES = $(shell git ls-files '*.[ch]')
 RUFF := $(VENV)/bin/ruff
 CLANG_FORMAT := $(VENV)/bin/clang-format
-.PHONY: check check-deps check-c check-format format
+.PHONY: check check-deps check-c check-format check-schema format
 
 $(VENV)/.installed-check: host_tools/check-requirements.txt | deps
 	@echo "comanip: installing formatter and linter into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
-check: check-format check-c ## formatter, linter, and all C with clang, warnings as errors
+check: check-format check-c check-schema ## formatter, linter, and all C with clang, warnings as errors
 	@echo "check: passed"
 
 check-format: $(VENV)/.installed-check
@@ -22,6 +22,9 @@ format: $(VENV)/.installed-check ## format all C and Python
 	@$(CLANG_FORMAT) -i $(C_FILES)
 	@$(RUFF) format --quiet .
 	@$(RUFF) check --quiet --fix .
+
+check-schema: deps
+	@$(PYTHON) -m comanip_dev.schema.readers
 
 check-deps: ## install clang (apt)
 	@host_tools/apt-install.sh "make $@" clang

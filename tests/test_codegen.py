@@ -10,6 +10,7 @@ import sys
 import pytest
 from cantools.database import load_string
 from comanip_dev import codegen
+from comanip_dev.schema import readers
 from simulation import REPOSITORY
 
 DBC = codegen.DBC_PATH.read_text()
@@ -135,6 +136,61 @@ def test_a_frame_without_a_reader(schema):
     path.write_text(path.read_text().replace(message, message.replace(" Gripper\n", " Vector__XXX\n")))
     with pytest.raises(SystemExit, match="GripperCommand: no reader"):
         generated(schema)
+
+
+PROBE = """BO_ 515 Probe: 8 Operator
+ SG_ e2e_crc : 0|16@1+ (1,0) [0|65535] "" Firmware
+ SG_ e2e_counter : 16|8@1+ (1,0) [0|255] "" Firmware
+ SG_ depth_m : 24|16@1+ (0.001,0) [0|65.535] "m" Firmware
+
+BO_ 528 GripperCommand"""
+
+
+@pytest.fixture
+def with_a_frame(schema):
+    """One more frame for the firmware, with its counter in TickTrace."""
+    edit(schema / "comanip.dbc", r"^BO_ 528 GripperCommand", PROBE)
+    edit(
+        schema / "comanip.dbc",
+        r"^( SG_ received : 328\|)13(.*?\n)",
+        r'\g<1>14\2 SG_ probe_counter : 352|8@1+ (1,0) [0|255] "" Operator\n',
+    )
+    edit(schema / "comanip.dbc", r"^( SG_ received : 40\|)13", r"\g<1>14")
+    generated(schema)
+    return schema
+
+
+def compile_inputs(schema, more: str = ""):
+    source = (
+        (REPOSITORY / "firmware" / "controller_inputs.c")
+        .read_text()
+        .replace("static void take_task_define", more + "static void take_task_define")
+    )
+    flags = ["-std=c11", "-Werror=implicit-function-declaration", "-fsyntax-only", f"-I{schema.parent / 'generated'}"]
+    command = ["gcc", *flags, f"-I{REPOSITORY / 'firmware'}", "-x", "c", "-"]
+    return subprocess.run(command, input=source, capture_output=True, text=True, check=False)
+
+
+def test_a_frame_for_the_firmware_without_a_reader_does_not_compile(with_a_frame):
+    done = compile_inputs(with_a_frame)
+    assert done.returncode != 0 and "take_probe" in done.stderr
+    reader = """static void take_probe(controller_t *self, const received_t *received) {
+    probe_t probe;
+    probe_unpack(received->frame, &probe);
+    self->finite = probe.depth_m < 1.0f;
+}
+"""
+    done = compile_inputs(with_a_frame, reader)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_frame_for_others_that_nobody_reads():
+    messages = load_string(DBC, "dbc").messages
+    simulator = "gripper_command_unpack( gripper_state_unpack( joint_cmd_unpack( clearance_unpack( tick_trace_unpack("
+    tools = '"FirmwareStatus" "CommandAck" "ParameterValue" "FirmwareIdentity" FRAME_FIRMWARE_HEARTBEAT'
+    assert list(readers.without_reader(messages, simulator, tools)) == []
+    assert list(readers.without_reader(messages, simulator.replace("clearance_unpack(", ""), tools)) == ["Clearance"]
+    assert list(readers.without_reader(messages, simulator, tools.replace('"CommandAck"', ""))) == ["CommandAck"]
 
 
 def test_the_schema_as_it_is_and_what_make_schema_writes(schema):

@@ -177,6 +177,13 @@ def trace_rows(messages: list[Message]) -> list[str]:
     return rows
 
 
+def received_rows(messages: list[Message]) -> list[str]:
+    return [
+        f"    RECEIVED({camel_to_snake_case(m.name).upper()}, {message_codec.codec_name(m)})"
+        for m in to_firmware(messages)
+    ]
+
+
 def multipart_rows(messages: list[Message]) -> list[str]:
     """Messages that have several frames on classic CAN."""
     long = [name for name, parts in classic_codec.parts_of(messages).items() if len(parts) > 1]
@@ -195,6 +202,8 @@ def schema_header(database) -> str:
         " *       whether the firmware receives it) */",
         *x_macro("COMANIP_FRAMES(FRAME)", frame_rows(fd)),
         *x_macro("COMANIP_CLASSIC_FRAMES(FRAME)", frame_rows(classic)),
+        "/* RECEIVED(NAME, its struct less _t): frames that the firmware receives */",
+        *x_macro("COMANIP_RECEIVED(RECEIVED)", received_rows(database.messages)),
         "/* COUNTER(NAME, member of tick_trace_t): frames that the firmware receives, in the order of TickTrace.received */",
         *x_macro("COMANIP_TRACED(COUNTER)", trace_rows(database.messages)),
         "/* KIND(NAME, index): messages that have several frames on classic CAN */",
