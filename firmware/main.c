@@ -8,7 +8,7 @@
 #include "controller.h"
 #include "parameters/parameter_store.h"
 
-/* What is stored comes into force as a whole or not at all. */
+/* Stored parameters take effect all together or not at all. */
 static void load_parameters(controller_t *controller) {
     uint8_t record[PARAMETER_STORE_MAX_BYTES + 1]; /* the spare byte detects oversized records */
     size_t length;
@@ -24,7 +24,7 @@ static void begin_save(const controller_t *controller) {
     hal_store_write(record, parameter_store_encode(&controller->parameters, record));
 }
 
-static void note_save(controller_inbox_t *inbox) {
+static void report_save(controller_inbox_t *inbox) {
     static const result_t result[] = {
         [HAL_STORE_NONE] = RESULT_NOT_SUPPORTED,
         [HAL_STORE_WRITTEN] = RESULT_ACCEPTED,
@@ -35,7 +35,7 @@ static void note_save(controller_inbox_t *inbox) {
     inbox->save_result = inbox->save_over ? result[status] : RESULT_ACCEPTED;
 }
 
-/* A full queue is the port's to count: the drives' own timeout acts. */
+/* The port counts frames that its queue refuses; the drives' own timeout stops the arm if commands are lost. */
 static void send_frame(void *context, const can_frame_t *frame) {
     (void)context;
     (void)hal_can_send(frame);
@@ -61,9 +61,9 @@ void firmware_main(void) {
             inbox.count++;
         }
         if (tick_ms % controller.tick_ms != 0u) {
-            continue; /* classic CAN carries a command each 4 ms */
+            continue; /* classic CAN carries one command every 4 ms */
         }
-        note_save(&inbox);
+        report_save(&inbox);
         controller_step(&controller, now_us, &inbox, &outbox);
         inbox.count = 0;
         if (outbox.save) {

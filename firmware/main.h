@@ -2,7 +2,7 @@
 #ifndef COMANIP_MAIN_H
 #define COMANIP_MAIN_H
 
-/* Returns only when hal_wait_tick() says that the platform shuts down. */
+/* Returns only when hal_wait_tick() reports that the platform is shutting down. */
 void firmware_main(void);
 
 #endif

@@ -1,17 +1,17 @@
 #include "parameter_set.h"
 
-_Static_assert(PARAMETER_COUNT <= 64, "a bit for each parameter");
+_Static_assert(PARAMETER_COUNT <= 64, "parameter sets are 64-bit masks");
 
-/* k T, at most: pi / 2 less what the drives' lags and the limits' braking take. Found by measurement (tests/rest). */
+/* Largest k T: pi / 2 less a margin for the lag of the drives and the braking of the limits, measured by tests/rest. */
 #define RATE_TIMES_DELAY_MAX 0.8f
-#define COMMAND_DELAY_MIN_S 5e-3f /* no drive is taken to act sooner */
-#define DELAY_TICKS 1.5f          /* a reading is a tick old, and a command stands for one */
+#define COMMAND_DELAY_MIN_S 5e-3f /* no drive is assumed to act sooner */
+#define DELAY_TICKS 1.5f          /* a reading is one tick old, and a command holds for one tick */
 
 static uint64_t bit(int parameter) {
     return UINT64_C(1) << parameter;
 }
 
-/* To the letter, so not to be refused: it stays what the paper has. */
+/* The paper's law is never refused, whatever its gains. */
 static bool is_the_papers_law(const parameters_t *parameters) {
     bool found = parameters->value[PARAMETER_ERROR_FRAME] == (float)ERROR_FRAME_TORSO;
     for (int i = 0; i < 8; i++) {
@@ -37,10 +37,10 @@ static uint64_t too_fast_gains(const parameters_t *parameters, float gain_max_pe
 
 /* The parameters that make the loop faster than its delays allow. */
 static uint64_t too_fast(const parameters_t *parameters, float tick_s) {
-    const float told_s = parameters->value[PARAMETER_COMMAND_DELAY_S];
-    const float delay_s = (told_s > COMMAND_DELAY_MIN_S ? told_s : COMMAND_DELAY_MIN_S) + DELAY_TICKS * tick_s;
+    const float reported_s = parameters->value[PARAMETER_COMMAND_DELAY_S];
+    const float delay_s = (reported_s > COMMAND_DELAY_MIN_S ? reported_s : COMMAND_DELAY_MIN_S) + DELAY_TICKS * tick_s;
     const uint64_t involved = too_fast_gains(parameters, RATE_TIMES_DELAY_MAX / delay_s);
-    return involved != 0u && told_s > COMMAND_DELAY_MIN_S ? involved | bit(PARAMETER_COMMAND_DELAY_S) : involved;
+    return involved != 0u && reported_s > COMMAND_DELAY_MIN_S ? involved | bit(PARAMETER_COMMAND_DELAY_S) : involved;
 }
 
 parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s) {
@@ -48,7 +48,7 @@ parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s
     if (parameters_predict(parameters)) {
         return (parameter_set_t){involved == 0u ? PARAMETER_SET_RESTS : PARAMETER_SET_UNSTABLE, involved};
     }
-    if (involved == 0u) { /* near its target; it swings where it is stretched out after one beyond its reach */
+    if (involved == 0u) { /* stable near the target; may swing when stretched out towards a target out of reach */
         return (parameter_set_t){PARAMETER_SET_MAY_SWING, bit(PARAMETER_PREDICTION)};
     }
     return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,

@@ -1,26 +1,26 @@
-/* Whether parameters that are each within their range can work together: checked as a set when it comes into force, as
- * they are written one by one.
+/* Stability of the parameters as a set. They are written one by one, each within its range; the set is checked when
+ * the loop starts and before it is saved.
  *
- * About its target the law is e' = -P K e, with P = J (J^T W J + D)^-1 J^T W: similar to a symmetric matrix with
- * eigenvalues from 0 to 1, so that no error shrinks faster than exp(-k t), k the largest gain of a component with a
- * weight, in whatever posture. With the loop's delay T that is stable below k T = pi / 2, and rings above some half of
- * it.
+ * Near its target the closed loop is e' = -P K e, with P = J (J^T W J + D)^-1 J^T W. P is similar to a symmetric
+ * matrix with eigenvalues from 0 to 1. So no error decays faster than exp(-k t) in any posture, where k is the
+ * largest gain of a component with a weight. With the loop delay T this is stable for k T < pi / 2, and rings above
+ * about half of that.
  *
- * What is slow is never unstable: no lower bound for gains, speed or acceleration. */
+ * A slow loop is never unstable, so gains, speed and acceleration have no lower bound here. */
 #ifndef COMANIP_PARAMETER_SET_H
 #define COMANIP_PARAMETER_SET_H
 
 #include "parameters.h"
 
 typedef enum {
-    PARAMETER_SET_RESTS,     /* when the hand rests, the arm comes to rest */
-    PARAMETER_SET_MAY_SWING, /* it may not: the law of before the prediction, and the paper's */
-    PARAMETER_SET_UNSTABLE,  /* it will not: not to come into force */
+    PARAMETER_SET_RESTS,     /* the arm comes to rest when the hand rests */
+    PARAMETER_SET_MAY_SWING, /* it may not: without prediction, and with the paper's law */
+    PARAMETER_SET_UNSTABLE,  /* it will not: must not be started or saved */
 } parameter_set_verdict_t;
 
 typedef struct {
     parameter_set_verdict_t verdict;
-    uint64_t involved; /* parameters, a bit each, that make it unstable together */
+    uint64_t involved; /* bit mask of the parameters that together make it unstable */
 } parameter_set_t;
 
 /* tick_s: the control period, > 0. */

@@ -58,7 +58,7 @@ void parameters_position_priority(const parameters_t *self, position_priority_co
     config->orientation_weight_m2 = self->value[PARAMETER_ORIENTATION_WEIGHT_M2];
 }
 
-/* Of the law in force. */
+/* Of the inverse kinematics in use. */
 static float largest_gain_per_s(const parameters_t *self) {
     if (parameters_predict(self)) {
         return self->value[PARAMETER_FOLLOWING_GAIN_PER_S];

@@ -1,4 +1,4 @@
-/* Every tunable of the firmware: named, with unit (in the name), range and default; checked before it is taken. */
+/* The tunable parameters of the firmware: name (with the unit), range and default; every new value is checked. */
 #ifndef COMANIP_PARAMETERS_H
 #define COMANIP_PARAMETERS_H
 
@@ -14,17 +14,17 @@ typedef struct {
     float minimum;
     float maximum;
     float default_value;
-    bool integer; /* only whole numbers are taken */
+    bool integer; /* only whole numbers are accepted */
 } parameter_description_t;
 
-/* By parameter_id_t, from firmware/schema/parameters.toml; a number that no parameter has is without a name. */
+/* By parameter_id_t, from firmware/schema/parameters.toml; unused numbers have no name. */
 extern const parameter_description_t parameter_table[PARAMETER_COUNT];
 
 typedef struct {
     float value[PARAMETER_COUNT];
 } parameters_t;
 
-/* Whether there is a parameter of this number. */
+/* Whether a parameter has this number. */
 bool parameters_has(uint8_t parameter);
 
 void parameters_set_defaults(parameters_t *self);
@@ -32,13 +32,13 @@ void parameters_set_defaults(parameters_t *self);
 /* RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (NaN included); a refused value changes nothing. */
 result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
-/* Whether the hand's motion is predicted, and followed as position_priority.h has it. */
+/* Whether the hand's motion is predicted and followed by position_priority.h. */
 bool parameters_predict(const parameters_t *self);
 
-/* Whether the arm changes its posture to get out of a dead end. */
+/* Whether the arm may change its posture when joint limits block the target. */
 bool parameters_change_posture(const parameters_t *self);
 
-/* Views of the parameters as each stage wants them. */
+/* Configuration of each stage, derived from the parameters. */
 void parameters_differential_ik(const parameters_t *self, differential_ik_config_t *config);
 void parameters_position_priority(const parameters_t *self, position_priority_config_t *config);
 void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config);

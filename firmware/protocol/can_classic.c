@@ -15,7 +15,7 @@ _Static_assert(CLASSIC_MAX_PARTS == ARM_MAX_JOINTS, "a part of JointCmd for each
 typedef uint8_t message_t[CAN_FRAME_MAX_BYTES];
 typedef uint8_t part_t[CLASSIC_MAX_BYTES];
 
-/* `raw` is a message's or a part's struct of the generated code. */
+/* `raw` is the struct that cantools generated for a message or a part. */
 #define FROM_MESSAGE(name, raw)                                                                                        \
     struct comanip_##name##_t raw;                                                                                     \
     (void)comanip_##name##_unpack(&raw, message, sizeof(message_t))
@@ -25,13 +25,13 @@ typedef uint8_t part_t[CLASSIC_MAX_BYTES];
 #define TO_MESSAGE(name, raw) (void)comanip_##name##_pack(message, &(raw), sizeof(message_t))
 #define TO_PART(name, raw, i) (void)comanip_classic_##name##_pack(part[i], &(raw), sizeof(part_t))
 
-/* ---- values that are coarser on classic CAN */
+/* ---- conversion to lower resolution */
 
 static int32_t divide_rounding(int32_t value, int32_t step) {
     return (value + (value < 0 ? -step : step) / 2) / step;
 }
 
-/* False, and *coarse is 0: beyond +-maximum. */
+/* False, with *coarse = 0: the value is beyond +-maximum. */
 static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse) {
     const int32_t rounded = divide_rounding(fine, step);
     const bool fits = rounded >= -maximum && rounded <= maximum;
@@ -39,10 +39,10 @@ static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse
     return fits;
 }
 
-/* Of a quaternion in which 1 is 2^bits, in rotation_code.h's. */
+/* Factor from a quaternion with `bits` fractional bits to that of rotation_code.h. */
 #define ROTATION_STEP(bits) ((int32_t)1 << (ROTATION_CODE_ONE_BITS - (bits)))
 
-/* ---- which message is which frames */
+/* ---- codec of each message */
 
 typedef struct {
     classic_frame_t first;
@@ -82,7 +82,7 @@ void classic_join(frame_kind_t kind, part_t part[CLASSIC_MAX_PARTS], message_t m
     codec_table[kind].join(part, message);
 }
 
-/* ---- the stamp of a HandPose */
+/* ---- time stamp of a HandPose */
 
 #define STAMP_BYTE COMANIP_HAND_POSE_T_US_BYTE
 

@@ -1,4 +1,4 @@
-/* What the bus can carry, chosen at start or when the image is built. */
+/* The kind of bus, chosen at start or when the image is built. */
 #ifndef COMANIP_CAN_PROFILE_H
 #define COMANIP_CAN_PROFILE_H
 
@@ -7,8 +7,8 @@ typedef enum {
     CAN_PROFILE_CLASSIC = 1, /* 1 Mbit/s: control at 250 Hz, long messages in parts, E2E Profile 2 */
 } can_profile_t;
 
-/* The profile that was asked for; in an image that is built for one alone, with -DCAN_FD_ONLY or -DCAN_CLASSIC_ONLY,
- * that one: the compiler then leaves out the other's code. */
+/* The requested profile, or the only one of an image built with -DCAN_FD_ONLY or -DCAN_CLASSIC_ONLY, in which the
+ * compiler omits the code of the other. */
 static inline can_profile_t can_profile_in_force(can_profile_t asked) {
 #if defined CAN_FD_ONLY
     (void)asked;

@@ -18,14 +18,14 @@
 #define COMANIP_FRAME_KIND(name, id, bytes, data_id, period_ms, timeout_ms, to_firmware) FRAME_##name,
 typedef enum { COMANIP_FRAMES(COMANIP_FRAME_KIND) FRAME_KIND_COUNT } frame_kind_t;
 
-/* What the DBC says of a frame. */
+/* Description of a frame in the DBC. */
 typedef struct {
     uint16_t id;
     uint8_t length;
     uint16_t data_id;   /* 0: without end-to-end protection */
-    uint16_t period_ms; /* 0: sent on events */
+    uint16_t period_ms; /* 0: event message */
     uint16_t timeout_ms;
-    bool to_firmware; /* the firmware receives it */
+    bool to_firmware; /* received by the firmware */
 } frame_description_t;
 
 extern const frame_description_t frame_table[FRAME_KIND_COUNT];
@@ -38,22 +38,22 @@ typedef struct {
 /* One per receiver. Zero-initialise. */
 typedef struct {
     e2e_receiver_t e2e[FRAME_KIND_COUNT];
-    uint32_t rejected; /* frames refused so far */
+    uint32_t rejected; /* number of refused frames */
 } protocol_receiver_t;
 
-/* False: another system's frame on the same bus, none of our business; *kind then means nothing. */
+/* False: the id belongs to another system on the same bus; *kind is then undefined. */
 bool protocol_find(uint16_t id, frame_kind_t *kind);
 
-/* Frames of other systems stay as they are. */
+/* Adds end-to-end protection. Frames of other systems are left unchanged. */
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
-/* Frames sent on events are accepted whatever number of them was lost, for a sender that was restarted must be heard;
- * only a repetition is refused. Every refusal is counted. */
+/* Event messages are accepted however many of them were lost, because a restarted sender must be heard; only a
+ * repetition is refused. Every refusal is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
-/* ---- which frames a tick has read, as its TickTrace has them */
+/* ---- the input frames of a tick, as TickTrace records them */
 
-/* last: by frame kind, the last frame of it whose CRC was right, if there has been one. */
+/* last: for each frame kind, the last frame received with a correct CRC. */
 void protocol_trace_inputs(const e2e_receiver_t last[FRAME_KIND_COUNT], tick_trace_t *trace);
 void protocol_traced_inputs(const tick_trace_t *trace, e2e_receiver_t last[FRAME_KIND_COUNT]);
 

@@ -5,18 +5,18 @@
 #include "../arms/arm.h"
 #include "comanip_schema.h"
 
-_Static_assert(FRAME_KIND_COUNT < 32, "a set of kinds is a word");
-_Static_assert(TRANSPORT_MAX_FRAMES == CLASSIC_MAX_PARTS, "parts are frames");
+_Static_assert(FRAME_KIND_COUNT < 32, "frame kinds must fit in a 32-bit mask");
+_Static_assert(TRANSPORT_MAX_FRAMES == CLASSIC_MAX_PARTS, "each part is one frame");
 
-#define EVENT_PARTS_WITHIN_MS 50u /* parts of a message that is sent on events */
+#define EVENT_PARTS_WITHIN_MS 50u /* timeout for the parts of an event message */
 
-/* ---- what is on the bus */
+/* ---- frames of a message */
 
 static bool is_classic(can_profile_t profile) {
     return can_profile_in_force(profile) == CAN_PROFILE_CLASSIC;
 }
 
-/* What has no frames of its own for classic CAN is the same in both profiles, as FirmwareHeartbeat. */
+/* A message without frames of its own for classic CAN, such as FirmwareHeartbeat, is the same in both profiles. */
 static bool is_translated(can_profile_t profile, frame_kind_t kind) {
     return is_classic(profile) && classic_parts(kind, ARM_MAX_JOINTS) != 0u;
 }
@@ -106,13 +106,13 @@ void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, 
 #define PENDING_INDEX(name, index) [FRAME_##name] = (index),
 static const uint8_t pending_index[FRAME_KIND_COUNT] = {COMANIP_MULTIPART(PENDING_INDEX)};
 
-/* Sixteen messages later a counter comes again: a part that has waited for so long belongs to another message. */
+/* A counter repeats after 16 messages, so a part that has waited longer than the timeout belongs to another message. */
 static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, uint32_t now_us) {
     uint32_t within_ms = transport_timeout_ms(CAN_PROFILE_CLASSIC, kind);
     return now_us - pending->begun_us > 1000u * (within_ms != 0u ? within_ms : EVENT_PARTS_WITHIN_MS);
 }
 
-/* An invalid pose's stamp means nothing. */
+/* The time stamp of an invalid pose has no meaning. */
 static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
     if ((message->data[COMANIP_HAND_POSE_VALID_BYTE] & COMANIP_HAND_POSE_VALID_MASK) == 0u) {
         return;
@@ -122,7 +122,7 @@ static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
     self->pose_received_us = message->timestamp_us;
 }
 
-/* Makes the message of the parts. */
+/* Joins the parts into the message. */
 static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t counter, uint8_t part[][CLASSIC_MAX_BYTES],
                      can_frame_t *frame) {
     frame->id = frame_table[kind].id;
@@ -134,7 +134,7 @@ static void complete(transport_receiver_t *self, frame_kind_t kind, uint8_t coun
     self->protocol.e2e[kind] = (e2e_receiver_t){.started = true, .counter = counter};
 }
 
-static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind, uint8_t parts, uint8_t place,
+static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind, uint8_t parts, uint8_t index,
                                    uint8_t counter, can_frame_t *frame) {
     transport_pending_t *pending = &self->pending[pending_index[kind]];
     if (pending->received == 0u || pending->counter != counter || is_too_old(pending, kind, frame->timestamp_us)) {
@@ -142,8 +142,8 @@ static protocol_status_t take_part(transport_receiver_t *self, frame_kind_t kind
         pending->counter = counter;
         pending->begun_us = frame->timestamp_us;
     }
-    memcpy(pending->part[place], frame->data, CLASSIC_MAX_BYTES);
-    pending->received = (uint8_t)(pending->received | (1u << place));
+    memcpy(pending->part[index], frame->data, CLASSIC_MAX_BYTES);
+    pending->received = (uint8_t)(pending->received | (1u << index));
     if (pending->received != (1u << parts) - 1u) {
         return PROTOCOL_INCOMPLETE;
     }
@@ -158,9 +158,9 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
     if (frame->length != description->length) {
         return PROTOCOL_WRONG_LENGTH;
     }
-    const uint8_t parts = classic_parts(kind, self->joint_count), place = (uint8_t)(number - classic_first(kind));
-    if (place >= parts) {
-        return PROTOCOL_UNKNOWN_ID; /* a joint that the arm does not have */
+    const uint8_t parts = classic_parts(kind, self->joint_count), index = (uint8_t)(number - classic_first(kind));
+    if (index >= parts) {
+        return PROTOCOL_UNKNOWN_ID; /* the arm has no such joint */
     }
     e2e_status_t status = e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
     const uint8_t counter = self->classic[number].counter;
@@ -171,7 +171,7 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
         return PROTOCOL_NOT_AUTHENTIC;
     }
     if (parts > 1u) {
-        return take_part(self, kind, parts, place, counter, frame);
+        return take_part(self, kind, parts, index, counter, frame);
     }
     uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES] = {{0}};
     memcpy(part[0], frame->data, CLASSIC_MAX_BYTES);

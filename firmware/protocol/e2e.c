@@ -2,7 +2,7 @@
 
 #define COUNTER4_MASK 0x0Fu
 
-/* A frame with a right CRC: is its counter the next one? */
+/* Judges the counter of a frame whose CRC is correct. */
 static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, uint8_t max_delta) {
     uint8_t delta = (uint8_t)(counter - self->counter) & mask;
     bool first = !self->started;

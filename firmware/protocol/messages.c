@@ -5,7 +5,7 @@
 #include "comanip_dbc.h"
 #include "comanip_schema.h"
 
-/* A frame of this kind: the generated packing writes all of its data. */
+/* Starts a frame of this kind; the generated code writes all of its data. */
 static void begin(can_frame_t *frame, frame_kind_t kind) {
     frame->timestamp_us = 0;
     frame->id = frame_table[kind].id;
@@ -13,9 +13,9 @@ static void begin(can_frame_t *frame, frame_kind_t kind) {
     frame->fd = true;
 }
 
-/* Rounds to nearest. If the signal cannot carry the value, NaN included: 0, and *fits becomes false. */
+/* Rounds to the nearest raw value. If the signal cannot carry the value, or for NaN: returns 0 and clears *fits. */
 static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t maximum, bool *fits) {
-    if (float_magnitude_bits(value) == 0u) { /* what a smaller arm's joints leave empty: most of a JointCmd */
+    if (float_magnitude_bits(value) == 0u) { /* the common case in JointCmd: joints that the arm does not have */
         return 0;
     }
     const float scaled = value * per_unit;
@@ -23,7 +23,7 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
     const bool is_negative = float_is_negative(scaled);
     const bool fits_either_way = magnitude <= float_magnitude_bits((float)maximum) && (minimum != 0 || !is_negative);
     if (fits_either_way || (is_negative && magnitude <= float_magnitude_bits((float)minimum))) {
-        return float_nearest(scaled); /* raw values have 24 bits at most: the code generator checks it */
+        return float_nearest(scaled); /* at most 24 bits, which the code generator checks */
     }
     *fits = false;
     return 0;
@@ -32,7 +32,7 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
 #define QUANTISE(fits, value, SIGNAL)                                                                                  \
     quantise((value), COMANIP_##SIGNAL##_PER_UNIT, COMANIP_##SIGNAL##_RAW_MIN, COMANIP_##SIGNAL##_RAW_MAX, &(fits))
 
-/* The raw value goes into `raw_member`, of the C type `raw_type`. */
+/* Stores the raw value in `raw_member`, whose C type is `raw_type`. */
 #define PACK(fits, value, SIGNAL, raw_type, raw_member) ((raw_member) = (raw_type)QUANTISE(fits, value, SIGNAL))
 
 #define UNPACK(SIGNAL, raw) ((float)(raw) * COMANIP_##SIGNAL##_RESOLUTION)
