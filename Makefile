@@ -1,4 +1,4 @@
-# comanip. `make` alone prints help; each target's help is the comment behind `##`.
+# comanip. `make` alone prints the help; the comment after `##` is the help of its target.
 
 BUILD := build
 GENERATED := $(BUILD)/generated
@@ -10,25 +10,25 @@ CC := gcc
 Q := $(if $(V),,@)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-# No contraction and no errno: the same bits on every target, and sqrtf as one instruction.
+# No contraction, for the same bits on every target; no errno, so that sqrtf is one instruction.
 CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GENERATED)
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
 LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c)) $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch])
-# The world with its two buses: in virtual time with the firmware in lockstep, or a real one in real time.
+# The simulated world without a bus: in virtual time with the firmware in lockstep, or in real time on a real bus.
 SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
     host_tools/hub/hub_path.c
 HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
-# What a machine needs beside git and make, as Debian and Ubuntu name it.
+# What a machine needs besides git and make, by the names of Debian and Ubuntu.
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev can-utils python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
-# As processes of their own on a real bus: the firmware through the Linux port, and the plant.
+# Two processes on a real bus: the firmware through the Linux port, and the plant.
 FIRMWARE_PROCESS := $(BUILD)/linux/comanip-firmware
 PLANT_PROCESS := $(BUILD)/linux/comanip-plant
 CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c host_tools/hub/hub_path.c
@@ -40,21 +40,22 @@ LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLAN
 .DELETE_ON_ERROR:
 .PHONY: help deps build golden sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc schema bus-report target target-deps clean
 
-help: ## this text
+help: ## print this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
 	@echo
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## ?/  make \1\t/' | expand -t 22
 	@echo
 	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
-	@echo "      PLOT=1 draws OUT/report/*.png; ARGS are the simulator's own options: make sim ARGS=--help"
-	@echo "      PROFILE=classic runs it on classic CAN, at 250 Hz, in place of CAN FD, at 1 kHz; run-firmware and run-plant take it, too"
-	@echo "      CAN=hub REALTIME=1 shows the running bus to make candump, in real time"
+	@echo "      PLOT=1 writes OUT/report/*.png; ARGS are further options of the simulator: make sim ARGS=--help"
+	@echo "      PROFILE=classic: classic CAN at 250 Hz instead of CAN FD at 1 kHz; also for run-firmware and run-plant"
+	@echo "      CAN=hub REALTIME=1 runs in real time and shows the bus to make candump"
 	@echo "  make experiments SEEDS=20 OUT=dir"
-	@echo "  make run-firmware CAN=vcan0 SLOW=n PARAMETERS=file, and beside it make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
+	@echo "  make run-firmware CAN=vcan0 SLOW=n PARAMETERS=file"
+	@echo "      and in a second terminal: make run-plant CAN=vcan0 SLOW=n SCENARIO=... OUT=dir ARGS='...'"
 
-# ---- what is needed
+# ---- dependencies
 
-# Runs before every build, and does nothing, in a fraction of a second, where nothing is missing.
+# Runs before every build; takes a fraction of a second if nothing is missing.
 deps: ## install what is missing: system packages through apt, Python packages into .venv/
 	@$(INSTALL_DEPS)
 
@@ -65,7 +66,7 @@ $(VENV)/.installed-tests: tests/requirements.txt | deps
 
 # ---- build
 
-build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## simulator, both processes, Python binding
+build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## build the simulator, firmware and plant processes, and the Python binding
 
 $(GENERATED)/.generated: $(DEVELOPMENT)/codegen.py $(wildcard $(DEVELOPMENT)/schema/*.py) host_tools/comanip/parameters.py \
     host_tools/comanip/tasks.py $(wildcard firmware/schema/*) $(FIRMWARE_FILES) | deps
@@ -105,7 +106,7 @@ $(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/coman
 
 # ---- use
 
-# Through the environment, so that names with quotes and spaces come through whole; only what is set is passed on.
+# Passed through the environment, so that names may contain quotes and spaces; unset variables are not passed on.
 sim run-plant pil: export RUN_SCENARIO := $(SCENARIO)
 sim run-plant pil: export RUN_TRACKER := $(TRACKER)
 sim run-plant pil: export RUN_SEED := $(SEED)
@@ -118,7 +119,7 @@ RUN_ARGUMENTS = case ' $(ARGS)' in *' --scenario'*|*' --out'*) \
 	[ -z "$$RUN_TRACKER" ] || set -- "$$@" --tracker "$$RUN_TRACKER"; \
 	[ -z "$$RUN_SEED" ] || set -- "$$@" --seed "$$RUN_SEED"; \
 	[ -z "$$RUN_PROFILE" ] || set -- "$$@" --profile "$$RUN_PROFILE"
-sim: build ## run a scenario; ends with a pass/fail table and the paths of what it wrote
+sim: build ## run a scenario; prints a pass/fail table and the paths of the files written
 	@$(RUN_ARGUMENTS); \
 	[ -z "$(filter-out 0 no,$(REALTIME))" ] || set -- "$$@" --real-time; \
 	case '$(CAN)' in '') ;; hub) set -- "$$@" --hub vcan0;; \
@@ -128,66 +129,66 @@ sim: build ## run a scenario; ends with a pass/fail table and the paths of what 
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plotting "$$RUN_OUT" || exit; \
 	exit $$status
 
-# The kernel's interface of this name, or else the hub of this name.
+# CAN names an interface of the kernel, or else a hub.
 RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
 run-firmware: export RUN_PARAMETERS := $(PARAMETERS)
-run-firmware: build ## the firmware as a process on CAN=vcan0, until Ctrl-C; SLOW=n stretches time n-fold; PARAMETERS=file
+run-firmware: build ## run the firmware as a process on CAN=vcan0 until Ctrl-C; SLOW=n: n times slower; PARAMETERS=file
 	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN) $${RUN_PROFILE:+--profile "$$RUN_PROFILE"} $${RUN_PARAMETERS:+--parameters "$$RUN_PARAMETERS"}
 
-run-plant: build ## the simulated plant as a second process on CAN=vcan0, in real time; takes what `make sim` takes
+run-plant: build ## run the simulated plant as a second process on CAN=vcan0; options as for `make sim`
 	@$(RUN_ARGUMENTS); \
 	$(PLANT_PROCESS) $(RUN_ON_CAN) "$$@" $(ARGS)
 
 SEEDS := 20
 experiments: export RUN_OUT := $(or $(OUT),out/experiments)
-experiments: build ## the five experiments for SEEDS seeds and on recordings, and the paper's law beside ours
+experiments: build ## run the five experiments with SEEDS seeds and recordings; compare with the paper's controller
 	@$(PYTHON) -m comanip_dev.experiments --seeds "$(SEEDS)" --out "$$RUN_OUT" $(ARGS)
 
 gain-search: export RUN_OUT := $(or $(OUT),out/gain-search)
-gain-search: build ## search for the gains of docs/gains.md anew (takes up to an hour)
+gain-search: build ## repeat the search for the gains of docs/gains.md (up to an hour)
 	@$(PYTHON) -m comanip_dev.experiments.gain_search --out "$$RUN_OUT" $(ARGS)
 
 $(VENV)/.installed-following: host_tools/following-requirements.txt | deps
-	@echo "comanip: installing what the following is compared with into $(VENV)/"
+	@echo "comanip: installing the programs that make following compares with into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
 following: export RUN_OUT := $(or $(OUT),out/following)
 following: export RUN_RECORDINGS := $(RECORDINGS)
-following: build $(VENV)/.installed-following ## how closely the robot follows recorded hands, beside other ways; QUICK=1, RECORDINGS=folder
+following: build $(VENV)/.installed-following ## measure how closely the robot follows recorded hands; QUICK=1, RECORDINGS=folder
 	@$(PYTHON) -m comanip_dev.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
-test: build $(VENV)/.installed-tests ## prove it: maths against dqrobotics, the bus, closed loop, recordings, targets
+test: build $(VENV)/.installed-tests ## run all tests: maths, bus, closed loop, recordings, two target images
 	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)
 
-# Boots the kernel's CAN modules in user-mode Linux, which it installs through apt if it is missing.
-test-socketcan: build $(VENV)/.installed-tests ## prove it on the kernel's SocketCAN, in user-mode Linux (two minutes)
+# Boots the kernel's CAN modules in user-mode Linux, which is installed through apt if missing.
+test-socketcan: build $(VENV)/.installed-tests ## run the tests on the kernel's SocketCAN, in user-mode Linux (two minutes)
 	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
 
-test-images: build $(VENV)/.installed-tests ## prove every target image, not only the two of `make test` (five minutes)
+test-images: build $(VENV)/.installed-tests ## run the tests of all target images; `make test` covers two (five minutes)
 	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py tests/test_size_report.py \
 	    tests/test_bitexact.py $(PYTEST_ARGS)
 
-golden: build $(VENV)/.installed-tests ## record the golden logs anew, after a change of behaviour: tests/golden/golden.py says how
+golden: build $(VENV)/.installed-tests ## record the golden logs again after a change of behaviour; see tests/golden/golden.py
 	@$(PYTHON) tests/golden/golden.py $(ARGS)
 
 include tests/bench/bench.mk
 
-bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## our tick beside Pinocchio's, KDL's, MuJoCo's, dqrobotics'; the simulator's speed; build/reports/bench.json
+bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## compare our tick with Pinocchio's, KDL's, MuJoCo's and dqrobotics'; build/reports/bench.json
 	@$(PYTHON) tests/bench/bench.py $(BUILD)
 
-arms: deps ## write firmware/arms/*.c anew from the arms' descriptions, firmware/arms/*.toml
+arms: deps ## generate firmware/arms/*.c from the arms' descriptions, firmware/arms/*.toml
 	@$(PYTHON) -m comanip_dev.arms.codegen
 
-schema: deps ## bring comanip.dbc, docs/bus.md and docs/parameters.md up to date with firmware/schema/
+schema: deps ## update comanip.dbc, docs/bus.md and docs/parameters.md from firmware/schema/
 	@$(PYTHON) -m comanip_dev.codegen --schema
 	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
 	@$(PYTHON) -m comanip_dev.schema.parameters_doc docs/parameters.md
 
-bus-doc: schema # the former name
+bus-doc: schema # the previous name
 
-bus-report: deps ## load and worst-case response time of every frame; also build/reports/bus.json
+bus-report: deps ## print load and worst-case response time of every frame; build/reports/bus.json
 	@$(PYTHON) -m comanip_dev.bus.report $(BUILD)/reports/bus.json
 
 include tests/rest/rest.mk
@@ -196,5 +197,5 @@ include hal/target.mk
 include host_tools/hub/hub.mk
 include host_tools/check.mk
 
-clean: ## remove what was built (not .venv/)
+clean: ## remove everything that was built (not .venv/)
 	rm -rf $(BUILD) host_tools/comanip/_core*.so

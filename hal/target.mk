@@ -4,7 +4,8 @@
 # An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's images.mk: see
 # docs/porting.md.
 
-# PROFILE=: what CAN the images speak: fd, classic, or both, the board then chooses at reset. Without classic CAN they are 30 % smaller.
+# PROFILE=: which CAN the images use: fd, classic, or both (the board then chooses at reset). Without classic CAN they are
+# 30 % smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
 PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY)$(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
@@ -14,7 +15,7 @@ TARGET_MAIN ?= firmware/main.c
 TARGET_CFLAGS := $(CORE_CFLAGS) $(PROFILE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgraph-info=su
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
 
-# What a port adds to its own sources: ticks by its timer and no store; CAN over a UART.
+# Sources that ports share: a tick from a timer and no parameter store; CAN over a UART.
 COMMON_SOURCES := hal/common/tick.c hal/common/no_store.c
 SLCAN_SOURCES := $(wildcard hal/slcan/*.c)
 
@@ -22,13 +23,13 @@ IMAGES :=
 include $(sort $(wildcard hal/*/images.mk))
 MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they hold the compilers' options
 
-# BOARD=: as QEMU calls its machines, or what the port's images.mk says.
+# BOARD=: the name of a QEMU machine, or what the port's images.mk says.
 BOARDS := $(foreach image,$(IMAGES),$($(image).board))
 BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $(image) $($(image).board),$(BOARD)),$(image))))
 BOARD_CHECK = @if [ "$(words $(BOARD_IMAGE))" != 1 ] || [ "$(words $(BOARD))" != 1 ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected one of $(BOARDS), or an image: $(IMAGES)" >&2; exit 2; fi
-# What is of all images does not take BOARD=; $(1): the profiles of its figures.
-ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) is of all images" >&2; exit 2; fi; \
+# For targets that cover all images and do not take BOARD=; $(1): the profiles that their figures are for.
+ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) covers all images" >&2; exit 2; fi; \
     case ' $(1) ' in *' $(TARGET_PROFILE) '*) ;; *) \
     echo "make $(@:-check=): PROFILE='$(PROFILE)': expected one of: $(1)" >&2; exit 2;; esac
 
@@ -39,7 +40,7 @@ TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown
     size-check stack stack-check cycles cycles-check
 
 # All images, or the one for BOARD.
-target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets) ## the firmware as images in build/target/, and their sizes; BOARD=mps2-an386 etc.: one; PROFILE=fd|classic|both
+target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets) ## build all images in build/target/, or BOARD=mps2-an386 etc.; PROFILE=fd|classic|both
 	$(if $(BOARD),$(BOARD_CHECK))
 
 # $(1): image
@@ -76,8 +77,8 @@ targets: target-$(1)
 endef
 $(foreach image,$(IMAGES),$(eval $(call TARGET_RULES,$(image))))
 
-# The same image in lockstep with the simulator (hal/lockstep/lockstep.h), for those with a UART for CAN: for `make pil`, not
-# among IMAGES.
+# The same images in lockstep with the simulator (hal/lockstep/lockstep.h), for ports with CAN over a UART. For `make pil`;
+# not among IMAGES.
 define PIL_VARIABLES
 $(foreach variable,prefix specs cpu folder script,$(eval $(1)-pil.$(variable) := $($(1).$(variable))))
 $(1)-pil.sources := $$(filter-out $(LOCKSTEP_REPLACES),$$($(1).sources)) hal/lockstep/lockstep.c
@@ -105,7 +106,7 @@ pil-check:
 	@[ -z "$(CAN)$(filter-out 0 no,$(REALTIME))" ] || { \
 	    echo "make pil: CAN='$(CAN)' REALTIME='$(REALTIME)': expected neither: in lockstep the bus is the simulator's own, in virtual time" >&2; exit 2; }
 
-pil: pil-check build target-check $(PIL_PROCESS) ## the image for BOARD=mps2-an386 (the default) etc. in QEMU, in lockstep with the simulator; takes what `make sim` takes but CAN and REALTIME; up to twelve times as long as what it simulates
+pil: pil-check build target-check $(PIL_PROCESS) ## run an image in QEMU, in lockstep with the simulator; BOARD=; else like `make sim`
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
 	$(PYTHON) -m comanip_dev.images.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS); status=$$?; \
@@ -122,29 +123,29 @@ bitexact-check: TARGET_PROFILE := $(or $(PROFILE),both)
 bitexact-check:
 	$(call ALL_IMAGES_CHECK,both)
 
-pil-matrix: pil-matrix-check build target-check ## teleop, pour and mirror with every image in the loop, against the host's runs; build/reports/pil.json (an hour)
+pil-matrix: pil-matrix-check build target-check ## compare teleop, pour, mirror on each image with the host's runs; build/reports/pil.json (an hour)
 	@$(PYTHON) tests/pil_matrix.py $(BUILD)
 
-size: size-check deps targets ## what each module takes in each image, against hal/size_budget.toml; UPDATE=1 writes it anew; build/reports/size.json
+size: size-check deps targets ## bytes of each module and image, against hal/size_budget.toml; UPDATE=1; build/reports/size.json
 	@$(PYTHON) -m comanip_dev.images.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(filter-out 0 no,$(UPDATE)),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
-stack: stack-check deps targets ## the deepest that the stack of each image can get, against hal/stack_budget.toml; build/reports/stack.json
+stack: stack-check deps targets ## maximum stack depth of each image, against hal/stack_budget.toml; build/reports/stack.json
 	@$(PYTHON) -m comanip_dev.images.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
-bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## one input through every compiler's and processor's controller_step(): the same bytes; SMOKE=1: a short one; build/reports/bitexact.json
+bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## check that every compiler and processor gives the same bytes; SMOKE=1; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)
 
-cycles: cycles-check build $(VENV)/.installed-tests target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1 writes it anew; build/reports/cycles.json
+cycles: cycles-check build $(VENV)/.installed-tests target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
 # NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, with tabs between.
-images: ## the images that there are, for scripts: a line each, with tabs
+images: ## list the images for scripts: one line each, separated by tabs
 	@printf '%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES),$(image) $($(image).board) $($(image).prefix) $($(image).specs) \
 	    "$($(image).cpu)" "$($(image).emulator)")
 
-# A compiler that does not find a specs file answers with its bare name.
+# A compiler that does not find a specs file prints its bare name.
 target-check:
 	@case '$(TARGET_PROFILE)' in fd|classic|both) ;; *) \
 	    echo "make target: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac

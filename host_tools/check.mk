@@ -1,4 +1,4 @@
-# What can be said of the sources without running them.
+# Static checks of the sources.
 
 C_FILES = $(shell git ls-files '*.[ch]')
 RUFF := $(VENV)/bin/ruff
@@ -10,7 +10,7 @@ $(VENV)/.installed-check: host_tools/check-requirements.txt | deps
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
-check: check-format check-c check-schema ## formatter, linter, and all C with clang, warnings as errors
+check: check-format check-c check-schema ## check formatting and schema, lint, compile all C with clang (warnings as errors)
 	@echo "check: passed"
 
 check-format: $(VENV)/.installed-check
@@ -26,7 +26,7 @@ format: $(VENV)/.installed-check ## format all C and Python
 check-schema: deps
 	@$(PYTHON) -m comanip_dev.schema.readers
 
-check-deps: ## install clang (apt)
+check-deps: ## install clang through apt
 	@host_tools/apt-install.sh "make $@" clang
 
 check-c: $(GENERATED)/.generated

@@ -1,5 +1,5 @@
-# The hub, and the shim under which can-utils and python-can use it. Included by the Makefile, which defines BUILD, CC, Q,
-# WARNINGS and VENV. HUB is also what other parts connect with.
+# The hub, and the shim through which can-utils and python-can use it. Included by the Makefile, which defines BUILD, CC, Q,
+# WARNINGS and VENV.
 
 HUB_CFLAGS := -std=c11 -O2 -D_GNU_SOURCE $(WARNINGS)
 HUB_SOURCES := $(wildcard host_tools/hub/*.c)
@@ -31,16 +31,16 @@ $(WITH_CAN): host_tools/shim/with-can
 	@mkdir -p $(@D)
 	$(Q)cp $< $@
 
-hub: build ## a CAN bus for this machine's processes, without CAN in the kernel (CAN=vcan0); Ctrl-C ends it
+hub: build ## run a CAN bus without CAN in the kernel, for processes on this machine (CAN=vcan0), until Ctrl-C
 	@$(HUB) --bus "$(CAN_BUS)" $(ARGS)
 
-candump: build ## live traffic of CAN=vcan0: of the kernel's interface if there is one, else of the hub; ARGS for candump
+candump: build ## print live traffic of CAN=vcan0, the kernel's interface or else the hub; ARGS for candump
 	@host_tools/hub/candump.sh "$(WITH_CAN)" "$(CAN_BUS)" $(ARGS)
 
-test-hub-load: build $(VENV)/.installed-tests ## the hub at 20,000 frames/s for a minute, four listeners and a stalled one
+test-hub-load: build $(VENV)/.installed-tests ## load the hub with 20,000 frames/s for a minute, four listeners and a stalled one
 	@$(PYTHON) tests/hub_load.py $(ARGS)
 
-fuzz-deps: ## install what fuzz-hub needs through apt: clang and its libFuzzer
+fuzz-deps: ## install clang and libFuzzer for fuzz-hub (apt)
 	@[ "$$(id -u)" = 0 ] || sudo=sudo; $$sudo apt-get install -y -qq --no-install-recommends $(FUZZ_PACKAGES)
 
 $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard host_tools/hub/*.h tests/fuzz/*.h)
@@ -49,8 +49,8 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard 
 	$(Q)clang $(HUB_CFLAGS) -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $< tests/fuzz/fuzz_hub.c \
 	    $(filter-out %/main.c,$(HUB_SOURCES)) -o $@
 
-# What the hub says of refused packets is of no interest here; what the fuzzer and the sanitizers say is.
-fuzz-hub: $(FUZZ_PROGRAMS) ## both taps of the hub under ASan and UBSan, FUZZ_SECONDS=600 each
+# The hub's messages about refused packets are discarded; those of the fuzzer and the sanitizers are kept.
+fuzz-hub: $(FUZZ_PROGRAMS) ## fuzz both interfaces of the hub under ASan and UBSan, FUZZ_SECONDS=600 each
 	@for program in $(FUZZ_PROGRAMS); do \
 	    corpus=$(BUILD)/fuzz/corpus-$$(basename $$program); mkdir -p $$corpus; \
 	    echo "$$program: $(FUZZ_SECONDS) s"; \

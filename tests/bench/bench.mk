@@ -1,7 +1,7 @@
 # `make bench`: the program that runs the ticks. Included by the Makefile, which defines BUILD, GENERATED and CORE_CFLAGS.
 
 BENCH := $(BUILD)/bench
-# For the shell: it is not there before it is installed.
+# For the shell, since it does not exist before the installation.
 BENCH_SITE := $(VENV)/lib/python3*/site-packages
 BENCH_ARMS := six seven
 
@@ -18,7 +18,7 @@ BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind
 
 $(VENV)/.installed-bench: tests/bench/requirements.txt | deps
 	@host_tools/apt-install.sh "make bench" $(BENCH_PACKAGES)
-	@echo "comanip: installing what the bench compares with into $(VENV)/"
+	@echo "comanip: installing the programs that make bench compares with into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
@@ -27,7 +27,7 @@ $(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard $(DEVELOPMENT)/arms/*.py) | dep
 	@cp $< $(@D)
 	$(Q)$(PYTHON) -m comanip_dev.arms.codegen $(@:.c=.toml) >/dev/null
 
-.SECONDARY: $(BENCH_ARMS:%=$(BENCH)/%.c) # not to be removed when they have been compiled
+.SECONDARY: $(BENCH_ARMS:%=$(BENCH)/%.c) # kept after they have been compiled
 BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH) -Ifirmware/arms
 $(BENCH)/%.o: $(BENCH)/%.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES)
 	@echo "  CC $<"

@@ -14,5 +14,5 @@ $(REST)/loop.so: $(REST_SOURCES:%.c=$(REST)/%.o)
 	$(Q)$(CC) -shared -Wl,-z,defs $^ -lm -o $@
 
 .PHONY: rest
-rest: build $(VENV)/.installed-tests $(REST)/loop.so ## the arm comes to rest when the hand rests: thousands of cases; ARGS='--seeds choice'; build/reports/rest.json (minutes; goes on where it was stopped)
+rest: build $(VENV)/.installed-tests $(REST)/loop.so ## check that the arm comes to rest when the hand does; build/reports/rest.json (minutes)
 	@$(PYTHON) tests/rest/rest.py $(BUILD) $(ARGS)
