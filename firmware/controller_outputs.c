@@ -33,6 +33,8 @@ void controller_send_parameter(controller_t *self, uint8_t parameter, uint8_t se
 static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
     /* The brakes close only when the arm has stopped. */
     bool moving = supervisor_is_engaged(&self->supervisor) || !joint_limits_at_rest(&self->limits, self->arm);
+    outbox->enable_drives = moving || self->moving;
+    self->moving = moving;
     joint_cmd_t command = {0}; /* braked */
     for (int i = 0; i < self->arm->joint_count; i++) {
         command.mode[i] = moving ? DRIVE_MODE_VELOCITY : DRIVE_MODE_BRAKE;

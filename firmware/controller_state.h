@@ -31,6 +31,10 @@ typedef struct {
 typedef struct {
     can_sink_t sink; /* gets the tick's frames as they are made, at most CONTROLLER_OUTBOX_FRAMES */
     bool save;       /* start to save the parameters; not set again until an inbox reports that the save is over */
+    /* The drives shall have power: while cooperating or holding, and until a stop, after a fault as well, has brought
+     * the arm to rest. Set from the tick of the first JointCmd in velocity mode to the tick after the first one in
+     * brake mode, so that the brakes close before the power goes. */
+    bool enable_drives;
 } controller_outbox_t;
 
 typedef struct {
@@ -78,6 +82,7 @@ typedef struct {
     bool catching_up; /* the target was out of reach, or too fast, and the end effector has not reached it since */
     posture_change_t posture_change;
     joint_limits_t limits;
+    bool moving; /* the last JointCmd was in velocity mode */
 
     uint32_t tick;
     uint16_t announced;   /* frames of the boot announcement sent so far */

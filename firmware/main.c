@@ -65,9 +65,11 @@ void firmware_main(void) {
         }
         report_save(&inbox);
         controller_step(&controller, now_us, &inbox, &outbox);
+        hal_enable_drives(outbox.enable_drives);
         inbox.count = 0;
         if (outbox.save) {
             begin_save(&controller);
         }
     }
+    hal_enable_drives(false);
 }

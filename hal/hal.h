@@ -51,6 +51,10 @@ void hal_store_write(const void *bytes, size_t length);
 /* Of the last write. */
 hal_store_status_t hal_store_status(void);
 
+/* The line by which the drives have power, off after hal_init(). Allows motion, and never causes any: what moves is
+ * commanded over the bus. A port without such a line does nothing here. */
+void hal_enable_drives(bool enable);
+
 /* Takes the drives' power away by the shortest way the platform has, says why on whatever console there is, and never
  * returns. cause: one line. */
 _Noreturn void hal_panic(const char *cause);

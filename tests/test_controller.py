@@ -177,6 +177,48 @@ def test_stop_brakes_within_the_limits_then_closes_the_brakes():
     assert still
 
 
+def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
+    """Of each tick: whether the drives shall have power, and their mode in JointCmd."""
+    rows = []
+    for _ in range(ticks):
+        bench.tick()
+        (mode,) = set(bench.drive_modes)
+        rows.append((bench.outbox.enable_drives, mode))
+    return rows
+
+
+@pytest.mark.parametrize("end", ["stop", "hold, then stop", "drive silent", "drive error"])
+def test_drives_have_power_from_the_first_commanded_tick_until_the_brakes_are_closed(end):
+    """A fault keeps it only until its stop has been driven to its end, and boot and readiness do not give it."""
+    brake, velocity = lib.DRIVE_MODE_BRAKE, lib.DRIVE_MODE_VELOCITY
+    bench = Bench()
+    assert set(enabled_and_modes(bench, 60)) == {(False, brake)} and bench.mode == lib.MODE_READY
+    bench.start(lib.TASK_TELEOP)
+    assert bench.outbox.enable_drives and bench.drive_modes == [velocity] * JOINTS  # the tick that accepts the start
+    bench.move_hand([0.08, 0.05, 0.03])
+    assert set(enabled_and_modes(bench, 40)) == {(True, velocity)}
+    if end == "hold, then stop":
+        bench.hand = None
+        assert set(enabled_and_modes(bench, 500)) == {(True, velocity)} and bench.mode == lib.MODE_HOLD
+        assert (bench.velocity_radps == 0).all()
+    if end == "drive silent":
+        bench.drives_answer = False
+    elif end == "drive error":
+        bench.drive_error = lib.DRIVE_ERROR_ENCODER
+    else:
+        assert bench.command(lib.COMMAND_STOP) == ACCEPTED
+    rows = enabled_and_modes(bench, 300)
+    closed = [mode for _, mode in rows].index(brake)
+    if end == "hold, then stop":
+        assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # it stood already
+        assert {enabled for enabled, _ in rows} == {
+            False
+        }  # the stop's own tick, before, was the one with closing brakes
+    else:
+        assert closed > 10
+        assert rows == [(True, velocity)] * closed + [(True, brake)] + [(False, brake)] * (299 - closed)
+
+
 # ---- commands
 
 

@@ -35,6 +35,7 @@ bool hal_wait_tick(uint32_t *now_us) {
     return ms <= 400;
 }
 void hal_watchdog_feed(void) {}
+void hal_enable_drives(bool enable) { (void)enable; }
 _Noreturn void hal_panic(const char *cause) { (void)cause; __builtin_trap(); }
 bool hal_store_read(void *record, size_t size, size_t *length) { (void)record, (void)size, (void)length; return false; }
 void hal_store_write(const void *record, size_t length) { (void)record, (void)length; }

@@ -253,6 +253,23 @@ def test_watchdog_brakes_and_says_so(sim, drives):
     assert drives.states[0]["error"] == 0 and drives.states[0]["mode"] == 1
 
 
+def test_without_power_drives_brake_whatever_is_commanded(sim, drives):
+    _, lib = sim
+    for _ in range(20):
+        drives.tick([0.3, -0.2, 0.25, 0.15])
+    lib.drive_node_enable(drives.drives, False)
+    for _ in range(20):
+        drives.tick([0.3, -0.2, 0.25, 0.15])
+        assert {(state["mode"], state["error"]) for state in drives.states.values()} == {(0, 0)}
+        assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6
+    lib.drive_node_enable(drives.drives, True)
+    drives.tick()
+    assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6  # power moves nothing
+    drives.tick([0.3, -0.2, 0.25, 0.15])
+    assert {state["mode"] for state in drives.states.values()} == {1}
+    assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).min() > 0.01
+
+
 def test_a_damaged_command_is_not_obeyed(sim, drives):
     drives.tick([0.0] * 4)
     for _ in range(2):

@@ -275,6 +275,15 @@ def test_commands_are_received_between_malformed_lines(image, elf, dbc, tmp_path
     assert status["rejected_frames"] == 0  # malformed lines never became frames
 
 
+with_enable_line = pytest.mark.parametrize("image", [image for image in DRIVE_ENABLE if image in TESTED])
+
+
+@with_enable_line
+def test_the_drives_have_no_power_before_the_start(elf, image, tmp_path):
+    _, answer = run(image, elf, tmp_path, lambda t: t.count("b050") > 10, monitor=show_drive_enable(image))
+    assert drives_enabled(image, answer) is False
+
+
 # ---- what they do when the firmware fails
 
 
@@ -304,6 +313,7 @@ PLANTED = """
     }
     void firmware_main(void) {
         hal_init();
+        hal_enable_drives(true);
         uint32_t now_us;
         can_frame_t frame = {.id = 0x123, .length = 4};
         while (hal_wait_tick(&now_us)) {
@@ -359,6 +369,13 @@ def drives_enabled(image: str, answer: str) -> bool | None:
     return int(word, 16) >> bit & 1 == 1
 
 
+@with_enable_line
+def test_the_drives_have_power_while_the_firmware_has_it_so(image, target_build, tmp_path):
+    elf = planted(image, tmp_path, "use = 1")
+    _, answer = run(image, elf, tmp_path, lambda t: len(ticks_us(t)) > 60, monitor=show_drive_enable(image))
+    assert drives_enabled(image, answer) is True
+
+
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_build, fault, tmp_path):
     statement, causes = FAULTS[fault]
@@ -373,12 +390,6 @@ def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_bu
     ticks = ticks_us(frames)
     assert ticks[-1] in (49000, 50000) and ticks[0] == 1000  # the last line may be cut short: the panic does not wait
     assert drives_enabled(image, answer) in (False, None)
-
-
-@pytest.mark.parametrize("image", [image for image in DRIVE_ENABLE if image in TESTED])
-def test_the_drives_are_enabled_while_the_firmware_runs(elf, image, tmp_path):
-    _, answer = run(image, elf, tmp_path, lambda t: t.count("b050") > 10, monitor=show_drive_enable(image))
-    assert drives_enabled(image, answer) is True
 
 
 def test_ticks_missed_are_not_made_up_for(image, target_build, tmp_path):

@@ -49,10 +49,12 @@ void hal_init(void) {
     host.first = 0;
     host.count = 0;
     host.fed_ns = host.world->now_ns;
+    hal_enable_drives(false);
 }
 
 bool hal_wait_tick(uint32_t *now_us) {
     if (host.world->now_ns - host.fed_ns > WATCHDOG_TIMEOUT_NS) {
+        hal_enable_drives(false);
         world_fail(host.world, "watchdog: not fed by the firmware for 10 ms");
     }
     const bool running = world_advance(host.world);
@@ -78,8 +80,13 @@ void hal_watchdog_feed(void) {
     host.fed_ns = host.world->now_ns;
 }
 
-/* On a target the drives lose their power and the processor halts; here the world ends. */
+void hal_enable_drives(bool enable) {
+    drive_node_enable(host.world->drives, enable);
+}
+
+/* The processor halts; here the world ends. */
 void hal_panic(const char *cause) {
+    hal_enable_drives(false);
     char text[WORLD_TEXT_BYTES];
     (void)snprintf(text, sizeof text, "firmware panic: %s", cause);
     world_fail(host.world, text);

@@ -132,6 +132,11 @@ void hal_watchdog_feed(void) {
     watchdog_feed();
 }
 
+/* There is no such line. */
+void hal_enable_drives(bool enable) {
+    (void)enable;
+}
+
 /* There is no power to be switched: the commands end with the process, and the drives brake by their own timeout. */
 _Noreturn void hal_panic(const char *cause) {
     (void)fprintf(stderr, PROGRAM ": panic: %s\n", cause);

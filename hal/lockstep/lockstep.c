@@ -22,7 +22,7 @@ static void keep(const can_frame_t *frame) {
 }
 
 static void say_done(void) {
-    const can_frame_t done = lockstep_frame(LOCKSTEP_DONE_ID, 0);
+    const can_frame_t done = lockstep_frame(LOCKSTEP_DONE_ID, drives_enabled());
     while (!hal_can_send(&done)) {
         serial_wait(); /* until the line has taken the tick's frames */
         hal_watchdog_feed();

@@ -10,7 +10,8 @@
 
 #define LOCKSTEP_STAMP_ID 0x7F0u /* simulator: time of reception of the next frame */
 #define LOCKSTEP_TICK_ID 0x7F1u  /* simulator: a tick begins, at this time */
-#define LOCKSTEP_DONE_ID 0x7F2u  /* image: it waits for the next tick; its time is 0 */
+#define LOCKSTEP_DONE_ID                                                                                               \
+    0x7F2u /* image: it waits for the next tick; in the time's place 1: its drives' enable line is on */
 
 /* A frame that carries a time. */
 static inline can_frame_t lockstep_frame(uint16_t id, uint32_t time_us) {

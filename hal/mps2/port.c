@@ -11,7 +11,7 @@ void hal_init(void) {
     uart_start(); /* first: a panic is reported through it */
     watchdog_start(WATCHDOG_TIMEOUT_US);
     clock_start();
-    BOARD_LEDS |= BOARD_LED_DRIVE_ENABLE;
+    hal_enable_drives(false);
 }
 
 can_profile_t hal_can_profile(void) {
@@ -22,9 +22,21 @@ void hal_watchdog_feed(void) {
     watchdog_feed();
 }
 
+void hal_enable_drives(bool enable) {
+    if (enable) {
+        BOARD_LEDS |= BOARD_LED_DRIVE_ENABLE;
+    } else {
+        BOARD_LEDS &= ~BOARD_LED_DRIVE_ENABLE;
+    }
+}
+
+bool drives_enabled(void) {
+    return (BOARD_LEDS & BOARD_LED_DRIVE_ENABLE) != 0;
+}
+
 _Noreturn void hal_panic(const char *cause) {
     static volatile bool panicking;
-    BOARD_LEDS &= ~BOARD_LED_DRIVE_ENABLE;
+    hal_enable_drives(false);
     interrupts_off();
     if (!panicking) { /* a fault while reporting: the drives are off, there is no more to be said */
         panicking = true;

@@ -12,6 +12,7 @@
     13u /* the first LED's row stands for the drives' enable line; a pull-down holds it at reset */
 #define BOARD_PIN_CLASSIC_CAN 17u /* button A, pressed (low) at reset: classic CAN */
 
+#define BOARD_GPIO_OUT REGISTER(0x50000504u)
 #define BOARD_GPIO_OUT_SET REGISTER(0x50000508u)
 #define BOARD_GPIO_OUT_CLEAR REGISTER(0x5000050Cu)
 #define BOARD_GPIO_IN REGISTER(0x50000510u)

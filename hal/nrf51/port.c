@@ -11,7 +11,7 @@ void hal_init(void) {
     uart_start(); /* before what may panic: it is reported through it */
     watchdog_start(WATCHDOG_TIMEOUT_US);
     clock_start();
-    BOARD_GPIO_OUT_SET = 1u << BOARD_PIN_DRIVE_ENABLE;
+    hal_enable_drives(false);
     BOARD_GPIO_OUTPUT = 1u << BOARD_PIN_DRIVE_ENABLE;
 }
 
@@ -23,9 +23,21 @@ void hal_watchdog_feed(void) {
     watchdog_feed();
 }
 
+void hal_enable_drives(bool enable) {
+    if (enable) {
+        BOARD_GPIO_OUT_SET = 1u << BOARD_PIN_DRIVE_ENABLE;
+    } else {
+        BOARD_GPIO_OUT_CLEAR = 1u << BOARD_PIN_DRIVE_ENABLE;
+    }
+}
+
+bool drives_enabled(void) {
+    return (BOARD_GPIO_OUT & 1u << BOARD_PIN_DRIVE_ENABLE) != 0;
+}
+
 _Noreturn void hal_panic(const char *cause) {
     static volatile bool panicking;
-    BOARD_GPIO_OUT_CLEAR = 1u << BOARD_PIN_DRIVE_ENABLE;
+    hal_enable_drives(false);
     interrupts_off();
     if (!panicking) { /* a fault while reporting: the drives are off, there is no more to be said */
         panicking = true;

@@ -11,6 +11,7 @@
 #define WATCHDOG_TIMEOUT_US 10000u
 
 static volatile uint32_t fed_us;
+static bool enabled; /* in the place of the line */
 
 void hal_init(void) {
     uart_start();
@@ -27,6 +28,14 @@ void hal_watchdog_feed(void) {
     fed_us = clock_tick_us();
 }
 
+void hal_enable_drives(bool enable) {
+    enabled = enable;
+}
+
+bool drives_enabled(void) {
+    return enabled;
+}
+
 void watchdog_check(void) {
     if (clock_tick_us() - fed_us >= WATCHDOG_TIMEOUT_US) {
         hal_panic("watchdog: not fed in time");
@@ -35,6 +44,7 @@ void watchdog_check(void) {
 
 _Noreturn void hal_panic(const char *cause) {
     static bool panicking;
+    hal_enable_drives(false);
     interrupts_off();
     if (!panicking) { /* a fault while reporting: there is no more to be said */
         panicking = true;

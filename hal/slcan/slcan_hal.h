@@ -14,6 +14,9 @@ void serial_start_transmission(void);
 /* Provided by the port: sleeps until an interrupt, a tick's at the latest. */
 void serial_wait(void);
 
+/* Provided by the port, for hal/lockstep: how hal_enable_drives() has set the line. */
+bool drives_enabled(void);
+
 /* Provided by the port: sends one byte by polling, interrupts off. */
 void serial_write_polled(uint8_t byte);
 

@@ -26,6 +26,7 @@ struct drive_node {
     int64_t sample_ns[VELOCITY_WINDOW];
     int samples; /* taken in all, up to VELOCITY_WINDOW */
     int newest;
+    bool enabled;   /* the line */
     bool commanded; /* there has been a JointCmd */
     bool timed_out;
     int64_t command_ns;
@@ -73,7 +74,7 @@ static void on_command(void *context, frame_kind_t kind, const can_frame_t *mess
     joint_cmd_t command;
     joint_cmd_unpack(message, &command);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        self->drive[i].mode = command.mode[i];
+        self->drive[i].mode = self->enabled ? command.mode[i] : DRIVE_MODE_BRAKE;
         self->drive[i].commanded_radps = (double)command.velocity_radps[i];
     }
     self->commanded = true;
@@ -87,6 +88,7 @@ drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant) {
     drive_node_t *self = calloc(1, sizeof *self);
     if (self != NULL) {
         self->plant = plant;
+        self->enabled = true;
         self->timeout_ns = (int64_t)transport_timeout_ms(bus_profile(bus), FRAME_JOINT_CMD) * 1000000;
         self->period_ns = (int64_t)transport_period_ms(bus_profile(bus), FRAME_JOINT_STATE0) * 1000000;
         self->newest = VELOCITY_WINDOW - 1; /* the first sample goes to 0 */
@@ -99,6 +101,10 @@ void drive_node_destroy(drive_node_t *self) {
     free(self);
 }
 
+void drive_node_enable(drive_node_t *self, bool enabled) {
+    self->enabled = enabled;
+}
+
 void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s) {
     self->timed_out = self->commanded && now_ns - self->command_ns > self->timeout_ns;
     if (self->timed_out && now_ns % self->period_ns == 0) {
@@ -108,7 +114,7 @@ void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s) {
     const double share = 1.0 - exp(-step_s / DRIVE_SERVO_TIME_CONSTANT_S);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         drive_t *drive = &self->drive[i];
-        if (self->timed_out) {
+        if (self->timed_out || !self->enabled) {
             drive->mode = DRIVE_MODE_BRAKE;
         }
         if (drive->mode == DRIVE_MODE_VELOCITY) {

@@ -121,6 +121,7 @@ static bool take_bytes(const char bytes[], ssize_t count) {
         frame = partial;
         if (frame.id == LOCKSTEP_DONE_ID) {
             is_done = true;
+            drive_node_enable(remote.world->drives, lockstep_time_us(&frame) != 0);
         } else {
             (void)bus_send(remote.world->bus, remote.node, &frame, remote.world->now_ns + COMPUTE_TIME_NS);
         }

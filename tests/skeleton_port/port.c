@@ -16,6 +16,10 @@ can_profile_t hal_can_profile(void) {
 void hal_watchdog_feed(void) {
 }
 
+void hal_enable_drives(bool enable) {
+    (void)enable;
+}
+
 _Noreturn void hal_panic(const char *cause) {
     (void)cause;
     for (;;) {

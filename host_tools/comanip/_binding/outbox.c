@@ -11,6 +11,7 @@ void outbox_step(outbox_t *self, controller_t *controller, uint32_t now_us, cont
     controller_step(controller, now_us, inbox, &outbox);
     self->count = (uint8_t)(next - self->frame);
     self->save = outbox.save;
+    self->enable_drives = outbox.enable_drives;
 }
 
 uint8_t outbox_frames(transport_sender_t *sender, const can_frame_t *message, can_frame_t frame[]) {

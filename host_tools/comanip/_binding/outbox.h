@@ -7,7 +7,7 @@
 typedef struct {
     can_frame_t frame[CONTROLLER_OUTBOX_FRAMES];
     uint8_t count;
-    bool save; /* as controller_outbox_t */
+    bool save, enable_drives; /* as controller_outbox_t */
 } outbox_t;
 
 /* controller_step(), with the tick's frames in the outbox. */
