@@ -15,7 +15,9 @@ PARTS = (
     "monitors/reach", "nodes/drive_node", "robot/arm_plant", "robot/position_jacobian", "robot/robot_model", "scene/cup", "scene/hand_body",
     "scene/objects", "scene/physics", "scene/scene", "scene/water",
 )  # fmt: skip
-WITHOUT_HEADER = ("bus/endpoint", "scene/grip", "scene/particle_contacts", "scene/support")  # of theirs
+WITHOUT_HEADER = (
+    "bus/endpoint", "scene/grip", "scene/particle_contacts", "scene/particle_solver", "scene/support",
+)  # fmt: skip
 
 # ODE itself, for what the product has no call for: forces and energies of bodies that tests hold against it.
 ODE = """

@@ -73,11 +73,23 @@ static bool touch_around(profile_t on_line, double half_wall_m, profile_t centre
     return true;
 }
 
+/* A quick test without a square root: most particles are well inside or outside the cup. */
+static bool is_clear(const cup_t *self, double square, double z, double radius_m) {
+    const double room_m = self->radius_m - radius_m;
+    const double outer_m = self->radius_m + self->wall_m + radius_m;
+    const bool is_inside = z >= radius_m && room_m > 0.0 && square <= room_m * room_m;
+    return is_inside || square >= outer_m * outer_m || z >= self->height_m + radius_m || z <= -self->wall_m - radius_m;
+}
+
 int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_contact_t contact[CUP_MAX_CONTACTS]) {
+    const double square = centre_m[0] * centre_m[0] + centre_m[1] * centre_m[1];
+    if (is_clear(self, square, centre_m[2], radius_m)) {
+        return 0;
+    }
     const double half_wall_m = 0.5 * self->wall_m;
     const profile_t corner = {self->radius_m + half_wall_m, -half_wall_m};
     const double rim_z = self->height_m - half_wall_m;
-    const double rho = sqrt(centre_m[0] * centre_m[0] + centre_m[1] * centre_m[1]);
+    const double rho = sqrt(square);
     const profile_t centre = {rho, centre_m[2]};
     const double outwards[2] = {rho > 0.0 ? centre_m[0] / rho : 1.0, rho > 0.0 ? centre_m[1] / rho : 0.0};
     int count = 0;

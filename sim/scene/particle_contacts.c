@@ -2,86 +2,99 @@
 
 #include <math.h>
 
-/* A contact is a spring and a damper in parallel, so soft that a full cup presses its lowest particles together by some
- * 3 % of their radius, and damped so that nothing bounces. Related to a particle's mass, which makes all sizes alike:
- * 1/s^2 and 1/s. */
-#define CONTACT_STIFFNESS_PER_KG 6.0e5
-#define CONTACT_DAMPING_PER_KG 1.5e3
+/* ---- with each other */
 
-particle_contacts_t particle_contacts(dWorldID world, dJointGroupID joints, double mass_kg, double step_s) {
-    const double spring = mass_kg * CONTACT_STIFFNESS_PER_KG * step_s;
-    const double damper = mass_kg * CONTACT_DAMPING_PER_KG;
-    return (particle_contacts_t){.world = world,
-                                 .joints = joints,
-                                 .contact = {.surface = {.mode = dContactSoftERP | dContactSoftCFM | dContactMotionN,
-                                                         .mu = 0.0,
-                                                         .soft_erp = spring / (spring + damper),
-                                                         .soft_cfm = 1.0 / (spring + damper)}},
-                                 .step_s = step_s};
-}
-
-static void add(const particle_contacts_t *self, const dContact *contact, dBodyID body, dBodyID other) {
-    dJointAttach(dJointCreateContact(self->world, self->joints, contact), body, other);
-}
-
-static void add_pair(const particle_contacts_t *self, const particle_t *one, const particle_t *other) {
-    const dReal *a = dBodyGetPosition(one->body);
-    const dReal *b = dBodyGetPosition(other->body);
-    const double reach_m = one->radius_m + other->radius_m;
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    const double distance_m = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    dContact contact = self->contact;
-    contact.geom.depth = reach_m - distance_m;
-    for (int k = 0; k < 3; k++) {
-        contact.geom.normal[k] = d[k] / distance_m;
-        contact.geom.pos[k] = b[k] + d[k] * other->radius_m / reach_m;
-    }
-    add(self, &contact, one->body, other->body);
-}
-
-/* All pairs: for a hundred particles cheaper than any search structure. */
-void particle_contacts_add(const particle_contacts_t *self, const particle_t particle[], int count) {
-    for (int i = 0; i < count; i++) {
-        const particle_t *one = &particle[i];
-        const dReal *a = dBodyGetPosition(one->body);
-        for (int j = 0; j < i && !one->is_spilt; j++) {
-            const particle_t *other = &particle[j];
-            const dReal *b = dBodyGetPosition(other->body);
-            const double reach_m = one->radius_m + other->radius_m;
-            const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-            const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            if (square < reach_m * reach_m && square > 0.0 && !other->is_spilt) {
-                add_pair(self, one, other);
-            }
+/* Copies positions, and drops particles spilt since the last step. */
+static int refresh(const particle_t particle[], particle_along_x_t sorted[], int sorted_count) {
+    int kept = 0;
+    for (int i = 0; i < sorted_count; i++) {
+        const int index = sorted[i].particle;
+        const particle_t *seen = &particle[index];
+        if (!seen->is_spilt) {
+            sorted[kept++] = (particle_along_x_t){
+                {seen->position_m[0], seen->position_m[1], seen->position_m[2]}, seen->radius_m, index};
         }
     }
+    return kept;
 }
 
-static void add_wall(const particle_contacts_t *self, const cup_contact_t *touch, const placed_cup_t *before,
-                     const placed_cup_t *after, dBodyID body) {
-    double from_m[3], to_m[3], normal[3];
+/* Insertion sort: the order hardly changes from step to step. */
+static void sort_along_x(particle_along_x_t sorted[], int count) {
+    for (int i = 1; i < count; i++) {
+        const particle_along_x_t moved = sorted[i];
+        int k = i;
+        for (; k > 0 && sorted[k - 1].position_m[0] > moved.position_m[0]; k--) {
+            sorted[k] = sorted[k - 1];
+        }
+        sorted[k] = moved;
+    }
+}
+
+static int touch(const particle_along_x_t *a, const particle_along_x_t *b, particle_contact_t *contact) {
+    const double x = a->position_m[0] - b->position_m[0];
+    const double y = a->position_m[1] - b->position_m[1];
+    const double z = a->position_m[2] - b->position_m[2];
+    const double reach_m = a->radius_m + b->radius_m;
+    const double square = x * x + y * y + z * z;
+    if (square >= reach_m * reach_m || square <= 0.0) {
+        return 0;
+    }
+    const bool a_is_one = a->particle > b->particle;
+    const double distance_m = sqrt(square);
+    const double per_m = (a_is_one ? 1.0 : -1.0) / distance_m;
+    *contact = (particle_contact_t){.one = a_is_one ? a->particle : b->particle,
+                                    .other = a_is_one ? b->particle : a->particle,
+                                    .normal = {x * per_m, y * per_m, z * per_m},
+                                    .depth_m = reach_m - distance_m};
+    return 1;
+}
+
+/* Sweep and prune: only pairs that are close along x are tested. */
+int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
+                           particle_contact_t contact[]) {
+    const int count = refresh(particle, sorted, *sorted_count);
+    double largest_m = 0.0;
+    int found = 0;
+    *sorted_count = count;
+    sort_along_x(sorted, count);
+    for (int i = 0; i < count; i++) {
+        largest_m = fmax(largest_m, sorted[i].radius_m);
+    }
+    for (int i = 0; i < count; i++) {
+        const double from_m = sorted[i].position_m[0] - sorted[i].radius_m - largest_m;
+        for (int k = i - 1; k >= 0 && sorted[k].position_m[0] > from_m; k--) {
+            found += touch(&sorted[i], &sorted[k], &contact[found]);
+        }
+    }
+    return found;
+}
+
+/* ---- with a cup */
+
+static particle_contact_t at_wall(int particle, int wall, const cup_contact_t *touch, const placed_cup_t *before,
+                                  const placed_cup_t *after, double step_s) {
+    particle_contact_t contact = {.one = particle, .other = wall, .depth_m = touch->depth_m};
+    double from_m[3], to_m[3];
     cup_unsee(before, touch->point_m, from_m);
     cup_unsee(after, touch->point_m, to_m);
-    cup_turn(before, touch->normal, normal);
-    dContact contact = self->contact;
-    contact.geom.depth = touch->depth_m;
+    cup_turn(before, touch->normal, contact.normal);
     for (int k = 0; k < 3; k++) {
-        contact.geom.pos[k] = from_m[k];
-        contact.geom.normal[k] = normal[k];
-        contact.surface.motionN += normal[k] * (to_m[k] - from_m[k]) / self->step_s;
+        contact.wall_speed_mps += contact.normal[k] * (to_m[k] - from_m[k]) / step_s;
     }
-    add(self, &contact, body, NULL);
+    return contact;
 }
 
-void particle_contacts_add_cup(const particle_contacts_t *self, const particle_t particle[], int count,
-                               const placed_cup_t *before, const placed_cup_t *after) {
+int particle_contacts_find_cup(const particle_t particle[], int count, const placed_cup_t *before,
+                               const placed_cup_t *after, double step_s, int first_wall, particle_contact_t contact[]) {
+    int found = 0;
     for (int i = 0; i < count; i++) {
         cup_contact_t touch[CUP_MAX_CONTACTS];
         double seen_m[3];
-        cup_see(before, dBodyGetPosition(particle[i].body), seen_m);
+        cup_see(before, particle[i].position_m, seen_m);
         const int touches = particle[i].is_spilt ? 0 : cup_touch(before->cup, seen_m, particle[i].radius_m, touch);
         for (int k = 0; k < touches; k++) {
-            add_wall(self, &touch[k], before, after, particle[i].body);
+            contact[found++] = at_wall(i, first_wall + k, &touch[k], before, after, step_s);
         }
     }
+    return found;
 }

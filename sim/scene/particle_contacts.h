@@ -1,37 +1,35 @@
-/* What presses particles apart and off the cups' walls: ODE's contact joints for one step. */
+/* Contacts of the particles: where they overlap each other and the cups' walls. */
 #ifndef COMANIP_SIM_PARTICLE_CONTACTS_H
 #define COMANIP_SIM_PARTICLE_CONTACTS_H
 
-#include <ode/ode.h>
-#include <stdbool.h>
-
 #include "cup.h"
+#include "particle.h"
 
 typedef struct {
-    dBodyID body;
+    int one;               /* a particle's index */
+    int other;             /* a particle's index below `one`, or the wall's index */
+    double normal[3];      /* unit, from `other` into `one` */
+    double depth_m;        /* of the overlap, > 0 */
+    double wall_speed_mps; /* of the wall along the normal; 0 between particles */
+    double impulse_Ns;     /* on `one` along the normal, >= 0; written by the solver */
+} particle_contact_t;
+
+/* An entry of the list of particles that is sorted along x. */
+typedef struct {
+    double position_m[3];
     double radius_m;
-    int cup; /* that holds it, or NO_CUP */
-    bool is_spilt;
-} particle_t;
+    int particle; /* its index */
+} particle_along_x_t;
 
-#define NO_CUP (-1)
+/* Contacts between particles. sorted[]: the *sorted_count particles that are not spilt, in the order in which the last
+ * call left them; before the first call in any order, with only `particle` set. Removes newly spilt ones. Returns the
+ * number of contacts, at most one per pair. */
+int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
+                           particle_contact_t contact[]);
 
-/* Where the joints of one step go, and what they are like. */
-typedef struct {
-    dWorldID world;
-    dJointGroupID joints;
-    dContact contact;
-    double step_s;
-} particle_contacts_t;
-
-/* mass_kg: of a particle of mean size. */
-particle_contacts_t particle_contacts(dWorldID world, dJointGroupID joints, double mass_kg, double step_s);
-
-/* Of the particles with each other. */
-void particle_contacts_add(const particle_contacts_t *self, const particle_t particle[], int count);
-
-/* Of the particles with a cup that moves from `before` to `after` within the step. */
-void particle_contacts_add_cup(const particle_contacts_t *self, const particle_t particle[], int count,
-                               const placed_cup_t *before, const placed_cup_t *after);
+/* Contacts with a cup that moves from `before` to `after` within the step. A particle's contacts with the cup get the
+ * wall indices first_wall, first_wall + 1. Returns the number of contacts, at most CUP_MAX_CONTACTS per particle. */
+int particle_contacts_find_cup(const particle_t particle[], int count, const placed_cup_t *before,
+                               const placed_cup_t *after, double step_s, int first_wall, particle_contact_t contact[]);
 
 #endif

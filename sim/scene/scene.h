@@ -1,6 +1,6 @@
 /* The physical scene in ODE: the robot's arm with gripper and cup, the people's hands, and what they handle. Forces are
- * ODE's. Hands, grips, objects and water are its parts (hand_body.h, grip.h, objects.h, support.h, water.h); who wants
- * what is decided outside: by the drives (arm), the gripper node, the people's programs.
+ * ODE's, but the water's. Hands, grips, objects and water are its parts (hand_body.h, grip.h, objects.h, support.h,
+ * water.h); who wants what is decided outside: by the drives (arm), the gripper node, the people's programs.
  *
  * Arm, hands and objects are one system for ODE's exact solver (dWorldStep); the water is a second one that feels the
  * cups and does not act on them. The same commands give the same bits. */

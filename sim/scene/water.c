@@ -1,14 +1,12 @@
 #include "water.h"
 
 #include <math.h>
-#include <ode/ode.h>
 #include <stdlib.h>
 
 #include "cup.h"
 #include "particle_contacts.h"
+#include "particle_solver.h"
 #include "physics.h"
-
-#define SOLVER_ITERATIONS 10 /* more change nothing that counts: the contacts are soft */
 
 /* Particles of one size settle into crystal layers that do not flow. The golden ratio's multiples spread evenly. */
 #define SIZE_SPREAD 0.2 /* radii differ from the mean by up to this share */
@@ -19,15 +17,15 @@
 #define SETTLING_STEPS_IN_OPEN_CUP 200
 
 struct water_body {
-    dWorldID world;
-    dJointGroupID contacts;
-    unsigned long random; /* ODE's generator, which orders the solver's rows, as the water left it */
     cup_t cup[WATER_MAX_CUPS];
     rigid_pose_t pose[WATER_MAX_CUPS];
-    double mass_kg; /* of a particle of mean size */
     double ground_z_m;
     int count;
-    particle_t particle[];
+    int sorted_count;
+    particle_t *particle;       /* [count], followed by the cups' walls */
+    particle_along_x_t *sorted; /* [sorted_count]: the particles that are not spilt */
+    particle_contact_t *contact;
+    particle_solver_t *solver;
 };
 
 /* ---- where the particles are */
@@ -38,7 +36,7 @@ static void follow(particle_t *particle, const placed_cup_t cup[WATER_MAX_CUPS])
         if (!cup[i].cup->present) {
             continue;
         }
-        cup_see(&cup[i], dBodyGetPosition(particle->body), seen_m);
+        cup_see(&cup[i], particle->position_m, seen_m);
         if (cup_contains(cup[i].cup, seen_m)) {
             particle->cup = i;
         } else if (particle->cup == i && cup_is_left_by(cup[i].cup, seen_m, particle->radius_m)) {
@@ -49,44 +47,59 @@ static void follow(particle_t *particle, const placed_cup_t cup[WATER_MAX_CUPS])
 
 /* What lies on the ground stays there and costs nothing. */
 static void spill(particle_t *particle, double ground_z_m) {
-    if (dBodyGetPosition(particle->body)[2] < ground_z_m + particle->radius_m) {
+    if (particle->position_m[2] < ground_z_m + particle->radius_m) {
         particle->is_spilt = true;
         particle->cup = NO_CUP;
-        dBodyDisable(particle->body);
     }
 }
 
 /* ---- steps */
 
-/* The solver draws from ODE's generator, which all worlds share: the water neither feels others nor is felt by them. */
-static void solve(water_body_t *self, double step_s) {
-    const unsigned long others = dRandGetSeed();
-    dRandSetSeed(self->random);
-    dWorldQuickStep(self->world, step_s);
-    self->random = dRandGetSeed();
-    dRandSetSeed(others);
+static int find_contacts(water_body_t *self, const placed_cup_t before[WATER_MAX_CUPS],
+                         const placed_cup_t after[WATER_MAX_CUPS], double step_s) {
+    int found = particle_contacts_find(self->particle, self->sorted, &self->sorted_count, self->contact);
+    for (int i = 0; i < WATER_MAX_CUPS; i++) {
+        if (self->cup[i].present) {
+            found += particle_contacts_find_cup(self->particle, self->count, &before[i], &after[i], step_s,
+                                                self->count + i * CUP_MAX_CONTACTS, &self->contact[found]);
+        }
+    }
+    return found;
 }
 
-void water_step(water_body_t *self, const rigid_pose_t pose[WATER_MAX_CUPS], double step_s) {
-    const particle_contacts_t contacts = particle_contacts(self->world, self->contacts, self->mass_kg, step_s);
-    placed_cup_t after[WATER_MAX_CUPS];
-    particle_contacts_add(&contacts, self->particle, self->count);
-    for (int i = 0; i < WATER_MAX_CUPS; i++) {
-        const placed_cup_t before = cup_place(&self->cup[i], &self->pose[i]);
-        after[i] = cup_place(&self->cup[i], &pose[i]);
-        self->pose[i] = pose[i];
-        if (self->cup[i].present) {
-            particle_contacts_add_cup(&contacts, self->particle, self->count, &before, &after[i]);
-        }
-    }
-    solve(self, step_s);
-    dJointGroupEmpty(self->contacts);
+static void fall(water_body_t *self, double step_s) {
     for (int i = 0; i < self->count; i++) {
         if (!self->particle[i].is_spilt) {
-            follow(&self->particle[i], after);
-            spill(&self->particle[i], self->ground_z_m);
+            self->particle[i].velocity_mps[2] -= PHYSICS_GRAVITY_MPS2 * step_s;
         }
     }
+}
+
+static void move(water_body_t *self, const placed_cup_t cup[WATER_MAX_CUPS], double step_s) {
+    for (int i = 0; i < self->count; i++) {
+        particle_t *particle = &self->particle[i];
+        if (!particle->is_spilt) {
+            for (int k = 0; k < 3; k++) {
+                particle->position_m[k] += particle->velocity_mps[k] * step_s;
+            }
+            follow(particle, cup);
+            spill(particle, self->ground_z_m);
+        }
+    }
+}
+
+/* Semi-implicit Euler: the new velocities move the particles. */
+void water_step(water_body_t *self, const rigid_pose_t pose[WATER_MAX_CUPS], double step_s) {
+    placed_cup_t before[WATER_MAX_CUPS], after[WATER_MAX_CUPS];
+    for (int i = 0; i < WATER_MAX_CUPS; i++) {
+        before[i] = cup_place(&self->cup[i], &self->pose[i]);
+        after[i] = cup_place(&self->cup[i], &pose[i]);
+        self->pose[i] = pose[i];
+    }
+    const int contacts = find_contacts(self, before, after, step_s);
+    fall(self, step_s);
+    particle_solver_step(self->solver, self->contact, contacts, self->particle, step_s);
+    move(self, after, step_s);
 }
 
 /* ---- filling */
@@ -106,9 +119,7 @@ static bool fill(water_body_t *self, double largest_m, double point_m[][3]) {
     const double height_m = cup->height_m;
     const double lattice_m = cup_lattice(cup, largest_m, self->count, point_m);
     for (int i = 0; i < self->count && lattice_m > 0.0; i++) {
-        double at_m[3];
-        cup_unsee(&placed, point_m[i], at_m);
-        dBodySetPosition(self->particle[i].body, at_m[0], at_m[1], at_m[2]);
+        cup_unsee(&placed, point_m[i], self->particle[i].position_m);
     }
     cup->height_m = fmax(height_m, lattice_m + largest_m);
     settle(self, lattice_m > 0.0 ? SETTLING_STEPS : 0);
@@ -117,47 +128,54 @@ static bool fill(water_body_t *self, double largest_m, double point_m[][3]) {
     return lattice_m > 0.0 && water_count(self).in_robot_cup == self->count;
 }
 
+static double mass_kg(const water_t *water, double radius_m) {
+    return 4.0 / 3.0 * ROBOT_PI * radius_m * radius_m * radius_m * water->density_kgpm3;
+}
+
 static void create_particles(water_body_t *self, const water_t *water) {
-    dMass mass;
-    dMassSetSphere(&mass, water->density_kgpm3, water->particle_radius_m);
-    self->mass_kg = mass.mass;
     for (int i = 0; i < self->count; i++) {
         const double spread = SIZE_SPREAD * (2.0 * fmod(GOLDEN_RATIO * (i + 1), 1.0) - 1.0);
         const double radius_m = water->particle_radius_m * (1.0 + spread);
-        const dBodyID body = dBodyCreate(self->world);
-        dMassSetSphere(&mass, water->density_kgpm3, radius_m);
-        dBodySetMass(body, &mass);
-        dBodySetGyroscopicMode(body, 0); /* without friction nothing ever turns them */
-        self->particle[i] = (particle_t){.body = body, .radius_m = radius_m, .cup = 0};
+        self->particle[i] =
+            (particle_t){.radius_m = radius_m, .inverse_mass_pkg = 1.0 / mass_kg(water, radius_m), .cup = 0};
+        self->sorted[i].particle = i;
     }
+    self->sorted_count = self->count;
 }
 
 /* ---- create, destroy, look */
 
+static bool allocate(water_body_t *self, const water_t *water) {
+    const size_t count = (size_t)self->count;
+    const size_t walls = WATER_MAX_CUPS * CUP_MAX_CONTACTS;
+    const size_t most_contacts = count * (count - 1) / 2 + count * walls;
+    self->particle = calloc(count + walls, sizeof *self->particle);
+    self->sorted = calloc(count, sizeof *self->sorted);
+    self->contact = calloc(most_contacts, sizeof *self->contact);
+    self->solver = particle_solver_create(self->count, (int)walls, mass_kg(water, water->particle_radius_m));
+    return self->particle != NULL && self->sorted != NULL && self->contact != NULL && self->solver != NULL;
+}
+
 water_body_t *water_create(const water_t *water, const cup_t cups[WATER_MAX_CUPS],
                            const rigid_pose_t pose[WATER_MAX_CUPS], double ground_z_m) {
-    const size_t count = (size_t)water->particles;
-    water_body_t *self = calloc(1, sizeof *self + count * sizeof self->particle[0]);
-    double (*point_m)[3] = calloc(count, sizeof *point_m);
+    water_body_t *self = calloc(1, sizeof *self);
+    double (*point_m)[3] = calloc((size_t)water->particles, sizeof *point_m);
     if (self == NULL || point_m == NULL) {
         free(point_m);
         free(self);
         return NULL;
     }
-    dInitODE2(0);
-    dAllocateODEDataForThread((unsigned int)dAllocateMaskAll);
-    self->world = dWorldCreate();
-    self->contacts = dJointGroupCreate(0);
-    dWorldSetGravity(self->world, 0.0, 0.0, -PHYSICS_GRAVITY_MPS2);
-    dWorldSetQuickStepNumIterations(self->world, SOLVER_ITERATIONS);
     for (int i = 0; i < WATER_MAX_CUPS; i++) {
         self->cup[i] = cups[i];
         self->pose[i] = pose[i];
     }
     self->ground_z_m = ground_z_m;
     self->count = water->particles;
-    create_particles(self, water);
-    const bool is_full = fill(self, water->particle_radius_m * (1.0 + SIZE_SPREAD), point_m);
+    bool is_full = allocate(self, water);
+    if (is_full) {
+        create_particles(self, water);
+        is_full = fill(self, water->particle_radius_m * (1.0 + SIZE_SPREAD), point_m);
+    }
     free(point_m);
     if (!is_full) {
         water_destroy(self);
@@ -168,9 +186,10 @@ water_body_t *water_create(const water_t *water, const cup_t cups[WATER_MAX_CUPS
 
 void water_destroy(water_body_t *self) {
     if (self != NULL) {
-        dJointGroupDestroy(self->contacts);
-        dWorldDestroy(self->world);
-        dCloseODE();
+        particle_solver_destroy(self->solver);
+        free(self->contact);
+        free(self->sorted);
+        free(self->particle);
         free(self);
     }
 }
@@ -188,7 +207,7 @@ water_count_t water_count(const water_body_t *self) {
 }
 
 void water_particle(const water_body_t *self, int particle, double position_m[3]) {
-    const dReal *position = dBodyGetPosition(self->particle[particle].body);
+    const double *position = self->particle[particle].position_m;
     for (int i = 0; i < 3; i++) {
         position_m[i] = position[i];
     }

@@ -1,8 +1,7 @@
-/* Water as frictionless particles in an ODE world of its own: they collide with each other and with the cups
- * (cup.h), feel gravity, come to rest where they reach the ground, and do not act on the cups. Their sizes differ by up
- * to 20 %: equal ones settle into layers that do not flow. Even so they are beads and no liquid: a heap stands some 15
- * degrees steep, and the rim holds it back by up to a particle's diameter, so that less leaves a tilted cup than of a
- * liquid. */
+/* Water as frictionless particles: they collide with each other and with the cups (cup.h), feel gravity, come to rest
+ * where they reach the ground, and do not act on the cups. Their sizes differ by up to 20 %: equal ones settle into
+ * layers that do not flow. Even so they are beads and no liquid: a heap stands some 15 degrees steep, and the rim holds
+ * it back by up to a particle's diameter, so that less leaves a tilted cup than of a liquid. */
 #ifndef COMANIP_SIM_WATER_H
 #define COMANIP_SIM_WATER_H
 

@@ -13,7 +13,7 @@ from simulation import EXPERIMENTS, SCENARIOS, experiment, run
 
 RUNS = 9
 DURATION_S = 60  # of the plain motions; an experiment takes as long as it takes
-LEAST_PLAIN, LEAST_POUR, LEAST_EXPERIMENT = 25.0, 3.0, 15.0
+LEAST_PLAIN, LEAST_POUR, LEAST_EXPERIMENT = 25.0, 7.0, 15.0
 
 
 def ratios(*arguments: object) -> list[float]:

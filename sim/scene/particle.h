@@ -1,0 +1,18 @@
+/* A particle of the water: a frictionless sphere, which therefore never rotates. */
+#ifndef COMANIP_SIM_PARTICLE_H
+#define COMANIP_SIM_PARTICLE_H
+
+#include <stdbool.h>
+
+#define NO_CUP (-1)
+
+typedef struct {
+    double position_m[3];
+    double velocity_mps[3];
+    double radius_m;
+    double inverse_mass_pkg; /* 1/kg; 0: a wall */
+    int cup;                 /* index of the cup that it is in, or NO_CUP */
+    bool is_spilt;           /* lies on the ground and has no contacts any more */
+} particle_t;
+
+#endif
