@@ -15,8 +15,8 @@ CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GE
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
 LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 
-CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c)) $(GENERATED)/comanip_dbc.c
-FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch])
+CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c firmware/*/*/*.c)) $(GENERATED)/comanip_dbc.c
+FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch] firmware/*/*/*.[ch])
 # The simulated world without a bus: in virtual time with the firmware in lockstep, or in real time on a real bus.
 SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
     host_tools/hub/hub_path.c

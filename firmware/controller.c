@@ -13,12 +13,13 @@
 #define KIND_BIT(NAME, name) | UINT32_C(1) << FRAME_##NAME
 #define RECEIVED_KINDS (0u COMANIP_RECEIVED(KIND_BIT))
 
-void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile) {
+void controller_init(controller_t *self, const arm_ik_t *ik, can_profile_t profile) {
     memset(self, 0, sizeof *self);
-    self->arm = arm;
+    self->ik = ik;
+    self->arm = ik->arm;
     self->tick_ms = transport_period_ms(profile, FRAME_JOINT_CMD);
-    transport_sender_init(&self->sender, profile, arm->joint_count);
-    transport_receiver_init(&self->receiver, profile, arm->joint_count, RECEIVED_KINDS);
+    transport_sender_init(&self->sender, profile, ik->arm->joint_count);
+    transport_receiver_init(&self->receiver, profile, ik->arm->joint_count, RECEIVED_KINDS);
     hand_tracker_init(&self->hand_tracker, 1000u * transport_period_ms(profile, FRAME_HAND_POSE));
     hand_motion_init(&self->marker_motion);
     joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));

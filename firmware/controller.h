@@ -11,8 +11,8 @@
 
 #include "controller_state.h"
 
-/* The arm table must outlive the controller. */
-void controller_init(controller_t *self, const arm_t *arm, can_profile_t profile);
+/* ik, with its arm, must outlive the controller. */
+void controller_init(controller_t *self, const arm_ik_t *ik, can_profile_t profile);
 
 /* Before the first step: parameters in place of the defaults. result: what the boot announcement says of them,
  * RESULT_ACCEPTED, or RESULT_STORE_FAILED if a stored record was not valid. */

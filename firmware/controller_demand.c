@@ -45,23 +45,23 @@ static void limit_catching_up(controller_t *self) {
 }
 
 /* With prediction: the target's motion is fed forward, and position has priority over orientation. */
-static void follow_predicted_target(controller_t *self, uint32_t now_us, joint_ends_t ends) {
+static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_at_limit_t at_limit) {
     const twist_t hand = controller_hand_twist(self, now_us);
     const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
     const position_priority_request_t request = {
         .position_rad = self->joints.position_rad,
         .target = &self->cooperation.target,
         .motion = &motion,
-        .ends = ends,
+        .at_limit = at_limit,
     };
-    const posture_change_config_t config = {self->arm, &self->position_priority_config, &self->joint_limits_config};
+    const posture_change_config_t config = {self->ik, &self->position_priority_config, &self->joint_limits_config};
     const bool may_change_posture = self->changes_posture && !self->cooperation.latched;
     if (may_change_posture && posture_change_step(&self->posture_change, &config, &request, self->feedback_radps)) {
         memset(self->feedforward_radps, 0, sizeof self->feedforward_radps);
         return;
     }
-    const float distance_m = self->arm->position_priority(self->arm, &self->position_priority_config, &request,
-                                                          self->feedback_radps, self->feedforward_radps);
+    const float distance_m = arm_ik_position_priority(self->ik, &self->position_priority_config, &request,
+                                                      self->feedback_radps, self->feedforward_radps);
     if (may_change_posture) {
         posture_change_watch(&self->posture_change, &config, &request, distance_m);
     }
@@ -72,13 +72,13 @@ static void follow_predicted_target(controller_t *self, uint32_t now_us, joint_e
 }
 
 /* Without prediction: the paper's law. */
-static void follow_target(controller_t *self, joint_ends_t ends) {
+static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     const differential_ik_request_t request = {
         .position_rad = self->joints.position_rad,
         .target = &self->cooperation.target,
-        .ends = ends,
+        .at_limit = at_limit,
     };
-    differential_ik(self->arm, &self->differential_ik_config, &request, self->feedback_radps);
+    arm_ik_differential(self->ik, &self->differential_ik_config, &request, self->feedback_radps);
 }
 
 /* In a tick in which the operator changes the cooperation, the demand of the last tick is kept, as both together would
@@ -99,10 +99,11 @@ void controller_compute_demand(controller_t *self, uint32_t now_us) {
     }
     cooperation_update(&self->cooperation, &self->hand, controller_task_blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? controller_tick_s(self) : 0.0f;
-    const joint_ends_t ends = joint_limits_ends(self->arm, &self->joint_limits_config, self->joints.position_rad);
+    const joints_at_limit_t at_limit =
+        joints_at_limit_find(self->arm, self->joint_limits_config.at_limit_rad, self->joints.position_rad);
     if (self->predicts) {
-        follow_predicted_target(self, now_us, ends);
+        follow_predicted_target(self, now_us, at_limit);
     } else {
-        follow_target(self, ends);
+        follow_target(self, at_limit);
     }
 }

@@ -2,8 +2,8 @@
 #ifndef COMANIP_CONTROLLER_STATE_H
 #define COMANIP_CONTROLLER_STATE_H
 
+#include "control/arm_ik.h"
 #include "control/cooperation.h"
-#include "control/differential_ik.h"
 #include "control/hand_motion.h"
 #include "control/hand_tracker.h"
 #include "control/joint_feedback.h"
@@ -38,7 +38,8 @@ typedef struct {
 } controller_outbox_t;
 
 typedef struct {
-    const arm_t *arm;
+    const arm_ik_t *ik;
+    const arm_t *arm; /* ik->arm */
     uint32_t tick_ms;
 
     parameters_t parameters;

@@ -4,7 +4,7 @@
 #include <stddef.h>
 
 #include "../hal/hal.h"
-#include "arms/hoap3_right.h"
+#include "control/arms/hoap3_right_ik.h"
 #include "controller.h"
 #include "parameters/parameter_store.h"
 
@@ -47,11 +47,11 @@ void firmware_main(void) {
     controller_outbox_t outbox = {.sink = {.send = send_frame}};
 
     hal_init();
-    const char *defect = arm_check(&arm_hoap3_right);
+    const char *defect = arm_ik_check(&arm_ik_hoap3_right);
     if (defect != NULL) {
         hal_panic(defect);
     }
-    controller_init(&controller, &arm_hoap3_right, hal_can_profile());
+    controller_init(&controller, &arm_ik_hoap3_right, hal_can_profile());
     load_parameters(&controller);
 
     uint32_t now_us = 0;

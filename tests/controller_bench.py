@@ -59,7 +59,7 @@ class Bench:
         self.store_result, self.store_ticks = lib.RESULT_NOT_SUPPORTED, 1
         self.stored: list[list[float]] = []
         self.store_until = 0  # tick
-        lib.controller_init(self.controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
+        lib.controller_init(self.controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
         if parameters is None:
             parameters = ffi.new("parameters_t *")
             lib.parameters_set_defaults(parameters)

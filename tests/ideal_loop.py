@@ -39,7 +39,7 @@ def limited(wanted, last, last_change, q, gain, acceleration=25.0):
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
-    """Law (4) over the joints that are free to do what it asks: joint_limits_ends()."""
+    """Law (4) over the joints that are free to do what it asks: joints_at_limit_find()."""
     free = np.ones(len(q), bool)
     while True:
         wanted = np.zeros(len(q))

@@ -27,11 +27,25 @@ def config(gain=35.0, weight=(0.01, 100.0), damping=0.01, frame=lib.ERROR_FRAME_
     return result
 
 
+def for_this_arm(arm, *arguments) -> None:
+    lib.arm_ik_differential(arm.ik, *arguments)
+
+
+def for_any_arm(arm, *arguments) -> None:
+    lib.differential_ik_isotropic(arm.table, *arguments)
+
+
+def general_form(arm, *arguments) -> None:
+    lib.differential_ik_general(arm.table, *arguments)
+
+
 def solve(law, arm, configuration, q, target, lower=0, upper=0) -> np.ndarray:
     position, velocity = ffi.new("float[8]", q.tolist()), ffi.new("float[8]")
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
-    request = ffi.new("differential_ik_request_t *", {"position_rad": position, "target": pose, "ends": (lower, upper)})
-    law(arm.table, configuration, request, velocity)
+    request = ffi.new(
+        "differential_ik_request_t *", {"position_rad": position, "target": pose, "at_limit": (lower, upper)}
+    )
+    law(arm, configuration, request, velocity)
     return np.array(list(velocity)[: arm.joint_count])
 
 
@@ -56,9 +70,8 @@ def inputs(rng, arm):
 
 def test_the_committed_files_are_what_the_description_gives():
     for path in sorted(arm_codegen.ARMS.glob("*.toml")):
-        arm = arm_description.read(path)
-        assert path.with_suffix(".c").read_text() == arm_codegen.source(arm, path.name)
-        assert path.with_suffix(".h").read_text() == arm_codegen.header(arm, path.name)
+        for file, text in arm_codegen.files(path).items():
+            assert file.read_text() == text, file
 
 
 @pytest.mark.parametrize("frame", [lib.ERROR_FRAME_TORSO, lib.ERROR_FRAME_TARGET])
@@ -67,7 +80,7 @@ def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(ar
     """In double precision: the Jacobian without the columns of those that would, until none would. The fast law, the one for any arm
     and the general one alike."""
     configuration = config(weight=weight, frame=frame)
-    laws = (lib.differential_ik, lib.differential_ik_isotropic, lib.differential_ik_general)
+    laws = (for_this_arm, for_any_arm, general_form)
     w = np.repeat(weight, 4)
     blocked_counts = np.zeros(5, int)
     for number, (q, target) in enumerate(inputs):
@@ -108,8 +121,8 @@ def test_a_target_out_of_all_reach_is_left_to_the_general_law(arm, inputs):
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
         far = oracle.pose(target[:4], [300.0, -200.0, 100.0])
-        general = solve(lib.differential_ik_general, arm, configuration, q, far)
-        assert np.array_equal(solve(lib.differential_ik, arm, configuration, q, far), general)
+        general = solve(general_form, arm, configuration, q, far)
+        assert np.array_equal(solve(for_this_arm, arm, configuration, q, far), general)
         assert np.isfinite(general).all()
 
 
@@ -138,16 +151,17 @@ def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
     """So that the joint limits see it: it never passes for a velocity."""
     q, target = (x.copy() for x in inputs[0])
     (q if where == "q" else target)[1] = value
-    assert not np.isfinite(solve(lib.differential_ik, arm, config(), q, target)).all()
+    assert not np.isfinite(solve(for_this_arm, arm, config(), q, target)).all()
 
 
 # ---- arms of any kind
 
 FIRMWARE = REPOSITORY / "firmware"
+INCLUDES = [f"-I{FIRMWARE / 'arms'}", f"-I{FIRMWARE / 'control' / 'arms'}"]
 LAW_SOURCES = (
     "arm",
     "dual_quaternion",
-    "joint_ends",
+    "joints_at_limit",
     "ldlt",
     "pose",
     "position_priority",
@@ -165,7 +179,7 @@ def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarr
     twist = ffi.new("twist_t *", (motion[:3].tolist(), motion[3:].tolist()))
     request = ffi.new(
         "position_priority_request_t *",
-        {"position_rad": position, "target": pose, "motion": twist, "ends": (lower, upper)},
+        {"position_rad": position, "target": pose, "motion": twist, "at_limit": (lower, upper)},
     )
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
     distance = law(arm.table, config, request, for_error, for_motion)
@@ -179,25 +193,27 @@ def write_description(path, rows, effector) -> None:
     for alpha, a, d, theta, is_joint in frames:
         lines += ["[[frame]]", f"alpha_deg = {alpha}", f"a_m = {a}", f"d_m = {d}", f"theta_deg = {theta}"]
         lines += ["range_deg = [-170.0, 170.0]"] if is_joint else []
+    path.parent.mkdir(exist_ok=True)
     path.write_text("\n".join(lines))
 
 
 def compiled(folder, name: str):
-    """The arm's table with its law, out of a library of its own."""
+    """The arm with its inverse kinematics, out of a library of its own."""
     sources = [str(file) for file in sorted(FIRMWARE.rglob("*.c")) if file.stem in LAW_SOURCES]
     flags = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion",
-             "-Wshadow", "-Werror", "-fPIC", "-shared", f"-I{FIRMWARE / 'arms'}"]  # fmt: skip
+             "-Wshadow", "-Werror", "-fPIC", "-shared", *INCLUDES]  # fmt: skip
     library = folder / f"{name}.so"
-    subprocess.run(["gcc", *flags, str(folder / f"{name}.c"), *sources, "-o", str(library)], check=True)
+    sources += [str(folder / "arms" / f"{name}.c"), str(folder / "control" / "arms" / f"{name}_ik.c")]
+    subprocess.run(["gcc", *flags, *sources, "-o", str(library)], check=True)
     loaded = ctypes.CDLL(str(library))
-    return loaded, ffi.cast("arm_t *", ctypes.addressof(ctypes.c_char.in_dll(loaded, f"arm_{name}")))
+    return loaded, ffi.cast("arm_ik_t *", ctypes.addressof(ctypes.c_char.in_dll(loaded, f"arm_ik_{name}")))
 
 
 class Loaded:
     """What solve() needs of an arm."""
 
-    def __init__(self, library, table):
-        self.library, self.table, self.joint_count = library, table, table.joint_count
+    def __init__(self, library, ik):
+        self.library, self.ik, self.table, self.joint_count = library, ik, ik.arm, ik.arm.joint_count
 
 
 RIGHT_ANGLES = (-90.0, 0.0, 90.0)
@@ -214,7 +230,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
         a, d = rng.choice([0.0, 0.1, 0.25], 2) if right else rng.uniform(-0.2, 0.2, 2)
         rows.append((float(alpha), float(a), float(d), float(theta)))
     name = f"arm_of_{n}"
-    path = tmp_path / f"{name}.toml"
+    path = tmp_path / "arms" / f"{name}.toml"
     write_description(path, rows[:-1], rows[-1])
     assert arm_codegen.main([str(path)]) == 0
     arm = Loaded(*compiled(tmp_path, name))
@@ -242,9 +258,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             expected = oracle.law(
                 jacobian, hand, targets.astype(float), 35.0, np.repeat(weight, 4), np.float32(0.01), frame_name
             )
-            found = np.array(
-                [solve(lib.differential_ik, arm, configuration, *pair) for pair in zip(q, targets, strict=True)]
-            )
+            found = np.array([solve(for_this_arm, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
             # the arms reach up to 2 m, HOAP-3 0.3: the rounding of J^T W J grows with the square
             bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
@@ -253,8 +267,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             for pair in zip(q, targets, strict=True):
                 lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
                 written, general = (
-                    solve(law, arm, configuration, *pair, lower, upper)
-                    for law in (lib.differential_ik, lib.differential_ik_general)
+                    solve(law, arm, configuration, *pair, lower, upper) for law in (for_this_arm, general_form)
                 )
                 sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
                 assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
@@ -269,7 +282,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
         motion = rng.normal(size=6)
         for lower, upper in ((0, 0), rng.integers(0, 2**n, 2)):
             written, general = (position_priority(law, arm, row, target, motion, int(lower), int(upper))
-                                for law in (arm.table.position_priority, lib.position_priority))  # fmt: skip
+                                for law in (arm.ik.position_priority, lib.position_priority))  # fmt: skip
             if np.array_equal(written == 0, general == 0):
                 assert np.abs(written - general).max() < 1e-2 * max(1.0, np.abs(general).max())
             else:
@@ -281,7 +294,7 @@ def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
     """Right angles and lengths of 0 leave out much of the formulas: no variable must be left over."""
     flags = [
         "-std=c11",
-        f"-I{FIRMWARE / 'arms'}",
+        *INCLUDES,
         "-Wall",
         "-Wextra",
         "-Wpedantic",
@@ -306,10 +319,10 @@ def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
             ]
         )
     for number, rows in enumerate(rows_of):
-        path = tmp_path / f"arm_{number}.toml"
+        path = tmp_path / "arms" / f"arm_{number}.toml"
         write_description(path, rows[:-1], rows[-1])
         assert arm_codegen.main([str(path)]) == 0
-        written.append(str(path.with_suffix(".c")))
+        written += [str(path.with_suffix(".c")), str(tmp_path / "control" / "arms" / f"arm_{number}_ik.c")]
     assert subprocess.run(["gcc", *flags, *written], capture_output=True, text=True, check=True).stderr == ""
 
 
@@ -369,7 +382,7 @@ def test_jerk_limits_are_the_arms_or_a_joints_own(tmp_path):
     arm = described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + "jerk_max_radps3 = 3e3\n" + joint)
     assert arm.jerk_max_radps3 == [3e3, 2e4]
     first, second = [
-        line for line in arm_codegen.source(arm, "arm.toml").splitlines() if line.endswith("},") and "{{{" in line
+        line for line in arm_codegen.table_source(arm).splitlines() if line.endswith("},") and "{{{" in line
     ]
     assert first.endswith(" 3000.0f},") and second.endswith(" 20000.0f},")
 

@@ -267,7 +267,7 @@ def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[Lo
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
     """What the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
-    lib.controller_init(controller, ffi.addressof(lib.arm_hoap3_right), lib.CAN_PROFILE_FD)
+    lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
     queue = deque(frame for frame in frames if frame.frame_id in addressed)
     trace = DBC.get_message_by_name("TickTrace")

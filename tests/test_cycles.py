@@ -97,7 +97,7 @@ def test_the_operated_states_are_of_each_kind():
         "stop",
         "the law waits",
         "hold",
-        "a joint at an end",
+        "a joint at its limit",
     )
     assert all(seen[kind] >= 10 for kind in kinds), seen
 

@@ -301,23 +301,24 @@ NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RA
 
 @pytest.mark.parametrize("end", ["low", "high"])
 @pytest.mark.parametrize(
-    ("inside_rad", "stands_there"),
+    ("inside_rad", "is_there"),
     [(NEAR_END_RAD - 2e-6, True), (NEAR_END_RAD + 2e-6, False), (0, True), (-0.01, True), (0.1, False)],
 )
-def test_which_joints_stand_at_an_end_of_their_range(end, inside_rad, stands_there):
+def test_which_joints_are_at_a_limit(end, inside_rad, is_there):
     config = Drives(position_at([0.5] * N), 0).config
     for joint in range(N):
         measured = position_at([0.5] * N)
         measured[joint] = position_at([float(end == "high")] * N)[joint] + (
             -inside_rad if end == "high" else inside_rad
         )
-        ends = lib.joint_limits_ends(ARM.table, config, ffi.new("float[8]", list(measured)))
-        there = 1 << joint if stands_there else 0
-        assert (ends.lower, ends.upper) == ((0, there) if end == "high" else (there, 0))
+        at_limit = lib.joints_at_limit_find(ARM.table, config.at_limit_rad, ffi.new("float[8]", list(measured)))
+        there = 1 << joint if is_there else 0
+        assert (at_limit.lower, at_limit.upper) == ((0, there) if end == "high" else (there, 0))
 
 
-def test_a_joint_of_a_narrow_range_stands_at_both_ends():
+def test_a_joint_of_a_narrow_range_is_at_both_limits():
     limit = np.full(1, 1e-3, np.float32)
     arm = core.Arm(IDENTITY, Z_AXIS, -limit, limit, np.ones(1, np.float32))
-    ends = lib.joint_limits_ends(arm.table, Drives(position_at([0.5] * N), 0).config, ffi.new("float[8]"))
-    assert (ends.lower, ends.upper) == (1, 1)
+    margin_rad = Drives(position_at([0.5] * N), 0).config.at_limit_rad
+    at_limit = lib.joints_at_limit_find(arm.table, margin_rad, ffi.new("float[8]"))
+    assert (at_limit.lower, at_limit.upper) == (1, 1)

@@ -57,7 +57,7 @@ def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
     return position + WEIGHT * (4 * (1 - cosine_half) + k / 2 * (out_of_margin(q) @ out_of_margin(q)))
 
 
-def law(q, target, motion=(0.0,) * 6, ends=(0, 0), written_out=False) -> tuple[np.ndarray, np.ndarray, float]:
+def law(q, target, motion=(0.0,) * 6, at_limit=(0, 0), written_out=False) -> tuple[np.ndarray, np.ndarray, float]:
     arm = core.Arm.named("hoap3_right")
     position = ffi.new("float[]", [float(x) for x in q])
     config = ffi.new("position_priority_config_t *", {"gain_per_s": GAIN, "orientation_weight_m2": WEIGHT})
@@ -70,9 +70,9 @@ def law(q, target, motion=(0.0,) * 6, ends=(0, 0), written_out=False) -> tuple[n
         dict(zip("xyz", map(float, part))) for part in np.split(np.asarray(motion), 2)
     )
     request = ffi.new("position_priority_request_t *", {"position_rad": position, "target": goal, "motion": twist})
-    request.ends = {"lower": ends[0], "upper": ends[1]}
+    request.at_limit = {"lower": at_limit[0], "upper": at_limit[1]}
     for_error, for_motion = ffi.new("float[8]"), ffi.new("float[8]")
-    distance = (arm.table.position_priority if written_out else lib.position_priority)(
+    distance = (arm.ik.position_priority if written_out else lib.position_priority)(
         arm.table, config, request, for_error, for_motion
     )
     return np.array(list(for_error)[:JOINTS]), np.array(list(for_motion)[:JOINTS]), distance

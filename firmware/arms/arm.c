@@ -17,9 +17,8 @@ const char *arm_check(const arm_t *arm) {
     if (arm->joint_count < 1 || arm->joint_count > ARM_MAX_JOINTS) {
         return "arm table: joint_count must be 1 to 8";
     }
-    if (arm->forward_kinematics == NULL || arm->isotropic == NULL || arm->position_priority == NULL) {
-        return "arm table: forward_kinematics, isotropic and position_priority must be functions, for any arm or for this "
-               "one";
+    if (arm->forward_kinematics == NULL) {
+        return "arm table: forward_kinematics must be a function, for any arm or for this one";
     }
     if (!is_pose(arm->effector)) {
         return "arm table: effector is not a pose";
@@ -65,12 +64,14 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
 
 /* From the end effector towards the torso, in the end effector's frame: near it the numbers stay small. */
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian) {
-    pose_t end_effector = arm->effector; /* seen from the frame reached so far, through whose origin the joint's axis goes */
+    pose_t end_effector =
+        arm->effector; /* seen from the frame reached so far, through whose origin the joint's axis goes */
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
         const quaternion_t to_end_effector = quaternion_conjugate(end_effector.rotation);
         jacobian->angular[i] = quaternion_rotate(to_end_effector, joint->axis);
-        jacobian->linear_m[i] = quaternion_rotate(to_end_effector, vector3_cross(joint->axis, end_effector.translation_m));
+        jacobian->linear_m[i] =
+            quaternion_rotate(to_end_effector, vector3_cross(joint->axis, end_effector.translation_m));
         end_effector = pose_multiply(joint->fixed, turned(joint->axis, position_rad[i], end_effector));
     }
     jacobian->end_effector = end_effector;

@@ -11,10 +11,6 @@
 
 #define ARM_MAX_JOINTS 8
 
-struct differential_ik_config;
-struct differential_ik_request;
-struct position_priority_config;
-struct position_priority_request;
 typedef struct arm arm_t;
 
 /* One revolute joint: from the previous joint's moving frame (the torso for the first) by `fixed`, then a rotation of
@@ -28,22 +24,8 @@ typedef struct {
     float jerk_max_radps3;    /* 1,000 (a step of the bus's resolution in a tick of 1 ms) to 1e6 */
 } arm_joint_t;
 
-/* Joints, a bit each, that stand at an end of their range. */
-typedef struct {
-    uint8_t lower, upper;
-} joint_ends_t;
-
 /* The end effector's pose, as arm_forward_kinematics(). */
 typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
-
-/* Law (4) where it is isotropic; as differential_ik(), which calls it. */
-typedef void arm_isotropic_law_t(const arm_t *arm, const struct differential_ik_config *config,
-                                 const struct differential_ik_request *request, float velocity_radps[]);
-
-/* The law that puts position first, as position_priority(). */
-typedef float arm_position_priority_t(const arm_t *arm, const struct position_priority_config *config,
-                                      const struct position_priority_request *request, float feedback_radps[],
-                                      float feedforward_radps[]);
 
 struct arm {
     const char *name;
@@ -52,8 +34,6 @@ struct arm {
     const arm_joint_t *joints;
     pose_t effector;                      /* from the last joint's moving frame to the hand */
     arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or what `make arms` wrote for just this arm */
-    arm_isotropic_law_t *isotropic;       /* differential_ik_isotropic(), or what `make arms` wrote for just this arm */
-    arm_position_priority_t *position_priority; /* position_priority(), or what `make arms` wrote for just this arm */
 };
 
 /* The end effector's pose seen from the torso, and the geometric Jacobian in the end effector's frame: column i is the

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "joint_ends.h"
+#include "../maths/ldlt.h"
 
 /* As parts of the largest diagonal of J^T W J: with less damping than the first, float32's rounding would decide what
  * happens at a singularity, and the second is used. */
@@ -79,7 +79,8 @@ static void residual(const equations_t *self, const float u[], float rest[8]) {
     }
 }
 
-static void solve(equations_t *self, float u[]) {
+static void solve_unlocked(void *equations, float u[]) {
+    equations_t *self = equations;
     ldlt_factorise(&self->normal, self->joint_count);
     project(self, self->wanted, u);
     ldlt_solve(&self->normal, self->joint_count, u);
@@ -97,9 +98,9 @@ static void solve(equations_t *self, float u[]) {
     }
 }
 
-/* joints, a bit each: they stand. */
-static void leave_out(equations_t *self, uint8_t joints) {
-    ldlt_leave_out(&self->normal, self->joint_count, joints);
+static void lock_joints(void *equations, uint8_t joints) {
+    equations_t *self = equations;
+    ldlt_decouple(&self->normal, self->joint_count, joints);
     for (int i = 0; i < self->joint_count; i++) {
         if ((joints >> i & 1) != 0) {
             self->half_line[i] = (dual_quaternion_t){0};
@@ -157,13 +158,6 @@ void differential_ik_general(const arm_t *arm, const differential_ik_config_t *c
     set_hand(&equations, arm, request->position_rad);
     set_wanted(&equations, config, request->target);
     set_normal(&equations, config);
-    uint8_t out = 0;
-    for (;;) {
-        solve(&equations, velocity_radps);
-        const uint8_t more = joint_ends_leave_out(request->ends, arm->joint_count, velocity_radps, &out);
-        if (more == 0u) {
-            return;
-        }
-        leave_out(&equations, more);
-    }
+    const lockable_equations_t system = {&equations, solve_unlocked, lock_joints};
+    joints_at_limit_solve(request->at_limit, arm->joint_count, &system, velocity_radps);
 }

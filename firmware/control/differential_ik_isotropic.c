@@ -1,6 +1,6 @@
 #include "differential_ik_isotropic.h"
 
-#include "joint_ends.h"
+#include "../maths/ldlt.h"
 
 /* Law (4) without vec8, where one gain and one weight stand for rotation, and one for translation.
  *
@@ -53,6 +53,29 @@ static float dot(quaternion_t a, quaternion_t b) {
     return (a.w * b.w + a.x * b.x) + (a.y * b.y + a.z * b.z);
 }
 
+typedef struct {
+    int joint_count;
+    ldlt_t normal;
+    float right_side[ARM_MAX_JOINTS];
+} equations_t;
+
+static void solve_unlocked(void *equations, float velocity_radps[]) {
+    equations_t *self = equations;
+    for (int i = 0; i < self->joint_count; i++) {
+        velocity_radps[i] = self->right_side[i];
+    }
+    ldlt_factorise(&self->normal, self->joint_count);
+    ldlt_solve(&self->normal, self->joint_count, velocity_radps);
+}
+
+static void lock_joints(void *equations, uint8_t joints) {
+    equations_t *self = equations;
+    ldlt_decouple(&self->normal, self->joint_count, joints);
+    for (int i = 0; i < self->joint_count; i++) {
+        self->right_side[i] = (joints >> i & 1) != 0 ? 0.0f : self->right_side[i];
+    }
+}
+
 void differential_ik_isotropic(const arm_t *arm, const differential_ik_config_t *config,
                                const differential_ik_request_t *request, float velocity_radps[]) {
     const differential_ik_isotropic_t *law = &config->isotropic;
@@ -61,25 +84,26 @@ void differential_ik_isotropic(const arm_t *arm, const differential_ik_config_t 
     arm_jacobian(arm, request->position_rad, &jacobian);
     const pose_error_t error = error_of(&jacobian.end_effector, request->target, config);
 
-    ldlt_t normal;
+    equations_t equations = {.joint_count = joint_count};
     quaternion_t moved[ARM_MAX_JOINTS]; /* dual parts of the columns */
     float trace = 0.0f;
     for (int i = 0; i < joint_count; i++) {
         const vector3_t axis = jacobian.angular[i];
         const vector3_t linear = vector3_add(jacobian.linear_m[i], vector3_cross(axis, error.g));
         moved[i] = (quaternion_t){vector3_dot(axis, error.g), linear.x, linear.y, linear.z};
-        velocity_radps[i] = vector3_dot(axis, error.turn) + vector3_dot(linear, error.dual_m);
+        equations.right_side[i] = vector3_dot(axis, error.turn) + vector3_dot(linear, error.dual_m);
         for (int j = 0; j < i; j++) {
-            normal.matrix[j][i] =
+            equations.normal.matrix[j][i] =
                 law->weight_rotation * vector3_dot(axis, jacobian.angular[j]) + dot(moved[i], moved[j]);
         }
         const float squared = dot(moved[i], moved[i]);
-        normal.matrix[i][i] = law->diagonal + squared;
+        equations.normal.matrix[i][i] = law->diagonal + squared;
         trace += squared;
     }
     if (!(trace <= law->trace_max)) {
         differential_ik_general(arm, config, request, velocity_radps);
         return;
     }
-    joint_ends_solve(request->ends, joint_count, &normal, velocity_radps);
+    const lockable_equations_t system = {&equations, solve_unlocked, lock_joints};
+    joints_at_limit_solve(request->at_limit, joint_count, &system, velocity_radps);
 }

@@ -99,8 +99,6 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
         .ramp_square = ramp_radps * ramp_radps,
         .fastest_square = (speed_max_radps + coasting_radps) * (speed_max_radps + coasting_radps),
         .coasting_radps = coasting_radps,
-        .at_limit_rad = JOINT_LIMITS_AT_LIMIT_RAD +
-                        0.5f * (coasting_radps * coasting_radps - ramp_radps * ramp_radps) / braking_radps2,
         .reference_min_rad = joint->position_min_rad + POSITION_RESOLUTION_RAD,
         .reference_max_rad = joint->position_max_rad - POSITION_RESOLUTION_RAD,
     };
@@ -108,7 +106,11 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
 
 void joint_limits_prepare(joint_limits_config_t *config, const arm_t *arm) {
     for (int i = 0; i < arm->joint_count; i++) {
-        config->plan[i] = plan_joint(config, &arm->joints[i]);
+        joint_limits_plan_t *plan = &config->plan[i];
+        *plan = plan_joint(config, &arm->joints[i]);
+        config->at_limit_rad[i] =
+            JOINT_LIMITS_AT_LIMIT_RAD +
+            0.5f * (plan->coasting_radps * plan->coasting_radps - plan->ramp_square) / plan->braking_radps2;
     }
 }
 
@@ -179,18 +181,6 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
         }
     }
     return finite;
-}
-
-joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]) {
-    unsigned lower = 0, upper = 0;
-    for (int i = 0; i < arm->joint_count; i++) {
-        const arm_joint_t *joint = &arm->joints[i];
-        const float at_limit_rad = config->plan[i].at_limit_rad;
-        const unsigned bit = 1u << i;
-        lower |= float_is_below(measured_rad[i] - joint->position_min_rad, at_limit_rad) ? bit : 0u;
-        upper |= float_is_below(joint->position_max_rad - measured_rad[i], at_limit_rad) ? bit : 0u;
-    }
-    return (joint_ends_t){(uint8_t)lower, (uint8_t)upper};
 }
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm) {

@@ -21,7 +21,7 @@
 /* Braking is planned with this part of the acceleration limit: the rest absorbs rounding and the encoder's noise. */
 #define JOINT_LIMITS_BRAKING_RESERVE 0.9f
 
-/* A joint counts as standing at the end of its range so near to where its stopping speed becomes 0: there it crawls. */
+/* A joint is treated as at its limit this much before its stopping speed becomes 0: from there on it only creeps. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
 /* Of a joint: what follows from the config and the arm. */
@@ -36,7 +36,6 @@ typedef struct {
     float ramp_square;    /* (a^2 / (2 j))^2: of what the speed changes by while the deceleration grows to a */
     float fastest_square; /* of the stopping speed from which on speed_max_radps holds */
     float coasting_radps; /* what is lost of the stopping speed to that, and to commands under way */
-    float at_limit_rad;   /* nearer to an end, the joint counts as standing there */
     float reference_min_rad,
         reference_max_rad; /* not quite the ends, so that the rounded reference on the bus is within them */
 } joint_limits_plan_t;
@@ -48,7 +47,9 @@ typedef struct {
     float command_delay_s;         /* from this tick to the drive's motion: joints travel on for so long */
     float approach_gain_per_s; /* the law's largest gain K: what it asks for the error is K times the way to go, so the
                                   speed from which a joint can still stop on that way is known */
-    joint_limits_plan_t plan[ARM_MAX_JOINTS]; /* by joint_limits_prepare() */
+    /* by joint_limits_prepare() */
+    joint_limits_plan_t plan[ARM_MAX_JOINTS];
+    float at_limit_rad[ARM_MAX_JOINTS]; /* a joint nearer to a limit is at that limit */
 } joint_limits_config_t;
 
 /* Once, after the other members of the config are set. */
@@ -70,9 +71,6 @@ void joint_limits_init(joint_limits_t *self);
  * brakes, if a value is not finite, or the sum of a joint's velocities is not. */
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config,
                         const float measured_rad[], const float feedback_radps[], const float feedforward_radps[]);
-
-/* Which joints stand at an end of their range. */
-joint_ends_t joint_limits_ends(const arm_t *arm, const joint_limits_config_t *config, const float measured_rad[]);
 
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 

@@ -60,7 +60,7 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
  * counts as at its end. Returns how far from the target the hand was before. */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
-    const arm_t *arm = config->arm;
+    const arm_t *arm = config->ik->arm;
     const position_priority_config_t law = {
         .gain_per_s = 1.0f,
         .orientation_weight_m2 = ORIENTATION_SHARE * config->law->orientation_weight_m2,
@@ -69,12 +69,12 @@ static float improve(posture_change_t *self, const posture_change_config_t *conf
         .position_rad = self->candidate_rad,
         .target = target,
         .motion = &none,
-        .ends = joint_limits_ends(arm, config->limits, self->candidate_rad),
+        .at_limit = joints_at_limit_find(arm, config->limits->at_limit_rad, self->candidate_rad),
     };
     float step_rad[ARM_MAX_JOINTS], motion[ARM_MAX_JOINTS];
-    const float distance_m = arm->position_priority(arm, &law, &request, step_rad, motion);
+    const float distance_m = arm_ik_position_priority(config->ik, &law, &request, step_rad, motion);
     for (int i = 0; i < arm->joint_count; i++) {
-        const float inside_rad = 0.99f * config->limits->plan[i].at_limit_rad;
+        const float inside_rad = 0.99f * config->limits->at_limit_rad[i];
         const float low_rad = arm->joints[i].position_min_rad + inside_rad;
         const float high_rad = arm->joints[i].position_max_rad - inside_rad;
         const float to_rad = self->candidate_rad[i] + step_rad[i];
@@ -104,11 +104,11 @@ static void search(posture_change_t *self, const posture_change_config_t *config
         return;
     }
     if (is_met) {
-        keep_nearest(self, request->position_rad, config->arm->joint_count);
+        keep_nearest(self, request->position_rad, config->ik->arm->joint_count);
     } else if (self->steps < STEPS) {
         return;
     }
-    begin_candidate(self, config->arm, (uint8_t)(self->seed + 1));
+    begin_candidate(self, config->ik->arm, (uint8_t)(self->seed + 1));
     if (self->seed == SEEDS) {
         memcpy(self->candidate_rad, self->nearest_rad, sizeof self->candidate_rad);
         self->phase = self->way_rad == FLT_MAX ? POSTURE_LEFT : POSTURE_SEARCHED;
@@ -130,7 +130,7 @@ static float hand_speed(const arm_t *arm, const float position_rad[], const floa
 /* All joints in proportion: a straight line between two postures within the ranges is within them. */
 static void go(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[],
                float velocity_radps[]) {
-    const arm_t *arm = config->arm;
+    const arm_t *arm = config->ik->arm;
     const float fraction = config->limits->speed_fraction;
     const float share = fraction < POSTURE_CHANGE_JOINT_SHARE ? fraction : POSTURE_CHANGE_JOINT_SHARE;
     for (int i = 0; i < arm->joint_count; i++) {
@@ -158,7 +158,7 @@ void posture_change_init(posture_change_t *self) {
 
 bool posture_change_step(posture_change_t *self, const posture_change_config_t *config,
                          const position_priority_request_t *request, float feedback_radps[]) {
-    const int joint_count = config->arm->joint_count;
+    const int joint_count = config->ik->arm->joint_count;
     if (self->phase != POSTURE_WATCHED && is_away(self, request, POSTURE_CHANGE_AWAY_M)) {
         watch_anew(self, request, 0.0f);
     }
@@ -186,14 +186,14 @@ void posture_change_watch(posture_change_t *self, const posture_change_config_t 
     if (self->phase != POSTURE_WATCHED) {
         return;
     }
-    const bool is_stuck = distance_m > POSTURE_CHANGE_ERROR_M && (request->ends.lower | request->ends.upper) != 0;
+    const bool is_stuck = distance_m > POSTURE_CHANGE_ERROR_M && joints_at_limit_any(request->at_limit);
     if (!is_stuck || is_away(self, request, STILL_M) || __builtin_fabsf(distance_m - self->distance_m) > PROGRESS_M) {
         watch_anew(self, request, distance_m);
         return;
     }
     self->still_s += config->limits->tick_s;
     if (self->still_s >= POSTURE_CHANGE_STILL_S) {
-        begin_search(self, config->arm, request);
+        begin_search(self, config->ik->arm, request);
     }
 }
 

@@ -15,8 +15,8 @@
 #ifndef COMANIP_POSTURE_CHANGE_H
 #define COMANIP_POSTURE_CHANGE_H
 
+#include "arm_ik.h"
 #include "joint_limits.h"
-#include "position_priority.h"
 
 #define POSTURE_CHANGE_ERROR_M 3e-3f
 #define POSTURE_CHANGE_STILL_S 0.5f
@@ -39,7 +39,7 @@ typedef struct {
 
 /* All members of a request but the target's motion count. */
 typedef struct {
-    const arm_t *arm;
+    const arm_ik_t *ik;
     const position_priority_config_t *law;
     const joint_limits_config_t *limits;
 } posture_change_config_t;

@@ -21,7 +21,7 @@ void ldlt_factorise(ldlt_t *self, int n) {
     }
 }
 
-void ldlt_leave_out(ldlt_t *self, int n, uint8_t rows) {
+void ldlt_decouple(ldlt_t *self, int n, uint8_t rows) {
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < i; j++) {
             if (((rows >> i | rows >> j) & 1) != 0) {

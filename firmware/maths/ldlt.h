@@ -1,26 +1,26 @@
-/* L D L^T of a symmetric positive definite matrix of up to ARM_MAX_JOINTS rows. */
+/* L D L^T factorisation of a symmetric positive definite matrix, and the solution of equations with it. */
 #ifndef COMANIP_LDLT_H
 #define COMANIP_LDLT_H
 
-#include "../arms/arm.h"
+#include <stdint.h>
+
+#define LDLT_MAX_ROWS 8
 
 typedef struct {
-    float matrix[ARM_MAX_JOINTS]
-                [ARM_MAX_JOINTS]; /* upper triangle with the diagonal; when factorised also L, below the diagonal */
-    float inverse_pivot[ARM_MAX_JOINTS]; /* 1 / D */
+    float matrix[LDLT_MAX_ROWS][LDLT_MAX_ROWS]; /* the upper triangle with the diagonal; below it, once factorised, L */
+    float inverse_pivot[LDLT_MAX_ROWS];         /* 1 / D */
 } ldlt_t;
 
-/* 0 of a pivot that is not above 0, as rounding can make it. */
+/* 1 / pivot, or 0 if the pivot is not above 0, as rounding can make it. */
 static inline float ldlt_inverse(float pivot) {
     return pivot > 0.0f ? 1.0f / pivot : 0.0f;
 }
 
-/* Of the upper triangle, which stays. */
+/* Factorises the upper triangle, and keeps it. n: rows, at most LDLT_MAX_ROWS, in all of these. */
 void ldlt_factorise(ldlt_t *self, int n);
 
-/* Rows, a bit each, that shall count with their columns as 0 but for the diagonal, from the next ldlt_factorise() on.
- */
-void ldlt_leave_out(ldlt_t *self, int n, uint8_t rows);
+/* rows: a bit mask. Sets these rows and columns to 0 but for their diagonal elements; ldlt_factorise() is due next. */
+void ldlt_decouple(ldlt_t *self, int n, uint8_t rows);
 
 /* x: the right-hand side, then the solution. */
 void ldlt_solve(const ldlt_t *self, int n, float x[]);

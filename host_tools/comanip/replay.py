@@ -179,7 +179,9 @@ class Replay:
         ffi, lib = self._ffi, self._lib
         profile = _profile(frames)
         identity = _require_boot(frames, profile, lib)
-        arm = getattr(lib, f"arm_{identity.arm}", lib.arm_hoap3_right)  # a damaged name: the replay will come upon it
+        arm = getattr(
+            lib, f"arm_ik_{identity.arm}", lib.arm_ik_hoap3_right
+        )  # a damaged name: the replay will come upon it
         self._other_build = None if identity.build_hash in (None, lib.replay_build_hash()) else identity.build_hash
         by_kind = [messages()[lib.frame_table[kind].id] for kind in range(lib.FRAME_KIND_COUNT)]
         self._log = _native_log(ffi, frames)

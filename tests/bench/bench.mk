@@ -10,9 +10,11 @@ BENCH_PROCESSOR := -march=x86-64-v3
 BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG $(BENCH_PROCESSOR) -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
     -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS -isystem $(BENCH_SITE)/cmeel.prefix/include \
     -isystem $(BENCH_SITE)/mujoco/include -isystem /usr/include/eigen3
-BENCH_C := $(wildcard firmware/maths/*.c firmware/arms/*.c) tests/bench/tick.c $(addprefix firmware/control/,cooperation.c \
-    joint_ends.c task.c differential_ik.c differential_ik_general.c differential_ik_isotropic.c)
-BENCH_OBJECTS := $(BENCH_C:%.c=$(BENCH)/%.o) $(BENCH_ARMS:%=$(BENCH)/%.o) \
+BENCH_C := $(wildcard firmware/maths/*.c firmware/arms/*.c firmware/control/arms/*.c) tests/bench/tick.c \
+    $(addprefix firmware/control/,arm_ik.c cooperation.c differential_ik.c differential_ik_general.c differential_ik_isotropic.c \
+    joints_at_limit.c position_priority.c task.c)
+BENCH_WRITTEN := $(BENCH_ARMS:%=$(BENCH)/arms/%.c) $(BENCH_ARMS:%=$(BENCH)/control/arms/%_ik.c)
+BENCH_OBJECTS := $(BENCH_C:%.c=$(BENCH)/%.o) $(BENCH_WRITTEN:.c=.o) \
     $(patsubst tests/bench/%.cpp,$(BENCH)/%.cpp.o,$(wildcard tests/bench/*.cpp))
 BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind
 
@@ -22,18 +24,18 @@ $(VENV)/.installed-bench: tests/bench/requirements.txt | deps
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
-$(BENCH)/%.c: tests/bench/arms/%.toml $(wildcard $(DEVELOPMENT)/arms/*.py) | deps
-	@mkdir -p $(@D)
-	@cp $< $(@D)
-	$(Q)$(PYTHON) -m comanip_dev.arms.codegen $(@:.c=.toml) >/dev/null
+$(BENCH)/arms/%.c $(BENCH)/control/arms/%_ik.c: tests/bench/arms/%.toml $(wildcard $(DEVELOPMENT)/arms/*.py) | deps
+	@mkdir -p $(BENCH)/arms
+	@cp $< $(BENCH)/arms
+	$(Q)$(PYTHON) -m comanip_dev.arms.codegen $(BENCH)/arms/$*.toml >/dev/null
 
-.SECONDARY: $(BENCH_ARMS:%=$(BENCH)/%.c) # kept after they have been compiled
-BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH) -Ifirmware/arms
+.SECONDARY: $(BENCH_WRITTEN) # kept after they have been compiled
+BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH)/control/arms -Ifirmware/arms -Ifirmware/control/arms
 $(BENCH)/%.o: $(BENCH)/%.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES)
 	@echo "  CC $<"
 	$(Q)$(BENCH_CC) -c $< -o $@
 
-$(BENCH)/%.o: %.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_ARMS:%=$(BENCH)/%.c) tests/bench/tick.h
+$(BENCH)/%.o: %.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_WRITTEN) tests/bench/tick.h
 	@mkdir -p $(@D)
 	@echo "  CC $<"
 	$(Q)$(BENCH_CC) -c $< -o $@

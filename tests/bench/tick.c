@@ -3,17 +3,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../firmware/arms/hoap3_right.h"
+#include "../../firmware/control/arms/hoap3_right_ik.h"
 #include "../../firmware/control/cooperation.h"
-#include "../../firmware/control/differential_ik.h"
-#include "../../firmware/control/differential_ik_isotropic.h"
-#include "seven.h"
-#include "six.h"
+#include "seven_ik.h"
+#include "six_ik.h"
 
 #define TICK_S 1e-3f
 
 struct tick {
-    arm_t arm;
+    arm_ik_t ik;
+    arm_t arm; /* if it is none of those that are written out */
     arm_joint_t joints[ARM_MAX_JOINTS];
     cooperation_t cooperation;
     differential_ik_config_t config;
@@ -27,10 +26,10 @@ static pose_t pose(const double *p) {
 }
 
 static void choose_arm(tick_t *self, const tick_model_t *model) {
-    const arm_t *specialised[] = {&arm_hoap3_right, &arm_six, &arm_seven};
+    const arm_ik_t *written_out[] = {&arm_ik_hoap3_right, &arm_ik_six, &arm_ik_seven};
     for (int i = 0; model->name != NULL && i < 3; i++) {
-        if (strcmp(specialised[i]->name, model->name) == 0) {
-            self->arm = *specialised[i];
+        if (strcmp(written_out[i]->arm->name, model->name) == 0) {
+            self->ik = *written_out[i];
             return;
         }
     }
@@ -43,8 +42,8 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
     self->arm = (arm_t){.joint_count = (uint8_t)model->joint_count,
                         .joints = self->joints,
                         .effector = pose(&model->fixed[7 * model->joint_count]),
-                        .forward_kinematics = arm_forward_kinematics,
-                        .isotropic = differential_ik_isotropic};
+                        .forward_kinematics = arm_forward_kinematics};
+    self->ik = arm_ik_any(&self->arm);
 }
 
 tick_t *tick_create(const tick_model_t *model) {
@@ -64,12 +63,12 @@ tick_t *tick_create(const tick_model_t *model) {
     tick_set(self, model->start_rad);
     const cooperation_config_t config = {.tracker_rotation = quaternion_identity, .motion_scale = 1.0f};
     cooperation_start(&self->cooperation, &config, &task_table[TASK_POUR], self->hand[0],
-                      self->arm.forward_kinematics(&self->arm, self->position_rad));
+                      self->ik.arm->forward_kinematics(self->ik.arm, self->position_rad));
     return self;
 }
 
 void tick_set(tick_t *self, const double position_rad[]) {
-    for (int i = 0; i < self->arm.joint_count; i++) {
+    for (int i = 0; i < self->ik.arm->joint_count; i++) {
         self->position_rad[i] = (float)position_rad[i];
     }
 }
@@ -77,13 +76,13 @@ void tick_set(tick_t *self, const double position_rad[]) {
 static void tick(tick_t *self, int hand) {
     cooperation_update(&self->cooperation, &self->hand[hand], 1.0f);
     const differential_ik_request_t request = {.position_rad = self->position_rad, .target = &self->cooperation.target};
-    differential_ik(&self->arm, &self->config, &request, self->velocity_radps);
+    arm_ik_differential(&self->ik, &self->config, &request, self->velocity_radps);
 }
 
 void tick_run(tick_t *self, int count) {
     for (int k = 0, hand = 0; k < count; k++, hand = hand + 1 == self->hand_count ? 0 : hand + 1) {
         tick(self, hand);
-        for (int i = 0; i < self->arm.joint_count; i++) {
+        for (int i = 0; i < self->ik.arm->joint_count; i++) {
             self->position_rad[i] += TICK_S * self->velocity_radps[i];
         }
     }
@@ -91,7 +90,7 @@ void tick_run(tick_t *self, int count) {
 
 void tick_once(tick_t *self, int hand, double velocity_radps[]) {
     tick(self, hand);
-    for (int i = 0; i < self->arm.joint_count; i++) {
+    for (int i = 0; i < self->ik.arm->joint_count; i++) {
         velocity_radps[i] = (double)self->velocity_radps[i];
     }
 }

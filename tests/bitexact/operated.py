@@ -47,13 +47,13 @@ class Operated(Bench):
             self._count()
 
     def _count(self) -> None:
-        ends = lib.joint_limits_ends(
-            self.controller.arm, ffi.addressof(self.controller.joint_limits_config), self.controller.joints.position_rad
+        at_limit = lib.joints_at_limit_find(
+            self.controller.arm, self.controller.joint_limits_config.at_limit_rad, self.controller.joints.position_rad
         )
         cooperates = self.mode == lib.MODE_COOPERATING
         self.seen["the law waits"] += self.controller.demand_deferred
         self.seen["hold"] += self.mode == lib.MODE_HOLD
-        self.seen["a joint at an end"] += cooperates and (ends.lower | ends.upper) != 0
+        self.seen["a joint at its limit"] += cooperates and lib.joints_at_limit_any(at_limit)
 
     def _stop(self) -> None:
         assert self.command(lib.COMMAND_STOP) == lib.RESULT_ACCEPTED

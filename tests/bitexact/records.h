@@ -2,7 +2,7 @@
 #ifndef COMANIP_BITEXACT_RECORDS_H
 #define COMANIP_BITEXACT_RECORDS_H
 
-#include "../../firmware/arms/hoap3_right.h"
+#include "../../firmware/control/arms/hoap3_right_ik.h"
 #include "../../firmware/controller.h"
 #include "platform.h"
 
@@ -46,7 +46,7 @@ static inline bool record_read(record_t *record) {
 }
 
 static inline void record_boot(const record_t *record, controller_t *controller) {
-    controller_init(controller, &arm_hoap3_right,
+    controller_init(controller, &arm_ik_hoap3_right,
                     record->kind == RECORD_BOOT_FD ? CAN_PROFILE_FD : CAN_PROFILE_CLASSIC);
 }
 

@@ -1,5 +1,6 @@
 /* In the place of firmware/main.c: runs what cycles.py has written to input.bin, and marks what is to be counted. After
  * each mark output.bin gets a byte that says what it was. */
+#include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"
 
@@ -43,19 +44,20 @@ static hand_motion_t motion;
 static position_priority_config_t position_priority_config;
 
 /* Algorithm 1, kinematics and law (4), as the controller calls them. */
-static void tick(const float position_rad[], const pose_t *hand, joint_ends_t ends, float blend, counted_t what) {
+static void tick(const float position_rad[], const pose_t *hand, joints_at_limit_t at_limit, float blend,
+                 counted_t what) {
     float velocity_radps[ARM_MAX_JOINTS];
     const differential_ik_request_t request = {
-        .position_rad = position_rad, .target = &cooperation.target, .ends = ends};
+        .position_rad = position_rad, .target = &cooperation.target, .at_limit = at_limit};
     count_begin();
     cooperation_update(&cooperation, hand, blend);
-    differential_ik(&arm_hoap3_right, &config, &request, velocity_radps);
+    arm_ik_differential(&arm_ik_hoap3_right, &config, &request, velocity_radps);
     count_end();
     told(what);
 }
 
 static void ticks(const float position_rad[], const pose_t *hand) {
-    const joint_ends_t none = {0, 0}, all = {0x5, 0xA};
+    const joints_at_limit_t none = {0, 0}, all = {0x5, 0xA};
     cooperation.settled = cooperation.latched = false;
     tick(position_rad, hand, none, 0.5f, COUNTED_TICK_BLEND);
     cooperation_update(&cooperation, hand, 1.0f); /* what changed the task has been folded in */
@@ -86,13 +88,13 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     count_end();
     told(COUNTED_PREDICTION);
     for (int at_ends = 0; at_ends < 2; at_ends++) {
-        const joint_ends_t ends = {at_ends ? 0x5 : 0, at_ends ? 0xA : 0};
-        const position_priority_request_t request = {position_rad, &cooperation.target, &target_moves, ends};
+        const joints_at_limit_t at_limit = {at_ends ? 0x5 : 0, at_ends ? 0xA : 0};
+        const position_priority_request_t request = {position_rad, &cooperation.target, &target_moves, at_limit};
         float feedback_radps[ARM_MAX_JOINTS], feedforward_radps[ARM_MAX_JOINTS];
         count_begin();
         cooperation_update(&cooperation, &hand, 1.0f);
-        (void)arm_hoap3_right.position_priority(&arm_hoap3_right, &position_priority_config, &request, feedback_radps,
-                                                feedforward_radps);
+        (void)arm_ik_position_priority(&arm_ik_hoap3_right, &position_priority_config, &request, feedback_radps,
+                                       feedforward_radps);
         count_end();
         told(at_ends ? COUNTED_LAW_ENDS : COUNTED_LAW);
     }

@@ -5,9 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../../firmware/arms/hoap3_right.h"
+#include "../../firmware/control/arms/hoap3_right_ik.h"
 #include "../../firmware/control/cooperation.h"
-#include "../../firmware/control/differential_ik.h"
 #include "../../firmware/control/hand_tracker.h"
 #include "../../firmware/parameters/parameters.h"
 
@@ -42,7 +41,8 @@ static void set_gains(parameters_t *parameters, const float gain[8], const float
 }
 
 static void run(const char *name, const parameters_t *parameters, task_id_t task) {
-    const arm_t *arm = &arm_hoap3_right;
+    const arm_ik_t *ik = &arm_ik_hoap3_right;
+    const arm_t *arm = ik->arm;
     differential_ik_config_t law;
     cooperation_config_t mapping;
     parameters_differential_ik(parameters, &law);
@@ -76,11 +76,12 @@ static void run(const char *name, const parameters_t *parameters, task_id_t task
         }
         cooperation_update(&cooperation, &hand, tick < 1000u ? 0.001f * (float)tick : 1.0f);
         const uint8_t lower = tick % 7u == 0u ? (uint8_t)(tick & 15u) : 0u;
-        const differential_ik_request_t request = {.position_rad = joint,
-                                                   .target = &cooperation.target,
-                                                   .ends = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
+        const differential_ik_request_t request = {
+            .position_rad = joint,
+            .target = &cooperation.target,
+            .at_limit = {lower, tick % 11u == 0u ? (uint8_t)(15u & ~lower) : 0u}};
         float velocity_radps[ARM_MAX_JOINTS] = {0.0f};
-        differential_ik(arm, &law, &request, velocity_radps);
+        arm_ik_differential(ik, &law, &request, velocity_radps);
         take(&cooperation.target, sizeof cooperation.target);
         take(velocity_radps, sizeof velocity_radps);
     }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../../firmware/arms/hoap3_right.h"
+#include "../../firmware/control/arms/hoap3_right_ik.h"
 #include "../../firmware/controller.h"
 
 #define PI 3.14159265358979324
@@ -209,7 +209,7 @@ void rest_run(const parameters_t *parameters, const rest_case_t cases[], int cou
         for (int joint = 0; joint < REST_JOINTS; joint++) {
             loop.drive[joint].position_rad = loop.drive[joint].read_rad = cases[i].start_rad[joint];
         }
-        controller_init(&loop.controller, &arm_hoap3_right, CAN_PROFILE_FD);
+        controller_init(&loop.controller, &arm_ik_hoap3_right, CAN_PROFILE_FD);
         controller_set_parameters(&loop.controller, parameters, RESULT_ACCEPTED);
         outcomes[i].verdict = loop.controller.parameter_set.verdict;
         run(&loop);

@@ -62,15 +62,15 @@ void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_ra
     }
 }
 
-void batch_joint_velocity(const arm_t *arm, const differential_ik_config_t *config, size_t count,
+void batch_joint_velocity(const arm_ik_t *ik, const differential_ik_config_t *config, size_t count,
                           const float position_rad[], const dual_quaternion_t target[], float out[]) {
-    const size_t n = arm->joint_count;
+    const size_t n = ik->arm->joint_count;
 
     for (size_t row = 0; row < count; row++) {
         const pose_t pose = pose_from_dual_quaternion(target[row]);
 
         const differential_ik_request_t request = {.position_rad = &position_rad[row * n], .target = &pose};
 
-        differential_ik(arm, config, &request, &out[row * n]);
+        arm_ik_differential(ik, config, &request, &out[row * n]);
     }
 }

@@ -5,8 +5,7 @@
 
 #include <stddef.h>
 
-#include "../../../firmware/arms/arm.h"
-#include "../../../firmware/control/differential_ik.h"
+#include "../../../firmware/control/arm_ik.h"
 
 void batch_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[], dual_quaternion_t out[]);
 void batch_conjugate(size_t count, const dual_quaternion_t a[], dual_quaternion_t out[]);
@@ -25,7 +24,7 @@ void batch_forward_kinematics(const arm_t *arm, size_t count, const float positi
 void batch_pose_jacobian(const arm_t *arm, size_t count, const float position_rad[], float out[]);
 
 /* out: count x joint_count. */
-void batch_joint_velocity(const arm_t *arm, const differential_ik_config_t *config, size_t count,
+void batch_joint_velocity(const arm_ik_t *ik, const differential_ik_config_t *config, size_t count,
                           const float position_rad[], const dual_quaternion_t target[], float out[]);
 
 #endif

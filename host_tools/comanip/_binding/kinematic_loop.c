@@ -95,9 +95,9 @@ static void send_joint_states(loop_t *self, const kinematic_arm_t *arm, const fl
 
 static void init(loop_t *self, const kinematic_loop_config_t *config) {
     *self = (loop_t){.config = config, .accepted = true};
-    controller_init(&self->controller, config->arm, CAN_PROFILE_FD);
+    controller_init(&self->controller, config->ik, CAN_PROFILE_FD);
     controller_set_parameters(&self->controller, &config->parameters, RESULT_ACCEPTED);
-    transport_sender_init(&self->others, CAN_PROFILE_FD, config->arm->joint_count);
+    transport_sender_init(&self->others, CAN_PROFILE_FD, config->ik->arm->joint_count);
 }
 
 bool kinematic_loop_run(const kinematic_loop_config_t *config, const double start_rad[], size_t sample_count,
@@ -106,7 +106,7 @@ bool kinematic_loop_run(const kinematic_loop_config_t *config, const double star
     init(&loop, config);
     controller_outbox_t outbox = {.sink = {from_firmware, &loop}};
     kinematic_arm_t arm;
-    kinematic_arm_init(&arm, config->arm->joint_count, config->lag_s, start_rad);
+    kinematic_arm_init(&arm, config->ik->arm->joint_count, config->lag_s, start_rad);
     size_t next_sample = 0;
     for (uint32_t k = 0; k < tick_count && loop.accepted; k++) {
         const uint32_t now_us = k * TICK_US;

@@ -32,7 +32,7 @@ typedef struct {
 } kinematic_sample_t;
 
 typedef struct {
-    const arm_t *arm;
+    const arm_ik_t *ik;
     parameters_t parameters;
     double lag_s;                   /* of the drives */
     uint32_t period_us, latency_us; /* as TrackerStatus announces them, 10 times a second */

@@ -21,7 +21,7 @@ uint8_t replay_trace_version(void) {
     return COMANIP_TRACE_VERSION;
 }
 
-void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const can_frame_t log[], uint32_t count,
+void replay_init(replay_t *self, const arm_ik_t *ik, can_profile_t profile, const can_frame_t log[], uint32_t count,
                  uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]) {
     memset(self, 0, sizeof *self);
     self->log = log;
@@ -34,7 +34,7 @@ void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const 
     replay_log_index(self);
     self->tick_place = replay_stream_of_kind(self, FRAME_TICK_TRACE)->cursor;
     self->boots = 1;
-    replay_boot(self, arm);
+    replay_boot(self, ik);
 }
 
 void replay_other_build(replay_t *self, const bool left_out[FRAME_KIND_COUNT],
@@ -217,7 +217,7 @@ static void replay_tick(replay_t *self) {
     }
     if (is_reboot(self)) {
         find_unsent(self, self->former_tick_place);
-        replay_boot(self, self->controller.arm);
+        replay_boot(self, self->controller.ik);
         self->boots++;
     }
     self->before = self->controller;

@@ -81,7 +81,7 @@ uint32_t replay_trace_hash(void);
 uint8_t replay_trace_version(void);
 
 /* to_firmware, from_firmware: FRAME_KIND_COUNT each, as the DBC has it. stream_of, next: room for `count` each. */
-void replay_init(replay_t *self, const arm_t *arm, can_profile_t profile, const can_frame_t log[], uint32_t count,
+void replay_init(replay_t *self, const arm_ik_t *ik, can_profile_t profile, const can_frame_t log[], uint32_t count,
                  uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]);
 
 /* Between replay_init() and replay_run(), for a log of another build: what not to compare, and which parameters it had. */

@@ -17,7 +17,7 @@ parameter_value_t replay_parameter_value(const replay_t *self, const can_frame_t
     return value;
 }
 
-void replay_boot(replay_t *self, const arm_t *arm) {
+void replay_boot(replay_t *self, const arm_ik_t *ik) {
     const replay_stream_t *stream = replay_stream_of_kind(self, FRAME_PARAMETER_VALUE);
     bool is_known[PARAMETER_COUNT] = {false};
     int known = 0;
@@ -35,7 +35,7 @@ void replay_boot(replay_t *self, const arm_t *arm) {
             known++;
         }
     }
-    controller_init(&self->controller, arm, self->profile);
+    controller_init(&self->controller, ik, self->profile);
     controller_set_parameters(&self->controller, &parameters, result);
 }
 

@@ -6,7 +6,7 @@
 
 /* A controller as it was after the boot that the next frames tell of: with the parameters that they announce. What is
  * not announced, for the log ends before, has its default. */
-void replay_boot(replay_t *self, const arm_t *arm);
+void replay_boot(replay_t *self, const arm_ik_t *ik);
 
 /* What the log's frame, or one that was sent, tells. */
 parameter_value_t replay_parameter_value(const replay_t *self, const can_frame_t *frame);

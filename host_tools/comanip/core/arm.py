@@ -12,12 +12,12 @@ _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 
 
 def _built_in() -> dict[str, object]:
-    """The arm tables linked into the firmware, by name."""
-    symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_"))
-    tables = [
-        symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_t")
+    """The arms linked into the firmware, each an arm_ik_t, by name."""
+    symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_ik_"))
+    found = [
+        symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_ik_t")
     ]
-    return {ffi.string(table.name).decode(): table for table in tables}
+    return {ffi.string(ik.arm.name).decode(): ik for ik in found}
 
 
 _BUILT_IN = _built_in()
@@ -85,12 +85,10 @@ class Arm:
         table.joints = joints
         table.effector = _pose(effector)
         table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics")
-        table.isotropic = ffi.addressof(lib, "differential_ik_isotropic")
-        table.position_priority = ffi.addressof(lib, "position_priority")
         defect = lib.arm_check(table)
         if defect != ffi.NULL:
             raise ValueError(ffi.string(defect).decode())
-        self._take(table)
+        self._take(ffi.new("arm_ik_t *", lib.arm_ik_any(table)))
 
     @classmethod
     def named(cls, name: str) -> Arm:
@@ -101,8 +99,10 @@ class Arm:
         self._take(ffi.addressof(_BUILT_IN[name]))
         return self
 
-    def _take(self, table) -> None:
-        self.table = table
+    def _take(self, ik) -> None:
+        """ik: an arm_ik_t *."""
+        self.ik, self.table = ik, ik.arm
+        table = self.table
         self.name: str = ffi.string(table.name).decode()
         self.joint_count: int = table.joint_count
         joints = [table.joints[i] for i in range(table.joint_count)]

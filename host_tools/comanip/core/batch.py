@@ -120,5 +120,5 @@ def joint_velocity(
     config.error_frame = _ERROR_FRAMES[error_frame]
     lib.differential_ik_prepare(config)
     out = np.empty((len(q), arm.joint_count), np.float32)
-    lib.batch_joint_velocity(arm.table, config, len(q), _floats(q), _dual_quaternions(target), _floats(out))
+    lib.batch_joint_velocity(arm.ik, config, len(q), _floats(q), _dual_quaternions(target), _floats(out))
     return out

@@ -1,7 +1,8 @@
-"""``make arms``: from each firmware/arms/NAME.toml its table in C, with kinematics and both laws written out for just this arm (differential_ik.py,
-position_priority.py).
+"""``make arms``: from each firmware/arms/NAME.toml the arm's table with its forward kinematics, firmware/arms/NAME.[ch], and
+its inverse kinematics, firmware/control/arms/NAME_ik.[ch], both written out for just this arm.
 
-Run as ``python -m comanip_dev.arms.codegen [FILE...]``; NAME.c and NAME.h are written beside each file, and are committed.
+Run as ``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]``; what it writes to ROOT/arms and ROOT/control/arms is
+committed.
 """
 
 from __future__ import annotations
@@ -11,9 +12,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from comanip_dev import REPOSITORY
-from comanip_dev.arms import position_priority
+from comanip_dev.arms import differential_ik, position_priority
 from comanip_dev.arms.description import Arm, ArmError, Pose, read
-from comanip_dev.arms.differential_ik import fewest_operations, forward_kinematics
 from comanip_dev.arms.straight_line import literal
 
 ARMS = REPOSITORY / "firmware" / "arms"
@@ -27,52 +27,85 @@ def pose(p: Pose) -> str:
     return f"{{{{{numbers(p.rotation)}}}, {{{numbers(p.translation_m)}}}}}"
 
 
-def source(arm: Arm, origin: str) -> str:
-    law = fewest_operations(arm)
+def made_from(arm: Arm) -> str:
+    return f"/* Made by `make arms` from {arm.name}.toml: edit that. */"
+
+
+def header(arm: Arm, name: str, room: str, include: str, declaration: str) -> str:
+    guard = f"COMANIP_{room}_{name.upper()}_H"
+    return "\n".join([
+        f"/* {arm.title} */", made_from(arm), f"#ifndef {guard}", f"#define {guard}", "",
+        f'#include "{include}"', "", declaration, "", "#endif", "",
+    ])  # fmt: skip
+
+
+def table_header(arm: Arm) -> str:
+    return header(arm, arm.name, "ARMS", "arm.h", f"extern const arm_t arm_{arm.name};")
+
+
+def table_source(arm: Arm) -> str:
     rows = [
         f"    {{{pose(fixed)}, {{0.0f, 0.0f, 1.0f}}, {numbers([*limits, arm.velocity_max_radps, jerk])}}},"
         for fixed, limits, jerk in zip(arm.fixed, arm.range_rad, arm.jerk_max_radps3, strict=True)
     ]
     return "\n".join([
-        f"/* Made by `make arms` from {origin}: edit that. How: differential_ik.py, position_priority.py in host_tools/development/comanip_dev/arms. */",
-        f'#include "{arm.name}.h"', "", '#include "../control/joint_ends.h"', '#include "../control/position_priority_terms.h"', '#include "../maths/trigonometry_inline.h"', '#include "../control/differential_ik.h"', "",
+        made_from(arm), "/* clang-format off */", f'#include "{arm.name}.h"', "",
+        '#include "../maths/trigonometry.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
-        "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {", *forward_kinematics(arm), "}", "",
-        "/* joint_ends_solve() for this arm. */", *law.at_ends, "",
-        "/* differential_ik_isotropic() for this arm. */",
-        "static void isotropic(const arm_t *arm, const differential_ik_config_t *config, const differential_ik_request_t *request,",
-        "                      float velocity_radps[]) {",
-        *law.body, "}", "",
-        "/* position_priority() for this arm. */",
-        "static float written_out(const arm_t *arm, const position_priority_config_t *config, const position_priority_request_t *request,",
-        "                         float feedback_radps[], float feedforward_radps[]) {",
-        *position_priority.fewest_operations(arm), "}", "",
+        "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {",
+        *differential_ik.forward_kinematics(arm), "}", "",
         f"const arm_t arm_{arm.name} = {{",
         f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},", "    .joints = joints,",
-        f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,",
-        "    .isotropic = isotropic,", "    .position_priority = written_out,", "};", "",
+        f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,", "};", "",
     ])  # fmt: skip
 
 
-def header(arm: Arm, origin: str) -> str:
-    guard = f"COMANIP_ARMS_{arm.name.upper()}_H"
+def ik_header(arm: Arm) -> str:
+    return header(arm, f"{arm.name}_ik", "CONTROL_ARMS", "../arm_ik.h", f"extern const arm_ik_t arm_ik_{arm.name};")
+
+
+def ik_source(arm: Arm) -> str:
+    isotropic = differential_ik.fewest_operations(arm)
     return "\n".join([
-        f"/* {arm.title} */", f"/* Made by `make arms` from {origin}: edit that. */", f"#ifndef {guard}", f"#define {guard}", "",
-        '#include "arm.h"', "", f"extern const arm_t arm_{arm.name};", "", "#endif", "",
+        made_from(arm), "/* clang-format off */", f'#include "{arm.name}_ik.h"', "",
+        f'#include "../../arms/{arm.name}.h"', '#include "../../maths/trigonometry_inline.h"',
+        '#include "../position_priority_terms.h"', "",
+        "/* The isotropic equations, for joints_at_limit_solve(). */", *isotropic.at_limit, "",
+        "/* differential_ik_isotropic() for this arm. */",
+        "static void isotropic_ik(const arm_t *arm, const differential_ik_config_t *config,",
+        "                         const differential_ik_request_t *request, float velocity_radps[]) {",
+        *isotropic.body, "}", "",
+        "/* position_priority() for this arm. */",
+        "static float position_priority_ik(const arm_t *arm, const position_priority_config_t *config,",
+        "                                  const position_priority_request_t *request, float feedback_radps[],",
+        "                                  float feedforward_radps[]) {",
+        *position_priority.fewest_operations(arm), "}", "",
+        f"const arm_ik_t arm_ik_{arm.name} = {{&arm_{arm.name}, isotropic_ik, position_priority_ik}};", "",
     ])  # fmt: skip
+
+
+def files(path: Path) -> dict[Path, str]:
+    """What is written for ROOT/arms/NAME.toml: each file with its text. ArmError, OSError: the description cannot be read."""
+    arm = read(path)
+    ik = path.parent.parent / "control" / "arms" / f"{path.stem}_ik"
+    return {
+        path.with_suffix(".c"): table_source(arm), path.with_suffix(".h"): table_header(arm),
+        ik.with_suffix(".c"): ik_source(arm), ik.with_suffix(".h"): ik_header(arm),
+    }  # fmt: skip
 
 
 def main(argv: Sequence[str]) -> int:
     for path in [Path(argument) for argument in argv] or sorted(ARMS.glob("*.toml")):
         try:
-            arm = read(path)
+            written = files(path)
         except (ArmError, OSError) as error:
             print(f"make arms: {error}", file=sys.stderr)
             return 2
-        path.with_suffix(".c").write_text(source(arm, path.name))
-        path.with_suffix(".h").write_text(header(arm, path.name))
-        print(f"comanip: {path.with_suffix('.c')}, {path.with_suffix('.h')}")
+        for file, text in written.items():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+        print(f"comanip: {', '.join(map(str, written))}")
     return 0
 
 

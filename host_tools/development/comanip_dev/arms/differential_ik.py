@@ -220,7 +220,7 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
 
 
 def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]]:
-    """The normal equations: the lower triangle as matrix_ij, the right-hand side as pull_i."""
+    """The normal equations: the lower triangle as matrix_ij, the right-hand side as right_i."""
     block = Block("n")
     rotation, diagonal = Term(1.0, "law->weight_rotation"), Term(1.0, "law->diagonal")
     offset, turn, dual = (
@@ -232,7 +232,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
     for i, (axis, lever) in enumerate(zip(seen.axes, seen.levers, strict=True)):
         arm_to_middle = add(block, lever, offset)
         moved.append([block.dot(axis, offset), *cross(block, axis, arm_to_middle)])
-        results[f"pull_{i}"] = block.dot([*axis, *moved[i][1:]], [*turn, *dual])
+        results[f"right_{i}"] = block.dot([*axis, *moved[i][1:]], [*turn, *dual])
         for j in range(i):
             turned = block.multiply(rotation, block.dot(axis, seen.axes[j]))
             entries[i, j] = block.add(turned, block.dot(moved[i], moved[j]))
@@ -241,7 +241,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
         entries[i, i] = block.add(diagonal, squared)
     named = {f"matrix_{i}{j}": term for (i, j), term in entries.items() if not term.is_zero}
     trace = block.sum(term for name, term in results.items() if name.startswith("trace"))
-    pulls = {name: term for name, term in results.items() if name.startswith("pull")}
+    pulls = {name: term for name, term in results.items() if name.startswith("right")}
     lines = block.text([*named.values(), *pulls.values(), trace])
     lines += [f"    if (!({value(trace)} <= law->trace_max)) {{",
               "        differential_ik_general(arm, config, request, velocity_radps);",
@@ -327,36 +327,37 @@ def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
 
 def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
     factors = factorise(n, matrix)
-    return [*factors.lines, *substitute(factors, "pull", "velocity_radps")]
+    return [*factors.lines, *substitute(factors, "right", "velocity_radps")]
 
 
-def wrapped(items: list[str], indent: str, end: str) -> list[str]:
-    """Six items a line."""
-    rows = [", ".join(items[i : i + 6]) for i in range(0, len(items), 6)]
-    return [f"{indent}{row}," for row in rows[:-1]] + [f"{indent}{rows[-1]}{end}"]
+def wrapped(items: list[str], begin: str, indent: str, end: str) -> list[str]:
+    """Four items a line, the first line after `begin`, the others indented."""
+    rows = [", ".join(items[i : i + 4]) for i in range(0, len(items), 4)]
+    begins = [begin, *[indent] * (len(rows) - 1)]
+    return [f"{begin}{row}{',' if i < len(rows) - 1 else end}" for i, (begin, row) in enumerate(zip(begins, rows))]
 
 
 def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
     """The variables of the normal equations: the matrix's entries that are not 0 by construction, and the right-hand side."""
-    return [*(term.variable for term in matrix.values() if term.variable), *(f"pull_{i}" for i in range(n))]
+    return [*(term.variable for term in matrix.values() if term.variable), *(f"right_{i}" for i in range(n))]
 
 
-def solve_at_ends(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """A function that does what joint_ends_solve() does. Apart from the law, so that this one need not keep the equations."""
-    parameters = [f"float {name}" for name in unknown(n, matrix)]
-    lines = ["__attribute__((noinline)) static void solve_at_ends(joint_ends_t ends, float velocity_radps[],",
-             *wrapped(parameters, " " * 58, ") {"), "    uint8_t out = 0;", "    for (;;) {"]  # fmt: skip
-    lines += [f"    {line}" for line in solve(n, matrix)]
-    lines += [f"        const uint8_t more = joint_ends_leave_out(ends, {n}, velocity_radps, &out);",
-              "        if (more == 0u) {", "            return;", "        }"]  # fmt: skip
+def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
+    """The equations as a struct, and the two functions on them that joints_at_limit_solve() calls."""
+    names = unknown(n, matrix)
+    lines = ["typedef struct {", *wrapped(names, "    float ", " " * 10, ";"), "} equations_t;", "",
+             "static void solve_unlocked(void *equations, float velocity_radps[]) {",
+             "    const equations_t *const self = equations;",
+             *wrapped([f"{name} = self->{name}" for name in names], "    const float ", " " * 16, ";"),
+             *solve(n, matrix), "}", "",
+             "static void lock_joints(void *equations, uint8_t joints) {",
+             "    equations_t *const self = equations;"]  # fmt: skip
     for joint in range(n):
         zeros = [term.variable for (i, j), term in matrix.items() if i != j and joint in (i, j) and term.variable]
-        lines += [
-            f"        if ((more & {1 << joint}) != 0) {{",
-            f"            {' = '.join([*zeros, f'pull_{joint}'])} = 0.0f;",
-            "        }",
-        ]
-    return [*lines, "    }", "}"]
+        lines += [f"    if ((joints & {1 << joint}) != 0) {{",
+                  f"        {' = '.join(f'self->{name}' for name in [*zeros, f'right_{joint}'])} = 0.0f;",
+                  "    }"]  # fmt: skip
+    return [*lines, "}"]
 
 
 def sines_and_cosines(n: int) -> list[str]:
@@ -388,10 +389,10 @@ def sines_and_cosines(n: int) -> list[str]:
 
 @dataclass
 class Law:
-    """body: of differential_ik_isotropic() for the arm; at_ends: the function that it calls where joints stand at an end."""
+    """body: of differential_ik_isotropic() for the arm; at_limit: what it needs where joints are at their limits."""
 
     body: list[str]
-    at_ends: list[str]
+    at_limit: list[str]
 
 
 def law(arm: Arm, middle: int, right_first: bool) -> Law:
@@ -414,10 +415,13 @@ def law(arm: Arm, middle: int, right_first: bool) -> Law:
     lines.append("    /* target and -target are the same pose: the nearer one */")
     lines.append(f"    const float side = turn_w < 0.0f ? -{literal(scale)} : {literal(scale)};")
     lines.append("    const float pull_rotation = side * law->pull_rotation;")
-    at_ends = ["    if ((request->ends.lower | request->ends.upper) != 0) {", "        solve_at_ends(request->ends, velocity_radps,", *wrapped(unknown(n, matrix), " " * 22, ");"),
-               "        return;", "    }"]  # fmt: skip
-    body = [*lines, *difference, *equations, *at_ends, *solve(n, matrix)]
-    return Law(body, solve_at_ends(n, matrix))
+    at_limit = ["    if (joints_at_limit_any(request->at_limit)) {",
+                *wrapped(unknown(n, matrix), "        equations_t at_limit = {", " " * 32, "};"),
+                "        const lockable_equations_t system = {&at_limit, solve_unlocked, lock_joints};",
+                f"        joints_at_limit_solve(request->at_limit, {n}, &system, velocity_radps);",
+                "        return;", "    }"]  # fmt: skip
+    body = [*lines, *difference, *equations, *at_limit, *solve(n, matrix)]
+    return Law(body, at_limit_functions(n, matrix))
 
 
 def fewest_operations(arm: Arm) -> Law:

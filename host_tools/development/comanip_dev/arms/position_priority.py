@@ -73,10 +73,11 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     damping: list[Term] = []
     curvatures = [ZERO] * n
     for i, (axis, moment) in enumerate(zip(seen.axes, moments, strict=True)):
-        out = block.apply(f"position_priority_out_of_margin(&joints[{i}], position_rad[{i}])")
+        limits = ", ".join(literal(limit) for limit in arm.range_rad[i])
+        out = block.apply(f"position_priority_margin({limits}, position_rad[{i}])")
         pull = block.add(block.multiply(weight, block.dot(axis, turn)), block.multiply(weighted_stiffness, out))
-        results[f"error_{i}"] = block.multiply(gain, block.add(block.dot(moment, way), pull))
-        results[f"motion_{i}"] = block.add(
+        results[f"feedback_{i}"] = block.multiply(gain, block.add(block.dot(moment, way), pull))
+        results[f"feedforward_{i}"] = block.add(
             block.dot(moment, velocity), block.multiply(weight, block.dot(axis, angular_velocity))
         )
         damping.append(block.apply("position_priority_damping({}, {})", weighted_stiffness, out))
@@ -102,16 +103,16 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
         *sines_and_cosines(n),
         *block.text([*results.values(), distance]),
         *(f"    const float {name} = {value(term)};" for name, term in results.items()),
-        "    if ((request->ends.lower | request->ends.upper) != 0) {",
+        "    if (joints_at_limit_any(request->at_limit)) {",
         "        position_priority_equations_t equations;",
         *(f"        equations.normal.matrix[{j}][{i}] = {value(term)};" for (i, j), term in matrix.items()),
-        *(f"        equations.{side}[{i}] = {side}_{i};" for side in ("error", "motion") for i in range(n)),
-        f"        position_priority_solve(&equations, {n}, request->ends, feedback_radps, feedforward_radps);",
+        *(f"        equations.{side}[{i}] = {side}_{i};" for side in ("feedback", "feedforward") for i in range(n)),
+        f"        position_priority_solve(&equations, {n}, request->at_limit, feedback_radps, feedforward_radps);",
         f"        return {value(distance)};",
         "    }",
         *factors.lines,
-        *substitute(factors, "error", "feedback_radps"),
-        *substitute(factors, "motion", "feedforward_radps"),
+        *substitute(factors, "feedback", "feedback_radps"),
+        *substitute(factors, "feedforward", "feedforward_radps"),
         f"    return {value(distance)};",
     ]
 

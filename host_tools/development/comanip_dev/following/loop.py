@@ -84,7 +84,7 @@ def run_firmware(
 ) -> Run:
     ticks = int(round(motion.duration_s / TICK_S))
     config = ffi.new("kinematic_loop_config_t *")
-    config.arm = arm.arm.table
+    config.ik = arm.arm.ik
     config.parameters = parameter_set(parameters)[0]
     config.lag_s = DRIVE_LAG_S
     config.period_us, config.latency_us = tracker.period_us, tracker.announced_latency_us
