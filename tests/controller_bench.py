@@ -21,7 +21,7 @@ FRAME_ID = {
         "FIRMWARE_HEARTBEAT",
     )
 }
-Q_X_MINUS_90 = oracle.rotation([1, 0, 0], -np.pi / 2)  # the paper's (9)
+TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # the paper's (9)
 
 
 class Bench:
@@ -76,8 +76,7 @@ class Bench:
 
     def _tracker_frame(self):
         """The hand as the tracker sees it: (9) turned back."""
-        tracker = oracle.pose(Q_X_MINUS_90, [0, 0, 0])
-        seen = oracle.multiply(tracker, self.hand)
+        seen = oracle.multiply(TRACKER, self.hand)
         message = ffi.new(
             "hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid}
         )

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import oracle
-from dqrobotics import vec8
+from dqrobotics import DQ, vec8
 
 TICK_S = 1e-3
+GAIN, WEIGHT, DAMPING = 35.0, np.r_[[0.01] * 4, [100.0] * 4], 1e-2
+IDENTITY = np.array([1.0, 0, 0, 0, 0, 0, 0, 0])
 VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
@@ -38,34 +40,35 @@ def limited(wanted, last, last_change, q, gain, acceleration=25.0):
     return np.clip(change, -acceleration * TICK_S, acceleration * TICK_S)
 
 
+def law(jacobian, hand, target, gain, weight, damping):
+    """(4) with the error in the target's frame, as oracle.law, for one posture at a time: in a loop of many thousand ticks
+    arrays of one row take most of the time."""
+    back = DQ(-target if target[:4] @ hand[:4] < 0 else target).conj().hamiplus8()
+    error = IDENTITY - back @ hand
+    seen = back @ jacobian
+    weighted = seen.T * weight
+    normal = weighted @ seen + damping * np.eye(jacobian.shape[1])
+    return np.linalg.solve(normal, weighted @ (gain * error))
+
+
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
     """Law (4) over the joints that are free to do what it asks: joints_at_limit_find()."""
     free = np.ones(len(q), bool)
+    above, below = JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD, q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD
     while True:
         wanted = np.zeros(len(q))
         if free.any():
-            wanted[free] = oracle.law(jacobian[None][:, :, free], hand[None], target[None], *settings)[0]
-        blocked = ((wanted > 0) & (JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD)) | (
-            (wanted < 0) & (q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD)
-        )
+            wanted[free] = law(jacobian[:, free], hand, target, *settings)
+        blocked = ((wanted > 0) & above) | ((wanted < 0) & below)
         if not blocked.any():
             return wanted
         free &= ~blocked
 
 
-def run(
-    targets: np.ndarray,
-    cooperating: np.ndarray,
-    q0: np.ndarray,
-    gain=35.0,
-    weight=None,
-    damping=1e-2,
-    error_frame="target",
-) -> np.ndarray:
+def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray) -> np.ndarray:
     """targets (N, 8), one a tick; cooperating (N,) bool: elsewhere the arm brakes. Returns the hand (N, 8) at each tick,
     before that tick's command acts."""
     arm = oracle.hoap3()
-    weight = np.r_[[0.01] * 4, [100.0] * 4] if weight is None else weight
     q, v, change = q0.astype(float).copy(), np.zeros(len(q0)), np.zeros(len(q0))
     hands = np.empty((len(targets), 8))
     for k, target in enumerate(targets):
@@ -73,8 +76,8 @@ def run(
         hands[k] = hand
         wanted = np.zeros(len(q))
         if cooperating[k]:
-            wanted = law_with_blocked_joints(arm.pose_jacobian(q), hand, target, q, gain, weight, damping, error_frame)
-        change = limited(wanted, v, change, q, float(np.max(gain)))
+            wanted = law_with_blocked_joints(arm.pose_jacobian(q), hand, target, q, GAIN, WEIGHT, DAMPING)
+        change = limited(wanted, v, change, q, GAIN)
         v = v + change
         q = q + v * TICK_S
     return hands

@@ -15,8 +15,16 @@ from dqrobotics.robot_modeling import DQ_SerialManipulatorDH, DQ_SerialManipulat
 
 
 def quaternion_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    aw, av, bw, bv = a[..., :1], a[..., 1:], b[..., :1], b[..., 1:]
-    return np.concatenate([aw * bw - (av * bv).sum(-1, keepdims=True), aw * bv + bw * av + np.cross(av, bv)], axis=-1)
+    """By components: numpy's cross product takes ten times as long for a single one."""
+    aw, ax, ay, az = (a[..., i] for i in range(4))
+    bw, bx, by, bz = (b[..., i] for i in range(4))
+    w = aw * bw - (ax * bx + ay * by + az * bz)
+    product = np.empty((*w.shape, 4), w.dtype)
+    product[..., 0] = w
+    product[..., 1] = aw * bx + bw * ax + (ay * bz - az * by)
+    product[..., 2] = aw * by + bw * ay + (az * bx - ax * bz)
+    product[..., 3] = aw * bz + bw * az + (ax * by - ay * bx)
+    return product
 
 
 def quaternion_conjugate(a: np.ndarray) -> np.ndarray:
@@ -105,7 +113,7 @@ def law(
     if error_frame == "target":
         back = conjugate(target)
         error = np.array([1, 0, 0, 0, 0, 0, 0, 0.0]) - multiply(back, hand)
-        jacobian = np.moveaxis(multiply(back[:, None, :], np.moveaxis(jacobian, 1, 2)), 1, 2)
+        jacobian = multiply(back[:, None, :], jacobian.swapaxes(1, 2)).swapaxes(1, 2)
     else:
         error = target - hand
     weighted = np.swapaxes(jacobian, 1, 2) * weight

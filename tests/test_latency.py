@@ -104,25 +104,25 @@ def test_a_known_delay_is_found(rng, delay_ms):
     """A hand that goes and turns, a lever of 0.1 m at it, an offset, and 0.2 mm of noise; in two stretches with constants of their own."""
 
     def hand(t_s):
-        position_m = 0.05 * np.array([np.sin(3 * t_s), np.sin(4 * t_s + 1), np.sin(5 * t_s + 2)])
-        return position_m, Rotation.from_rotvec([0.3 * np.sin(2 * t_s), 0.2 * np.cos(3 * t_s), 0.1]).as_matrix()
+        """Places (N, 3) and turns (N, 3, 3) at these times."""
+        position_m = 0.05 * np.stack([np.sin(3 * t_s), np.sin(4 * t_s + 1), np.sin(5 * t_s + 2)], axis=-1)
+        turns = np.stack([0.3 * np.sin(2 * t_s), 0.2 * np.cos(3 * t_s), np.full_like(t_s, 0.1)], axis=-1)
+        return position_m, Rotation.from_rotvec(turns).as_matrix()
 
     fit = ffi.new("delay_fit_t *")
+    past = ffi.new("delay_hand_t[]", len(LAGS_MS))
+    seen = np.frombuffer(ffi.buffer(past), [("way_m", float, 3), ("turn", float, (3, 3))])
+    of_lag = [ffi.addressof(past, n) for n in range(len(LAGS_MS))]
     for offset_m, lever_m in (
         (np.array([0.3, 0.1, 0]), np.array([0.1, 0, 0])),
         (np.zeros(3), np.array([0, -0.05, 0.02])),
     ):
         for t_s in np.arange(0, 3, 0.01):
-            position_m, turn = hand(t_s - 1e-3 * delay_ms)
+            position_m, turn = (part[0] for part in hand(np.array([t_s - 1e-3 * delay_ms])))
             at_m = position_m + turn @ lever_m + offset_m + rng.normal(0, 2e-4, 3)
-            past = ffi.new("delay_hand_t[]", len(LAGS_MS))
-            for n, lag_ms in enumerate(LAGS_MS):
-                position_m, turn = hand(t_s - 1e-3 * lag_ms)
-                past[n].way_m[0:3] = [float(x) for x in position_m]
-                for row in range(3):
-                    past[n].turn[row][0:3] = [float(x) for x in turn[row]]
-            follower = ffi.new("double[2][3]", [[float(x) for x in at_m]] * 2)
-            lib.delay_fit_add(fit, follower, [ffi.addressof(past, n) for n in range(len(LAGS_MS))])
+            seen["way_m"], seen["turn"] = hand(t_s - 1e-3 * LAGS_MS)
+            follower = ffi.new("double[2][3]", [at_m.tolist()] * 2)
+            lib.delay_fit_add(fit, follower, of_lag)
         lib.delay_fit_end_stretch(fit)
     assert lib.delay_fit_ms(fit, lib.DELAY_OF_ROBOT) == pytest.approx(delay_ms, abs=0.5)
 

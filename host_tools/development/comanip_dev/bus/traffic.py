@@ -10,9 +10,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import cantools
 from cantools.database.can import Message
-from comanip.bus.frame import CLASSIC, DBC_PATH, classic_parts, is_classic
+from comanip.bus.frame import CLASSIC, classic_parts, database, is_classic
 from comanip.bus.frame_length import BitRates, longest, shortest
 
 from comanip_dev.bus.response_time import Stream
@@ -89,7 +88,7 @@ def _messages(is_for_classic: bool) -> list[Message]:
     """Those without frames of their own for classic CAN are the same on both, as the heartbeat."""
     return [
         message
-        for message in cantools.database.load_file(DBC_PATH).messages
+        for message in database().messages
         if is_classic(message.name) == is_for_classic or not (is_classic(message.name) or classic_parts(message.name))
     ]
 
