@@ -63,11 +63,17 @@ def _made(target: Path, key: str, command: list[str]) -> str:
     return key
 
 
-def _object(source: Path, compile_: list[str]) -> tuple[Path, str]:
-    digest = hashlib.sha256(_headers() + source.read_bytes() + "\0".join(compile_).encode())
+def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, str]]:
+    """What this command makes of each source, in the repository, and its key, which changes with what is in it."""
     kind = hashlib.sha256("\0".join(compile_).encode()).hexdigest()[:8]
-    target = (BUILD / "objects" / kind / source.relative_to(REPOSITORY)).with_suffix(".o")
-    return target, _made(target, digest.hexdigest(), [*compile_, "-c", str(source)])
+
+    def compiled(source: Path) -> tuple[Path, str]:
+        digest = hashlib.sha256(_headers() + source.read_bytes() + "\0".join(compile_).encode())
+        target = (BUILD / "objects" / kind / source.relative_to(REPOSITORY)).with_suffix(".o")
+        return target, _made(target, digest.hexdigest(), [*compile_, "-c", str(source)])
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(compiled, sources))
 
 
 def load(
@@ -78,11 +84,10 @@ def load(
     ffi = cffi.FFI()
     ffi.cdef(declared)
     compile_ = [*COMPILE, *options]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = list(pool.map(lambda source: _object(source, compile_), sources))
-    link = [*compile_, "-shared", "-Wl,-z,defs", *(str(target) for target, _ in objects)]
+    parts = objects(sources, compile_)
+    link = [*compile_, "-shared", "-Wl,-z,defs", *(str(target) for target, _ in parts)]
     link += [*(f"-l{library}" for library in libraries), "-lm"]
-    digest = hashlib.sha256("\0".join([*link, *(key for _, key in objects)]).encode())
+    digest = hashlib.sha256("\0".join([*link, *(key for _, key in parts)]).encode())
     library = BUILD / f"{name}.so"
     _made(library, digest.hexdigest(), link)
     return ffi, ffi.dlopen(str(library))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import subprocess
 
+import c_library
 import numpy as np
 import oracle
 import pytest
@@ -199,12 +200,13 @@ def write_description(path, rows, effector) -> None:
 
 def compiled(folder, name: str):
     """The arm with its inverse kinematics, out of a library of its own."""
-    sources = [str(file) for file in sorted(FIRMWARE.rglob("*.c")) if file.stem in LAW_SOURCES]
-    flags = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion",
-             "-Wshadow", "-Werror", "-fPIC", "-shared", *INCLUDES]  # fmt: skip
+    command = ["gcc", "-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion",
+               "-Wdouble-promotion", "-Wshadow", "-Werror", "-fPIC", *INCLUDES]  # fmt: skip
+    sources = [file for file in sorted(FIRMWARE.rglob("*.c")) if file.stem in LAW_SOURCES]
+    parts = [str(target) for target, _ in c_library.objects(sources, command)]
+    parts += [str(folder / "arms" / f"{name}.c"), str(folder / "control" / "arms" / f"{name}_ik.c")]
     library = folder / f"{name}.so"
-    sources += [str(folder / "arms" / f"{name}.c"), str(folder / "control" / "arms" / f"{name}_ik.c")]
-    subprocess.run(["gcc", *flags, *sources, "-o", str(library)], check=True)
+    subprocess.run([*command, "-shared", *parts, "-o", str(library)], check=True)
     loaded = ctypes.CDLL(str(library))
     return loaded, ffi.cast("arm_ik_t *", ctypes.addressof(ctypes.c_char.in_dll(loaded, f"arm_ik_{name}")))
 

@@ -21,6 +21,7 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+import c_library  # noqa: E402
 from images import IMAGES, REPOSITORY, make  # noqa: E402
 
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
@@ -72,11 +73,6 @@ def make_input(folder: Path, smoke: bool) -> None:
     )
 
 
-def core_sources() -> list[Path]:
-    sources = [*(REPOSITORY / "firmware").rglob("*.c")]
-    return sorted(s for s in sources if s.name != "main.c") + [REPOSITORY / "build" / "generated" / "comanip_dbc.c"]
-
-
 def run_in(folder: Path, name: str, command: list[str]) -> bytes:
     place = folder / name
     place.mkdir(parents=True, exist_ok=True)
@@ -87,8 +83,9 @@ def run_in(folder: Path, name: str, command: list[str]) -> bytes:
 
 
 def compile_host(program: Path, compiler: str, *flags: str) -> None:
-    command = [compiler, *CORE_FLAGS, *flags, *map(str, core_sources()), str(RUNNER), "-lm", "-o", str(program)]
-    subprocess.run(command, check=True)
+    command = [compiler, *CORE_FLAGS, *flags]
+    parts = [str(target) for target, _ in c_library.objects([*c_library.CORE, RUNNER], command)]
+    subprocess.run([*command, *parts, "-lm", "-o", str(program)], check=True)
 
 
 def host_output(folder: Path, compiler: str, level: str) -> bytes:
