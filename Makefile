@@ -159,8 +159,11 @@ following: build $(VENV)/.installed-following ## measure how closely the robot f
 	@$(PYTHON) -m comanip_dev.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
+# One worker per processor; tests/groups.py says which tests share one. PYTEST_ARGS='-n 0': none, as for --pdb.
+PYTEST_WORKERS := -n auto --dist loadgroup --no-loadscope-reorder
+
 test: build $(VENV)/.installed-tests ## run all tests: maths, bus, closed loop, recordings, two target images
-	@$(PYTHON) -m pytest tests $(PYTEST_ARGS)
+	@$(PYTHON) -m pytest tests $(PYTEST_WORKERS) $(PYTEST_ARGS)
 
 # Boots the kernel's CAN modules in user-mode Linux, which is installed through apt if missing.
 test-socketcan: build $(VENV)/.installed-tests ## run the tests on the kernel's SocketCAN, in user-mode Linux (two minutes)

@@ -5,18 +5,17 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from simulation import REPOSITORY
+from simulation import PATIENCE_S, REPOSITORY
 
 COMANIP = REPOSITORY / ".venv" / "bin" / "comanip"
 WRONG_USE = 2
-TIMEOUT_S = 120
 
 
 def call(*arguments: object, text: str | None = None, environment: dict | None = None) -> subprocess.CompletedProcess:
     """In a process of its own; `text` is its standard input."""
     command = [str(COMANIP), *(str(argument) for argument in arguments)]
     return subprocess.run(
-        command, input=text, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, env=environment
+        command, input=text, capture_output=True, text=True, check=False, timeout=PATIENCE_S, env=environment
     )
 
 

@@ -19,12 +19,11 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from simulation import REPOSITORY
+from simulation import PATIENCE_S, REPOSITORY
 
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 WITH_CAN = REPOSITORY / "build" / "host" / "with-can"
 SCRIPTS = REPOSITORY / ".venv" / "bin"
-PATIENCE_S = 60
 CAN_MTU, CANFD_MTU = 16, 72  # <linux/can.h>
 CAN_EFF_FLAG = 0x80000000
 CANFD_BRS = 1

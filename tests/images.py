@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from once import lock
+
 REPOSITORY = Path(__file__).resolve().parents[1]
+MAKE_LOCK = REPOSITORY / "build" / "tests" / "make.lock"
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,13 @@ class Image:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
+    """One at a time in the build folder, whichever test process asks; beside each other into folders of the tests' own."""
+    elsewhere = any(argument.startswith("TARGET_BUILD=") for argument in arguments)
+    with contextlib.nullcontext() if elsewhere else lock(MAKE_LOCK):
+        return _make(*arguments)
+
+
+def _make(*arguments: str) -> subprocess.CompletedProcess:
     # Not as part of the make that runs the tests: its job server is not open to us, and says so.
     environment = {
         name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from bus_log import DBC
 from e2e import p02, p05
+from simulation import PATIENCE_S
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
@@ -25,7 +26,6 @@ HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
 SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # the tests' machine is no real-time one
 ATTEMPTS = 3  # at a run that a busy machine may spoil by pausing one of the processes
-PATIENCE_S = 120  # wall time, for what must happen at all
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
 CANFD_BRS = 1

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 import can
 from comanip._core import ffi
 from controller_bench import Bench
+from simulation import PATIENCE_S
 
 CHANNEL = "live-firmware"
 INBOX_FRAMES = 8  # of the bus, in a tick
-DEADLINE_S = 30.0
 
 
 class LiveFirmware(threading.Thread):
@@ -52,7 +52,7 @@ class LiveFirmware(threading.Thread):
         self.bench.raw.append(frame)
 
     def wait_for_mode(self, mode: int) -> None:
-        deadline_s = time.monotonic() + DEADLINE_S
+        deadline_s = time.monotonic() + PATIENCE_S
         while self.bench.controller.supervisor.mode != mode:
             assert time.monotonic() < deadline_s, f"mode is {self.bench.controller.supervisor.mode}, not {mode}"
             time.sleep(0.01)

@@ -17,13 +17,12 @@ from bus_log import DBC, FD_MESSAGES
 from can_fd_bits import frame_duration_ns
 from comanip._core import ffi, lib
 from e2e import p05
-from simulation import REPOSITORY, SIMULATOR, Run, modes, run
+from simulation import EVENTFUL, REPOSITORY, SHORT, SIMULATOR, WRITTEN, Run, modes, run, shared
 
 CANTOOLS = REPOSITORY / ".venv" / "bin" / "cantools"
 SENT_BY_FIRMWARE = {message.frame_id for message in DBC.messages if message.senders == ["Firmware"]}
 NAME = {message.frame_id: message.name for message in DBC.messages}
 TICK_US = 1000
-WRITTEN = {"task_blend_s": 0.5, "motion_scale": 0.75}
 
 
 @dataclass(frozen=True)
@@ -51,24 +50,8 @@ def by_id(frames: list[LoggedFrame]) -> dict[int, list[LoggedFrame]]:
 
 
 @pytest.fixture(scope="module")
-def eventful(tmp_path_factory) -> Run:
-    """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
-    arguments = [
-        "--scenario",
-        "mirror",
-        "--duration",
-        "13",
-        "--clutch",
-        "7",
-        "--gap",
-        "4:0.2",
-        "--dropout",
-        "0.02",
-        "--tracker-clock",
-        "4294000000",
-    ]
-    arguments += [f"--param={name}={value}" for name, value in WRITTEN.items()]
-    return run(tmp_path_factory.mktemp("eventful"), *arguments).require_pass()
+def eventful() -> Run:
+    return shared(*EVENTFUL).require_pass()
 
 
 @pytest.fixture(scope="module")
@@ -82,8 +65,8 @@ def decoded(eventful) -> dict[str, bus_log.Frames]:
 
 
 @pytest.fixture(scope="module")
-def short(tmp_path_factory) -> Run:
-    return run(tmp_path_factory.mktemp("short"), "--scenario", "teleop", "--duration", 3).require_pass()
+def short() -> Run:
+    return shared(*SHORT).require_pass()
 
 
 # ---- the tools that people have

@@ -27,7 +27,7 @@ from comanip_dev.bus.traffic import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sim_bus import Bus
-from simulation import EXPERIMENTS, experiment, run
+from simulation import EXPERIMENTS, experiment, shared
 
 RATES = BitRates(1_000_000, 5_000_000)
 TICK_NS, MS_NS, US_NS = 1_000_000, 1_000_000, 1000
@@ -254,10 +254,9 @@ class Log:
 
 
 @pytest.fixture(scope="module", params=[(s, p) for p in PROFILES for s in EXPERIMENTS], ids="-".join)
-def logged(request, tmp_path_factory):
+def logged(request):
     scenario, profile = request.param
-    out = tmp_path_factory.mktemp(scenario)
-    done = run(out, "--scenario", experiment(scenario), "--seed", 1, "--profile", profile)
+    done = shared("--scenario", experiment(scenario), "--seed", 1, *(() if profile == "fd" else ("--profile", profile)))
     frames = bus_log.read(done.log)
     return Log(
         PROFILES[profile], frames, {name: np.rint(own.t_s * 1e9).astype(np.int64) for name, own in frames.items()}

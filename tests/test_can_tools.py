@@ -127,7 +127,7 @@ def test_candump_filters(heard):
 
 def test_candump_has_the_times_of_now(heard):
     times = [float(line[1:18]) for line in heard.text["candump"].splitlines() if line.startswith("(")]
-    assert all(0 <= later - earlier < PATIENCE_S for earlier, later in zip(times[:-1], times[1:], strict=True))
+    assert all(0 <= later - earlier < 60 for earlier, later in zip(times[:-1], times[1:], strict=True))
     assert abs(times[-1] - time.time()) < 3600
 
 

@@ -15,7 +15,7 @@ from comanip.bus import logs
 from comanip.replay import Replay, Report
 from comanip_command import call
 from live import Seen, is_authentic
-from simulation import EXIT_WRONG_USE, EXPERIMENTS, REPOSITORY, Run, experiment, modes, run
+from simulation import EVENTFUL, EXIT_WRONG_USE, EXPERIMENTS, REPOSITORY, Run, experiment, modes, run, shared
 from test_bus_log import by_id, logged_frames
 
 CLASSIC = ("--profile", "classic")
@@ -31,8 +31,8 @@ PARTS = {  # of the messages that have some
 
 
 @pytest.fixture(scope="module", params=EXPERIMENTS)
-def experiment_run(request, tmp_path_factory) -> Run:
-    return run(tmp_path_factory.mktemp(request.param), "--scenario", experiment(request.param), "--seed", 3, *CLASSIC)
+def experiment_run(request) -> Run:
+    return shared("--scenario", experiment(request.param), "--seed", 1, *CLASSIC)
 
 
 def test_the_experiments_succeed(experiment_run):
@@ -47,23 +47,8 @@ def test_their_logs_replay_byte_for_byte(experiment_run):
 
 
 @pytest.fixture(scope="module")
-def eventful(tmp_path_factory) -> Run:
-    """Writes, select, start, clutch, stop; a gap and lost samples, so holds; a tracker's clock that wraps."""
-    arguments = [
-        "--scenario",
-        "mirror",
-        "--duration",
-        "13",
-        "--clutch",
-        "7",
-        "--gap",
-        "4:0.2",
-        "--dropout",
-        "0.02",
-        "--tracker-clock",
-        "4294000000",
-    ]
-    return run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75", *CLASSIC).require_pass()
+def eventful() -> Run:
+    return shared(*EVENTFUL, *CLASSIC).require_pass()
 
 
 @pytest.fixture(scope="module")
@@ -156,21 +141,7 @@ def test_commands_stay_within_the_limits(frames):
 
 
 def test_two_runs_are_byte_identical(eventful, tmp_path):
-    arguments = [
-        "--scenario",
-        "mirror",
-        "--duration",
-        "13",
-        "--clutch",
-        "7",
-        "--gap",
-        "4:0.2",
-        "--dropout",
-        "0.02",
-        "--tracker-clock",
-        "4294000000",
-    ]
-    again = run(tmp_path / "again", *arguments, "--param", "motion_scale=0.75", *CLASSIC).require_pass()
+    again = run(tmp_path / "again", *EVENTFUL, *CLASSIC).require_pass()
     assert again.log.read_bytes() == eventful.log.read_bytes()
 
 

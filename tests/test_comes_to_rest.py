@@ -17,6 +17,7 @@ from simulation import (
     call,
     experiment,
     run,
+    shared,
 )
 
 ffi, lib = monitor_binding.load()
@@ -116,9 +117,9 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_each_experiment_ends_at_rest(tmp_path, name):
+def test_each_experiment_ends_at_rest(name):
     """Before the stop the person's hand stands still for 2.5 s, and then the arm does; by ODE's hand and the commands alone."""
-    done = run(tmp_path / "out", "--scenario", experiment(name), "--seed", 2).require_pass()
+    done = shared("--scenario", experiment(name), "--seed", 2).require_pass()
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
     still = slice(end - 2500, end)

@@ -19,6 +19,7 @@ from simulation import (
     EXIT_WRONG_USE,
     EXPERIMENTS,
     FILES,
+    PATIENCE_S,
     RECORDING_HEADER,
     SCENARIOS,
     SIMULATOR,
@@ -248,7 +249,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path):
         wait_until_running(first, out)
         assert_refused(run(out), [f"{out}: is in use by another run"])
         first.send_signal(signal.SIGINT)
-        assert first.wait(timeout=5) == EXIT_INTERRUPTED
+        assert first.wait(PATIENCE_S) == EXIT_INTERRUPTED
     finally:
         first.kill()
         first.wait()
@@ -258,7 +259,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path):
 
 def wait_until_running(process: subprocess.Popen, out: Path) -> None:
     log = out / "bus.log.partial"
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + PATIENCE_S
     while not (log.exists() and log.stat().st_size > 10**6):
         assert time.monotonic() < deadline and process.poll() is None
         time.sleep(0.01)
@@ -272,7 +273,7 @@ def test_interrupt_ends_the_run_cleanly(tmp_path, signals):
         wait_until_running(process, out)
         for number in signals:
             process.send_signal(number)
-        assert process.wait(timeout=5) == EXIT_INTERRUPTED
+        assert process.wait(PATIENCE_S) == EXIT_INTERRUPTED
     finally:
         process.kill()
         process.wait()

@@ -15,7 +15,7 @@ from e2e import p05
 from mcap.reader import make_reader
 from scapy.layers.can import CAN, CANFD
 from scapy.utils import RawPcapReader, rdpcap
-from simulation import run
+from simulation import SHORT, shared
 
 BEGIN_US = 1_700_000_000_000_000
 # One of each kind, as SocketCAN, candump and pcap tell them apart.
@@ -47,8 +47,8 @@ def facts(message: can.Message) -> tuple:
 
 
 @pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    return run(tmp_path_factory.mktemp("short"), "--scenario", "teleop", "--duration", 3).require_pass()
+def short():
+    return shared(*SHORT).require_pass()
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 from images import IMAGES
-from simulation import REPOSITORY
+from simulation import PATIENCE_S, REPOSITORY
 
 sys.path.insert(0, str(REPOSITORY / "tests" / "cycles"))
 
@@ -141,7 +141,7 @@ def test_the_counter_counts_what_is_there(tmp_path):
     argument = f"{plugin},begin={begin},end={end},costs={costs},out={tmp_path / 'counts.bin'}"
     machine = [*IMAGES["cortex-m4f"].emulator, *cycles.bitexact.SEMIHOSTING]
     subprocess.run(
-        [*machine, "-plugin", argument, "-kernel", str(elf)], check=True, stdin=subprocess.DEVNULL, timeout=60
+        [*machine, "-plugin", argument, "-kernel", str(elf)], check=True, stdin=subprocess.DEVNULL, timeout=PATIENCE_S
     )
     (pair,) = cycles.np.fromfile(tmp_path / "counts.bin", "<u4").reshape(-1, 2)
     # bx lr, movs, 100 x (subs, bne), bl; cycles 4 + 1 + 100 x 2 + 99 x 3 + 4

@@ -21,7 +21,7 @@ from comanip_dev.experiments.campaign import INPUTS_FILE, CampaignError, Job, ru
 from comanip_dev.experiments.jobs import RECORDING_SEEDS, RECORDINGS, RECORDINGS_FOLDER
 from comanip_dev.experiments.paper_gains import PAPER_GAINS
 from comanip_dev.experiments.table import DECISIVE, Figure, figure_lines
-from simulation import EXPERIMENTS, REPOSITORY, experiment
+from simulation import EXPERIMENTS, PATIENCE_S, REPOSITORY, experiment
 
 FAKE = """#!{python} -IS
 import json, os, sys, time
@@ -249,11 +249,11 @@ def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator
     command = [sys.executable, "-m", "comanip_dev.experiments", "--seeds", "2", "--out", out, "--simulator", simulator]
     environment = {**os.environ, "FAKE_TELEOP": "hang", "FAKE_PIDS": str(pids)}
     process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + PATIENCE_S
     while not (pids.exists() and len(pids.read_text().split()) == 2) and time.monotonic() < deadline:
         time.sleep(0.02)
     process.send_signal(signal.SIGTERM)
-    _, error = process.communicate(timeout=20)
+    _, error = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     again = "; the same command goes on from here"
     assert error == f"comanip_dev.experiments: interrupted: results are incomplete and not written{again}\n"
@@ -360,7 +360,7 @@ def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
         return gain_search.Score(float((logs**2).sum()), 0.0, 0.0, 0.0, 0.0, seeds, seeds)
 
     search = gain_search.Search(bowl, budget_s=60.0)
-    search.law("paper", seeds=3, end_s=time.monotonic() + 60.0)
+    search.law("paper", seeds=3, end_s=time.monotonic() + PATIENCE_S)
     confirmed = [t for t in search.tried if t.stage == "confirmed"]
     coarse = [t for t in search.tried if t.stage == "coarse"]
     assert len(coarse) == len(gain_search.coarse_grid("paper")) and len(confirmed) == gain_search.BEST

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from hub import CAN_EFF_FLAG, HUB, PATIENCE_S, Hub, classic, fd, running, wait_until
+from images import make
 from simulation import REPOSITORY
 
 JOURNAL_FRAMES = int(
@@ -338,7 +339,8 @@ def test_taps_survive_fuzzing(program, tmp_path):
     if not list(Path(runtime).glob("libclang_rt.fuzzer*")):
         pytest.skip(f"clang has no libFuzzer in {runtime}: make fuzz-deps installs it")
     built = REPOSITORY / "build" / "fuzz" / program
-    subprocess.run(["make", "-s", f"build/fuzz/{program}"], cwd=REPOSITORY, check=True, capture_output=True)
+    compiled = make(f"build/fuzz/{program}")
+    assert compiled.returncode == 0, compiled.stderr
     (tmp_path / "corpus").mkdir()
     seeds = {
         "commands": b"\xa0< open vcan0 >< rawmode >\x90< send 123 2 1 2 >",
@@ -348,7 +350,7 @@ def test_taps_survive_fuzzing(program, tmp_path):
         (tmp_path / "corpus" / name).write_bytes(seed)
     done = subprocess.run(
         [built, "-runs=3000", "-seed=1", "-max_len=2048", "-close_fd_mask=2", f"-artifact_prefix={tmp_path}/", tmp_path / "corpus"],
-        capture_output=True, text=True, check=False, timeout=600,
+        capture_output=True, text=True, check=False, timeout=PATIENCE_S,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]
     assert "Done 3000 runs" in done.stderr

@@ -7,6 +7,8 @@ import os
 import re
 import subprocess
 
+from images import MAKE_LOCK
+from once import lock
 from simulation import REPOSITORY, recording_csv
 
 MAKES_OWN = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # as set when these tests run under make
@@ -15,7 +17,8 @@ MAKES_OWN = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # as set when these tests run 
 def make(*arguments: str) -> subprocess.CompletedProcess:
     environment = {name: value for name, value in os.environ.items() if name not in MAKES_OWN}
     command = ["make", "--no-print-directory", *arguments]
-    return subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False, env=environment)
+    with lock(MAKE_LOCK):
+        return subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False, env=environment)
 
 
 def test_make_alone_prints_help():

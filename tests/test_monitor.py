@@ -16,12 +16,12 @@ from comanip.bus.frame import Frame
 from comanip.bus.state import BusState
 from comanip_command import COMANIP, call, call_here, require_refusal
 from live_firmware import CHANNEL, firmware
-from simulation import SIMULATOR, run
+from simulation import SHORT, SIMULATOR, shared
 
 
 @pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    return run(tmp_path_factory.mktemp("short"), "--scenario", "teleop", "--duration", 3).require_pass()
+def short():
+    return shared(*SHORT).require_pass()
 
 
 @pytest.fixture(scope="module")

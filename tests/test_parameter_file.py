@@ -314,7 +314,7 @@ def test_a_path_that_cannot_be_one_is_refused_at_the_start(hub, tmp_path, path, 
 @pytest.mark.parametrize("arguments", [["--parameters"], ["--parameters="], ["--parameters", ""]])
 def test_the_option_wants_a_file(arguments):
     done = subprocess.run(
-        [FIRMWARE, "--can", "vcan0", *arguments], capture_output=True, text=True, check=False, timeout=60
+        [FIRMWARE, "--can", "vcan0", *arguments], capture_output=True, text=True, check=False, timeout=PATIENCE_S
     )
     assert (done.returncode, done.stderr) == (
         WRONG_USE,

@@ -13,16 +13,15 @@ from pathlib import Path
 
 import pytest
 from images import IMAGES, Image, make
-from simulation import EXIT_WRONG_USE, REPOSITORY, experiment, run
+from simulation import EXIT_WRONG_USE, PATIENCE_S, REPOSITORY, experiment, run
 from test_target import TESTED
 
 PROGRAM = REPOSITORY / "build" / "host" / "comanip-pil"
-TIMEOUT_S = 300
 
 
 def pil(*arguments: object) -> subprocess.CompletedProcess:
     command = [sys.executable, "-m", "comanip_dev.images.pil", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
 
 
 @pytest.fixture(scope="module", params=TESTED)
@@ -99,11 +98,11 @@ def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
     ) as process:
         assert "in qemu-system" in process.stdout.readline()
-        deadline_s = time.monotonic() + TIMEOUT_S
+        deadline_s = time.monotonic() + PATIENCE_S
         while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
             time.sleep(0.1)  # until the run has begun
         process.send_signal(number)
-        assert process.wait(TIMEOUT_S) == 128 + number
+        assert process.wait(PATIENCE_S) == 128 + number
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
     assert (tmp_path / "out" / "summary.json").exists()

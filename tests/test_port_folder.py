@@ -9,6 +9,7 @@ import subprocess
 
 import pytest
 from images import REPOSITORY, make
+from simulation import PATIENCE_S
 
 SHARED = {"hal/cortex_m", "hal/common"}
 
@@ -51,7 +52,7 @@ def test_its_image_runs(built, tree):
     emulator = next(row[-1].split() for row in rows if row[0] == "skeleton")
     run = subprocess.run(
         [*emulator, "-icount", "shift=1,sleep=off", "-display", "none", "-kernel", built / "comanip.elf"],
-        timeout=60,
+        timeout=PATIENCE_S,
         check=False,
     )
     assert run.returncode == 0

@@ -18,7 +18,7 @@ from comanip.replay import Replay, Report
 from comanip_command import call, require_refusal
 from controller_bench import Bench
 from e2e import p05
-from simulation import EXPERIMENTS, experiment, run
+from simulation import EVENTFUL, EXPERIMENTS, SHORT, experiment, run, shared
 
 ID = {message.name: message.frame_id for message in DBC.messages}
 NAME = {message.frame_id: message.name for message in DBC.messages}
@@ -39,38 +39,21 @@ def write(path: Path, frames: list[Frame]) -> Path:
 
 
 @pytest.fixture(scope="module")
-def eventful(tmp_path_factory) -> list[Frame]:
-    """Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker clock that wraps."""
-    arguments = [
-        "--scenario",
-        "mirror",
-        "--duration",
-        "13",
-        "--clutch",
-        "7",
-        "--gap",
-        "4:0.2",
-        "--dropout",
-        "0.02",
-        "--tracker-clock",
-        "4294000000",
-    ]
-    done = run(tmp_path_factory.mktemp("eventful"), *arguments, "--param", "motion_scale=0.75").require_pass()
-    return list(logs.read(done.log))
+def eventful() -> list[Frame]:
+    return list(logs.read(shared(*EVENTFUL).require_pass().log))
 
 
 @pytest.fixture(scope="module")
-def short(tmp_path_factory) -> list[Frame]:
-    done = run(tmp_path_factory.mktemp("short"), "--scenario", "teleop", "--duration", 3).require_pass()
-    return list(logs.read(done.log))
+def short() -> list[Frame]:
+    return list(logs.read(shared(*SHORT).require_pass().log))
 
 
 # ---- equal
 
 
 @pytest.mark.parametrize("scenario", EXPERIMENTS)
-def test_all_experiments_replay_byte_for_byte(tmp_path, scenario):
-    done = run(tmp_path / "out", "--scenario", experiment(scenario), "--seed", 3)
+def test_all_experiments_replay_byte_for_byte(scenario):
+    done = shared("--scenario", experiment(scenario), "--seed", 2)
     assert done.status in (0, 1), done.stderr
     replayed = call("replay", done.log)
     assert replayed.returncode == EQUAL, replayed.stdout + replayed.stderr

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import hoap3
 import numpy as np
 import pytest
+from images import make
 from scipy.optimize import least_squares
 from simulation import REPOSITORY
 
@@ -25,7 +25,8 @@ import rest_pairs  # noqa: E402
 
 @pytest.fixture(scope="module", autouse=True)
 def loop() -> rest_loop.Loop:
-    subprocess.run(["make", "-s", "build/rest/loop.so"], cwd=REPOSITORY, check=True)  # never of an older firmware
+    built = make("build/rest/loop.so")  # never of an older firmware
+    assert built.returncode == 0, built.stderr
     return rest_loop.Loop(REPOSITORY / "build")
 
 

@@ -4,11 +4,9 @@ differs as from seed to seed (grains are chaotic); that they are caught does not
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
-from simulation import EXPERIMENTS, Run, experiment, run
+from simulation import EXPERIMENTS, Run, experiment, shared
 
 # Largest difference of a check's value: 1 % of the 5 N that are allowed, 2 degrees of three turns, 0.02 mm, 0.1 degree.
 AGREE = {
@@ -19,6 +17,7 @@ AGREE = {
     "handover": {"baton_with_person": 0},
 }
 STEPS_US = (500, 1000, 2000)
+DEFAULT_US = 1000
 FINEST_US = STEPS_US[0]
 HANDS = (("hand_x_m", "hand_y_m", "hand_z_m"), ("person_x_m", "person_y_m", "person_z_m"))
 JOINTS = ("q0_rad", "q1_rad", "q2_rad", "q3_rad")
@@ -29,14 +28,12 @@ LARGEST_RAD = {1000: 0.01, 2000: 0.02}  # of the four joints together
 
 
 @pytest.fixture(scope="module", params=EXPERIMENTS)
-def runs(request, tmp_path_factory) -> tuple[str, dict[int, Run]]:
-    folder = tmp_path_factory.mktemp(request.param)
-
+def runs(request) -> tuple[str, dict[int, Run]]:
     def at_step(step_us: int) -> Run:
-        return run(folder / str(step_us), "--scenario", experiment(request.param), "--physics-step-us", step_us)
+        option = [] if step_us == DEFAULT_US else ["--physics-step-us", step_us]
+        return shared("--scenario", experiment(request.param), "--seed", 1, *option)
 
-    with ThreadPoolExecutor(2) as pool:
-        return request.param, dict(zip(STEPS_US, pool.map(at_step, STEPS_US), strict=True))
+    return request.param, {step_us: at_step(step_us) for step_us in STEPS_US}
 
 
 def value(done: Run, name: str) -> float:

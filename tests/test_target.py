@@ -17,6 +17,7 @@ from pathlib import Path
 import e2e.p05
 import pytest
 from images import IMAGES, REPOSITORY, make
+from simulation import PATIENCE_S
 from slcan_oracle import StockSlcan
 
 # 500 million instructions per second: the software floating point of rv32imac needs more than 125 million for 1 kHz.
@@ -165,23 +166,23 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
             stdin=stdin, stdout=stdout, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
     try:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + PATIENCE_S
         while not done(serial.read_bytes().decode()):
             assert emulator.poll() is None, f"{IMAGES[image].emulator[0]} ended: {emulator.stderr.read()}"
             assert time.monotonic() < deadline, (
-                f"not done after 60 s; the last bytes: {serial.read_bytes().decode()[-300:]!r}"
+                f"not done after {PATIENCE_S} s; the last bytes: {serial.read_bytes().decode()[-300:]!r}"
             )
             time.sleep(0.05)
         answer = ""
         with socket.socket(socket.AF_UNIX) as connection:
-            connection.settimeout(30)
+            connection.settimeout(PATIENCE_S)
             connection.connect(str(monitor_socket))
             for command in [monitor, "quit\n"] if monitor else ["quit\n"]:
                 answer += until_prompt(connection)
                 connection.sendall(command.encode())
             while connection.recv(1 << 16):
                 pass  # until it has quit
-        emulator.wait(timeout=30)
+        emulator.wait(PATIENCE_S)
         return serial.read_bytes().decode(), answer
     finally:
         emulator.kill()

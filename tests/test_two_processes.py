@@ -24,6 +24,7 @@ from live import (
     has_kernel_can,
     is_authentic,
 )
+from simulation import PATIENCE_S
 from test_bus_log import logged_frames
 
 PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
@@ -347,7 +348,7 @@ def test_a_hub_in_a_folder_that_others_may_write_to_is_not_trusted(tmp_path, pro
         listener.bind(str(tmp_path / "theirs"))
         listener.listen()
         tmp_path.chmod(0o777)
-        done = subprocess.run([program, "--can", "theirs"], capture_output=True, text=True, check=False, timeout=60,
+        done = subprocess.run([program, "--can", "theirs"], capture_output=True, text=True, check=False, timeout=PATIENCE_S,
                               env={"COMANIP_HUB_DIR": str(tmp_path)})  # fmt: skip
     assert done.returncode == 2
     expected = f"{tmp_path}: expected a folder that only its owner, you or root, may write to\n"
@@ -386,7 +387,7 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
          *map(str, sources), "-lm", "-o", str(program)], check=True,
     )  # fmt: skip
     process = bus.firmware("hanging", program)
-    assert process.wait(timeout=60) == 1
+    assert process.wait(timeout=PATIENCE_S) == 1
     assert bus.told("hanging.err") == "comanip-firmware: panic: watchdog: not fed by the firmware for 10 ms\n"
 
 
@@ -406,7 +407,7 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
     ],
 )
 def test_wrong_use_is_one_clear_line(program, arguments, expected, tmp_path):
-    done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path,
+    done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False, timeout=PATIENCE_S, cwd=tmp_path,
                           env={"COMANIP_HUB_DIR": "/nowhere"})  # fmt: skip
     assert done.returncode == 2
     assert expected in done.stderr
