@@ -15,13 +15,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic_run
+from comanip.parameters import all_parameters
 from comanip_dev.experiments import gain_search
 from comanip_dev.experiments.__main__ import RESULT_FILES, main
 from comanip_dev.experiments.campaign import INPUTS_FILE, CampaignError, Job, run_jobs
 from comanip_dev.experiments.jobs import RECORDING_SEEDS, RECORDINGS, RECORDINGS_FOLDER
 from comanip_dev.experiments.paper_gains import PAPER_GAINS
 from comanip_dev.experiments.table import DECISIVE, Figure, figure_lines
-from simulation import EXPERIMENTS, PATIENCE_S, REPOSITORY, experiment
+from simulation import EXPERIMENTS, PATIENCE_S, experiment
 
 FAKE = """#!{python} -IS
 import json, os, sys, time
@@ -311,9 +312,7 @@ def test_the_recordings_named_are_there():
 
 
 def firmware_ranges() -> dict[str, tuple[float, float]]:
-    text = (REPOSITORY / "firmware" / "parameters" / "parameters.c").read_text()
-    rows = re.findall(r'\{"(\w+)", (-?[\d.e-]+)f, (-?[\d.e-]+)f', text)
-    return {name: (float(low), float(high)) for name, low, high in rows}
+    return {name: (parameter.minimum, parameter.maximum) for name, parameter in all_parameters().items()}
 
 
 @pytest.mark.parametrize("law", ["paper", "ours"])

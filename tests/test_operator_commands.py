@@ -88,7 +88,7 @@ def test_parameters_are_written_and_read_back(live, comanip):
     assert (status, float(out)) == (0, pytest.approx(-0.1, abs=1e-7))
     status, out, _ = comanip("param", "list", *BUS)
     assert status == 0
-    rows = {line.split()[0]: [float(word) for word in line.split()[1:]] for line in out.splitlines()[1:]}
+    rows = {line.split()[0]: [float(word) for word in line.split()[1:5]] for line in out.splitlines()[1:]}
     assert list(rows) == PARAMETERS
     for i, name in enumerate(PARAMETERS):
         row = lib.parameter_table[i]

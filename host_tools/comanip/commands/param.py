@@ -33,6 +33,8 @@ HELP = examples(
 )
 Name = Annotated[str, typer.Argument(help="as `comanip param list` shows it", show_default=False)]
 
+LIST_COLUMNS = 200
+
 app = typer.Typer(no_args_is_help=True, help="List, read, write and save parameters.", epilog=HELP)
 
 
@@ -50,13 +52,17 @@ def list_(
     profile: BusProfile = None,
 ) -> None:
     """Show the value in force of each parameter, with its unit, range, default and meaning."""
-    table = Table("parameter", "value", "unit", "from", "to", "default", "meaning", box=None, pad_edge=False)
+    table = Table(box=None, pad_edge=False)
+    for column in ("parameter", "value", "from", "to", "default", "unit", "meaning"):
+        table.add_column(column, no_wrap=True)
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         client = OperatorClient(bus)
         for name, parameter in all_parameters().items():
             bounds = (f"{bound:.7g}" for bound in (parameter.minimum, parameter.maximum, parameter.default))
-            table.add_row(name, f"{client.read(name):.7g}", parameter.unit, *bounds, parameter.meaning)
-    console().print(table)
+            table.add_row(name, f"{client.read(name):.7g}", *bounds, parameter.unit, parameter.meaning)
+    out = console()
+    out.width = max(out.width, LIST_COLUMNS)  # a row is a line, for scripts
+    out.print(table)
 
 
 @app.command(epilog=examples("comanip param get stale_periods"))
