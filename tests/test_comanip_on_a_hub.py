@@ -13,6 +13,7 @@ from hub import PATIENCE_S, WITH_CAN, Hub, running, tool, wait_until
 from live import FIRMWARE, PLANT, SLOW
 from simulation import REPOSITORY
 
+STATUS = r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+"
 SCENE = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
 
 
@@ -55,10 +56,15 @@ def accepted(hub: Hub, through: str, *arguments: object) -> bool:
 @pytest.mark.parametrize("through", ["socketcand", "shim"])
 def test_watch_and_operate(session, through):
     hub = session[0]
-    shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
-    assert shown.returncode == 0, shown.stderr
-    assert re.search(r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+", shown.stdout), shown.stdout
-    assert "JointState3" in shown.stdout and " wrong" not in shown.stdout
+
+    def monitored() -> object:
+        """Of a second in which the firmware, which may have just begun, and all drives are heard."""
+        shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
+        assert shown.returncode == 0, shown.stderr
+        assert " wrong" not in shown.stdout
+        return "JointState3" in shown.stdout and re.search(STATUS, shown.stdout)
+
+    wait_until(monitored, "the firmware's status and the drives' states in the monitor")
     # the plant's operator may start between
     write = ("param", "set", "motion_scale", "0.5")
     wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a parameter at rest")

@@ -22,6 +22,7 @@ from simulation import (
     PATIENCE_S,
     RECORDING_HEADER,
     SCENARIOS,
+    SHORT,
     SIMULATOR,
     Run,
     call,
@@ -254,7 +255,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path):
         first.kill()
         first.wait()
     assert sorted(path.name for path in out.iterdir()) == sorted(FILES), "the second took the first one's files"
-    run(out).require_pass()
+    run(out, *SHORT).require_pass()
 
 
 def wait_until_running(process: subprocess.Popen, out: Path) -> None:

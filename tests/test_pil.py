@@ -97,12 +97,16 @@ def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
     with subprocess.Popen(
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
     ) as process:
-        assert "in qemu-system" in process.stdout.readline()
-        deadline_s = time.monotonic() + PATIENCE_S
-        while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
-            time.sleep(0.1)  # until the run has begun
-        process.send_signal(number)
-        assert process.wait(PATIENCE_S) == 128 + number
+        try:
+            assert "in qemu-system" in process.stdout.readline()
+            deadline_s = time.monotonic() + PATIENCE_S
+            while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
+                time.sleep(0.1)  # until the run has begun
+            process.send_signal(number)
+            assert process.wait(PATIENCE_S) == 128 + number
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
     assert (tmp_path / "out" / "summary.json").exists()

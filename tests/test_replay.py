@@ -91,7 +91,7 @@ def test_logs_that_python_can_wrote(tmp_path, short, suffix):
 
 
 def test_a_log_may_end_anywhere(short):
-    for end in range(len(short) - 40, len(short)):
+    for end in range(3000, 3040):
         assert replay(short[:end]).difference is None, end
 
 
@@ -349,6 +349,9 @@ def test_at_recorded_pace(tmp_path, short):
 # ---- different
 
 
+LATEST_FRAMES = 2000  # 0.3 s: by then the firmware has read a frame, and told of it
+
+
 def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
     data = bytearray(frames[place].data)
     data[bit // 8] ^= 1 << bit % 8
@@ -362,7 +365,7 @@ def test_one_flipped_bit_is_reported_at_its_frame(eventful, rng):
     for frame_id, where in places.items():
         for place in rng.choice(where, min(len(where), 6), replace=False) if where else ():
             bit = int(rng.integers(8 * len(eventful[place].data)))
-            difference = replay(flipped(eventful, int(place), bit)).difference
+            difference = replay(flipped(eventful[: place + LATEST_FRAMES], int(place), bit)).difference
             assert difference is not None, (NAME[frame_id], place, bit)
             assert difference.place == place, (NAME[frame_id], place, bit, difference)
             tried += 1
