@@ -160,7 +160,7 @@ following: build $(VENV)/.installed-following ## measure how closely the robot f
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
 # One worker per processor; tests/groups.py says which tests share one. PYTEST_ARGS='-n 0': none, as for --pdb.
-PYTEST_WORKERS := -n auto --dist loadgroup --no-loadscope-reorder
+PYTEST_WORKERS := -n auto --no-loadscope-reorder
 
 test: build $(VENV)/.installed-tests ## run all tests: maths, bus, closed loop, recordings, two target images
 	@$(PYTHON) -m pytest tests $(PYTEST_WORKERS) $(PYTEST_ARGS)

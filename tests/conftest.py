@@ -44,18 +44,22 @@ def _shared_runs(tmp_path_factory):
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 
 
-@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the marks
 def pytest_collection_modifyitems(config, items):
-    if not hasattr(config, "workerinput"):
-        return
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group(groups.group_of(item.nodeid)[1]))
-    items.sort(key=lambda item: groups.group_of(item.nodeid))
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: groups.place_of(item.nodeid))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """In place of `--dist loadgroup`, whose marks pytest 9.2 leaves without effect."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByGroup(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return groups.group_of(nodeid)
+
+    return ByGroup(config, log)
 
 
 def pytest_report_header(config):
-    """Under `make test`."""
-    if not getattr(config.option, "numprocesses", None):
-        return []
-    lines = [f"  {group.name}: {group.reason}" for group in groups.GROUPS]
-    return ["on one worker each, one after the other, in this order; all others by their files:", *lines]
+    return groups.told() if getattr(config.option, "numprocesses", None) else []
