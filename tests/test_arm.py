@@ -128,3 +128,11 @@ def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
     assert np.abs(np.einsum("ik,ikj->ij", hand[:, :4], jacobian[:, :4])).max() < 1e-6
     swapped = np.concatenate([hand[:, 4:], hand[:, :4]], axis=1)
     assert np.abs(np.einsum("ik,ikj->ij", swapped, jacobian)).max() < 1e-6
+
+
+def test_an_arm_without_jerk_limits_has_those_of_a_description_without():
+    """The two defaults stand in packages of which neither can import the other's."""
+    from comanip_dev.arms.description import JERK_DEFAULT_RADPS3
+
+    arm = make_arm(np.eye(1, 8), np.eye(1, 3), np.eye(1, 8)[0])
+    assert arm.jerk_max_radps3.tolist() == [JERK_DEFAULT_RADPS3]

@@ -54,15 +54,12 @@ def test_what_is_installed_uses_no_developers_tool():
 
 
 def test_rooms_use_only_those_before_them():
-    order = {room: place for place, room in enumerate(ROOMS)}
+    users = {name: path for name, path in modules("comanip").items() if name not in ("comanip", "comanip.__main__")}
+    assert {name.split(".")[1] for name in users} <= set(ROOMS), "a new room: give it its place in ROOMS"
     wrong = []
-    for name, path in modules("comanip").items():
-        if name in ("comanip", "comanip.__main__"):
-            continue
-        room = name.split(".")[1]
-        for other in imported(path):
-            if other != "comanip" and order[other.split(".")[1]] > order[room]:
-                wrong.append(f"{name} uses {other}")
+    for name, path in users.items():
+        within = ("comanip", *(f"comanip.{room}" for room in ROOMS[: ROOMS.index(name.split(".")[1]) + 1]))
+        wrong += [f"{name} uses {other}" for other in imported(path) if ".".join(other.split(".")[:2]) not in within]
     assert wrong == []
 
 
