@@ -17,10 +17,11 @@ LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c firmware/*/*/*.c)) $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch] firmware/*/*/*.[ch])
-# The simulated world without a bus: in virtual time with the firmware in lockstep, or in real time on a real bus.
-SIM_SOURCES := $(filter-out sim/programs/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*.c sim/*/*.c)) \
-    host_tools/hub/hub_path.c
-HOST_SOURCES := firmware/main.c $(wildcard hal/host/*.c) hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/programs/simulator.c
+# The simulated world, less what its three programs differ in: the bus, and where the firmware is.
+SIM_SOURCES := $(filter-out sim/programs/% sim/port/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*/*.c)) \
+    hal/common/frame_time.c hal/linux/hub_path.c
+HOST_SOURCES := firmware/main.c hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c sim/port/local_firmware.c \
+    sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
@@ -31,8 +32,8 @@ INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_too
 # Two processes on a real bus: the firmware through the Linux port, and the plant.
 FIRMWARE_PROCESS := $(BUILD)/linux/comanip-firmware
 PLANT_PROCESS := $(BUILD)/linux/comanip-plant
-CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c host_tools/hub/hub_path.c
-FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c) host_tools/hub/hub_path.c
+CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c
+FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c)
 PLANT_PROCESS_SOURCES := $(CORE_SOURCES) $(CAN_SOURCES) $(SIM_SOURCES) sim/bus/live_bus.c sim/programs/plant.c
 LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o))
 

@@ -90,7 +90,8 @@ $(foreach image,$(SLCAN_IMAGES),$(eval $(call PIL_VARIABLES,$(image))))
 $(foreach image,$(PIL_IMAGES),$(eval $(call IMAGE_RULES,$(image))))
 
 PIL_PROCESS := $(BUILD)/host/comanip-pil
-PIL_PROCESS_SOURCES := $(CORE_SOURCES) $(SIM_SOURCES) sim/bus/bus.c sim/programs/pil.c sim/programs/remote_firmware.c hal/slcan/slcan.c
+PIL_PROCESS_SOURCES := $(CORE_SOURCES) $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c sim/port/remote_firmware.c \
+    sim/programs/pil.c hal/slcan/slcan.c
 
 $(PIL_PROCESS): $(PIL_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 	@mkdir -p $(@D)

@@ -1,22 +1,16 @@
-"""The simulated arm in its physical scene, its drives and the monitors as a Python library: ``ffi, lib = load()``.
-Needs ODE."""
+"""The simulated arm in its physical scene, and its drives, with ODE: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
 import functools
 
-import c_library
 import cffi
-from c_declarations import declarations
-from c_library import CORE, REPOSITORY
+import simulator_library
 
-PARTS = (
-    "bus/bus", "bus/frame_time", "common/events", "common/names", "common/rigid_pose", "common/solve_3x3", "monitors/limit_monitor",
-    "monitors/reach", "nodes/drive_node", "robot/arm_plant", "robot/position_jacobian", "robot/robot_model", "scene/cup", "scene/hand_body",
-    "scene/objects", "scene/physics", "scene/scene", "scene/water",
-)  # fmt: skip
-WITHOUT_HEADER = (
-    "bus/endpoint", "scene/grip", "scene/particle_contacts", "scene/particle_solver", "scene/support",
+MODULES = (
+    "sim/bus/bus", "sim/common/events", "sim/monitors/limit_monitor", "sim/monitors/reach", "sim/nodes/drive_node",
+    "sim/robot/position_jacobian", "sim/robot/robot_model", "sim/scene/arm_plant", "sim/scene/cup", "sim/scene/hand_body",
+    "sim/scene/objects", "sim/scene/physics", "sim/scene/scene", "sim/scene/water",
 )  # fmt: skip
 
 # ODE itself, for what the product has no call for: forces and energies of bodies that tests hold against it.
@@ -39,6 +33,4 @@ void dSetMessageHandler(dMessageFunction *);
 
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
-    headers = [REPOSITORY / "sim" / f"{part}.h" for part in PARTS]
-    sources = [REPOSITORY / "sim" / f"{part}.c" for part in (*PARTS, *WITHOUT_HEADER)]
-    return c_library.load("plant", declarations(headers) + ODE, sources + CORE, libraries=["ode"])
+    return simulator_library.load(MODULES, libraries=["ode"], declared=ODE)

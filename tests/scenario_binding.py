@@ -1,33 +1,31 @@
-"""The reader of scenario files as a Python library: ``ffi, lib = load()``.
-Needs ODE, libccd and libyaml."""
+"""The reader of scenario files, and the checks whether a scene can be, with ODE and libccd: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
 import functools
 from pathlib import Path
 
-import c_library
 import cffi
-from c_declarations import declarations
-from c_library import CORE, REPOSITORY
+import simulator_library
 
-SIM = REPOSITORY / "sim"
-HEADERS = [SIM / "scenario" / f"{name}.h" for name in ("scenario", "scenario_file", "scenario_geometry")]
-FOLDERS = ("common", "robot", "scenario", "scene", "proximity")
-NOT_NEEDED = ("person_program.c", "proximity.c")  # they pull in the people's hands and the bus
+READER = ("sim/scenario/scenario", "sim/scenario/scenario_file", "sim/scenario/scenario_vary")
+CHECKS = ("sim/feasibility/scenario_geometry", "sim/feasibility/scenario_water")
 
 
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
-    sources = [file for name in FOLDERS for file in sorted((SIM / name).glob("*.c")) if file.name not in NOT_NEEDED]
-    return c_library.load("scenario", declarations(HEADERS), sources + CORE, libraries=("ode", "ccd", "yaml"))
+    return simulator_library.load([*READER, *CHECKS], libraries=["ode", "ccd", "yaml"])
 
 
 def read(path: Path) -> object:
-    """The scenario_t of a file. ValueError: the reader's line."""
+    """The scenario_t of a file whose scene can be. ValueError: the line that says what is wrong."""
     ffi, lib = load()
     scenario, error = ffi.new("scenario_t *"), ffi.new("char[2048]")
-    if not lib.scenario_load(scenario, str(path).encode(), b"", error, len(error)):
+    if not (
+        lib.scenario_load(scenario, str(path).encode(), b"", error, len(error))
+        and lib.scenario_check_geometry(scenario, error, len(error))
+        and lib.scenario_check_water(scenario, error, len(error))
+    ):
         raise ValueError(ffi.string(error).decode(errors="replace"))
     return scenario
 

@@ -1,29 +1,21 @@
-"""The simulator's parts without ODE, and stand_in_scene.c in its place, as a Python library: ``ffi, lib = load()``."""
+"""The simulator's bus, nodes and people, with stand_in_scene.c in the place of ODE: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
 import functools
 
-import c_library
 import cffi
-from c_declarations import declarations
-from c_library import CORE, REPOSITORY
+import simulator_library
 
-PARTS = [
-    REPOSITORY / "sim" / name
-    for name in (
-        "bus/bus", "bus/candump_log", "bus/frame_time", "common/events", "common/names", "common/random",
-        "common/rigid_pose", "people/approach", "people/crank_turn", "hand/hand_history", "hand/hand_path",
-        "hand/minimum_jerk", "hand/playback", "people/playlist", "hand/recorded_motion", "hand/recording", "people/sight",
-        "scenario/forbidden_drop", "scenario/step_wait", "hand/tremor", "nodes/operator_node", "nodes/operator_script", "nodes/tracker_node",
-        "people/person_program",
-    )
-] + [REPOSITORY / "tests" / "stand_in_scene"]  # fmt: skip
-ENDPOINT = REPOSITORY / "sim" / "bus" / "endpoint.c"
-SOURCES = [part.with_suffix(".c") for part in PARTS] + [ENDPOINT] + CORE
-HEADERS = [part.with_suffix(".h") for part in PARTS]
+MODULES = (
+    "hal/common/frame_time", "sim/bus/bus", "sim/bus/candump_log", "sim/common/events", "sim/common/names", "sim/common/random",
+    "sim/common/rigid_pose", "sim/hand/hand_history", "sim/hand/hand_path", "sim/hand/minimum_jerk", "sim/hand/playback",
+    "sim/hand/recorded_motion", "sim/hand/recording", "sim/hand/tremor", "sim/nodes/operator_node", "sim/nodes/operator_script",
+    "sim/nodes/tracker_node", "sim/people/approach", "sim/people/crank_turn", "sim/people/person_program", "sim/people/playlist",
+    "sim/people/sight", "sim/scenario/forbidden_drop", "sim/scenario/step_wait",
+)  # fmt: skip
 
 
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
-    return c_library.load("sim", declarations(HEADERS), SOURCES)
+    return simulator_library.load(MODULES, stand_ins=["tests/stand_in_scene"])

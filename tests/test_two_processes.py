@@ -378,7 +378,6 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
     sources = [
         *(REPOSITORY / "hal" / "linux").glob("*.c"),
         *(file for file in sorted((REPOSITORY / "firmware").rglob("*.c")) if file.stem in names),
-        REPOSITORY / "host_tools" / "hub" / "hub_path.c",
         REPOSITORY / "build" / "generated" / "comanip_dbc.c",
         main,
     ]

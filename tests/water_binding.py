@@ -1,20 +1,21 @@
-"""The water and its cups as a Python library: ``ffi, lib = load()``. Needs nothing but the C library."""
+"""The water and its cups: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
 import functools
 
-import c_library
 import cffi
-from c_declarations import declarations
-from c_library import OPTIMISED, REPOSITORY
+import simulator_library
 
-PARTS = ("common/rigid_pose", "scene/cup", "scene/particle_contacts", "scene/particle_solver", "scene/water")
-SOURCES = [REPOSITORY / "sim" / f"{part}.c" for part in PARTS]
-HEADERS = [source.with_suffix(".h") for source in SOURCES]
+MODULES = (
+    "sim/common/rigid_pose",
+    "sim/scene/cup",
+    "sim/scene/particle_contacts",
+    "sim/scene/particle_solver",
+    "sim/scene/water",
+)
 
 
 @functools.cache
 def load() -> tuple[cffi.FFI, object]:
-    """Optimised: the tests pour for many seconds."""
-    return c_library.load("water", declarations(HEADERS), SOURCES, *OPTIMISED)
+    return simulator_library.load(MODULES)

@@ -4,10 +4,10 @@
 
 #include <linux/can.h>
 
-#include "can_socket.h"
+#include "can_counters.h"
 
 /* error: a frame with CAN_ERR_FLAG. Bus-off, restart and error-passive are told each time, other classes are counted.
- */
-void can_errors_tell(can_socket_t *socket, const struct canfd_frame *error);
+ * program, bus: their names. */
+void can_errors_tell(const char *program, const char *bus, const struct canfd_frame *error, can_counters_t *counters);
 
 #endif

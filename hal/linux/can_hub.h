@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-#include "../../host_tools/hub/hub_path.h"
+#include "hub_path.h"
 
 /* Fills in the path and connects. On failure -1, and one line in `error`. */
 int can_hub_open(const char *name, char path[HUB_PATH_BYTES], char error[], size_t error_size);

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <sys/types.h>
 
-#include "can_socket.h"
+#include "can_selection.h"
 
 /* The kernel has CAN, and this interface. */
 bool can_kernel_has(const char *name);
@@ -17,7 +17,7 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
 
 /* What the kernel says of a packet. */
 typedef struct {
-    int64_t unix_ns, hardware_ns; /* as can_reception_t; 0: nothing */
+    int64_t unix_ns, hardware_ns; /* as can_reception_t of can_socket.h; 0: nothing */
     bool own;
     bool has_drops;
     uint32_t drops; /* of this socket since it was opened, modulo 2^32 */

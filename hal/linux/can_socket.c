@@ -88,7 +88,7 @@ static bool take(can_socket_t *self, const struct canfd_frame *packet, ssize_t b
     const bool is_classic = bytes == CAN_MTU && packet->len <= CAN_MAX_DLEN;
     const bool is_fd = bytes == CANFD_MTU && packet->len <= CANFD_MAX_DLEN;
     if (is_classic && (packet->can_id & CAN_ERR_FLAG) != 0) {
-        can_errors_tell(self, packet);
+        can_errors_tell(self->program, self->name, packet, &self->counters);
         return false;
     }
     if (!(is_classic || is_fd) || (packet->can_id & ~(canid_t)CAN_SFF_MASK) != 0) {
@@ -154,7 +154,7 @@ void can_socket_close(can_socket_t *self) {
 }
 
 void can_socket_report(const can_socket_t *self) {
-    const can_socket_counters_t *counters = &self->counters;
+    const can_counters_t *counters = &self->counters;
     const struct {
         const char *what;
         uint64_t count;

@@ -9,19 +9,11 @@
 #include <stdint.h>
 
 #include "../../firmware/protocol/can_frame.h"
-#include "../../host_tools/hub/hub_path.h"
+#include "can_counters.h"
+#include "can_selection.h"
+#include "hub_path.h"
 
 #define CAN_SOCKET_NAME_BYTES 16 /* IFNAMSIZ */
-
-typedef struct {
-    uint64_t received, sent;
-    uint64_t send_drops;    /* frames that found the transmit queue full or the bus gone */
-    uint64_t receive_drops; /* frames that found the socket's receive queue full, as the kernel counts them */
-    uint64_t ignored;       /* remote frames, 29-bit ids, malformed packets */
-    uint64_t error_frames;  /* CAN error frames, of which: */
-    uint64_t error_passive, bus_offs, restarts;
-    uint64_t losses; /* times that the bus itself went away: interface down, hub gone */
-} can_socket_counters_t;
 
 typedef struct {
     const char *program; /* for what is told on stderr */
@@ -31,7 +23,7 @@ typedef struct {
     bool lost;                     /* told, and not yet back */
     uint32_t kernel_drops;         /* the kernel's count, as last seen */
     int64_t retry_ns;              /* CLOCK_MONOTONIC: when the hub is looked for again */
-    can_socket_counters_t counters;
+    can_counters_t counters;
 } can_socket_t;
 
 typedef struct {
@@ -39,14 +31,6 @@ typedef struct {
     int64_t hardware_ns; /* the controller's, by a clock of its own; 0: it has none */
     bool own;            /* sent by this very socket */
 } can_reception_t;
-
-/* Whose frames the socket gets. */
-typedef struct {
-    const uint16_t *ids; /* the kernel filters these out of the bus; a hub sends all, and the rest is dropped here */
-    size_t count;        /* 0: all */
-    bool classic;        /* an interface without CAN FD will do */
-    bool own;            /* the socket's own frames, too, in the bus's order: the kernel only, a hub sends none back */
-} can_selection_t;
 
 /* Says on stdout which of the two it is. On failure false, and one line in `error` that names the bus and the remedy.
  */

@@ -2,8 +2,8 @@
 # WARNINGS and VENV.
 
 HUB_CFLAGS := -std=c11 -O2 -D_GNU_SOURCE $(WARNINGS)
-HUB_SOURCES := $(wildcard host_tools/hub/*.c)
-SHIM_SOURCES := $(wildcard host_tools/shim/*.c) host_tools/hub/hub_path.c
+HUB_SOURCES := $(wildcard host_tools/hub/*.c) hal/linux/hub_path.c
+SHIM_SOURCES := $(wildcard host_tools/shim/*.c) hal/linux/hub_path.c
 HUB := $(BUILD)/host/comanip-hub
 SHIM := $(BUILD)/host/libcomanip-can.so
 WITH_CAN := $(BUILD)/host/with-can
@@ -17,12 +17,12 @@ FUZZ_PACKAGES := clang libclang-rt-dev
 
 build: $(HUB) $(SHIM) $(WITH_CAN)
 
-$(HUB): $(HUB_SOURCES) $(wildcard host_tools/hub/*.h) | deps
+$(HUB): $(HUB_SOURCES) $(wildcard host_tools/hub/*.h) hal/linux/hub_path.h | deps
 	@mkdir -p $(@D)
 	@echo "  CC LINK $@"
 	$(Q)$(CC) $(HUB_CFLAGS) $(HUB_SOURCES) -o $@
 
-$(SHIM): $(SHIM_SOURCES) $(wildcard host_tools/shim/*.h) host_tools/hub/hub_path.h | deps
+$(SHIM): $(SHIM_SOURCES) $(wildcard host_tools/shim/*.h) hal/linux/hub_path.h | deps
 	@mkdir -p $(@D)
 	@echo "  CC LINK $@"
 	$(Q)$(CC) $(HUB_CFLAGS) -fPIC -fvisibility=hidden -shared $(SHIM_SOURCES) -ldl -pthread -o $@
@@ -43,7 +43,7 @@ test-hub-load: build $(VENV)/.installed-tests ## load the hub with 20,000 frames
 fuzz-deps: ## install clang and libFuzzer for fuzz-hub (apt)
 	@[ "$$(id -u)" = 0 ] || sudo=sudo; $$sudo apt-get install -y -qq --no-install-recommends $(FUZZ_PACKAGES)
 
-$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard host_tools/hub/*.h tests/fuzz/*.h)
+$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard host_tools/hub/*.h tests/fuzz/*.h) hal/linux/hub_path.h
 	@mkdir -p $(@D)
 	@echo "  CC LINK $@"
 	$(Q)clang $(HUB_CFLAGS) -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $< tests/fuzz/fuzz_hub.c \

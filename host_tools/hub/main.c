@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "../../hal/linux/hub_path.h"
 #include "hub.h"
-#include "hub_path.h"
 #include "socketcand_endpoint.h"
 #include "unix_endpoint.h"
 

@@ -8,7 +8,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "hub_path.h"
+#include "../../hal/linux/hub_path.h"
 
 #define BATCH 64
 

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../hub/hub_path.h"
+#include "../../hal/linux/hub_path.h"
 #include "interface_names.h"
 
 #define DESCRIPTORS 1024

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "../hub/hub_path.h"
+#include "../../hal/linux/hub_path.h"
 
 #define FIRST_INDEX 0x40000000u /* the kernel counts from 1 */
 #define INTERFACES_MAX 32

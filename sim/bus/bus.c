@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "frame_time.h"
+#include "../../hal/common/frame_time.h"
 
 #define LOAD_WINDOW_NS INT64_C(10000000)
 

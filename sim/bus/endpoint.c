@@ -2,8 +2,6 @@
 
 #include <stddef.h>
 
-#include "../robot/robot_model.h"
-
 static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     endpoint_t *self = context;
     can_frame_t message = *frame;
@@ -13,13 +11,14 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     }
 }
 
-void endpoint_attach(endpoint_t *self, bus_t *bus, uint32_t kinds, endpoint_handler_t handler, void *context) {
+void endpoint_attach(endpoint_t *self, bus_t *bus, uint8_t joint_count, uint32_t kinds, endpoint_handler_t handler,
+                     void *context) {
     const can_profile_t profile = bus_profile(bus);
     self->bus = bus;
     self->handler = handler;
     self->context = context;
-    transport_sender_init(&self->sender, profile, ROBOT_JOINTS);
-    transport_receiver_init(&self->receiver, profile, ROBOT_JOINTS, kinds);
+    transport_sender_init(&self->sender, profile, joint_count);
+    transport_receiver_init(&self->receiver, profile, joint_count, kinds);
     self->node = bus_attach(bus, handler != NULL ? on_frame : NULL, self);
 }
 

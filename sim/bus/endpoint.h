@@ -20,8 +20,10 @@ typedef struct {
     int64_t ready_ns; /* of the message that is being sent */
 } endpoint_t;
 
-/* Attaches a node that gets messages of these kinds (one bit each) from others; handler may be NULL. Must not move. */
-void endpoint_attach(endpoint_t *self, bus_t *bus, uint32_t kinds, endpoint_handler_t handler, void *context);
+/* Attaches a node that gets messages of these kinds (one bit each) from others; handler may be NULL. joint_count: of the
+ * arm on this bus. Must not move. */
+void endpoint_attach(endpoint_t *self, bus_t *bus, uint8_t joint_count, uint32_t kinds, endpoint_handler_t handler,
+                     void *context);
 
 /* Protects and queues the message. A full queue is counted by the bus. */
 void endpoint_send(endpoint_t *self, const can_frame_t *message, int64_t ready_ns);

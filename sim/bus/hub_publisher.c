@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../../host_tools/hub/hub_path.h"
+#include "../../hal/linux/hub_path.h"
 
 #define PATIENCE_MS 1000
 #define START_TRIES 500

@@ -6,9 +6,9 @@
 #include <string.h>
 #include <sys/select.h>
 
+#include "../../hal/common/frame_time.h"
 #include "../../hal/linux/can_socket.h"
 #include "../../hal/linux/pace.h"
-#include "frame_time.h"
 
 #define LOAD_WINDOW_NS INT64_C(10000000)
 #define LET_GO_NS INT64_C(200000000)

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 #include "../bus/bus.h"
-#include "../robot/arm_plant.h"
+#include "../scene/arm_plant.h"
 
 #define DRIVE_SERVO_TIME_CONSTANT_S 0.003
 #define DRIVE_RESPONSE_NS 20000 /* from the end of JointCmd to a JointState ready to be sent */

@@ -63,7 +63,7 @@ gripper_node_t *gripper_node_create(bus_t *bus, scene_t *scene) {
     gripper_node_t *self = calloc(1, sizeof *self);
     if (self != NULL) {
         self->scene = scene;
-        endpoint_attach(&self->endpoint, bus, ENDPOINT_KIND(FRAME_GRIPPER_COMMAND), on_command, self);
+        endpoint_attach(&self->endpoint, bus, ROBOT_JOINTS, ENDPOINT_KIND(FRAME_GRIPPER_COMMAND), on_command, self);
     }
     return self;
 }

@@ -169,7 +169,7 @@ operator_node_t *operator_node_create(bus_t *bus, events_t *events, const operat
     self->events = events;
     self->steps = copy;
     self->script_count = count;
-    endpoint_attach(&self->endpoint, bus, LISTENS_TO, on_message, self);
+    endpoint_attach(&self->endpoint, bus, ROBOT_JOINTS, LISTENS_TO, on_message, self);
     return self;
 }
 

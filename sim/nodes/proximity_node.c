@@ -13,7 +13,7 @@ struct proximity_node {
 proximity_node_t *proximity_node_create(bus_t *bus) {
     proximity_node_t *self = calloc(1, sizeof *self);
     if (self != NULL) {
-        endpoint_attach(&self->endpoint, bus, 0, NULL, NULL);
+        endpoint_attach(&self->endpoint, bus, ROBOT_JOINTS, 0, NULL, NULL);
     }
     return self;
 }

@@ -8,6 +8,7 @@
 
 #include "../bus/endpoint.h"
 #include "../common/random.h"
+#include "../robot/robot_model.h"
 
 struct tracker_node {
     endpoint_t endpoint;
@@ -71,7 +72,7 @@ tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, c
         return NULL;
     }
     self->range_m = transport_hand_range_m(bus_profile(bus));
-    endpoint_attach(&self->endpoint, bus, 0, NULL, NULL);
+    endpoint_attach(&self->endpoint, bus, ROBOT_JOINTS, 0, NULL, NULL);
     self->history = history;
     self->options = *options;
     self->latency_ns = llround(options->latency_s * 1e9);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "../../firmware/protocol/can_transport.h"
-#include "../../host_tools/hub/hub_path.h"
+#include "../../hal/linux/hub_path.h"
 #include "option_values.h"
 
 #define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */

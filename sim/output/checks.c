@@ -7,7 +7,6 @@
 
 #include "../monitors/measure.h"
 #include "../monitors/rest_noise.h"
-#include "reason.h"
 
 #define COOPERATION_MIN_S 0.1
 #define REST_RADPS 0.02 /* without noise: ten times what one pulse of the encoder makes the default law ask for */
@@ -231,5 +230,4 @@ void checks_evaluate(checks_t *self, const world_t *world) {
     for (size_t i = 0; i < self->count; i++) {
         self->pass = self->pass && self->check[i].pass;
     }
-    reason_write(self, world);
 }

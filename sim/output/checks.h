@@ -2,7 +2,7 @@
 #ifndef COMANIP_SIM_CHECKS_H
 #define COMANIP_SIM_CHECKS_H
 
-#include "../world.h"
+#include "../world/world.h"
 
 #define CHECKS_MAX (16 + SCENARIO_MAX_CHECKS)
 #define CHECKS_FOLLOWABLE_MIN_S 1.0 /* less is no basis for a judgement */
@@ -30,9 +30,10 @@ typedef struct {
     char rest_not_measured[200];  /* why there is nothing to judge comes_to_rest by; "": there is */
     bool tracking_not_judged;     /* of a recording: there was too little that the arm could follow */
     bool pass;                    /* all of them, and the run came to its end */
-    char reason[1200];            /* of the result, one line */
+    char reason[1200];            /* of the result, one line: reason.h */
 } checks_t;
 
+/* All but the reason. */
 void checks_evaluate(checks_t *self, const world_t *world);
 
 /* Targets are known from TickTrace frames only; without any there is no tracking. */

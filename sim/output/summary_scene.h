@@ -2,7 +2,7 @@
 #ifndef COMANIP_SIM_SUMMARY_SCENE_H
 #define COMANIP_SIM_SUMMARY_SCENE_H
 
-#include "../world.h"
+#include "../world/world.h"
 #include "json_writer.h"
 
 /* "recording", "second_recording", "law". */

@@ -2,8 +2,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "../run.h"
-#include "remote_firmware.h"
+#include "../port/remote_firmware.h"
+#include "../run/run.h"
 
 #define PROGRAM "comanip-pil"
 
@@ -26,7 +26,7 @@ static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
 }
 
 int main(int argc, char *argv[]) {
-    static const run_mode_t lockstep = {.program = PROGRAM, .is_live = true, .create_bus = create_bus, .run = run};
+    static const run_mode_t lockstep = {.program = PROGRAM, .create_bus = create_bus, .run = run};
     if (argc < 3 || strcmp(argv[1], "--serial") != 0) {
         return run_complain(PROGRAM, "expected --serial PATH [options of comanip-sim]: `make pil` starts it, and QEMU");
     }

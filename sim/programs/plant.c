@@ -8,7 +8,7 @@
 #include "../../hal/linux/run_options.h"
 #include "../bus/live_bus.h"
 #include "../options/options.h"
-#include "../run.h"
+#include "../run/run.h"
 
 #define PROGRAM "comanip-plant"
 #define PRIORITY 70 /* below the firmware's */
@@ -51,7 +51,7 @@ static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
 }
 
 int main(int argc, char *argv[]) {
-    static const run_mode_t real_time = {.program = PROGRAM, .is_live = true, .create_bus = create_bus, .run = run};
+    static const run_mode_t real_time = {.program = PROGRAM, .create_bus = create_bus, .run = run};
     char error[OPTIONS_ERROR_BYTES];
     if (!run_options_take(&options, &argc, argv, error, sizeof error)) {
         return run_complain(PROGRAM, error);

@@ -1,9 +1,9 @@
 /* comanip-sim: the firmware in the simulated world, in lockstep and virtual time. */
 #include <stdio.h>
 
-#include "../../hal/host/hal_host.h"
-#include "../live.h"
-#include "../run.h"
+#include "../port/local_firmware.h"
+#include "../run/live.h"
+#include "../run/run.h"
 
 static bus_t *create_bus(can_profile_t profile, char error[], size_t error_size) {
     bus_t *bus = bus_create(profile);
@@ -21,11 +21,12 @@ static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
         world_fail(world, error);
         return;
     }
-    hal_host_run(world);
+    local_firmware_run(world);
     live_close(&live);
 }
 
 int main(int argc, char *argv[]) {
-    static const run_mode_t lockstep = {.program = "comanip-sim", .create_bus = create_bus, .run = run};
+    static const run_mode_t lockstep = {
+        .program = "comanip-sim", .is_watchable = true, .create_bus = create_bus, .run = run};
     return run_main(&lockstep, argc, argv);
 }

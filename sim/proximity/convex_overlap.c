@@ -1,6 +1,8 @@
-/* How deep two shapes overlap. libccd's own answers will not do: its expanding polytope does not stay convex, and its
- * portal refinement finds a way out, not the shortest one. The depth is the least reach over all directions, and no
- * direction's reach is less: a search that misses the least one says too much, never too little. */
+/* libccd's own answers will not do: its expanding polytope does not stay convex, and its portal refinement finds a way
+ * out, not the shortest one. The depth is the least reach over all directions, and no direction's reach is less: a
+ * search that misses the least one says too much, never too little. */
+#include "convex_overlap.h"
+
 #include <math.h>
 
 #include "convex_support.h"

@@ -5,7 +5,7 @@
 #define COMANIP_SIM_PROXIMITY_H
 
 #include "../scene/scene.h"
-#include "convex_shape.h"
+#include "convex_distance.h"
 
 #define PROXIMITY_PAIR_BYTES 64
 #define PROXIMITY_CEILING_M 1.0 /* a clearance beyond it counts as this */

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "scenario_geometry.h"
 #include "scenario_sections.h"
 
 #define SUFFIX ".yaml"
@@ -127,8 +126,7 @@ bool scenario_load(scenario_t *self, const char *name_or_path, const char *folde
         read_sections(&yaml, self);
     }
     yaml_reader_close(&yaml);
-    return !yaml.failed && scenario_check_geometry(self, error, error_size) &&
-           scenario_check_water(self, error, error_size);
+    return !yaml.failed;
 }
 
 bool scenario_list(const char *folder, scenario_visitor_t *visit, void *context, char error[], size_t error_size) {

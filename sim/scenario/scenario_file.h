@@ -1,6 +1,6 @@
 /* Reads scenario files (YAML, docs/scenario-files.md). Nothing wrong passes: unknown keys, words and references,
- * missing values, numbers out of range each give one line that names file, line, key, value and what was expected; so
- * does, without the line, a scene that cannot be (scenario_geometry.h). */
+ * missing values, numbers out of range each give one line that names file, line, key, value and what was expected.
+ * Whether the scene can be as the file describes it is another question (sim/feasibility). */
 #ifndef COMANIP_SIM_SCENARIO_FILE_H
 #define COMANIP_SIM_SCENARIO_FILE_H
 

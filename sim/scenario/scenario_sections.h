@@ -4,6 +4,7 @@
 #define COMANIP_SIM_SCENARIO_SECTIONS_H
 
 #include "scenario.h"
+#include "yaml_choice.h"
 #include "yaml_values.h"
 
 /* Names of objects, points, people and steps, and with them all events. */

@@ -84,3 +84,13 @@ void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char
         yaml_refuse(self, node, "one of the %zu %s; did you mean %s?", count, what, like);
     }
 }
+
+void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]) {
+    yaml_expect_mapping(self, map);
+    yaml_node_t *key, *value;
+    for (size_t i = 0; yaml_entry(self, map, i, &key, &value); i++) {
+        if (yaml_choice(yaml_scalar(key), keys) < 0) {
+            yaml_refuse_choice(self, key, "keys", keys);
+        }
+    }
+}

@@ -12,4 +12,7 @@ int yaml_choice(const char *word, const char *const words[]);
  * is one that was perhaps meant. */
 void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const words[]);
 
+/* Refuses what is no mapping, and keys that the NULL-terminated list does not hold. A map of NULL has none. */
+void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]);
+
 #endif

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "yaml_choice.h"
 #include "yaml_screen.h"
 
 #define SHOWN_BYTES 60 /* of a value in an error */
@@ -191,16 +190,6 @@ bool yaml_entry(yaml_reader_t *self, yaml_node_t *map, size_t i, yaml_node_t **k
     *key = yaml_document_get_node(&self->document, pair->key);
     *value = yaml_document_get_node(&self->document, pair->value);
     return true;
-}
-
-void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]) {
-    yaml_expect_mapping(self, map);
-    yaml_node_t *key, *value;
-    for (size_t i = 0; yaml_entry(self, map, i, &key, &value); i++) {
-        if (yaml_choice(yaml_scalar(key), keys) < 0) {
-            yaml_refuse_choice(self, key, "keys", keys);
-        }
-    }
 }
 
 yaml_node_t *yaml_find(yaml_reader_t *self, yaml_node_t *map, const char *key) {

@@ -41,8 +41,6 @@ const char *yaml_scalar(const yaml_node_t *node);
 
 /* ---- mappings; NULL has no keys */
 
-/* Refuses what is no mapping, and keys that the NULL-terminated list does not hold. */
-void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]);
 yaml_node_t *yaml_find(yaml_reader_t *self, yaml_node_t *map, const char *key); /* NULL: not there */
 yaml_node_t *yaml_need(yaml_reader_t *self, yaml_node_t *map, const char *key); /* refuses its absence */
 

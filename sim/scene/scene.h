@@ -8,8 +8,8 @@
 #define COMANIP_SIM_SCENE_H
 
 #include "../common/events.h"
-#include "../robot/arm_plant.h"
 #include "../scenario/scenario.h"
+#include "arm_plant.h"
 #include "water.h"
 
 #define SCENE_HOLDER_ROBOT SCENARIO_MAX_PEOPLE /* holders: a person's index, or this */

@@ -1,6 +1,6 @@
 /* The firmware in a loop without physics, some hundred times faster than real time: controller_step() over frames on
  * CAN FD, drives that follow their commands with a lag, encoders. The order of events within a tick is the simulator's
- * (sim/world.c): a command acts from its tick on; what the encoders read at that tick arrives for the next one. */
+ * (sim/world/world.c): a command acts from its tick on; what the encoders read at that tick arrives for the next one. */
 #ifndef COMANIP_KINEMATIC_LOOP_H
 #define COMANIP_KINEMATIC_LOOP_H
 

@@ -7,11 +7,6 @@
 
 #define TICK_S (WORLD_TICK_NS * 1e-9)
 
-static void log_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
-    const world_t *self = context;
-    candump_log_write(self->log, frame, bus_epoch_ns(self->bus) + end_ns);
-}
-
 static int64_t ns_from_s(double seconds) {
     return (int64_t)(seconds / TICK_S + 0.5) * WORLD_TICK_NS;
 }
@@ -78,15 +73,6 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
     latency_init(&self->latency);
     scenario_monitor_init(&self->scenario_monitor, scenario);
     contact_monitor_init(&self->contact_monitor);
-    return true;
-}
-
-bool world_open_files(world_t *self, const char *log_path, const char *trace_path, char error[], size_t error_size) {
-    self->log = candump_log_open(log_path, error, error_size);
-    if (self->log == NULL || !trace_csv_open(&self->trace, trace_path, error, error_size)) {
-        return false;
-    }
-    bus_listen(self->bus, log_frame, self);
     return true;
 }
 
@@ -240,7 +226,6 @@ static void watch(world_t *self) {
     scenario_monitor_sample(&self->scenario_monitor, tick, &self->state, &self->events,
                             (double)self->observer.parameter[PARAMETER_MOTION_SCALE]);
     contact_monitor_sample(&self->contact_monitor, tick, &self->state);
-    trace_csv_write(&self->trace, tick, &self->state);
 }
 
 bool world_advance(world_t *self) {
@@ -265,16 +250,9 @@ bool world_advance(world_t *self) {
     self->now_ns = next_ns;
     self->ticks++;
     if (self->on_tick != NULL) {
-        self->on_tick(self);
+        self->on_tick(self->on_tick_context, self);
     }
     return true;
-}
-
-bool world_close_files(world_t *self, const char *trace_path, char error[], size_t error_size) {
-    const bool trace_closed = trace_csv_close(&self->trace, trace_path, error, error_size);
-    candump_log_t *log = self->log;
-    self->log = NULL;
-    return candump_log_close(log, error, error_size) && trace_closed;
 }
 
 void world_free(world_t *self) {

@@ -1,9 +1,8 @@
-/* The firmware as an image at the other end of a serial line, in lockstep with the world: hal/lockstep/lockstep.h. In
- * place of hal/host, whose queue and times it has, so that the same run comes out. */
+/* The firmware as an image at the other end of a serial line, in lockstep with the world: hal/lockstep/lockstep.h. */
 #ifndef COMANIP_SIM_REMOTE_FIRMWARE_H
 #define COMANIP_SIM_REMOTE_FIRMWARE_H
 
-#include "../world.h"
+#include "../world/world.h"
 
 /* path: a Unix socket, as QEMU's -serial unix:PATH. False, and one line in `error`, if there is none. */
 bool remote_firmware_open(const char *path, char error[], size_t error_size);

@@ -5,7 +5,7 @@
 #define COMANIP_SIM_ARM_PLANT_H
 
 #include "../common/rigid_pose.h"
-#include "robot_model.h"
+#include "../robot/robot_model.h"
 
 struct dxBody;
 struct dxWorld;

@@ -9,13 +9,15 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "options/help.h"
-#include "options/options.h"
-#include "output/checks.h"
-#include "output/output_folder.h"
-#include "output/report.h"
-#include "scenario/scenario_file.h"
-#include "scenario/scenario_geometry.h"
+#include "../feasibility/scenario_geometry.h"
+#include "../options/help.h"
+#include "../options/options.h"
+#include "../output/checks.h"
+#include "../output/output_folder.h"
+#include "../output/reason.h"
+#include "../output/report.h"
+#include "../output/run_files.h"
+#include "../scenario/scenario_file.h"
 
 #define EXIT_CHECK_FAILED 1
 #define EXIT_WRONG_USE 2
@@ -60,7 +62,8 @@ static void find_scenario_folder(char folder[PATH_BYTES]) {
 
 static bool load_scenario(scenario_t *scenario, const options_t *options, const char *folder, char error[],
                           size_t error_size) {
-    if (!scenario_load(scenario, options->scenario, folder, error, error_size)) {
+    if (!scenario_load(scenario, options->scenario, folder, error, error_size) ||
+        !scenario_check_geometry(scenario, error, error_size) || !scenario_check_water(scenario, error, error_size)) {
         return false;
     }
     scenario_vary(scenario, options->seed);
@@ -95,20 +98,30 @@ static void print_result(const world_t *world, const checks_t *checks, const out
     }
 }
 
+static void on_tick(void *context, const world_t *world) {
+    run_files_write_tick(context, world);
+    if (!world->options->quiet) {
+        report_progress(world);
+    }
+}
+
 /* Runs the world to its end and writes its files. Gives the exit status. */
 static int run(const run_mode_t *mode, world_t *world, output_folder_t *folder) {
     char error[OPTIONS_ERROR_BYTES];
     static checks_t checks;
-    if (!world_open_files(world, folder->partial_path[OUTPUT_BUS_LOG], folder->partial_path[OUTPUT_TRACE], error,
-                          sizeof error)) {
+    static run_files_t files;
+    if (!run_files_open(&files, world, folder->partial_path[OUTPUT_BUS_LOG], folder->partial_path[OUTPUT_TRACE], error,
+                        sizeof error)) {
         return complain(mode->program, error, EXIT_CHECK_FAILED);
     }
-    world->on_tick = world->options->quiet ? NULL : report_progress;
+    world->on_tick = on_tick;
+    world->on_tick_context = &files;
     const double start_s = wall_clock_s();
     mode->run(world, &interrupted);
     const double wall_s = wall_clock_s() - start_s;
     checks_evaluate(&checks, world);
-    if (!world_close_files(world, folder->partial_path[OUTPUT_TRACE], error, sizeof error) ||
+    reason_write(&checks, world);
+    if (!run_files_close(&files, folder->partial_path[OUTPUT_TRACE], error, sizeof error) ||
         !report_write_summary(world, &checks, wall_s, folder->partial_path[OUTPUT_SUMMARY], error, sizeof error) ||
         !output_folder_commit(folder, error, sizeof error)) {
         return complain(mode->program, error, EXIT_CHECK_FAILED);
@@ -170,9 +183,8 @@ int run_main(const run_mode_t *mode, int argc, char *argv[]) {
     case OPTIONS_WRONG: return run_complain(mode->program, error);
     case OPTIONS_RUN: break;
     }
-    if (mode->is_live && (options.hub != NULL || options.real_time)) {
-        return run_complain(mode->program,
-                            "--hub and --real-time: expected by comanip-sim only; this program has a bus of its own");
+    if (!mode->is_watchable && (options.hub != NULL || options.real_time)) {
+        return run_complain(mode->program, "--hub and --real-time: expected by comanip-sim only");
     }
     if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
         return run_complain(mode->program, error);

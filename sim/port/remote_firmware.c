@@ -11,9 +11,8 @@
 #include "../../firmware/protocol/can_transport.h"
 #include "../../hal/lockstep/lockstep.h"
 #include "../../hal/slcan/slcan.h"
+#include "firmware_node.h"
 
-#define QUEUE_FRAMES 64       /* hal/host's */
-#define COMPUTE_TIME_NS 50000 /* hal/host's */
 #define PATIENCE_MS 60000
 #define READ_BYTES 4096
 #define LINE_BYTES 256
@@ -22,11 +21,9 @@
 static struct {
     int fd;
     world_t *world;
-    int node;
+    firmware_node_t node;
     uint16_t ids[TRANSPORT_MAX_IDS]; /* that the firmware receives */
     uint8_t id_count;
-    can_frame_t queue[QUEUE_FRAMES];
-    size_t count;
     slcan_decoder_t decoder;
     char line[LINE_BYTES]; /* the last one, for what is no frame */
     size_t line_bytes;
@@ -57,19 +54,6 @@ static bool is_for_firmware(const can_frame_t *frame) {
     return false;
 }
 
-static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
-    (void)context;
-    (void)end_ns;
-    if (!is_for_firmware(frame)) {
-        return;
-    }
-    if (remote.count == QUEUE_FRAMES) {
-        remote.world->firmware_overflows++;
-        return;
-    }
-    remote.queue[remote.count++] = *frame;
-}
-
 static bool send_line(const can_frame_t *frame) {
     char line[SLCAN_LINE_MAX_BYTES];
     const size_t bytes = slcan_encode(frame, line);
@@ -83,13 +67,16 @@ static bool send_line(const can_frame_t *frame) {
     return true;
 }
 
+/* The line carries no frame that the firmware would only pass over: it is slow. */
 static bool send_tick(uint32_t now_us) {
     bool is_sent = true;
-    for (size_t i = 0; i < remote.count; i++) {
-        const can_frame_t stamp = lockstep_frame(LOCKSTEP_STAMP_ID, remote.queue[i].timestamp_us);
-        is_sent = is_sent && send_line(&stamp) && send_line(&remote.queue[i]);
+    can_frame_t frame;
+    while (firmware_node_receive(&remote.node, &frame)) {
+        if (is_for_firmware(&frame)) {
+            const can_frame_t stamp = lockstep_frame(LOCKSTEP_STAMP_ID, frame.timestamp_us);
+            is_sent = is_sent && send_line(&stamp) && send_line(&frame);
+        }
     }
-    remote.count = 0;
     const can_frame_t tick = lockstep_frame(LOCKSTEP_TICK_ID, now_us);
     return is_sent && send_line(&tick);
 }
@@ -123,7 +110,7 @@ static bool take_bytes(const char bytes[], ssize_t count) {
             is_done = true;
             drive_node_enable(remote.world->drives, lockstep_time_us(&frame) != 0);
         } else {
-            (void)bus_send(remote.world->bus, remote.node, &frame, remote.world->now_ns + COMPUTE_TIME_NS);
+            (void)firmware_node_send(&remote.node, &frame);
         }
     }
     return is_done;
@@ -157,7 +144,7 @@ static bool await_done(void) {
 
 void remote_firmware_run(world_t *world) {
     remote.world = world;
-    remote.node = bus_attach(world->bus, on_frame, NULL);
+    firmware_node_attach(&remote.node, world);
     remote.id_count = transport_ids_to_firmware(bus_profile(world->bus), remote.ids);
     bool answers = await_done(); /* it has booted */
     while (world_advance(world) && answers) {

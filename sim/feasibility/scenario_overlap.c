@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "../proximity/bodies.h"
+#include "../proximity/convex_overlap.h"
 #include "comanip_schema.h"
 #include "scenario_geometry.h"
 

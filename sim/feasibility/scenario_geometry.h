@@ -4,14 +4,13 @@
 #ifndef COMANIP_SIM_SCENARIO_GEOMETRY_H
 #define COMANIP_SIM_SCENARIO_GEOMETRY_H
 
-#include "scenario.h"
+#include "../scenario/scenario.h"
 
 /* Motion, overlap, and: people start near the torso, what the robot holds is in its gripper. Makes a scene of its own:
  * call it before the run's is made. */
 bool scenario_check_geometry(const scenario_t *self, char error[], size_t error_size);
 
-/* The water stays in the robot's cup while it settles. No seed changes that, and it takes a while: scenario_load() does
- * it once. */
+/* The water stays in the robot's cup while it settles. No seed changes that, and it takes a while: check it once. */
 bool scenario_check_water(const scenario_t *self, char error[], size_t error_size);
 
 /* Nobody moves faster, or further, than a person can, in neither program. Ways that end where a thing then is are not

@@ -1,6 +1,6 @@
 /* The simulated world: a physical scene with robot and people, and on one bus its drives, gripper, tracker, proximity
  * sensor and operator, in virtual time and lockstep, watched by monitors that see the bus and the physics and nothing
- * of the firmware. The firmware joins through the host port (hal/host). */
+ * of the firmware. The firmware joins as a node of the bus (sim/port). */
 #ifndef COMANIP_SIM_WORLD_H
 #define COMANIP_SIM_WORLD_H
 
@@ -9,29 +9,27 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "bus/bus.h"
-#include "bus/candump_log.h"
-#include "bus/live_bus.h"
-#include "hand/hand_history.h"
-#include "monitors/contact_monitor.h"
-#include "monitors/largest_scale.h"
-#include "monitors/latency.h"
-#include "monitors/observer.h"
-#include "monitors/physical_state.h"
-#include "monitors/rest_monitor.h"
-#include "monitors/scenario_monitor.h"
-#include "monitors/tracking.h"
-#include "nodes/drive_node.h"
-#include "nodes/gripper_node.h"
-#include "nodes/operator_node.h"
-#include "nodes/proximity_node.h"
-#include "nodes/tracker_node.h"
-#include "options/options.h"
-#include "output/trace_csv.h"
-#include "people/person_program.h"
-#include "proximity/proximity.h"
-#include "scenario/scenario.h"
-#include "scene/scene.h"
+#include "../bus/bus.h"
+#include "../bus/live_bus.h"
+#include "../hand/hand_history.h"
+#include "../monitors/contact_monitor.h"
+#include "../monitors/largest_scale.h"
+#include "../monitors/latency.h"
+#include "../monitors/observer.h"
+#include "../monitors/physical_state.h"
+#include "../monitors/rest_monitor.h"
+#include "../monitors/scenario_monitor.h"
+#include "../monitors/tracking.h"
+#include "../nodes/drive_node.h"
+#include "../nodes/gripper_node.h"
+#include "../nodes/operator_node.h"
+#include "../nodes/proximity_node.h"
+#include "../nodes/tracker_node.h"
+#include "../options/options.h"
+#include "../people/person_program.h"
+#include "../proximity/proximity.h"
+#include "../scenario/scenario.h"
+#include "../scene/scene.h"
 
 #define WORLD_TICK_NS 1000000
 #define WORLD_TEXT_BYTES 900 /* an operator's failure, and what is said of the tracker beside it */
@@ -72,23 +70,20 @@ struct world {
     latency_ms_t latency_ms; /* once the run is over */
     scenario_monitor_t scenario_monitor;
     contact_monitor_t contact_monitor;
-    candump_log_t *log;
-    trace_csv_t trace;
 
     const volatile sig_atomic_t *interrupted; /* set from outside to end the run */
-    uint64_t firmware_overflows;           /* frames lost in the firmware's receive queue: counted by the host port */
-    void (*on_tick)(const world_t *world); /* NULL, or called after each tick: it watches and changes nothing */
-    const live_bus_timing_t *timing;       /* NULL, or how the run kept up with real time */
-    char failure[WORLD_TEXT_BYTES];        /* why the run ended early; "" */
+    uint64_t firmware_overflows;              /* frames lost in the firmware's receive queue (sim/port) */
+    /* NULL, or called after each tick: it watches and changes nothing */
+    void (*on_tick)(void *context, const world_t *world);
+    void *on_tick_context;
+    const live_bus_timing_t *timing; /* NULL, or how the run kept up with real time */
+    char failure[WORLD_TEXT_BYTES];  /* why the run ended early; "" */
 };
 
 /* options and scenario must outlive the world, which owns the bus from here on, even if this fails. Reads the
  * recordings and writes nothing. On failure false, and one line in `error`. */
 bool world_init(world_t *self, const options_t *options, const scenario_t *scenario, bus_t *bus,
                 const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
-
-/* The files that the run fills. On failure false, and one line in `error`. */
-bool world_open_files(world_t *self, const char *log_path, const char *trace_path, char error[], size_t error_size);
 
 /* One tick of 1 ms. False when the run is over. */
 bool world_advance(world_t *self);
@@ -98,9 +93,6 @@ bool world_is_scripted(const world_t *self);
 
 /* Ends the run with a reason; the first one counts. */
 void world_fail(world_t *self, const char *reason);
-
-/* Closes the files. On failure false, and one line in `error`. */
-bool world_close_files(world_t *self, const char *trace_path, char error[], size_t error_size);
 
 void world_free(world_t *self);
 

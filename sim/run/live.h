@@ -5,9 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "bus/hub_publisher.h"
-#include "bus/real_time.h"
-#include "world.h"
+#include "../bus/hub_publisher.h"
+#include "../bus/real_time.h"
+#include "../world/world.h"
 
 typedef struct {
     const options_t *options;

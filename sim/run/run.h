@@ -6,11 +6,11 @@
 #include <signal.h>
 #include <stdbool.h>
 
-#include "world.h"
+#include "../world/world.h"
 
 typedef struct {
     const char *program; /* its name, before every complaint */
-    bool is_live;        /* its bus is a real one, in real time */
+    bool is_watchable;   /* takes --hub and --real-time (live.h) */
     bus_t *(*create_bus)(can_profile_t profile, char error[], size_t error_size);
     /* Runs the world to its end. */
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);

@@ -1,7 +1,7 @@
 /* How long a frame occupies the bus: ISO 11898-1, 11-bit id, 1 Mbit/s nominal; CAN FD with 5 Mbit/s in the data phase.
  */
-#ifndef COMANIP_SIM_FRAME_TIME_H
-#define COMANIP_SIM_FRAME_TIME_H
+#ifndef COMANIP_FRAME_TIME_H
+#define COMANIP_FRAME_TIME_H
 
 #include <stdint.h>
 

@@ -1,0 +1,17 @@
+/* What went over a bus, and what went wrong on it, since it was opened. */
+#ifndef COMANIP_CAN_COUNTERS_H
+#define COMANIP_CAN_COUNTERS_H
+
+#include <stdint.h>
+
+typedef struct {
+    uint64_t received, sent;
+    uint64_t send_drops;    /* frames that found the transmit queue full or the bus gone */
+    uint64_t receive_drops; /* frames that found the socket's receive queue full, as the kernel counts them */
+    uint64_t ignored;       /* remote frames, 29-bit ids, malformed packets */
+    uint64_t error_frames;  /* CAN error frames, of which: */
+    uint64_t error_passive, bus_offs, restarts;
+    uint64_t losses; /* times that the bus itself went away: interface down, hub gone */
+} can_counters_t;
+
+#endif

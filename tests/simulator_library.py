@@ -1,0 +1,66 @@
+"""Parts of the simulator as a Python library: what a test looks at, and of the rest what that needs.
+
+A module is named as ``sim/bus/bus``: its header is declared, its object linked. The linker takes the others out of an archive
+of the whole simulator, unless a stand-in, a source of the tests, has their functions.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import cffi
+from c_declarations import declarations
+from c_library import COMPILE, CORE, OPTIMISED, REPOSITORY, objects
+
+COMMAND = [*COMPILE, *OPTIMISED]
+# All but the programs and what they differ in: a real bus, and where the firmware is.
+SOURCES = [
+    *(file for file in sorted(REPOSITORY.glob("sim/*/*.c")) if file.parent.name not in ("programs", "port")),
+    *(REPOSITORY / name for name in ("hal/common/frame_time.c", "hal/linux/hub_path.c")),
+    *CORE,
+]
+SOURCES.remove(REPOSITORY / "sim/bus/live_bus.c")
+
+
+def _run(command: Iterable[object]) -> None:
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(done.args)}\n{done.stderr}")
+
+
+def link(library: Path, modules: Iterable[str], libraries: Iterable[str] = ()) -> None:
+    """RuntimeError if something that the modules need is neither there nor in the libraries ("ode", "ccd", ...)."""
+    named = [file for module in modules if (file := REPOSITORY / f"{module}.c").is_file()]  # others are headers alone
+    named, rest = ([part for part, _ in objects(sources, COMMAND)] for sources in (named, SOURCES))
+    archive = library.with_suffix(".a")
+    _run(["ar", "rcsT", archive, *rest])
+    _run(
+        [
+            *COMMAND,
+            "-shared",
+            "-Wl,-z,defs",
+            *named,
+            archive,
+            *(f"-l{name}" for name in libraries),
+            "-lm",
+            "-o",
+            library,
+        ]
+    )
+
+
+def load(
+    modules: Iterable[str], stand_ins: Iterable[str] = (), libraries: Iterable[str] = (), declared: str = ""
+) -> tuple[cffi.FFI, object]:
+    """``ffi, lib``. `declared`: functions of the libraries that the test calls itself."""
+    ffi = cffi.FFI()
+    named = [*modules, *stand_ins]
+    headers = [REPOSITORY / f"{module}.h" for module in named]
+    ffi.cdef(declarations(file for file in headers if file.is_file()) + declared)
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder) / "library.so"
+        link(library, named, libraries)
+        return ffi, ffi.dlopen(str(library))
