@@ -5,7 +5,7 @@
 # docs/porting.md.
 
 # PROFILE=: which CAN the images use: fd, classic, or both (the board then chooses at reset). Without classic CAN they are
-# 30 % smaller.
+# a quarter smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
 PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY)$(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
