@@ -3,14 +3,14 @@
 C_FILES = $(shell git ls-files '*.[ch]')
 RUFF := $(VENV)/bin/ruff
 CLANG_FORMAT := $(VENV)/bin/clang-format
-.PHONY: check check-deps check-c check-format check-schema format
+.PHONY: check check-deps check-c check-directions check-format check-schema format
 
 $(VENV)/.installed-check: host_tools/check-requirements.txt | deps
 	@echo "comanip: installing formatter and linter into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
-check: check-format check-c check-schema ## check formatting and schema, lint, compile all C with clang (warnings as errors)
+check: check-format check-directions check-c check-schema ## check formatting, schema and include directions, lint, compile all C with clang (warnings as errors)
 	@echo "check: passed"
 
 check-format: $(VENV)/.installed-check
@@ -25,6 +25,9 @@ format: $(VENV)/.installed-check ## format all C and Python
 
 check-schema: deps
 	@$(PYTHON) -m comanip_dev.schema.readers
+
+check-directions: deps
+	@$(PYTHON) tests/check/include_directions.py
 
 check-deps: ## install clang through apt
 	@host_tools/apt-install.sh "make $@" clang

@@ -8,7 +8,7 @@ import cffi
 import simulator_library
 
 MODULES = (
-    "sim/bus/bus", "sim/common/events", "sim/monitors/limit_monitor", "sim/monitors/reach", "sim/nodes/drive_node",
+    "sim/bus/bus", "sim/common/events", "sim/common/names", "sim/monitors/limit_monitor", "sim/monitors/reach", "sim/nodes/drive_node",
     "sim/robot/position_jacobian", "sim/robot/robot_model", "sim/scene/arm_plant", "sim/scene/cup", "sim/scene/hand_body",
     "sim/scene/objects", "sim/scene/physics", "sim/scene/scene", "sim/scene/water",
 )  # fmt: skip

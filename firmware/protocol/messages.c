@@ -1,9 +1,9 @@
 #include "messages.h"
 
 #include "../maths/float_bits.h"
-#include "can_protocol.h"
 #include "comanip_dbc.h"
 #include "comanip_schema.h"
+#include "frame_table.h"
 
 /* Starts a frame of this kind; the generated code writes all of its data. */
 static void begin(can_frame_t *frame, frame_kind_t kind) {
