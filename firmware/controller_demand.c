@@ -2,19 +2,21 @@
 
 #include <string.h>
 
-#include "controller_inputs.h"
-
 /* After the target was lost, it is approached with at most this share of the joints' speeds, until the end effector is
  * as near to it as this. */
 #define CATCHING_UP_SPEED 0.55f
 #define CAUGHT_UP_M 1e-3f
 
-float controller_task_blend(const controller_t *self) {
+static inline float task_blend(const controller_t *self) {
     if (self->blend_elapsed_s >= self->blend_s) {
         return 1.0f;
     }
     float s = self->blend_elapsed_s / self->blend_s;
     return s * s * s * (10.0f + s * (6.0f * s - 15.0f));
+}
+
+float controller_task_blend(const controller_t *self) {
+    return task_blend(self);
 }
 
 void controller_zero_feedback(controller_t *self) {
@@ -44,9 +46,24 @@ static void limit_catching_up(controller_t *self) {
     }
 }
 
+/* The twist of the person's hand, in the tracker frame, when this tick's command will act. The lever from the marker to
+ * the hand rotates until then. */
+static twist_t hand_twist(const controller_t *self, uint32_t now_us) {
+    const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
+    const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);
+    if (self->marker_is_hand) {
+        return marker;
+    }
+    const vector3_t turning_mps = vector3_cross(marker.angular_velocity_radps, self->lever_m);
+    const float turning_s = controller_tick_s(self) + ahead_s;
+    const vector3_t lever_m = vector3_add(self->lever_m, vector3_scale(turning_mps, turning_s));
+    return (twist_t){vector3_add(marker.velocity_mps, vector3_cross(marker.angular_velocity_radps, lever_m)),
+                     marker.angular_velocity_radps};
+}
+
 /* With prediction: the target's motion is fed forward, and position has priority over orientation. */
 static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_at_limit_t at_limit) {
-    const twist_t hand = controller_hand_twist(self, now_us);
+    const twist_t hand = hand_twist(self, now_us);
     const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
     const position_priority_request_t request = {
         .position_rad = self->joints.position_rad,
@@ -97,7 +114,7 @@ void controller_compute_demand(controller_t *self, uint32_t now_us) {
         self->demand_deferred = true;
         return;
     }
-    cooperation_update(&self->cooperation, &self->hand, controller_task_blend(self));
+    cooperation_update(&self->cooperation, &self->hand, task_blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? controller_tick_s(self) : 0.0f;
     const joints_at_limit_t at_limit =
         joints_at_limit_find(self->arm, self->joint_limits_config.at_limit_rad, self->joints.position_rad);

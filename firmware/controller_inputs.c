@@ -91,20 +91,6 @@ void controller_update_hand(controller_t *self, uint32_t now_us) {
     }
 }
 
-/* The lever from the marker to the hand rotates until the command acts. */
-twist_t controller_hand_twist(const controller_t *self, uint32_t now_us) {
-    const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
-    const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);
-    if (self->marker_is_hand) {
-        return marker;
-    }
-    const vector3_t turning_mps = vector3_cross(marker.angular_velocity_radps, self->lever_m);
-    const float turning_s = controller_tick_s(self) + ahead_s;
-    const vector3_t lever_m = vector3_add(self->lever_m, vector3_scale(turning_mps, turning_s));
-    return (twist_t){vector3_add(marker.velocity_mps, vector3_cross(marker.angular_velocity_radps, lever_m)),
-                     marker.angular_velocity_radps};
-}
-
 void controller_supervise(controller_t *self, uint32_t now_us) {
     self->supervisor_inputs = (supervisor_inputs_t){
         .drives_fresh = joint_feedback_check_fresh(&self->joints, self->arm->joint_count, now_us),

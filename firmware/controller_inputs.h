@@ -13,7 +13,4 @@ void controller_update_hand(controller_t *self, uint32_t now_us);
 /* Checks that drives and tracker are fresh, and updates the mode. */
 void controller_supervise(controller_t *self, uint32_t now_us);
 
-/* The twist of the person's hand, in the tracker frame, when this tick's command will act. Only with prediction. */
-twist_t controller_hand_twist(const controller_t *self, uint32_t now_us);
-
 #endif

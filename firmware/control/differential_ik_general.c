@@ -79,7 +79,7 @@ static void residual(const equations_t *self, const float u[], float rest[8]) {
     }
 }
 
-static void solve_unlocked(void *equations, float u[]) {
+static void solve(void *equations, float u[]) {
     equations_t *self = equations;
     ldlt_factorise(&self->normal, self->joint_count);
     project(self, self->wanted, u);
@@ -98,7 +98,7 @@ static void solve_unlocked(void *equations, float u[]) {
     }
 }
 
-static void lock_joints(void *equations, uint8_t joints) {
+static void lock(void *equations, uint8_t joints) {
     equations_t *self = equations;
     ldlt_decouple(&self->normal, self->joint_count, joints);
     for (int i = 0; i < self->joint_count; i++) {
@@ -158,6 +158,5 @@ void differential_ik_general(const arm_t *arm, const differential_ik_config_t *c
     set_hand(&equations, arm, request->position_rad);
     set_wanted(&equations, config, request->target);
     set_normal(&equations, config);
-    const lockable_equations_t system = {&equations, solve_unlocked, lock_joints};
-    joints_at_limit_solve(request->at_limit, arm->joint_count, &system, velocity_radps);
+    joints_at_limit_solve(request->at_limit, arm->joint_count, &equations, solve, lock, velocity_radps);
 }

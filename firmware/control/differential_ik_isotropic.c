@@ -59,7 +59,7 @@ typedef struct {
     float right_side[ARM_MAX_JOINTS];
 } equations_t;
 
-static void solve_unlocked(void *equations, float velocity_radps[]) {
+static void solve(void *equations, float velocity_radps[]) {
     equations_t *self = equations;
     for (int i = 0; i < self->joint_count; i++) {
         velocity_radps[i] = self->right_side[i];
@@ -68,7 +68,7 @@ static void solve_unlocked(void *equations, float velocity_radps[]) {
     ldlt_solve(&self->normal, self->joint_count, velocity_radps);
 }
 
-static void lock_joints(void *equations, uint8_t joints) {
+static void lock(void *equations, uint8_t joints) {
     equations_t *self = equations;
     ldlt_decouple(&self->normal, self->joint_count, joints);
     for (int i = 0; i < self->joint_count; i++) {
@@ -104,6 +104,5 @@ void differential_ik_isotropic(const arm_t *arm, const differential_ik_config_t 
         differential_ik_general(arm, config, request, velocity_radps);
         return;
     }
-    const lockable_equations_t system = {&equations, solve_unlocked, lock_joints};
-    joints_at_limit_solve(request->at_limit, joint_count, &system, velocity_radps);
+    joints_at_limit_solve(request->at_limit, joint_count, &equations, solve, lock, velocity_radps);
 }

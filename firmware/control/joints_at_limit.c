@@ -13,8 +13,7 @@ joints_at_limit_t joints_at_limit_find(const arm_t *arm, const float margin_rad[
     return (joints_at_limit_t){(uint8_t)lower, (uint8_t)upper};
 }
 
-/* The joints that would go beyond a limit they are at. */
-static unsigned going_beyond(joints_at_limit_t self, int joint_count, const float velocity_radps[]) {
+uint8_t joints_at_limit_going_beyond(joints_at_limit_t self, int joint_count, const float velocity_radps[]) {
     unsigned beyond = 0;
     for (int i = 0; i < joint_count; i++) {
         const unsigned bit = 1u << i;
@@ -23,19 +22,5 @@ static unsigned going_beyond(joints_at_limit_t self, int joint_count, const floa
             beyond |= bit;
         }
     }
-    return beyond;
-}
-
-void joints_at_limit_solve(joints_at_limit_t self, int joint_count, const lockable_equations_t *system,
-                           float velocity_radps[]) {
-    unsigned locked = 0;
-    for (;;) {
-        system->solve(system->equations, velocity_radps);
-        const unsigned newly_locked = going_beyond(self, joint_count, velocity_radps) & ~locked;
-        if (newly_locked == 0u) {
-            return;
-        }
-        system->lock(system->equations, (uint8_t)newly_locked);
-        locked |= newly_locked;
-    }
+    return (uint8_t)beyond;
 }

@@ -23,16 +23,30 @@ static inline bool joints_at_limit_any(joints_at_limit_t self) {
     return (self.lower | self.upper) != 0;
 }
 
-/* Linear equations for the velocities of an arm's joints, as the caller keeps them. */
-typedef struct {
-    void *equations;
-    void (*solve)(void *equations, float velocity_radps[]); /* writes joint_count values */
-    void (*lock)(void *equations, uint8_t joints); /* bit mask: from the next solve() on, their velocity is 0 */
-} lockable_equations_t;
+/* Bit mask of the joints that would go beyond a limit they are at. */
+uint8_t joints_at_limit_going_beyond(joints_at_limit_t self, int joint_count, const float velocity_radps[]);
+
+/* Linear equations for the joint velocities, as the caller keeps them: their solution, joint_count values; and how to
+ * lock joints, a bit mask, for all further solutions. */
+typedef void joints_at_limit_solution_t(void *equations, float velocity_radps[]);
+typedef void joints_at_limit_lock_t(void *equations, uint8_t joints);
 
 /* velocity_radps: joint_count values, the solution in which no joint goes beyond a limit it is at. Solves the equations
- * once if none would, and at most joint_count + 1 times. */
-void joints_at_limit_solve(joints_at_limit_t self, int joint_count, const lockable_equations_t *system,
-                           float velocity_radps[]);
+ * once if none would, and at most joint_count + 1 times. In line, so that nothing is called through a pointer. */
+static inline void joints_at_limit_solve(joints_at_limit_t self, int joint_count, void *equations,
+                                         joints_at_limit_solution_t *solve, joints_at_limit_lock_t *lock,
+                                         float velocity_radps[]) {
+    uint8_t locked = 0;
+    for (;;) {
+        solve(equations, velocity_radps);
+        const uint8_t beyond = joints_at_limit_going_beyond(self, joint_count, velocity_radps);
+        const uint8_t newly_locked = (uint8_t)(beyond & ~locked);
+        if (newly_locked == 0u) {
+            return;
+        }
+        lock(equations, newly_locked);
+        locked |= newly_locked;
+    }
+}
 
 #endif

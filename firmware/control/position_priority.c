@@ -97,7 +97,7 @@ typedef struct {
     float *feedback_radps, *feedforward_radps;
 } system_t;
 
-static void solve_unlocked(void *system, float velocity_radps[]) {
+static void solve(void *system, float velocity_radps[]) {
     system_t *self = system;
     for (int i = 0; i < self->joint_count; i++) {
         self->feedback_radps[i] = self->equations->feedback[i];
@@ -111,7 +111,7 @@ static void solve_unlocked(void *system, float velocity_radps[]) {
     }
 }
 
-static void lock_joints(void *system, uint8_t joints) {
+static void lock(void *system, uint8_t joints) {
     system_t *self = system;
     ldlt_decouple(&self->equations->normal, self->joint_count, joints);
     for (int i = 0; i < self->joint_count; i++) {
@@ -126,8 +126,7 @@ void position_priority_solve(position_priority_equations_t *equations, int joint
                              float feedback_radps[], float feedforward_radps[]) {
     system_t system = {equations, joint_count, feedback_radps, feedforward_radps};
     float velocity_radps[ARM_MAX_JOINTS];
-    joints_at_limit_solve(at_limit, joint_count, &(lockable_equations_t){&system, solve_unlocked, lock_joints},
-                          velocity_radps);
+    joints_at_limit_solve(at_limit, joint_count, &system, solve, lock, velocity_radps);
 }
 
 float position_priority(const arm_t *arm, const position_priority_config_t *config,

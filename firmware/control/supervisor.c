@@ -77,10 +77,6 @@ result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs) 
     return RESULT_ACCEPTED;
 }
 
-bool supervisor_is_engaged(const supervisor_t *self) {
-    return self->mode == MODE_COOPERATING || self->mode == MODE_HOLD;
-}
-
 stop_category_t supervisor_stop_category(const supervisor_t *self) {
     switch (self->mode) {
     case MODE_HOLD: return STOP_CATEGORY_2;

@@ -30,7 +30,9 @@ result_t supervisor_start(supervisor_t *self);
 result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
 
 /* Cooperating, or in a hold. */
-bool supervisor_is_engaged(const supervisor_t *self);
+static inline bool supervisor_is_engaged(const supervisor_t *self) {
+    return self->mode == MODE_COOPERATING || self->mode == MODE_HOLD;
+}
 
 stop_category_t supervisor_stop_category(const supervisor_t *self);
 

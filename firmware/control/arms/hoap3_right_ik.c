@@ -14,7 +14,7 @@ typedef struct {
           right_2, right_3;
 } equations_t;
 
-static void solve_unlocked(void *equations, float velocity_radps[]) {
+static inline void solve(void *equations, float velocity_radps[]) {
     const equations_t *const self = equations;
     const float matrix_00 = self->matrix_00, matrix_10 = self->matrix_10, matrix_11 = self->matrix_11, matrix_20 = self->matrix_20,
                 matrix_21 = self->matrix_21, matrix_22 = self->matrix_22, matrix_30 = self->matrix_30, matrix_31 = self->matrix_31,
@@ -50,7 +50,7 @@ static void solve_unlocked(void *equations, float velocity_radps[]) {
     velocity_radps[3] = right_speed_3;
 }
 
-static void lock_joints(void *equations, uint8_t joints) {
+static inline void lock(void *equations, uint8_t joints) {
     equations_t *const self = equations;
     if ((joints & 1) != 0) {
         self->matrix_10 = self->matrix_20 = self->matrix_30 = self->right_0 = 0.0f;
@@ -64,6 +64,18 @@ static void lock_joints(void *equations, uint8_t joints) {
     if ((joints & 8) != 0) {
         self->matrix_30 = self->matrix_31 = self->matrix_32 = self->right_3 = 0.0f;
     }
+}
+
+__attribute__((noinline)) static void solve_at_limit(joints_at_limit_t at_limit, float velocity_radps[],
+                                                     float matrix_00, float matrix_10, float matrix_11, float matrix_20,
+                                                     float matrix_21, float matrix_22, float matrix_30, float matrix_31,
+                                                     float matrix_32, float matrix_33, float right_0, float right_1,
+                                                     float right_2, float right_3) {
+    equations_t equations = {matrix_00, matrix_10, matrix_11, matrix_20,
+                             matrix_21, matrix_22, matrix_30, matrix_31,
+                             matrix_32, matrix_33, right_0, right_1,
+                             right_2, right_3};
+    joints_at_limit_solve(at_limit, 4, &equations, solve, lock, velocity_radps);
 }
 
 /* differential_ik_isotropic() for this arm. */
@@ -492,12 +504,11 @@ static void isotropic_ik(const arm_t *arm, const differential_ik_config_t *confi
     const float right_2 = n50;
     const float right_3 = -n82;
     if (joints_at_limit_any(request->at_limit)) {
-        equations_t at_limit = {matrix_00, matrix_10, matrix_11, matrix_20,
-                                matrix_21, matrix_22, matrix_30, matrix_31,
-                                matrix_32, matrix_33, right_0, right_1,
-                                right_2, right_3};
-        const lockable_equations_t system = {&at_limit, solve_unlocked, lock_joints};
-        joints_at_limit_solve(request->at_limit, 4, &system, velocity_radps);
+        solve_at_limit(request->at_limit, velocity_radps,
+                       matrix_00, matrix_10, matrix_11, matrix_20,
+                       matrix_21, matrix_22, matrix_30, matrix_31,
+                       matrix_32, matrix_33, right_0, right_1,
+                       right_2, right_3);
         return;
     }
     const float inverse_0 = 1.0f / matrix_00;

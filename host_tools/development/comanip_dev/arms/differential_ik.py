@@ -343,21 +343,27 @@ def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 
 
 def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """The equations as a struct, and the two functions on them that joints_at_limit_solve() calls."""
+    """The equations, and their solution with joints at their limits. A function of its own, so that the code for no
+    joint at a limit need not keep the equations."""
     names = unknown(n, matrix)
     lines = ["typedef struct {", *wrapped(names, "    float ", " " * 10, ";"), "} equations_t;", "",
-             "static void solve_unlocked(void *equations, float velocity_radps[]) {",
+             "static inline void solve(void *equations, float velocity_radps[]) {",
              "    const equations_t *const self = equations;",
              *wrapped([f"{name} = self->{name}" for name in names], "    const float ", " " * 16, ";"),
              *solve(n, matrix), "}", "",
-             "static void lock_joints(void *equations, uint8_t joints) {",
+             "static inline void lock(void *equations, uint8_t joints) {",
              "    equations_t *const self = equations;"]  # fmt: skip
     for joint in range(n):
         zeros = [term.variable for (i, j), term in matrix.items() if i != j and joint in (i, j) and term.variable]
         lines += [f"    if ((joints & {1 << joint}) != 0) {{",
                   f"        {' = '.join(f'self->{name}' for name in [*zeros, f'right_{joint}'])} = 0.0f;",
                   "    }"]  # fmt: skip
-    return [*lines, "}"]
+    head = "__attribute__((noinline)) static void solve_at_limit("
+    lines += ["}", "", f"{head}joints_at_limit_t at_limit, float velocity_radps[],",
+              *wrapped([f"float {name}" for name in names], " " * len(head), " " * len(head), ") {"),
+              *wrapped(names, "    equations_t equations = {", " " * 29, "};"),
+              f"    joints_at_limit_solve(at_limit, {n}, &equations, solve, lock, velocity_radps);", "}"]  # fmt: skip
+    return lines
 
 
 def sines_and_cosines(n: int) -> list[str]:
@@ -415,11 +421,8 @@ def law(arm: Arm, middle: int, right_first: bool) -> Law:
     lines.append("    /* target and -target are the same pose: the nearer one */")
     lines.append(f"    const float side = turn_w < 0.0f ? -{literal(scale)} : {literal(scale)};")
     lines.append("    const float pull_rotation = side * law->pull_rotation;")
-    at_limit = ["    if (joints_at_limit_any(request->at_limit)) {",
-                *wrapped(unknown(n, matrix), "        equations_t at_limit = {", " " * 32, "};"),
-                "        const lockable_equations_t system = {&at_limit, solve_unlocked, lock_joints};",
-                f"        joints_at_limit_solve(request->at_limit, {n}, &system, velocity_radps);",
-                "        return;", "    }"]  # fmt: skip
+    at_limit = ["    if (joints_at_limit_any(request->at_limit)) {", "        solve_at_limit(request->at_limit, velocity_radps,",
+                *wrapped(unknown(n, matrix), " " * 23, " " * 23, ");"), "        return;", "    }"]  # fmt: skip
     body = [*lines, *difference, *equations, *at_limit, *solve(n, matrix)]
     return Law(body, at_limit_functions(n, matrix))
 

@@ -159,19 +159,38 @@ def components(group: Group) -> str:
     return AXES if group.kind == "vector" else QUATERNION
 
 
+def is_scaled(group: Group) -> bool:
+    return scalar_type(group.first) == "float"
+
+
 def pack_array(message: Message, group: Group) -> list[str]:
-    """A loop over the joints where there is something to compute: they are scaled alike, comanip_dev.codegen checks it."""
-    member, first = f"message->{group.member}", group.first
-    if scalar_type(first) != "float":
-        return [line for i, s in enumerate(group.signals) for line in pack_value(message, s, f"{member}[{i}]", "fits")]
-    local = group.member.split("_")[0]
     return [
-        f"    int32_t {local}[{JOINTS}];",
+        line
+        for i, signal in enumerate(group.signals)
+        for line in pack_value(message, signal, f"message->{group.member}[{i}]", "fits")
+    ]
+
+
+def raw_array(group: Group) -> str:
+    return group.member.split("_")[0]
+
+
+def pack_scaled_arrays(message: Message, groups: list[Group]) -> list[str]:
+    """One loop over the joints for all of them: joints are scaled alike, comanip_dev.codegen checks it."""
+    if not groups:
+        return []
+    return [
+        f"    int32_t {', '.join(f'{raw_array(group)}[{JOINTS}]' for group in groups)};",
         f"    for (int i = 0; i < {JOINTS}; i++) {{",
-        f"        {local}[i] = QUANTISE(fits, {member}[i], {constant(message, first)});",
+        *(
+            f"        {raw_array(group)}[i] = "
+            f"QUANTISE(fits, message->{group.member}[i], {constant(message, group.first)});"
+            for group in groups
+        ),
         "    }",
         *(
-            f"    raw.{lower(s)} = {'' if raw_type(s) == 'int32_t' else f'({raw_type(s)})'}{local}[{i}];"
+            f"    raw.{lower(s)} = {'' if raw_type(s) == 'int32_t' else f'({raw_type(s)})'}{raw_array(group)}[{i}];"
+            for group in groups
             for i, s in enumerate(group.signals)
         ),
     ]
@@ -184,9 +203,11 @@ def pack_body(message: Message) -> list[str]:
     flags = {group.validity.name: group.validity for group in found.groups if group.validity}
     for flag in flags:
         lines.append(f"    bool {flag}_fits = true;")
+    scaled = [group for group in found.groups if group.kind == "array" and is_scaled(group)]
+    lines += pack_scaled_arrays(message, scaled)
     for group in found.groups:
         if group.kind == "array":
-            lines += pack_array(message, group)
+            lines += [] if group in scaled else pack_array(message, group)
         elif group.kind == "scalar" and group.member not in flags:
             lines += pack_value(message, group.first, f"message->{group.member}", "fits")
         elif group.kind != "scalar":
