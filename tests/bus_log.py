@@ -1,5 +1,5 @@
-"""Reads `candump -L` logs and decodes them in bulk with the DBC: the bits come from cantools' layout, not
-from our C code. For millions of frames; `cantools decode` itself is tested on a shorter log."""
+"""Reads `candump -L` logs and decodes them in bulk with the DBC. The bit positions come from cantools, not from our C
+code. For logs of millions of frames; `cantools decode` itself is tested on a shorter log."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Frames:
 
 
 def read(path: Path) -> dict[str, Frames]:
-    """Frames by message name. Raises on a line that is not exactly what candump -L writes, or on an unknown id."""
+    """Frames by message name. Raises on an unknown id and on a line that candump -L would not write."""
     times: dict[int, list[str]] = {}
     payloads: dict[int, list[str]] = {}
     last = ""
@@ -56,7 +56,7 @@ def read(path: Path) -> dict[str, Frames]:
     for frame_id, hexadecimal in payloads.items():
         message = DBC.get_message_by_frame_id(frame_id)
         data = np.frombuffer(bytes.fromhex("".join(hexadecimal)), np.uint8).reshape(len(hexadecimal), -1)
-        assert data.shape[1] == message.length, f"{message.name}: {data.shape[1]} bytes, the DBC says {message.length}"
+        assert data.shape[1] == message.length, f"{message.name}: {data.shape[1]} bytes, expected {message.length}"
         frames[message.name] = Frames(message, np.array(times[frame_id], float), data)
     return frames
 

@@ -1,4 +1,4 @@
-"""C headers as cffi wants them, for tests that compile sources into a library of their own."""
+"""C headers in the form that cffi reads, for tests that compile sources into their own library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ GENERATED = Path(__file__).resolve().parents[1] / "build" / "generated"
 
 
 def declarations(headers: Iterable[Path], *options: str) -> str:
-    """What the headers declare, with these options of the preprocessor."""
+    """The declarations of the headers, preprocessed with these options."""
     with tempfile.TemporaryDirectory() as folder:
         return preprocessed(
             "".join(f'#include "{header}"\n' for header in headers), Path(folder), f"-I{GENERATED}", "-P", *options

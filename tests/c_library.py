@@ -1,7 +1,8 @@
-"""C sources as Python libraries for the tests: ``load()``. Compiled with the product's warnings as errors, and with the
-undefined-behaviour sanitiser, which ends the process at the first fault. Needs build/generated, which ``make build`` writes.
+"""Compiles C sources into Python libraries for the tests: ``load()``. Uses the product's warnings as errors and the
+undefined-behaviour sanitiser, which ends the process at the first fault. Needs build/generated, which ``make build``
+writes.
 
-A source is compiled once, whichever libraries and test processes it is for, and again when it, a header, or the command
+A source is compiled once for all libraries and test processes, and again when the source, a header or the command
 has changed.
 """
 
@@ -21,7 +22,7 @@ from once import lock
 REPOSITORY = Path(__file__).resolve().parents[1]
 GENERATED = REPOSITORY / "build" / "generated"
 BUILD = REPOSITORY / "build" / "tests"
-# All of the firmware but its entry, which needs a HAL.
+# All firmware sources but main.c, which needs a HAL.
 CORE = sorted(file for file in REPOSITORY.glob("firmware/**/*.c") if file.name != "main.c")
 CORE.append(GENERATED / "comanip_dbc.c")
 
@@ -30,7 +31,7 @@ COMPILE = [
     "-fsanitize=undefined,float-cast-overflow", "-fno-sanitize-recover=all",
     "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror", f"-I{GENERATED}",
 ]  # fmt: skip
-OPTIMISED = ("-O2", "-ffp-contract=off")  # for tests that compute much
+OPTIMISED = ("-O2", "-ffp-contract=off")  # for tests with long computations
 
 
 def _run(command: list[str]) -> None:
@@ -41,7 +42,7 @@ def _run(command: list[str]) -> None:
 
 @functools.cache
 def _headers() -> bytes:
-    """A digest of all headers that a source could include."""
+    """A digest of all headers that a source may include."""
     digest = hashlib.sha256()
     for folder in ("sim", "hal", "host_tools/hub", "firmware", "tests", "build/generated"):
         for file in sorted((REPOSITORY / folder).rglob("*")):
@@ -51,20 +52,22 @@ def _headers() -> bytes:
 
 
 def _made(target: Path, key: str, command: list[str]) -> str:
-    """The file `target`, which the command writes behind its ``-o``, made anew if another key's is there."""
+    """Returns the key of the file `target`; runs the command with ``-o`` if the file has another key or does not
+    exist."""
     stamp = target.with_suffix(".key")
     with lock(target.with_suffix(".lock")):
         if not (target.exists() and stamp.exists() and stamp.read_text() == key):
             unfinished = target.with_suffix(".unfinished")
             _run([*command, "-o", str(unfinished)])
             stamp.unlink(missing_ok=True)
-            unfinished.replace(target)  # who has the old library open keeps it
+            unfinished.replace(target)  # a process that has the old library open keeps it
             stamp.write_text(key)
     return key
 
 
 def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, str]]:
-    """What this command makes of each source, in the repository, and its key, which changes with what is in it."""
+    """Compiles the sources, which lie in the repository. Returns object and key of each; the key depends on the
+    content."""
     kind = hashlib.sha256("\0".join(compile_).encode()).hexdigest()[:8]
 
     def compiled(source: Path) -> tuple[Path, str]:
@@ -79,8 +82,9 @@ def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, st
 def load(
     name: str, declared: str, sources: Iterable[Path], *options: str, libraries: Iterable[str] = ()
 ) -> tuple[cffi.FFI, object]:
-    """``ffi, lib`` of these sources. declared: what of them Python sees, for cffi. options: of the compiler, behind
-    COMPILE. libraries: to link with, as the linker names them, libm apart. RuntimeError: the compiler's words."""
+    """``ffi, lib`` of these sources. declared: the declarations that Python sees, for cffi. options: further compiler
+    options after COMPILE. libraries: libraries to link besides libm, by their linker names. RuntimeError: the
+    compiler's output."""
     ffi = cffi.FFI()
     ffi.cdef(declared)
     compile_ = [*COMPILE, *options]

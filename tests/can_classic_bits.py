@@ -1,5 +1,5 @@
-"""A classic CAN data frame bit by bit, as ISO 11898-1 puts it on the wire: what the simulated durations and the computed
-worst cases are tested against. The CRC is crccheck's CRC-15/CAN, stuffing acts on the list of bits."""
+"""A classic CAN data frame bit by bit, as ISO 11898-1 puts it on the wire. Tests compare simulated durations and
+computed worst cases with it. The CRC is crccheck's CRC-15/CAN; stuffing works on the list of bits."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def unstuffed(identifier: int, data: bytes) -> list[int]:
     ]
     octets = int("".join(map(str, covered)), 2).to_bytes(
         (len(covered) + 7) // 8, "big"
-    )  # zeros before do not change it
+    )  # leading zeros do not change the CRC
     return covered + bits(Crc15.calc(octets), 15)
 
 
 def stuffed(sent: list[int]) -> list[int]:
-    """A complement after each five equal bits, stuff bits included; also after the last ones."""
+    """Adds the complement after each five equal bits, counting stuff bits, including the last five."""
     wire, last, run = [], None, 0
     for bit in sent:
         wire.append(bit)

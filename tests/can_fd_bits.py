@@ -1,5 +1,5 @@
-"""A CAN FD frame bit by bit, as ISO 11898-1 puts it on the wire at 1/5 Mbit/s: what the simulated bus's durations and
-loads are tested against."""
+"""A CAN FD frame bit by bit, as ISO 11898-1 puts it on the wire at 1/5 Mbit/s. Tests compare the simulated bus's
+durations and loads with it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def bits(value: int, count: int) -> list[int]:
 
 
 def frame_duration_ns(identifier: int, data: bytes) -> int:
-    """From the start of frame to the end of the interframe space, each bit with its own duration."""
+    """From the start of frame to the end of the interframe space; nominal and data bits have different durations."""
     dlc = LENGTHS.index(len(data))
     nominal = [0, *bits(identifier, 11), 0, 0, 1, 0, 1]  # SOF, id, RRS, IDE, FDF, res, BRS
     fast = [0, *bits(dlc, 4), *(bit for octet in data for bit in bits(octet, 8))]  # ESI, DLC, data
@@ -21,7 +21,7 @@ def frame_duration_ns(identifier: int, data: bytes) -> int:
     for position, bit in enumerate((*nominal, *fast), 1):
         run = run + 1 if bit == last else 1
         last = bit
-        if run == 5 and position < len(nominal) + len(fast):  # a stuff bit, which begins the next run
+        if run == 5 and position < len(nominal) + len(fast):  # a stuff bit starts the next run
             total_ns += NOMINAL_NS if position <= len(nominal) else DATA_NS
             last, run = 1 - bit, 1
     crc_field = 4 + (17 if len(data) <= 16 else 21)  # stuff count, CRC

@@ -1,5 +1,5 @@
-"""Shared by all tests: the built module, the frame database, a seed for each random test, and what the workers of
-`make test` share."""
+"""Shared by all tests: the built module, the frame database, a seed for each random test, and the files that the
+workers of `make test` share."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ except ImportError as error:
     pytest.exit(f"comanip is not built ({error}): run `make build` first", returncode=2)
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # however busy the machine is
+hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # independent of the machine's load
 hypothesis.settings.load_profile("suite")
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # behind a shell's `&`: what tests start would inherit it
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # started with a shell's `&`: child processes would ignore it too
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -39,19 +39,19 @@ def dbc():
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_runs(tmp_path_factory):
-    """One folder for all workers: each has a folder of its own beside it."""
+    """One folder for all workers, beside the folder of each."""
     own = tmp_path_factory.getbasetemp()
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 
 
 def pytest_collection_modifyitems(config, items):
     if hasattr(config, "workerinput"):
-        items.sort(key=lambda item: groups.place_of(item.nodeid))
+        items.sort(key=lambda item: groups.position_of(item.nodeid))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """In place of `--dist loadgroup`, whose marks pytest 9.2 leaves without effect."""
+    """Replaces `--dist loadgroup`, whose marks have no effect with pytest 9.2."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByGroup(LoadScopeScheduling):
@@ -62,4 +62,4 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 def pytest_report_header(config):
-    return groups.told() if getattr(config.option, "numprocesses", None) else []
+    return groups.header() if getattr(config.option, "numprocesses", None) else []

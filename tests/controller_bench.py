@@ -1,4 +1,5 @@
-"""controller_step() on a bench: drives that do at once what they are told, a tracker and an operator, all by frames."""
+"""controller_step() on a bench: ideal drives that follow each command at once, a tracker and an operator, all by
+frames."""
 
 from __future__ import annotations
 
@@ -25,9 +26,12 @@ TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # the 
 
 
 class Bench:
-    """position_rad: where the arm stands. hand: pose (8,) of the person's hand in torso axes, or None for no frames.
-    prediction: unless told, Bench.prediction: off, so that the hand may jump and is met as law (4) has it. store_result: how the port's store
-    ends a saving, store_ticks after it began; stored: what it was to save, each time."""
+    """A controller with simulated drives, tracker and operator.
+
+    position_rad: the arm's angles. hand: pose (8,) of the person's hand in torso axes, or None for no tracker frames.
+    prediction: by default Bench.prediction, which is off, so that the hand may jump and is followed by control law (4).
+    store_result: the result that the port reports store_ticks after a save began. stored: the values of each save.
+    """
 
     prediction = False
 
@@ -45,20 +49,20 @@ class Bench:
         self.drives_answer = True
         self.drive_error = lib.DRIVE_ERROR_NONE
         self.now_us = now_us
-        self.stamp_offset_us = 0  # of the firmware's own reception times
+        self.stamp_offset_us = 0  # added to the firmware's reception times
         self.tracker_clock_offset_us = 0
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
-        self.raw: list = []  # frames as they are, in the next tick
-        self.sent: list[tuple[int, bytes]] = []  # (id, data) of this tick
+        self.raw: list = []  # frames for the next tick, sent as they are
+        self.sent: list[tuple[int, bytes]] = []  # (id, data) in this tick
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")
         self.outbox = ffi.new("outbox_t *")
         self.store_result, self.store_ticks = lib.RESULT_NOT_SUPPORTED, 1
         self.stored: list[list[float]] = []
-        self.store_until = 0  # tick
+        self.store_until = 0  # tick at which the save ends
         lib.controller_init(self.controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
         if parameters is None:
             parameters = ffi.new("parameters_t *")
@@ -75,7 +79,7 @@ class Bench:
         self.inbox.count += 1
 
     def _tracker_frame(self):
-        """The hand as the tracker sees it: (9) turned back."""
+        """The hand in the tracker's axes: equation (9) inverted."""
         seen = oracle.multiply(TRACKER, self.hand)
         message = ffi.new(
             "hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid}
@@ -93,7 +97,7 @@ class Bench:
         assert lib.joint_state_pack(joint, message, frame) == lib.PROTOCOL_OK
         return frame
 
-    # ---- requests of the operator; each is answered in the next tick
+    # ---- operator requests, each answered in the next tick
 
     def _ask(self, pack, message) -> int:
         frame = ffi.new("can_frame_t *")
@@ -107,7 +111,7 @@ class Bench:
         return self.sequence
 
     def command(self, command: int, task: int = 0) -> int:
-        """The result_t that came back."""
+        """Returns the result_t of the acknowledgement."""
         message = ffi.new("operator_command_t *", {"command": command, "sequence": self._next_sequence(), "task": task})
         return self._ask(lib.operator_command_pack, message)
 
@@ -127,7 +131,7 @@ class Bench:
         return self._ask(lib.parameter_access_pack, message)
 
     def save(self, parameter: int = 0, ticks: int = 10) -> int:
-        """The answer, which comes when the store is done."""
+        """Returns the answer, which comes when the store has finished."""
         message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "parameter": parameter})
         message.sequence = self._next_sequence()
         self.ask(message)
@@ -138,19 +142,19 @@ class Bench:
         return self.answer()
 
     def ask(self, message) -> None:
-        """A parameter_access_t, in the next tick."""
+        """Sends a parameter_access_t in the next tick."""
         frame = ffi.new("can_frame_t *")
         assert lib.parameter_access_pack(message, frame) == lib.PROTOCOL_OK
         self.requests.append(frame)
 
     def receive_broken(self) -> None:
-        """An OperatorCommand with a flipped bit, in the next tick."""
+        """Sends an OperatorCommand with a flipped bit in the next tick."""
         frame = ffi.new("can_frame_t *")
         assert lib.operator_command_pack(ffi.new("operator_command_t *"), frame) == lib.PROTOCOL_OK
         self._receive_broken(frame)
 
     def receive_broken_between_others(self) -> None:
-        """The same of a Clearance, which is not for the firmware: a port without filters hands it on."""
+        """Sends a Clearance with a flipped bit, which is not for the firmware: a port without filters passes it on."""
         frame = ffi.new("can_frame_t *")
         assert lib.clearance_pack(ffi.new("clearance_t *"), frame) == lib.PROTOCOL_OK
         self._receive_broken(frame)
@@ -196,13 +200,13 @@ class Bench:
     # ---- frames out
 
     def answer(self) -> int:
-        """Result of the one CommandAck or ParameterValue with the last request's sequence."""
+        """Result of the only CommandAck or ParameterValue with the last request's sequence."""
         results = self.answers()
         assert len(results) == 1, f"one answer expected, got {results}"
         return results[0]
 
     def answers(self) -> list[int]:
-        """The results in this tick of those with the last request's sequence."""
+        """The results in this tick that have the last request's sequence."""
         results = []
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
@@ -236,7 +240,7 @@ class Bench:
 
     @property
     def trace(self):
-        """This tick's tick_trace_t; None when none was sent."""
+        """This tick's tick_trace_t, or None if none was sent."""
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
             if frame.id == FRAME_ID["TICK_TRACE"]:
@@ -247,7 +251,7 @@ class Bench:
 
     @property
     def target(self) -> np.ndarray | None:
-        """(8,) as TickTrace published it in this tick; None when it said there is none."""
+        """The target (8,) published by TickTrace in this tick; None if it is marked as absent."""
         trace = self.trace
         if trace is None or not trace.target_valid:
             return None
@@ -258,10 +262,10 @@ class Bench:
     def robot(self) -> np.ndarray:
         return oracle.hoap3().fkm(self.position_rad).vec8()
 
-    # ---- usual beginnings
+    # ---- common preparations
 
     def until_ready(self) -> Bench:
-        self.tick(60)  # past the boot announcement too
+        self.tick(60)  # also past the boot announcement
         assert self.mode == lib.MODE_READY
         return self
 

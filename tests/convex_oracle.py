@@ -1,5 +1,5 @@
-"""Distances between convex shapes in numpy, many at once, written apart from the C sources: by projection (boxes,
-capsules, cylinders) with a certificate on either side, by least squares (points), and overlap by facets."""
+"""Distances between convex shapes in numpy, many at once, written independently of the C sources: by projection with a
+lower and an upper bound (boxes, capsules, cylinders), by least squares (points), and overlap by facets."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 @dataclass
 class Shapes:
-    """n shapes of one kind. Lengths in m; rotation takes the shape's axes to the world's; position_m (n, 3)."""
+    """n shapes of one kind. Lengths in m; rotation maps the shape's axes to the world's; position_m (n, 3)."""
 
     kind: str  # box, capsule, cylinder
-    size_m: np.ndarray  # (n, 3), of a box
-    length_m: np.ndarray  # (n,), along z: of a cylinder, or between the centres of a capsule's ends
+    size_m: np.ndarray  # (n, 3), of boxes
+    length_m: np.ndarray  # (n,), along z: of cylinders, or between the cap centres of capsules
     radius_m: np.ndarray  # (n,)
     rotation: Rotation
     position_m: np.ndarray
@@ -39,7 +39,7 @@ class Shapes:
         return self.rotation.apply(nearest) + self.position_m
 
     def reach(self, direction: np.ndarray) -> np.ndarray:
-        """(n,): how far the shapes extend along unit directions (n, 3), from the world's origin."""
+        """(n,): extent of the shapes along unit directions (n, 3), from the world's origin."""
         local = self.rotation.inv().apply(direction)
         along = np.abs(local[:, 2]) * self.length_m / 2
         if self.kind == "box":
@@ -54,7 +54,7 @@ class Shapes:
 def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds (n,), m, of the distances: two points, one in each shape, and a plane between them.
 
-    The points come nearer by projected gradient steps with momentum (Nesterov's, begun anew now and then)."""
+    The points approach each other by projected gradient steps with Nesterov momentum, restarted every 100 steps."""
     x, y = a.position_m, b.position_m
     x_before, y_before, t = x, y, 1.0
     lower, upper = np.zeros(len(x)), np.full(len(x), np.inf)
@@ -76,11 +76,11 @@ def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray
 
 
 def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
-    """Between the convex hulls of points (n, 3) and (m, 3).
+    """Distance between the convex hulls of points (n, 3) and (m, 3).
 
     Least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23): the shortest n
-    with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, and 1 / |n| its
-    width."""
+    with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, and 1 / |n| is
+    the slab's width."""
     differences = (a[:, None] - b[None]).reshape(-1, 3)
     rows = np.vstack([differences.T, np.ones(len(differences))])
     weights, _ = nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))

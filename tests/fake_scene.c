@@ -1,3 +1,4 @@
+/* The functions of scene.h and arm_plant.h that the modules under test call, on the state set by the test. */
 #include "fake_scene.h"
 
 double arm_plant_position_rad(const arm_plant_t *self, int joint) {

@@ -1,5 +1,5 @@
-"""HOAP-3's right arm in numpy, from the manual's modified DH and written apart from the C sources: kinematics, gravity
-torques and the inertia matrix of the bodies the simulator states (a 50 mm cube and rods of 40 mm diameter)."""
+"""HOAP-3's right arm in numpy, from the manual's modified DH table, written independently of the C sources: kinematics,
+gravity torques and the inertia matrix of the simulated bodies (a 50 mm cube and rods of 40 mm diameter)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MASSES_KG = np.array([0.210, 0.234, 0.1965, 0.216])
 GRAVITY = np.array([0.0, 0.0, -9.80665])
 PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
-# (alpha of the step before, a of the step before, d, theta's offset), from WAIST over CHEST and RARM[0] to joint 4
+# (alpha and a of the previous row, d, offset of theta), from WAIST over CHEST and RARM[0] to joint 4
 MODIFIED_DH = [
     (0.0, -0.035, 0.125, 0.0),
     (-90.0, 0.0, -0.111, 0.0),
@@ -37,13 +37,13 @@ def _shift(x: float, y: float, z: float) -> np.ndarray:
 
 
 def frames(q: np.ndarray) -> list[np.ndarray]:
-    """The four link frames and the hand, seen from the torso."""
+    """The four link frames and the end effector in the torso frame."""
     angles = [0.0, 0.0, *np.degrees(q)]
     frame, result = np.eye(4), []
     for (alpha, a, d, offset), angle in zip(MODIFIED_DH, angles, strict=True):
         frame = frame @ _about(0, alpha) @ _shift(a, 0, 0) @ _about(2, angle + offset) @ _shift(0, 0, d)
         result.append(frame)
-    # Along y of the last frame lies the forearm; the hand's z axis points along it, its x axis stays.
+    # The forearm lies along y of the last frame. The end effector's z axis points along it; its x axis is unchanged.
     hand = frame @ _shift(0, 0.171, 0) @ _about(0, -90.0)
     return [*result[2:], hand]
 
@@ -76,7 +76,8 @@ def inertias(q: np.ndarray) -> list[np.ndarray]:
 
 
 def _velocity_maps(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(4 bodies, 3, 4 joints) each: joint velocities to a centre's velocity and to a body's angular velocity."""
+    """(4 bodies, 3, 4 joints) each: maps from joint velocities to the centres' velocities and the angular
+    velocities."""
     link, centre = frames(q), centres_of_mass(q)
     linear, angular = np.zeros((4, 3, 4)), np.zeros((4, 3, 4))
     for body in range(4):
@@ -88,7 +89,7 @@ def _velocity_maps(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def holding_torque(q: np.ndarray) -> np.ndarray:
-    """What the motors must give against gravity at rest."""
+    """Motor torques that balance gravity at rest."""
     linear, _ = _velocity_maps(q)
     return -np.einsum("b,bkj,k->j", MASSES_KG, linear, GRAVITY)
 
@@ -106,7 +107,7 @@ def random_posture(rng: np.random.Generator, margin_deg: float = 2.0) -> np.ndar
 
 
 def hands(q: np.ndarray) -> np.ndarray:
-    """Hand positions of many postures: (N, 4) -> (N, 3)."""
+    """End effector positions of many postures: (N, 4) -> (N, 3)."""
     chain = np.broadcast_to(np.eye(4), (len(q), 4, 4))
     for joint, (alpha, a, d, offset) in enumerate(MODIFIED_DH):
         angle = np.radians(offset) + (q[:, joint - 2] if joint >= 2 else np.zeros(len(q)))

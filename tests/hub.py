@@ -1,4 +1,4 @@
-"""A hub of its own for a test, raw SocketCAN packets, and the tools that people listen with, each as its own process."""
+"""A hub for one test, raw SocketCAN packets, and the listening tools that users run, each in its own process."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def fd(can_id: int, data: bytes = b"", length: int | None = None) -> bytes:
 
 
 def wait_until(condition: Callable[[], object], what: str) -> object:
-    """The condition's value, once it is true."""
+    """Returns the condition's value when it becomes true."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         value = condition()
@@ -51,15 +51,16 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
 
 
 def everything_in(file) -> str:
-    """Without moving the place where a process that has the file, too, goes on writing."""
+    """Reads without moving the file offset that the writing process shares."""
     return os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0).decode(errors="replace")
 
 
 class Hub:
-    """`environment` leads the tools to it; `port` is socketcand's, None if off."""
+    """`environment` lets the tools find it; `port` is socketcand's, None if off."""
 
     def __init__(self, *arguments: str, bus: str = "vcan0", folder: Path | None = None):
-        self._own = None if folder else tempfile.mkdtemp(prefix="comanip-test-")  # short: a socket's path has 107 bytes
+        # short: a socket path is limited to 107 bytes
+        self._own = None if folder else tempfile.mkdtemp(prefix="comanip-test-")
         self.folder = Path(folder or self._own)
         self.bus, self.path = bus, self.folder / bus
         self.environment = {**os.environ, "COMANIP_HUB_DIR": str(self.folder)}
@@ -68,12 +69,12 @@ class Hub:
         self.process = subprocess.Popen(
             command, env=self.environment, stdout=subprocess.PIPE, stderr=self.complaints, text=True
         )
-        told = []
+        output = []
         for line in self.process.stdout:
-            told.append(line)
+            output.append(line)
             if " at /" in line:
                 break
-        port = re.search(r"socketcand at 127\.0\.0\.1:(\d+)", "".join(told))
+        port = re.search(r"socketcand at 127\.0\.0\.1:(\d+)", "".join(output))
         self.port = int(port[1]) if port else None
 
     def stderr(self) -> str:
@@ -86,7 +87,8 @@ class Hub:
         return client
 
     def clients(self) -> int:
-        """Connections to its Unix socket, by the kernel's own list: accepted ones carry its path, and are connected (03)."""
+        """Connections to its Unix socket by the kernel's list: accepted sockets have its path and are connected
+        (03)."""
         lines = Path("/proc/net/unix").read_text().splitlines()
         return sum(line.endswith(f" {self.path}") and line.split()[5] == "03" for line in lines)
 
@@ -94,7 +96,7 @@ class Hub:
         wait_until(lambda: self.clients() >= count, f"{count} clients of {self.path}")
 
     def stop(self) -> int:
-        """Ends it as Ctrl-C does: everybody gets what was sent."""
+        """Stops it as Ctrl-C does: it delivers all queued frames first."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
         return self.process.wait(PATIENCE_S)
@@ -120,7 +122,7 @@ def running(*arguments: str, **places) -> Iterator[Hub]:
 
 
 class Tool:
-    """A program that writes into a file, or onto a terminal, until the hub or the test ends it."""
+    """A program that writes into a file, or onto a terminal, until the hub or the test stops it."""
 
     def __init__(self, hub: Hub, *command: object, terminal: bool = False):
         self.output = tempfile.TemporaryFile()
@@ -139,11 +141,11 @@ class Tool:
             os.close(slave)
 
     def text(self) -> str:
-        """All that it wrote up to now."""
+        """All output so far."""
         while self._master is not None and select.select([self._master], [], [], 0)[0]:
             try:
                 self.output.write(os.read(self._master, 65536))
-            except OSError:  # it ended
+            except OSError:  # the program has ended
                 break
         self.output.flush()
         return everything_in(self.output)

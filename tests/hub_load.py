@@ -1,4 +1,4 @@
-"""Loads a hub: RATE frames/s for SECONDS, four listeners that must get each frame in order, and one that never reads, which
+"""Loads a hub with RATE frames/s for SECONDS: four listeners must get each frame in order, and one that never reads
 must be dropped. Usage: hub_load.py [--seconds N] [--rate N]. Exit status 1 if a frame was lost."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ LONGEST_WAIT_S = 30.0
 
 
 def listen(path: str, ready, results) -> None:
-    """Counts frames, in the order of the numbers in them, up to one that holds a negative number."""
+    """Counts frames in the order of the numbers that they carry, up to a frame with a negative number."""
     client = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     client.connect(path)
     client.settimeout(LONGEST_WAIT_S)
@@ -38,7 +38,7 @@ def listen(path: str, ready, results) -> None:
 
 
 def send(client: socket.socket, rate: int, seconds: int) -> float:
-    """Gives how long it took."""
+    """Returns the duration."""
     start_s, sent = time.monotonic(), 0
     while sent < rate * seconds:
         due = min(int((time.monotonic() - start_s) * rate), rate * seconds)
@@ -75,7 +75,7 @@ def main() -> int:
         dropped = hub.stderr().count("is dropped: it reads too slowly")
         stalled.close()
     print(
-        f"sent {expected} frames in {took_s:.2f} s ({expected / took_s:.0f}/s); the hub used {cpu_s:.1f} s of processor time"
+        f"sent {expected} frames in {took_s:.2f} s ({expected / took_s:.0f}/s); the hub used {cpu_s:.1f} s of CPU time"
     )
     for count, latest_s in got:
         print(f"listener: {count} frames, {expected - count} lost, {1e3 * latest_s:.1f} ms late at worst")

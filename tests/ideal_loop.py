@@ -1,5 +1,5 @@
-"""The loop as it would be without a world: dqrobotics' kinematics in double precision, drives that do at once what they
-are told, no bus, no encoder. Written from the paper and from the headers' description of the limits."""
+"""The ideal loop: dqrobotics' kinematics in double precision and drives that follow each command at once, without a bus
+or an encoder. Written from the paper and from the headers' description of the limits."""
 
 from __future__ import annotations
 
@@ -14,16 +14,20 @@ VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
 JERK = 1e4
-RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # what the speed changes by while the deceleration grows
+RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration grows
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
-AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)  # and where the stopping speed is 0
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # changes per tick that end after 0, 1, 2... ticks,
-RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # and what the velocity changes by in all
+# distance from the limit where the stopping speed is 0
+AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # changes per tick that ramp down to 0 within 0, 1, 2... ticks
+RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # and the total velocity change of each
 
 
-def limited(wanted, last, last_change, q, gain, acceleration=25.0):
-    """joint_limits.h: approach speed, speed limit in common proportion, stopping distance, acceleration, jerk. The change of velocity."""
-    speed = np.abs(wanted)
+def limited(demanded, last, last_change, q, gain, acceleration=25.0):
+    """joint_limits.h: approach speed, common scaling to the speed limit, stopping distance, acceleration, jerk.
+
+    Returns the change of velocity.
+    """
+    speed = np.abs(demanded)
     a = BRAKING_RESERVE * acceleration
     linear = a / gain
     approach = np.where(speed <= linear, speed, np.sqrt(np.maximum(linear * (2 * speed - linear), 0)))
@@ -34,15 +38,15 @@ def limited(wanted, last, last_change, q, gain, acceleration=25.0):
     ramp_s = growth / (JERK * TICK_S)
     room = np.maximum(room - ramp_s * (np.abs(last) + 0.5 * growth / TICK_S * ramp_s), 0)
     up, down = np.maximum(np.sqrt(2 * a * room + RAMP**2) - LOST, 0)
-    way = np.clip(scale * wanted, -down, up) - last
+    way = np.clip(scale * demanded, -down, up) - last
     change = np.sign(way) * np.interp(np.abs(way), RAMP_DOWN_SUM, RAMP_DOWN)
     change = np.clip(change, last_change - JERK * TICK_S**2, last_change + JERK * TICK_S**2)
     return np.clip(change, -acceleration * TICK_S, acceleration * TICK_S)
 
 
 def law(jacobian, hand, target, gain, weight, damping):
-    """(4) with the error in the target's frame, as oracle.law, for one posture at a time: in a loop of many thousand ticks
-    arrays of one row take most of the time."""
+    """(4) with the error in the target's frame, as oracle.law, but for one posture at a time: array overhead would
+    dominate a loop of many thousand ticks."""
     back = DQ(-target if target[:4] @ hand[:4] < 0 else target).conj().hamiplus8()
     error = IDENTITY - back @ hand
     seen = back @ jacobian
@@ -52,32 +56,32 @@ def law(jacobian, hand, target, gain, weight, damping):
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
-    """Law (4) over the joints that are free to do what it asks: joints_at_limit_find()."""
+    """Control law (4) over the joints that are free to follow it, as joints_at_limit_find()."""
     free = np.ones(len(q), bool)
     above, below = JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD, q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD
     while True:
-        wanted = np.zeros(len(q))
+        demanded = np.zeros(len(q))
         if free.any():
-            wanted[free] = law(jacobian[:, free], hand, target, *settings)
-        blocked = ((wanted > 0) & above) | ((wanted < 0) & below)
+            demanded[free] = law(jacobian[:, free], hand, target, *settings)
+        blocked = ((demanded > 0) & above) | ((demanded < 0) & below)
         if not blocked.any():
-            return wanted
+            return demanded
         free &= ~blocked
 
 
 def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray) -> np.ndarray:
-    """targets (N, 8), one a tick; cooperating (N,) bool: elsewhere the arm brakes. Returns the hand (N, 8) at each tick,
-    before that tick's command acts."""
+    """targets (N, 8), one per tick; cooperating (N,) bool: in other ticks the arm brakes. Returns the end effector (N,
+    8) at each tick, before that tick's command acts."""
     arm = oracle.hoap3()
     q, v, change = q0.astype(float).copy(), np.zeros(len(q0)), np.zeros(len(q0))
     hands = np.empty((len(targets), 8))
     for k, target in enumerate(targets):
         hand = vec8(arm.fkm(q))
         hands[k] = hand
-        wanted = np.zeros(len(q))
+        demanded = np.zeros(len(q))
         if cooperating[k]:
-            wanted = law_with_blocked_joints(arm.pose_jacobian(q), hand, target, q, GAIN, WEIGHT, DAMPING)
-        change = limited(wanted, v, change, q, GAIN)
+            demanded = law_with_blocked_joints(arm.pose_jacobian(q), hand, target, q, GAIN, WEIGHT, DAMPING)
+        change = limited(demanded, v, change, q, GAIN)
         v = v + change
         q = q + v * TICK_S
     return hands

@@ -1,4 +1,4 @@
-"""The target images that there are, as `make images` tells them out of each port's images.mk."""
+"""The target images listed by `make images`, which reads each port's images.mk."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ class Image:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
-    """One at a time in the build folder, whichever test process asks; beside each other into folders of the tests' own."""
+    """Runs make: one at a time in the build folder for all test processes, in parallel in the tests' own folders."""
     elsewhere = any(argument.startswith("TARGET_BUILD=") for argument in arguments)
     with contextlib.nullcontext() if elsewhere else lock(MAKE_LOCK):
         return _make(*arguments)
 
 
 def _make(*arguments: str) -> subprocess.CompletedProcess:
-    # Not as part of the make that runs the tests: its job server is not open to us, and says so.
+    # Not as part of the make that runs the tests: its job server is closed to us, and make would print a warning.
     environment = {
         name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")
     }

@@ -1,6 +1,6 @@
-"""Firmware and plant as two processes on one bus: the kernel's, if it has the interface COMANIP_TEST_CAN names (as in
-tests/socketcan), else a hub of the test's own. Whoever reads or writes frames here speaks SocketCAN's structures and
-decodes with cantools: none of the code under test."""
+"""Firmware and plant as two processes on one bus: the kernel's, if it has the interface named by COMANIP_TEST_CAN (as
+in tests/socketcan), else the test's own hub. The test side reads and writes SocketCAN structures and decodes with
+cantools; it uses none of the code under test."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
 PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
-SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # the tests' machine is no real-time one
+SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # the tests' machine has no real-time guarantees
 ATTEMPTS = 3  # at a run that a busy machine may spoil by pausing one of the processes
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
@@ -37,7 +37,7 @@ def has_kernel_can() -> bool:
 
 @dataclass(frozen=True)
 class Seen:
-    """A frame as it was seen on the bus; `t_s` by this process's clock, divided by the time scale."""
+    """A frame seen on the bus; `t_s` by this process's clock, divided by the time scale."""
 
     t_s: float
     frame_id: int
@@ -56,7 +56,7 @@ def packet(frame_id: int, data: bytes) -> bytes:
 
 
 def is_authentic(frame: Seen) -> bool | None:
-    """By the package autosar-e2e; None for a frame without protection."""
+    """Checks with the package autosar-e2e; None for a frame without protection."""
     data_id = DBC.get_message_by_frame_id(frame.frame_id).dbc.attributes.get("E2EDataId")
     if data_id is None:
         return None
@@ -68,14 +68,15 @@ def is_authentic(frame: Seen) -> bool | None:
 
 
 class Bus:
-    """A bus for the processes and one tap on it. A context: at its end everything that was started is stopped."""
+    """A bus for the processes with one tap on it. A context manager: it stops everything that was started at its
+    end."""
 
     def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd", interface: str = INTERFACE):
         self.folder, self.slow, self.profile, self.interface = folder, slow, profile, interface
         self.environment = os.environ | {"COMANIP_HUB_DIR": str(folder)}
         self.frames: list[Seen] = []
         self._processes: list[subprocess.Popen] = []
-        self._counter = 100  # of the test's own operator frames
+        self._counter = 100  # of the test's operator frames
         self._over = threading.Event()
 
     def __enter__(self) -> Bus:
@@ -111,13 +112,13 @@ class Bus:
             try:
                 data = self._tap.recv(CANFD_FRAME.size)
                 if not data:
-                    return  # the hub's end
+                    return  # the hub has ended
             except TimeoutError:
                 continue
             except OSError as error:
                 if self._over.is_set() or not has_kernel_can():
                     return
-                assert error.errno, error  # the interface is down: it comes back
+                assert error.errno, error  # the interface is down; it will come back
                 time.sleep(0.01)
                 continue
             layout = CANFD_FRAME if len(data) == CANFD_FRAME.size else CAN_FRAME
@@ -143,7 +144,7 @@ class Bus:
         options = ["--can", self.interface, "--slow", self.slow, "--profile", self.profile, "--out", self.folder / name]
         return self.start([PLANT, *options, *arguments], name)
 
-    def told(self, file: str) -> str:
+    def output(self, file: str) -> str:
         return (self.folder / file).read_text()
 
     # ---- time
@@ -161,7 +162,7 @@ class Bus:
     # ---- frames
 
     def message(self, name: str):
-        """The DBC's of this bus; on classic CAN its last part."""
+        """The DBC message of this bus; on classic CAN the last part of a split message."""
         if self.profile == "fd" or name == "FirmwareHeartbeat":
             return DBC.get_message_by_name(name)
         return DBC.get_message_by_name("Classic" + {"HandPose": "HandRotation"}.get(name, name))
@@ -171,7 +172,7 @@ class Bus:
         return [frame for frame in self.frames[start:] if frame.frame_id == frame_id]
 
     def commands(self, start: int, joints: int) -> list[dict]:
-        """JointCmd's signals. On classic CAN a command is whole with the last joint's part."""
+        """JointCmd's signals. On classic CAN a command is complete with the last joint's part."""
         if self.profile == "fd":
             return [frame.decode() for frame in self.since(start, "JointCmd")]
         found, parts = [], {}
@@ -187,7 +188,7 @@ class Bus:
         return found
 
     def status(self) -> tuple[str, str]:
-        """The firmware's last word: mode and reason."""
+        """Mode and reason of the latest FirmwareStatus."""
         frame_id = self.message("FirmwareStatus").frame_id
         for i in range(len(self.frames) - 1, -1, -1):
             if self.frames[i].frame_id == frame_id:
@@ -196,21 +197,21 @@ class Bus:
         return "", ""
 
     def wait_mode(self, *modes: str, start: int = 0) -> None:
-        """A status told after `start` has one of these modes."""
+        """Waits until a status received after `start` has one of these modes."""
         self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
 
     def statuses_for(self, duration_s: float) -> list[tuple[str, str]]:
-        """The next FirmwareStatus frames, of so long."""
+        """The FirmwareStatus frames of the next `duration_s`."""
         start, count = len(self.frames), round(1000 * duration_s / self.message("FirmwareStatus").cycle_time)
         self.wait(lambda: len(self.since(start, "FirmwareStatus")) >= count, f"{count} FirmwareStatus frames")
-        told = [frame.decode() for frame in self.since(start, "FirmwareStatus")]
-        return [(str(status["mode"]), str(status["reason"])) for status in told]
+        output = [frame.decode() for frame in self.since(start, "FirmwareStatus")]
+        return [(str(status["mode"]), str(status["reason"])) for status in output]
 
     def send_packet(self, data: bytes) -> None:
         self._tap.send(data)
 
     def command(self, command: str) -> str:
-        """Sends an OperatorCommand, again each second until the firmware acknowledges it, and gives its result."""
+        """Sends an OperatorCommand, repeated every second until the firmware acknowledges it. Returns the result."""
         sent_s, start = 0.0, len(self.frames)
 
         def answers() -> list[dict]:

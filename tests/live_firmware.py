@@ -1,5 +1,5 @@
-"""The C core on a python-can `virtual` bus, in a thread of its own, with drives and (if wanted) a tracker: what the live
-commands of `comanip` talk to. It ticks as fast as it is let, not by the clock."""
+"""The C core on a python-can `virtual` bus, in its own thread, with drives and optionally a tracker: the peer of
+`comanip`'s live commands. It ticks as fast as it can, not in real time."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ from controller_bench import Bench
 from simulation import PATIENCE_S
 
 CHANNEL = "live-firmware"
-INBOX_FRAMES = 8  # of the bus, in a tick
+INBOX_FRAMES = 8  # read from the bus per tick
 
 
 class LiveFirmware(threading.Thread):
-    """`deaf`: so many frames are lost before the first one is heard. `mute`: it hears, and does not answer."""
+    """`deaf`: the number of frames to lose before the first one is received. `mute`: it receives but does not
+    answer."""
 
     def __init__(self, has_tracker: bool = True):
         super().__init__(daemon=True)
@@ -26,7 +27,7 @@ class LiveFirmware(threading.Thread):
         if not has_tracker:
             self.bench.hand = None
         self.deaf, self.mute = 0, False
-        self.heard: list[can.Message] = []
+        self.received: list[can.Message] = []
         self._bus = can.Bus(interface="virtual", channel=CHANNEL, fd=True)
         self._over = threading.Event()
 
@@ -36,14 +37,14 @@ class LiveFirmware(threading.Thread):
                 message = self._bus.recv(0.0005)
                 if message is None:
                     break
-                self._hear(message)
+                self._take(message)
             self.bench.tick()
             for frame_id, data in self.bench.sent:
                 if not self.mute:
                     self._bus.send(can.Message(arbitration_id=frame_id, data=data, is_extended_id=False, is_fd=True))
 
-    def _hear(self, message: can.Message) -> None:
-        self.heard.append(message)
+    def _take(self, message: can.Message) -> None:
+        self.received.append(message)
         if self.deaf > 0:
             self.deaf -= 1
             return

@@ -1,4 +1,4 @@
-// A scene that gives each question an answer of its own, in the place of ODE.
+// A scene in place of ODE: each function returns its own fixed value.
 
 #include "../sim/scene/scene.h"
 

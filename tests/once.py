@@ -1,4 +1,4 @@
-"""What test processes that run at the same time do once for all of them: the first to come does it, the others wait."""
+"""Work that concurrent test processes do only once: the first process does it, the others wait."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 @contextlib.contextmanager
 def lock(path: Path) -> Iterator[None]:
-    """Held by one process, and in it by one thread, at a time; free again when its holder ends, however it ends."""
+    """Held by one thread of one process at a time; released when its holder ends, even by a crash."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)

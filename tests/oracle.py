@@ -1,5 +1,5 @@
-"""References the firmware is measured against, in double precision and independent of its code: the paper's equations
-in numpy (for arrays) and in dqrobotics (to the letter), and the HOAP-3's right arm from Fujitsu's manual.
+"""References for the firmware in double precision, independent of its code: the paper's equations in numpy (for arrays)
+and in dqrobotics (literally), and HOAP-3's right arm from Fujitsu's manual.
 
 Quaternions are (..., 4) as w x y z, dual quaternions (..., 8), as in the paper.
 """
@@ -84,12 +84,12 @@ def random_rotations(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def random_poses(rng: np.random.Generator, count: int, reach_m: float = 1.0) -> np.ndarray:
-    """Unit dual quaternions, rounded to float32: what the firmware is given."""
+    """Unit dual quaternions, rounded to float32 as the firmware receives them."""
     return pose(random_rotations(rng, count), rng.uniform(-reach_m, reach_m, (count, 3))).astype(np.float32)
 
 
 def pose_distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Largest difference of components, whatever the signs: x and -x are the same pose."""
+    """Largest difference of components, ignoring the common sign: x and -x are the same pose."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     return np.minimum(np.abs(a - b).max(-1), np.abs(a + b).max(-1))
 
@@ -100,13 +100,13 @@ def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return 2 * np.arctan2(np.linalg.norm(difference[..., 1:], axis=-1), np.abs(difference[..., 0]))
 
 
-# ---- law (4)
+# ---- control law (4)
 
 
 def law(
     jacobian: np.ndarray, hand: np.ndarray, target: np.ndarray, gain, weight, damping: float, error_frame: str
 ) -> np.ndarray:
-    """Rows of (J^T W J + lambda I)^-1 J^T W K e; target on the hand's side of the double cover."""
+    """Rows of (J^T W J + lambda I)^-1 J^T W K e; the target's sign is that nearest to the end effector."""
     gain, weight = np.broadcast_to(gain, 8).astype(float), np.broadcast_to(weight, 8).astype(float)
     sign = np.where((target[:, :4] * hand[:, :4]).sum(1, keepdims=True) < 0, -1.0, 1.0)
     target = sign * target
@@ -131,7 +131,7 @@ HOAP3_DH = np.array(  # theta, d, a, alpha: the manual's chain in standard DH fo
         [np.pi / 2, np.pi / 2, np.pi / 2, -np.pi / 2],
     ]
 )
-HOAP3_MDH = np.array(  # the manual's own modified DH, from the torso over the chest; the hand lies at 0.171 along y4
+HOAP3_MDH = np.array(  # the manual's modified DH, from the torso over the chest; the end effector is at 0.171 along y4
     [
         [0, 0, 0, np.pi / 2, np.pi / 2, 0],
         [0.125, -0.111, 0, 0, 0.111, 0],
@@ -143,7 +143,7 @@ HOAP3_RANGE_DEG = np.array([[-91, -96, -91, -115], [151, 1, 91, 1]])
 
 
 def unit(x: np.ndarray) -> np.ndarray:
-    """The nearest pose in double precision: dqrobotics refuses what is unit in float32 only."""
+    """The nearest pose in double precision: dqrobotics rejects poses that are unit only in float32."""
     x = np.asarray(x, float) / np.linalg.norm(np.asarray(x, float)[..., :4], axis=-1, keepdims=True)
     dual = x[..., 4:] - (x[..., :4] * x[..., 4:]).sum(-1, keepdims=True) * x[..., :4]
     return np.concatenate([x[..., :4], dual], axis=-1)
@@ -164,7 +164,7 @@ def hoap3() -> DQ_SerialManipulatorDH:
 
 
 def hoap3_from_manual(q: np.ndarray) -> np.ndarray:
-    """Hand pose by the manual's modified DH table; its two fixed rows are joints that stay at 0."""
+    """End effector pose by the manual's modified DH table; its two fixed rows are joints that stay at 0."""
     chain = DQ_SerialManipulatorMDH(np.vstack([HOAP3_MDH, np.zeros(6)]))
     frame4 = chain.fkm(np.concatenate([[0, 0], np.asarray(q, float)]))
     hand = dq(pose([1.0, 0, 0, 0], [0, 0.171, 0])) * dq(rotation([1, 0, 0], -np.pi / 2))
@@ -172,13 +172,13 @@ def hoap3_from_manual(q: np.ndarray) -> np.ndarray:
 
 
 def evaluate(arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """dqrobotics' hand poses (N, 8) and Jacobians (N, 8, n)."""
+    """End effector poses (N, 8) and Jacobians (N, 8, n) of dqrobotics."""
     hands = np.array([arm.fkm(row).vec8() for row in np.asarray(q, float)])
     return hands, np.array([arm.pose_jacobian(row) for row in np.asarray(q, float)])
 
 
 def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, np.ndarray]:
-    """Standard DH as fixed transforms (n, 8), each before a turn about z, and the effector behind the last."""
+    """Standard DH as fixed transforms (n, 8), each followed by a rotation about z, and the effector after the last."""
     one = np.array([1, 0, 0, 0, 0, 0, 0, 0.0])
     before, fixed = one if base is None else base, []
     for theta_i, d_i, a_i, alpha_i in zip(theta, d, a, alpha):
@@ -190,8 +190,8 @@ def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, 
 def chain_kinematics(
     fixed: np.ndarray, axis: np.ndarray, effector: np.ndarray, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Hand poses (N, 8) and Jacobians (N, 8, n) of an arm given as core.Arm takes it. Column i is the product rule:
-    the i-th turn replaced by its derivative."""
+    """End effector poses (N, 8) and Jacobians (N, 8, n) of an arm in the form that core.Arm takes. Column i follows
+    from the product rule: the i-th rotation is replaced by its derivative."""
     count, n = q.shape
     turn = np.zeros((n, count, 8))
     slope = np.zeros((n, count, 8))

@@ -1,7 +1,8 @@
-"""``make pil-matrix``: whole scenarios with each image in the loop, in QEMU, against the same scenarios with the host's firmware.
+"""``make pil-matrix``: compares whole scenarios with each image in the loop, in QEMU, with those of the host's
+firmware.
 
-``pil_matrix.py BUILD``. The bus logs, joint commands and all, must be equal byte for byte. Prints a line for each as it comes, writes
-BUILD/reports/pil.json; exit status: 1 if any differs. It takes about an hour of two cores.
+``pil_matrix.py BUILD``. The bus logs, including the joint commands, must be equal byte for byte. Prints a line per run
+as it ends and writes BUILD/reports/pil.json. Exit status 1 if any log differs. Takes about an hour on two cores.
 """
 
 from __future__ import annotations
@@ -28,11 +29,21 @@ def elf_of(image: str) -> Path:
 
 
 def run(folder: Path, scenario: str, image: str | None) -> bytes:
-    """The bus log of a run with the host's firmware, or with the image; of a run that failed there is nothing that could be equal."""
+    """The bus log of a run with the host's firmware, or with the image. A failed run leaves no log to compare."""
     out = folder / scenario / (image or "host")
     options = ["--scenario", scenario, "--quiet", "--out", str(out)]
-    command = [str(SIMULATOR)] if image is None else [sys.executable, "-m", "comanip_dev.images.pil", " ".join(IMAGES[image].emulator),
-                                                      str(elf_of(image)), str(PROGRAM)]  # fmt: skip
+    command = (
+        [str(SIMULATOR)]
+        if image is None
+        else [
+            sys.executable,
+            "-m",
+            "comanip_dev.images.pil",
+            " ".join(IMAGES[image].emulator),
+            str(elf_of(image)),
+            str(PROGRAM),
+        ]
+    )
     done = subprocess.run([*command, *options], check=False, cwd=REPOSITORY)
     return (out / "bus.log").read_bytes() if done.returncode == 0 else b""
 

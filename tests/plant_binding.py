@@ -1,4 +1,4 @@
-"""The simulated arm in its physical scene, and its drives, with ODE: ``ffi, lib = load()``."""
+"""The simulated arm with its drives in its physical scene, with ODE: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import cffi
 import simulator_library
 
 MODULES = (
-    "sim/bus/bus", "sim/common/events", "sim/common/names", "sim/monitors/limit_monitor", "sim/monitors/reach", "sim/nodes/drive_node",
-    "sim/robot/position_jacobian", "sim/robot/robot_model", "sim/scene/arm_plant", "sim/scene/cup", "sim/scene/hand_body",
-    "sim/scene/objects", "sim/scene/physics", "sim/scene/scene", "sim/scene/water",
+    "sim/bus/bus", "sim/common/events", "sim/common/names", "sim/monitors/limit_monitor", "sim/monitors/reach",
+    "sim/nodes/drive_node", "sim/robot/position_jacobian", "sim/robot/robot_model", "sim/scene/arm_plant",
+    "sim/scene/cup", "sim/scene/hand_body", "sim/scene/objects", "sim/scene/physics", "sim/scene/scene",
+    "sim/scene/water",
 )  # fmt: skip
 
-# ODE itself, for what the product has no call for: forces and energies of bodies that tests hold against it.
+# ODE itself, for forces and energies of bodies that the product has no function for.
 ODE = """
 struct dxBody; struct dxWorld; struct dxJointGroup;
 const double *dBodyGetPosition(struct dxBody *);

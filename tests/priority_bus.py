@@ -1,5 +1,5 @@
-"""A bus of non-preemptive fixed priorities as a plain event model, in whole units of time: what response times are tested
-against. It knows nothing of the analysis: frames are queued at given times, answers after the frame that they answer."""
+"""A non-preemptive fixed-priority bus as a plain event model in integer time: the reference for response times. It is
+independent of the analysis: frames are queued at given times, answers after the frame that they answer."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class PriorityBus:
     played: list[Played] = field(default_factory=list)
 
     def play(self, releases: Sequence[tuple[int, int, Stream]]) -> list[Played]:
-        """`releases`: event, queueing, stream. At each end of a frame the lowest id that is queued starts, of equal ids
+        """`releases`: event, queueing time, stream. At each end of a frame the lowest queued id starts; of equal ids,
         the one that was queued first."""
         coming = [(queued, number, event, stream) for number, (event, queued, stream) in enumerate(releases)]
         heapq.heapify(coming)

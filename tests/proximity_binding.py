@@ -1,4 +1,4 @@
-"""Convex shapes, proximity and the nodes of gripper and proximity sensor, with libccd, over a scene that tests set up
+"""Convex shapes, proximity and the gripper and proximity nodes, with libccd, over a scene that tests set up
 (fake_scene.h): ``ffi, lib = load()``."""
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ import cffi
 import simulator_library
 
 MODULES = (
-    "sim/bus/bus", "sim/nodes/gripper_node", "sim/nodes/proximity_node", "sim/proximity/bodies", "sim/proximity/convex_distance",
-    "sim/proximity/convex_overlap", "sim/proximity/convex_shape",
+    "sim/bus/bus", "sim/nodes/gripper_node", "sim/nodes/proximity_node", "sim/proximity/bodies",
+    "sim/proximity/convex_distance", "sim/proximity/convex_overlap", "sim/proximity/convex_shape",
     "sim/proximity/proximity", "sim/robot/robot_model",
 )  # fmt: skip
 

@@ -1,4 +1,5 @@
-"""The reader of scenario files, and the checks whether a scene can be, with ODE and libccd: ``ffi, lib = load()``."""
+"""The reader of scenario files and the checks whether a scene is possible, with ODE and libccd: ``ffi, lib =
+load()``."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ def load() -> tuple[cffi.FFI, object]:
 
 
 def read(path: Path) -> object:
-    """The scenario_t of a file whose scene can be. ValueError: the line that says what is wrong."""
+    """The scenario_t of a file with a possible scene. ValueError: the error line."""
     ffi, lib = load()
     scenario, error = ffi.new("scenario_t *"), ffi.new("char[2048]")
     if not (
@@ -31,7 +32,7 @@ def read(path: Path) -> object:
 
 
 def check(scenario: object) -> None:
-    """ValueError: what cannot be, as its line says."""
+    """ValueError: the error line, if the scene is impossible."""
     ffi, lib = load()
     error = ffi.new("char[2048]")
     if not lib.scenario_check_geometry(scenario, error, len(error)):

@@ -1,4 +1,4 @@
-"""A physical scene that a test puts together: an arm that holds still, people, rods, stands, cranks; no bus, no files."""
+"""A physical scene built by a test: an arm that holds still, people, rods, stands, cranks; no bus, no files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ START_DEG = (90, -5, 0, -90)
 
 
 class Scene:
-    """What the arguments say: people and objects as dicts of scenario.h's fields, lists and strings as they are."""
+    """People and objects are dicts with the fields of scenario.h, with lists and strings as they are."""
 
     def __init__(self, people=(), objects=(), start_deg=START_DEG, gripper=None, step_s=1e-3):
         self.step_s, self.now_s = step_s, 0.0
@@ -59,7 +59,7 @@ class Scene:
         lib.scene_aim_hand(self.scene, person, ffi.new("rigid_pose_t *", (list(position_m), list(rotation)))[0:1])
 
     def pose(self, call, *arguments) -> tuple[np.ndarray, Rotation]:
-        """What scene_hand, scene_object, ... gives: position (3,) in m, and rotation."""
+        """Position (3,) in m and rotation returned by scene_hand, scene_object, ..."""
         pose = ffi.new("rigid_pose_t *")
         call(self.scene, *arguments, pose)
         w, x, y, z = pose.rotation
@@ -85,7 +85,7 @@ class Scene:
         return lib.scene_close_hand(self.scene, person, thing)
 
     def times(self, event: str) -> int:
-        """How often it was raised."""
+        """The number of times that the event was raised."""
         return self.events.event[lib.events_find(self.events, event.encode())].times
 
     def first_s(self, event: str) -> float:

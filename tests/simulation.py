@@ -1,4 +1,4 @@
-"""Runs the simulator as a person does: its own process, its own options, its files in a folder of the test's."""
+"""Runs the simulator as a user does: in its own process, with its options, its files in a folder of the test."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ SCENARIOS = ("pour", "teleop", "mirror")  # of tests/scenarios: the tasks withou
 EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # of sim/scenarios
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
-PATIENCE_S = 600  # wall time for what must happen at all: a quiet machine takes a hundredth, a busy one may take long
-# Writes, select, start, clutch, latch, stop; a gap and lost samples, so holds; a tracker's clock that wraps.
+PATIENCE_S = 600  # wall time; a quiet machine needs a hundredth of it, a busy one may be slow
+# Writes, select, start, clutch, latch, stop; a gap and lost samples, which cause holds; a tracker clock that wraps.
 WRITTEN = {"task_blend_s": 0.5, "motion_scale": 0.75}
 EVENTFUL = (
     "--scenario", "mirror", "--duration", "13", "--clutch", "7", "--gap", "4:0.2", "--dropout", "0.02",
@@ -56,12 +56,12 @@ class Run:
 
 
 def _refuse_constant(text: str) -> None:
-    raise AssertionError(f"summary.json holds {text}, which JSON does not know")
+    raise AssertionError(f"summary.json holds {text}, which is not JSON")
 
 
 def _plain(arguments: list[str]) -> list[str]:
-    """After ``--scenario``, one of SCENARIOS is the file of this name in tests/scenarios: plain motions of the hand, with
-    nothing in it, so that a test sees the bus and the tracking alone. The experiments go by ``experiment()``."""
+    """After ``--scenario``, one of SCENARIOS names its file in tests/scenarios: plain hand motions without objects, so
+    that a test sees only the bus and the tracking. ``experiment()`` gives the files of the experiments."""
     places = [i + 1 for i, argument in enumerate(arguments[:-1]) if argument == "--scenario"]
     for place in places:
         if arguments[place] in SCENARIOS:
@@ -77,7 +77,7 @@ def experiment(name: str) -> Path:
 def call(
     *arguments: object, cwd: Path | None = None, environment: dict[str, str] | None = None
 ) -> subprocess.CompletedProcess:
-    """The simulator with these arguments, turned into text."""
+    """Runs the simulator with these arguments, converted to text."""
     command = [str(SIMULATOR), *_plain([str(argument) for argument in arguments])]
     return subprocess.run(
         command, capture_output=True, text=True, check=False, timeout=PATIENCE_S, cwd=cwd, env=environment
@@ -93,7 +93,7 @@ def run(out: Path, *arguments: object, cwd: Path | None = None, environment: dic
 
 @dataclass
 class Shared:
-    """Where this session's shared runs are: tests/conftest.py says it before the first test."""
+    """The folder of this session's shared runs, set by tests/conftest.py before the first test."""
 
     folder: Path | None = None
 
@@ -111,8 +111,8 @@ def _content(argument: str) -> bytes:
 
 
 def shared(*arguments: object) -> Run:
-    """As run(), for tests that only read what the run wrote: of one program and one command, with the same files, there is
-    one run in a session, whichever tests and workers ask for it."""
+    """As run(), for tests that only read what the run wrote: the same program, command and files run once per session
+    for all tests and workers."""
     command = _plain([str(argument) for argument in arguments])
     digest = hashlib.sha256(_simulator_hash())
     for argument in command:

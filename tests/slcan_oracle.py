@@ -1,4 +1,4 @@
-"""SLCAN as others read and write it: python-can's own implementation without its serial port, and the dialect's grammar."""
+"""SLCAN written independently: python-can's implementation without its serial port, and the dialect's grammar."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class _Port:
 
 
 class StockSlcan(slcanBus):
-    """python-can's slcan bus on a port that only remembers."""
+    """python-can's slcan bus on a port that only stores the bytes."""
 
     def __init__(self) -> None:
         self.serialPortOrig = _Port()
@@ -41,7 +41,7 @@ class StockSlcan(slcanBus):
         return self._recv_internal(0)[0]
 
 
-# Data length code to digits of data.
+# Data length code followed by the hex digits of the data.
 _FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * CAN_FD_DLC[code]}}}" for code in range(16))
 _CLASSIC_FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * code}}}" for code in range(9))
 FRAME = re.compile(rf"(t[0-7][0-9A-F]{{2}}({_CLASSIC_FIELDS})|[db][0-7][0-9A-F]{{2}}({_FIELDS}))\Z", re.IGNORECASE)
@@ -49,7 +49,8 @@ NOT_OF_THIS_BUS = "TDBrROCLSsYyMmAEFVvNZz"
 
 
 def read(stream: bytes) -> tuple[list[tuple[int, bytes]], int]:
-    """The frames (id, data) of a stream of lines, and how many lines are malformed. The unfinished last one is neither."""
+    """The frames (id, data) of a stream of lines and the number of malformed lines, not counting the unfinished last
+    one."""
     frames, malformed = [], 0
     for raw in stream.split(b"\r")[:-1]:
         line = raw.lstrip(b"\a").decode("latin-1")

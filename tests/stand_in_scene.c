@@ -1,3 +1,4 @@
+/* The functions of scene.h that people's programs use, without physics. */
 #include "stand_in_scene.h"
 
 #include <stdlib.h>
@@ -77,8 +78,8 @@ void scene_point(const scene_t *self, const point_t *point, double position_m[3]
         apply(&self->state.object[index], along_m, position_m);
     } else {
         for (int i = 0; i < 3; i++) {
-            const double way_m = self->state.hand[0].position_m[i] - scenario->person[0].start.position_m[i];
-            position_m[i] = self->state.gripper_start_m[i] + self->state.gripper_follows[i] * way_m;
+            const double displacement_m = self->state.hand[0].position_m[i] - scenario->person[0].start.position_m[i];
+            position_m[i] = self->state.gripper_start_m[i] + self->state.gripper_follows[i] * displacement_m;
         }
     }
 }

@@ -36,19 +36,20 @@ def make_arm(fixed, axis, effector) -> core.Arm:
     )
 
 
-def test_hoap3_is_dqrobotics_on_100_000_postures(rng):
+def test_hoap3_matches_dqrobotics_on_100_000_postures(rng):
     q = random_joints(rng, COUNT, 4)
     assert_same(HOAP3, q, *oracle.evaluate(oracle.hoap3(), q))
 
 
-def test_hoap3_is_the_manuals_own_chain(rng):
+def test_hoap3_matches_the_manuals_chain(rng):
     q = random_joints(rng, 2000, 4)
     expected = np.array([oracle.hoap3_from_manual(row) for row in q])
     assert oracle.pose_distance(core.forward_kinematics(HOAP3, q), expected).max() < 2e-6
 
 
 def test_hoap3_check_pose():
-    """Upper arm hanging, forearm forward: where the manual's lengths put the hand, z_hand forward and x_hand up."""
+    """Upper arm hanging, forearm forward: end effector by the manual's lengths, its z axis forward and its x axis
+    up."""
     q = np.radians([[90, 0, 0, -90], [0, 0, 0, 0]]).astype(np.float32)
     check, straight = core.forward_kinematics(HOAP3, q)
     assert np.abs(oracle.translation(check) - [-0.035 + 0.171, -0.111, 0.125 - 0.111]).max() < 1e-6
@@ -57,7 +58,7 @@ def test_hoap3_check_pose():
     assert np.abs(oracle.translation(straight) - [-0.035 + 0.111 + 0.171, -0.111, 0.125]).max() < 1e-6
 
 
-def test_hoap3_limits_are_the_manuals_less_one_degree():
+def test_hoap3_limits_are_the_manuals_minus_one_degree():
     arm = core.Arm.named(HOAP3)
     low, high = oracle.HOAP3_RANGE_DEG
     assert np.degrees(arm.position_min_rad) == pytest.approx(low + 1, abs=1e-4)
@@ -106,8 +107,8 @@ def test_any_arm_of_n_joints(rng, n):
 
 
 @pytest.mark.parametrize("n", [3, 8])
-def test_jacobian_is_the_slope_of_the_forward_kinematics(rng, n):
-    """With the very same sign: column i = (hand(q + h) - hand(q - h)) / 2h."""
+def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
+    """With the same sign: column i = (hand(q + h) - hand(q - h)) / 2h."""
     fixed, effector = oracle.random_poses(rng, n, 0.2), oracle.random_poses(rng, 1, 0.2)[0]
     arm = make_arm(fixed, np.tile([0, 1, 0], (n, 1)), effector)
     q = random_joints(rng, 200, n, 8.0)
@@ -121,7 +122,7 @@ def test_jacobian_is_the_slope_of_the_forward_kinematics(rng, n):
 
 
 def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
-    """|P| = 1 and P . D = 0 hold along every motion, so each column keeps both to first order."""
+    """|P| = 1 and P . D = 0 hold along every motion, so each column preserves both to first order."""
     q = random_joints(rng, COUNT, 4)
     hand, jacobian = core.forward_kinematics(HOAP3, q).astype(float), core.pose_jacobian(HOAP3, q).astype(float)
     assert np.abs(np.linalg.norm(hand[:, :4], axis=1) - 1).max() < 1e-6
@@ -130,8 +131,8 @@ def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
     assert np.abs(np.einsum("ik,ikj->ij", swapped, jacobian)).max() < 1e-6
 
 
-def test_an_arm_without_jerk_limits_has_those_of_a_description_without():
-    """The two defaults stand in packages of which neither can import the other's."""
+def test_the_default_jerk_limits_of_core_and_description_are_equal():
+    """The two defaults are in packages that cannot import each other."""
     from comanip_dev.arms.description import JERK_DEFAULT_RADPS3
 
     arm = make_arm(np.eye(1, 8), np.eye(1, 3), np.eye(1, 8)[0])

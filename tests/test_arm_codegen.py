@@ -1,4 +1,5 @@
-"""What `make arms` writes: kinematics and law (4) for one arm alone, against numpy in double precision and against the law for any arm."""
+"""The C written by `make arms`: kinematics and control law (4) for one arm, against numpy in double precision and
+against the control law for any arm."""
 
 from __future__ import annotations
 
@@ -69,7 +70,7 @@ def inputs(rng, arm):
     return list(zip(q, oracle.random_poses(rng, 300, 0.3), strict=True))
 
 
-def test_the_committed_files_are_what_the_description_gives():
+def test_the_committed_files_match_the_description():
     for path in sorted(arm_codegen.ARMS.glob("*.toml")):
         for file, text in arm_codegen.files(path).items():
             assert file.read_text() == text, file
@@ -77,9 +78,9 @@ def test_the_committed_files_are_what_the_description_gives():
 
 @pytest.mark.parametrize("frame", [lib.ERROR_FRAME_TORSO, lib.ERROR_FRAME_TARGET])
 @pytest.mark.parametrize("weight", [(1.0, 1.0), (0.01, 100.0)])
-def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(arm, inputs, frame, weight):
-    """In double precision: the Jacobian without the columns of those that would, until none would. The fast law, the one for any arm
-    and the general one alike."""
+def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, weight):
+    """Reference in double precision: the Jacobian without the columns of the joints that would move past their limit,
+    until none would. The fast law, the law for any arm and the general law agree."""
     configuration = config(weight=weight, frame=frame)
     laws = (for_this_arm, for_any_arm, general_form)
     w = np.repeat(weight, 4)
@@ -105,7 +106,7 @@ def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(ar
                 break
             free &= expected * beyond <= 0
         if clear < 1e-2:
-            continue  # so near to standing that rounding decides
+            continue  # near zero velocity, rounding decides
         blocked_counts[4 - free.sum()] += 1
         for law in laws:
             found = solve(law, arm, configuration, q, target, lower, upper)
@@ -113,11 +114,11 @@ def test_joints_at_an_end_do_not_go_beyond_it_and_the_others_do_what_they_can(ar
             assert np.abs(found - expected).max() / scale < max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (found[~free] == 0).all()
             assert (found * beyond <= 0).all()
-    assert (blocked_counts > 0).all()  # none, one, ... all of them
+    assert (blocked_counts > 0).all()  # from none to all joints
 
 
-def test_a_target_out_of_all_reach_is_left_to_the_general_law(arm, inputs):
-    """Where the damping is too little beside J^T W J: the very same bits."""
+def test_a_target_far_out_of_reach_uses_the_general_law(arm, inputs):
+    """Where the damping is too small relative to J^T W J: bit-identical results."""
     configuration = config(weight=(0.01, 100.0), damping=1e-3)
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
@@ -148,14 +149,14 @@ def test_any_other_diagonal_is_general(part, component):
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("where", ["q", "target"])
-def test_what_is_not_finite_comes_out_as_not_finite(arm, inputs, value, where):
-    """So that the joint limits see it: it never passes for a velocity."""
+def test_non_finite_input_gives_non_finite_output(arm, inputs, value, where):
+    """So that the joint limits detect it: it never passes for a velocity."""
     q, target = (x.copy() for x in inputs[0])
     (q if where == "q" else target)[1] = value
     assert not np.isfinite(solve(for_this_arm, arm, config(), q, target)).all()
 
 
-# ---- arms of any kind
+# ---- generated arms
 
 FIRMWARE = REPOSITORY / "firmware"
 INCLUDES = [f"-I{FIRMWARE / 'arms'}", f"-I{FIRMWARE / 'control' / 'arms'}"]
@@ -199,8 +200,9 @@ def write_description(path, rows, effector) -> None:
 
 
 def compiled(folder, name: str):
-    """The arm with its inverse kinematics, out of a library of its own."""
-    command = ["gcc", "-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion",
+    """The arm with its inverse kinematics, loaded from its own library."""
+    command = ["gcc", "-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic",
+               "-Wconversion",
                "-Wdouble-promotion", "-Wshadow", "-Werror", "-fPIC", *INCLUDES]  # fmt: skip
     sources = [file for file in sorted(FIRMWARE.rglob("*.c")) if file.stem in LAW_SOURCES]
     parts = [str(target) for target, _ in c_library.objects(sources, command)]
@@ -212,7 +214,7 @@ def compiled(folder, name: str):
 
 
 class Loaded:
-    """What solve() needs of an arm."""
+    """The part of an arm that solve() needs."""
 
     def __init__(self, library, ik):
         self.library, self.ik, self.table, self.joint_count = library, ik, ik.arm, ik.arm.joint_count
@@ -224,7 +226,7 @@ RIGHT_ANGLES = (-90.0, 0.0, 90.0)
 @pytest.mark.parametrize("angles", ["right", "any"])
 @pytest.mark.parametrize("n", range(1, 9))
 def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
-    """Also with the offsets and lengths of 0 that real arms have, where most is folded away."""
+    """Includes the zero offsets and lengths of real arms, where the generator folds most terms."""
     right = angles == "right"
     rows = []
     for _ in range(n + 1):
@@ -262,10 +264,10 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             )
             found = np.array([solve(for_this_arm, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
-            # the arms reach up to 2 m, HOAP-3 0.3: the rounding of J^T W J grows with the square
+            # the arms reach up to 2 m, HOAP-3 0.3 m: the rounding of J^T W J grows with the square
             bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (np.abs(found - expected).max(axis=1) / scale).max() < bound
-            # at ends: as the law for any arm, which is held against double precision above
+            # at limits: as the law for any arm, which is tested against double precision above
             for pair in zip(q, targets, strict=True):
                 lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
                 written, general = (
@@ -273,12 +275,12 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 )
                 sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
                 assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
-                if np.array_equal(written == 0, general == 0):  # else rounding decided who is left out
+                if np.array_equal(written == 0, general == 0):  # else rounding decided which joints are left out
                     assert np.abs(written - general).max() / max(3.5, np.abs(general).max()) < 2 * bound
                 else:
                     otherwise += 1
         assert otherwise <= 2
-    # as the law for any arm, which test_position_priority.py holds against double precision
+    # as the law for any arm, which test_position_priority.py tests against double precision
     otherwise = 0
     for row, target in zip(q, targets, strict=True):
         motion = rng.normal(size=6)
@@ -292,8 +294,8 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
     assert otherwise <= 4
 
 
-def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
-    """Right angles and lengths of 0 leave out much of the formulas: no variable must be left over."""
+def test_generated_code_compiles_for_any_arm(rng, tmp_path):
+    """Right angles and zero lengths remove many terms: no variable may remain unused."""
     flags = [
         "-std=c11",
         *INCLUDES,
@@ -309,7 +311,7 @@ def test_what_is_written_for_any_arm_compiles(rng, tmp_path):
     written = []
     rows_of = [
         [(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]
-    ]  # had unused variables
+    ]  # these once had unused variables
     for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
         rows_of.append(
             [
@@ -368,7 +370,7 @@ def test_a_bad_description_is_named(tmp_path, text, message):
     assert "arm.toml" in str(raised.value)
 
 
-def test_what_is_no_description_writes_nothing(tmp_path, capsys):
+def test_an_invalid_description_writes_nothing(tmp_path, capsys):
     path = tmp_path / "arm.toml"
     path.write_bytes(b"\xff\xfe")
     for argument in (path, tmp_path / "nothing.toml", tmp_path):
@@ -377,7 +379,7 @@ def test_what_is_no_description_writes_nothing(tmp_path, capsys):
     assert sorted(tmp_path.iterdir()) == [path]
 
 
-def test_jerk_limits_are_the_arms_or_a_joints_own(tmp_path):
+def test_a_joints_jerk_limit_overrides_the_arms(tmp_path):
     joint = "[[frame]]\nrange_deg = [-90, 90]\n"
     assert described(tmp_path, GOOD + joint).jerk_max_radps3 == [1e4, 1e4]
     assert described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + joint).jerk_max_radps3 == [2e4, 2e4]
@@ -390,7 +392,7 @@ def test_jerk_limits_are_the_arms_or_a_joints_own(tmp_path):
 
 
 def test_a_description_is_modified_dh(tmp_path):
-    """The torso-to-joint transform of one row, Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), by numpy."""
+    """One row's torso-to-joint transform, Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), by numpy."""
     arm = described(
         tmp_path, GOOD.replace("alpha_deg = 90.0", "alpha_deg = 30.0\na_m = 0.2\nd_m = 0.3\ntheta_deg = 40.0")
     )

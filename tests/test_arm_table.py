@@ -1,4 +1,4 @@
-"""arm_check(): what is outside the ranges that arm.h states is named, one defect at a time; what is at their ends is not."""
+"""arm_check(): names each value outside the ranges stated in arm.h, and accepts values at the ends of the ranges."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
 def verdict(
     joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object
 ) -> str | None:
-    """Of a table of two good joints whose last one is changed."""
+    """The verdict on a table of two valid joints with changes to the last one."""
     joints = ffi.new("arm_joint_t[2]")
     for joint in joints:
         joint.fixed = (UNIT, ZERO)
@@ -23,8 +23,8 @@ def verdict(
         setattr(joints[1], name, value)
     table = ffi.new("arm_t *", {"joint_count": joint_count, "joints": joints, "effector": effector})
     table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics") if functions else ffi.NULL
-    told = lib.arm_check(table)
-    return None if told == ffi.NULL else ffi.string(told).decode()
+    complaint = lib.arm_check(table)
+    return None if complaint == ffi.NULL else ffi.string(complaint).decode()
 
 
 HALF = np.sqrt(0.5)
@@ -32,7 +32,8 @@ HALF = np.sqrt(0.5)
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, {"joint_count": 1}, {"fixed": (UNIT, [60.0, 0.0, 79.9])}, {"effector": ([HALF, 0.0, -HALF, 0.0], [0.0, -99.9, 0.0])},
+    [{}, {"joint_count": 1}, {"fixed": (UNIT, [60.0, 0.0, 79.9])},
+     {"effector": ([HALF, 0.0, -HALF, 0.0], [0.0, -99.9, 0.0])},
      {"axis": [0.0, -HALF, HALF]}, {"position_min_rad": -8.0, "position_max_rad": 8.0}, {"velocity_max_radps": 32.0},
      {"jerk_max_radps3": 1e3}, {"jerk_max_radps3": 1e6}],
 )  # fmt: skip
@@ -41,7 +42,7 @@ def test_a_table_within_its_ranges_is_accepted(changes):
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "complaint"),
     [
         ({"joint_count": 0}, "joint_count"),
         ({"joint_count": 9}, "joint_count"),
@@ -65,8 +66,8 @@ def test_a_table_within_its_ranges_is_accepted(changes):
         ({"jerk_max_radps3": float("nan")}, "jerk limit"),
     ],
 )
-def test_a_defect_is_named(changes, told):
-    assert f"arm table: {told}" in verdict(**changes) or f"arm table: a joint's {told}" in verdict(**changes)
+def test_a_defect_is_named(changes, complaint):
+    assert f"arm table: {complaint}" in verdict(**changes) or f"arm table: a joint's {complaint}" in verdict(**changes)
 
 
 @pytest.mark.parametrize("missing", ["arm", "isotropic", "position_priority"])

@@ -1,5 +1,5 @@
-"""The same input gives the same bytes on the host and on the targets: a part of what `make bitexact` shows, and that it would
-find a build that computes otherwise."""
+"""The same input gives the same bytes on the host and on the targets: a short run of `make bitexact`, and that it
+detects a build with different arithmetic."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_all_builds_send_the_same_bytes(folder):
     assert [result for result in done if result.differs_at_tick is not None] == []
 
 
-def test_another_arithmetic_is_found(folder):
+def test_different_arithmetic_is_detected(folder):
     """A compiler that may reorder sums."""
     if not (folder / "input.bin").exists():
         bitexact.make_input(folder, smoke=True)

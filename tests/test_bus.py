@@ -1,5 +1,5 @@
-"""The simulated CAN FD bus: frame durations against a bit-by-bit construction of the frame, arbitration against a plain
-event model, the log against the tools that read such logs."""
+"""The simulated CAN FD bus: frame durations against a bit-by-bit construction of the frame, arbitration against a
+simple event model, the log against standard tools."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from can_fd_bits import LENGTHS, bits, frame_duration_ns
 from sim_bus import Bus, ffi, lib, make_frame
 
-# Worst-case durations by the usual bound, one stuff bit per four bits in either phase.
+# Worst-case durations by the usual bound: one stuff bit per four bits in either phase.
 WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 
@@ -20,7 +20,7 @@ WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 
 def random_data(rng: np.random.Generator, length: int) -> bytes:
-    """Half of it rich in runs of equal bits."""
+    """Half of the data has long runs of equal bits."""
     if rng.random() < 0.5:
         return rng.bytes(length)
     return bytes(rng.choice([0x00, 0xFF, 0x0F, 0xF0, 0x1F, 0xF8, 0x83, 0x7C, 0x10], length).astype(np.uint8))
@@ -38,12 +38,12 @@ def test_frame_time_equals_bitwise_construction(rng):
 
 
 @pytest.mark.parametrize("length", WORST_CASE_US)
-def test_worst_frame_comes_near_the_bound(length):
+def test_worst_frame_is_close_to_the_bound(length):
     """The bound has one nominal stuff bit that IDE, FDF, res and BRS rule out, and up to one at the data's end."""
     sent = [0, *bits(0x078, 11), 0, 0, 1, 0, 1, 0, *bits(LENGTHS.index(length), 4)]
     run = next(i for i in range(1, 6) if sent[-1 - i] != sent[-1])
     last, data_bits = sent[-1], []
-    for _ in range(8 * length):  # always one more equal bit: a stuff bit after each four
+    for _ in range(8 * length):  # repeat the last bit: a stuff bit after each four
         if run == 5:
             last, run = 1 - last, 1
         data_bits.append(last)
@@ -62,7 +62,7 @@ def test_impossible_frames_have_no_duration(identifier, length):
 
 
 def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, int]]:
-    """What a bus makes of (node, id, data, ready): at each end of frame the lowest ready id starts."""
+    """Bus model for (node, id, data, ready): at each end of frame the lowest ready id starts."""
     earliest = {}
     waiting = []
     for order, (node, identifier, data, ready_ns) in enumerate(traffic):
@@ -79,7 +79,7 @@ def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, 
 
 
 @pytest.mark.parametrize("step_ns", [10**9, 1_000_000, 7_919])
-def test_random_traffic_is_played_as_the_model_says(rng, step_ns):
+def test_random_traffic_matches_the_model(rng, step_ns):
     bus = Bus(5)
     traffic = [
         (int(node), int(identifier), random_data(rng, int(rng.choice(LENGTHS))), int(ready_ns))
@@ -112,7 +112,7 @@ def test_frame_on_the_wire_ends_in_the_next_call():
     bus.run_until(1000)
     bus.run_until(end_ns - 1)
     assert bus.heard == []
-    bus.send(0, 0x001, b"", 0)  # ready in the past: starts at once, that is when the wire is free
+    bus.send(0, 0x001, b"", 0)  # ready in the past: starts as soon as the wire is free
     bus.run_until(end_ns)
     assert [item[2] for item in bus.heard] == [end_ns]
     bus.run_until(10**6)
@@ -120,8 +120,9 @@ def test_frame_on_the_wire_ends_in_the_next_call():
 
 
 @pytest.mark.parametrize("before", [0x200, None])
-def test_nothing_starts_at_the_very_end_of_a_call(before):
-    """Who sends at that time takes part in the arbitration: whether the wire was busy or idle until then."""
+def test_nothing_starts_exactly_at_the_end_of_a_call(before):
+    """A frame that becomes ready at that time takes part in the arbitration, whether the wire was busy or idle
+    before."""
     bus = Bus(2)
     time_ns = frame_duration_ns(0x200, bytes(8))
     if before is not None:
@@ -189,7 +190,7 @@ def log_frames(rng):
     return [(int(rng.integers(0x800)), rng.bytes(int(rng.choice(LENGTHS))), int(end_ns)) for end_ns in ends_ns]
 
 
-def test_log_line_is_candumps(tmp_path):
+def test_log_line_has_candumps_format(tmp_path):
     path = tmp_path / "bus.log"
     assert write_log(path, [(0x50, b"\x01\xab", 170_999), (0x7FF, b"", 3_600_000_001_000)]) == ""
     assert path.read_text() == "(0000000000.000170) vcan0 050##101AB\n(0000003600.000001) vcan0 7FF##1\n"
@@ -214,7 +215,7 @@ def test_cantools_decodes_the_log(tmp_path, dbc):
 
 
 def test_log_errors_name_file_and_cause(tmp_path, log_frames):
-    for frames in (log_frames, log_frames[:1]):  # found while writing, found at the end
+    for frames in (log_frames, log_frames[:1]):  # an error while writing, and one at the end
         assert write_log("/dev/full", frames) == "/dev/full: the log is incomplete: No space left on device"
     missing = tmp_path / "missing" / "bus.log"
     assert write_log(missing, []) == f"{missing}: cannot be written: No such file or directory"

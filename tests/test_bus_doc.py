@@ -1,4 +1,4 @@
-"""docs/bus.md says what the DBC says, and the ranges that the DBC states are those of the traffic."""
+"""docs/bus.md agrees with the DBC, and the traffic stays within the ranges given in the DBC."""
 
 from __future__ import annotations
 
@@ -21,14 +21,12 @@ PARAMETERS_MD = REPOSITORY / "docs" / "parameters.md"
 
 def test_the_document_is_current():
     current = bus_doc.markdown(DBC, lib.E2E_MAX_DELTA, lib.E2E_PROFILE2_MAX_DELTA)
-    assert BUS_MD.read_text() == current, "docs/bus.md is not what the DBC says: run `make schema`"
+    assert BUS_MD.read_text() == current, "docs/bus.md does not match the DBC: run `make schema`"
 
 
 def test_the_parameters_document_is_current():
     current = parameters_doc.markdown(parameters.read())
-    assert PARAMETERS_MD.read_text() == current, (
-        "docs/parameters.md is not what parameters.toml says: run `make schema`"
-    )
+    assert PARAMETERS_MD.read_text() == current, "docs/parameters.md does not match parameters.toml: run `make schema`"
 
 
 def test_every_frame_and_signal_is_there():
@@ -37,18 +35,18 @@ def test_every_frame_and_signal_is_there():
     rows = re.findall(
         r"^\| (0x\w+)(?:\.\.(0x\w+))? \| \[\w+(?:\.\.\d)?\]\(#\w+\) \| (\d+) \| ([\w ]+) \|", text, re.MULTILINE
     )
-    told = {}
+    documented = {}
     for first, last, length, period in rows:
         for frame_id in range(int(first, 16), int(last or first, 16) + 1):
-            told[frame_id] = (int(length), int(period.removesuffix(" ms")) if period != "on events" else 0)
-    assert told == {m.frame_id: (m.length, m.cycle_time or 0) for m in DBC.messages}
+            documented[frame_id] = (int(length), int(period.removesuffix(" ms")) if period != "on events" else 0)
+    assert documented == {m.frame_id: (m.length, m.cycle_time or 0) for m in DBC.messages}
     for message in DBC.messages:
         if not re.search(r"[1-7]$", message.name):
             section = text.partition(f"\n### {message.name}")[2].partition("\n### ")[0]
             starts = {name: int(bit) for name, bit in re.findall(r"^\| `(\w+)` \| (\d+) \|", section, re.MULTILINE)}
             plain = {s.name: s.start for s in message.signals if s.name[:4] != "e2e_" and s.name in starts}
             assert starts and all(starts[name] == start for name, start in plain.items()), message.name
-            for name in starts.keys() - plain.keys():  # one of several joints'
+            for name in starts.keys() - plain.keys():  # a signal that exists per joint
                 first = message.get_signal_by_name(re.sub(r"_N(?=_|$)", "_0", name))
                 assert first.start == starts[name], (message.name, name)
 
@@ -95,7 +93,7 @@ def test_traffic_is_within_the_ranges(tmp_path):
 
 
 def test_parameters_are_within_the_range_of_their_frames():
-    """The ranges that the simulator's help tells of them."""
+    """The ranges that the simulator's help lists."""
     help_text = subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
     limits = np.array(re.findall(r"^ +\w+ +(\S+) to (\S+?)(?: [^,]+)?, \S+$", help_text, re.MULTILINE), float)
     message = DBC.get_message_by_name("ParameterValue")

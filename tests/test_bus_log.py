@@ -1,5 +1,5 @@
-"""The log of a run: stock tools read and decode it, its frames are protected, on time and complete, and it is enough to
-replay the firmware byte for byte."""
+"""The log of a run: standard tools read and decode it; its frames are protected, on time and complete; and it suffices
+to replay the firmware byte for byte."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def short() -> Run:
     return shared(*SHORT).require_pass()
 
 
-# ---- the tools that people have
+# ---- standard tools
 
 
 def test_cantools_decodes_every_line(eventful, frames):
@@ -92,7 +92,7 @@ def test_python_can_reads_the_same_frames(short):
 
 
 def test_bulk_decoder_agrees_with_cantools(frames, decoded):
-    """What the other tests decode with."""
+    """The decoder of the other tests."""
     for frame_id, sent in by_id(frames).items():
         message = DBC.get_message_by_frame_id(frame_id)
         for i in np.linspace(0, len(sent) - 1, 50).astype(int):
@@ -111,7 +111,7 @@ def test_one_id_has_one_length_and_one_sender(frames):
         assert len(DBC.get_message_by_frame_id(frame_id).senders) == 1
 
 
-def test_every_header_verifies_and_counts_on(frames):
+def test_every_header_verifies_and_counters_increment(frames):
     for frame_id, sent in by_id(frames).items():
         data_id = DBC.get_message_by_frame_id(frame_id).dbc.attributes.get("E2EDataId")
         if data_id is None:
@@ -133,11 +133,11 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
         t_us = np.array([frame.t_us for frame in logged[message.frame_id]])
         period_us = 1000 * message.cycle_time
         assert abs(len(t_us) - duration_us / period_us) <= 1, message.name
-        # within a tick a frame may wait for those before it
+        # within a tick a frame may wait for earlier ones
         assert np.abs(np.diff(t_us) - period_us).max() < TICK_US, message.name
 
 
-def test_nothing_is_lost_and_the_load_is_the_frames_own(short):
+def test_nothing_is_lost_and_the_load_is_the_sum_of_the_frames(short):
     frames = logged_frames(short.log)
     bus = short.summary["bus"]
     assert bus["dropped"] == 0
@@ -146,7 +146,7 @@ def test_nothing_is_lost_and_the_load_is_the_frames_own(short):
     assert bus["load_percent_mean"] == pytest.approx(100e-9 * duration_ns.sum() / short.summary["sim_s"], rel=1e-7)
 
     end_ns = np.array([1000 * frame.t_us for frame in frames])  # up to 1 us too early
-    assert np.all(end_ns[1:] - duration_ns[1:] > end_ns[:-1] - 1000), "two frames at a time"
+    assert np.all(end_ns[1:] - duration_ns[1:] > end_ns[:-1] - 1000), "two frames overlap"
     window_ns = 10_000_000
     busy_ns = np.zeros(1 + end_ns[-1] // window_ns)
     for end, duration in zip(end_ns, duration_ns, strict=True):
@@ -157,7 +157,7 @@ def test_nothing_is_lost_and_the_load_is_the_frames_own(short):
     assert bus["load_percent_peak"] == pytest.approx(100 * busy_ns.max() / window_ns, abs=0.02)
 
 
-# ---- what is said
+# ---- announcements and answers
 
 
 def test_boot_announces_firmware_and_parameters(short):
@@ -179,9 +179,9 @@ def test_boot_announces_firmware_and_parameters(short):
 
     default = {str(value["parameter"]): value["value"] for value in values}
     help_text = subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
-    told = dict(re.findall(r"^ +(\w+) +\S+ to \S+?(?: [^,]+)?, (\S+)$", help_text, re.MULTILINE))
-    assert told.keys() == default.keys()
-    assert all(float(told[name]) == pytest.approx(default[name], rel=1e-5) for name in told)
+    listed = dict(re.findall(r"^ +(\w+) +\S+ to \S+?(?: [^,]+)?, (\S+)$", help_text, re.MULTILINE))
+    assert listed.keys() == default.keys()
+    assert all(float(listed[name]) == pytest.approx(default[name], rel=1e-5) for name in listed)
     rotation = [default[f"tracker_rotation_{axis}_rad"] for axis in "xyz"]
     assert rotation == pytest.approx([-np.pi / 2, 0, 0])  # the paper's (9)
     expected = {"motion_scale": 1, "stale_periods": 2.5, "latch_measured": 0, "trace": 1, "speed_fraction": 1}
@@ -220,8 +220,8 @@ def test_each_parameter_write_is_answered_with_the_value_in_force(frames):
 
 
 def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
-    """By id, the counter of the last frame that this tick had consumed; None before the first. `received` has a bit for
-    each counter, in the order of the counters."""
+    """By id, the counter of the last frame that the firmware had read by this tick; None before the first. `received`
+    has one bit per counter, in the same order."""
     trace = DBC.get_message_by_name("TickTrace")
     signals = trace.decode(frame.data, decode_choices=False)
     received = {
@@ -236,11 +236,11 @@ def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
     return counters
 
 
-def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[LoggedFrame]:
-    """Takes from the queue, in the order of the bus, what this tick had taken."""
+def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[LoggedFrame]:
+    """Takes the frames that this tick had read from the queue, in bus order."""
     taken = []
-    while counters != wanted:
-        assert queue, f"the trace tells of frames that are not in the log: {wanted}"
+    while counters != traced:
+        assert queue, f"the trace refers to frames that are not in the log: {traced}"
         frame = queue.popleft()
         counters[frame.frame_id] = frame.data[2]
         taken.append(frame)
@@ -248,7 +248,7 @@ def consumed(queue: deque[LoggedFrame], counters: dict, wanted: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """What the firmware sends, by id, when it is fed with the log alone; and how many frames it was fed with."""
+    """Feeds the firmware with the log alone. Returns the frames that it sends, by id, and the number of frames fed."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
@@ -258,10 +258,10 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
     for tick in frames:
         if tick.frame_id != trace.frame_id:
             continue
-        wanted = trace_counters(tick)
-        counters = dict.fromkeys(wanted) if counters is None else counters
+        traced = trace_counters(tick)
+        counters = dict.fromkeys(traced) if counters is None else counters
         now_us = int(trace.decode(tick.data)["now_us"])
-        taken = consumed(queue, counters, wanted)
+        taken = consumed(queue, counters, traced)
         assert all(frame.t_us <= now_us for frame in taken), "consumed before it was received"
         inbox.count = len(taken)
         for i, frame in enumerate(taken):
@@ -277,7 +277,7 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
 
 
 def test_the_log_is_enough_to_replay(eventful, frames):
-    """The C core, fed with what each tick consumed, sends what the firmware sent: each byte of each frame."""
+    """The C core, fed with the frames that each tick read, sends the same bytes as the firmware in the run."""
     assert {"idle", "ready", "cooperating", "hold"} == {mode for mode, _ in modes(eventful)}
     sent, fed = replay(frames)
     recorded = {i: [f.data for f in part] for i, part in by_id(frames).items() if i in SENT_BY_FIRMWARE}
@@ -296,5 +296,5 @@ def test_trace_can_be_switched_off(tmp_path):
     assert log["TickTrace"].t_s[-1] < written_s + 0.002
     assert log["JointCmd"].t_s[-1] > 3.99
     assert [mode for mode, _ in modes(done)][-2:] == ["cooperating", "ready"]
-    assert done.summary["tracking"] == dict.fromkeys(done.summary["tracking"]), "measured without a target"
+    assert done.summary["tracking"] == dict.fromkeys(done.summary["tracking"]), "tracking error without a target"
     assert "trace" in done.summary["reason"]

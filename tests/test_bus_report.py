@@ -1,4 +1,4 @@
-"""The report of loads and response times: its figures against the DBC, what it marks, what it writes."""
+"""The report of loads and response times: its figures against the DBC, its marks and its file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FD, CLASSIC = "CAN FD 1/5 Mbit/s", "classic 1 Mbit/s"
 def written(tmp_path_factory):
     path = tmp_path_factory.mktemp("report") / "reports" / "bus.json"
     assert bus_report.main([str(path)]) == 0
-    assert [file.name for file in path.parent.iterdir()] == ["bus.json"], "nothing unfinished is left"
+    assert [file.name for file in path.parent.iterdir()] == ["bus.json"], "no temporary file is left"
     return json.loads(path.read_text())
 
 
@@ -46,7 +46,7 @@ def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
 
 @pytest.mark.parametrize("joints", JOINTS)
 def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
-    """From the payloads that make the frames longest, measured bit by bit."""
+    """The sum over the longest frames of the DBC, measured bit by bit."""
     share = 0.0
     for message in FD_MESSAGES:
         if message.cycle_time and not (message.name.startswith("JointState") and int(message.name[-1]) >= joints):
@@ -64,7 +64,7 @@ def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
     messages = [*CLASSIC_MESSAGES, DBC.get_message_by_name("FirmwareHeartbeat")]
     rare = {
         f"ClassicTask{part}": 100 for part in ("Translation", "Rotation", "Inverse")
-    }  # with the parts of a TaskDefine
+    }  # includes the parts of a TaskDefine
     expected = {
         m.name: (m.frame_id, m.length, m.cycle_time or rare.get(m.name, 4)) for m in messages if m.name not in absent
     }
@@ -76,15 +76,15 @@ def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
         assert 1000 * row["longest_us"] == pytest.approx(classic_duration_ns(row["id"], payload))
 
 
-def test_the_classic_profile_is_as_it_was_asked_for():
-    """250 Hz of control, the pose in two frames at 125 Hz, no frame longer than 8 bytes."""
+def test_the_classic_profile_meets_its_specification():
+    """250 Hz control rate, the pose in two frames at 125 Hz, no frame longer than 8 bytes."""
     by_name = {message.name.removeprefix("Classic"): message for message in CLASSIC_MESSAGES}
     assert {by_name[f"Joint{kind}{joint}"].cycle_time for kind in ("Cmd", "State") for joint in range(8)} == {4}
     assert by_name["HandPosition"].cycle_time == by_name["HandRotation"].cycle_time == 8
     assert max(message.length for message in CLASSIC_MESSAGES) == 8
 
 
-def test_what_is_late_is_named(written):
+def test_late_frames_are_named(written):
     late = set()
     for item in written["results"]:
         for row in item["rows"]:
@@ -98,8 +98,8 @@ def test_what_is_late_is_named(written):
 
 
 def test_the_last_of_four_joint_states_by_hand(by_profile):
-    """50 us of computing, the longest frame of lower priority, then one of each that comes before it; of the operator's two
-    acknowledgements the longer one."""
+    """50 us of computing, the longest frame of lower priority, then one of each frame of higher priority; of the
+    operator's two acknowledgements the longer one."""
     before = ["TaskDefine", "FirmwareStatus", "ParameterValue", "JointCmd", "TickTrace", "Clearance", "HandPose"]
     total_ns = 50_000
     for name in [*before, *(f"JointState{joint}" for joint in range(4))]:
@@ -110,7 +110,7 @@ def test_the_last_of_four_joint_states_by_hand(by_profile):
     assert rows["JointState3"]["response_ms"] == pytest.approx(1e-6 * total_ns)
 
 
-def test_what_the_readme_says(by_profile):
+def test_the_figures_in_the_readme(by_profile):
     for (profile, joints), item in by_profile.items():
         assert bool(item["late"]) == (profile == FD and joints > 4), (profile, joints, item["late"])
     last = next(row for row in by_profile[FD, 4]["rows"] if row["name"] == "JointState3")
@@ -129,7 +129,7 @@ def test_more_joints_and_slower_data_make_nothing_earlier(by_profile):
         assert all(fast[name] < slow[name] for name in slow)
 
 
-def test_the_tables_tell_the_same(capsys, written):
+def test_the_tables_match_the_report(capsys, written):
     assert bus_report.main([]) == 0
     text = capsys.readouterr().out
     for item in written["results"]:
@@ -141,7 +141,7 @@ def test_the_tables_tell_the_same(capsys, written):
     assert all(line[:60] in text for line in written["assumptions"])
 
 
-def test_late_frames_are_told_as_families():
+def test_late_frames_are_listed_as_families():
     assert bus_report.names(["JointState4", "JointState5", "TrackerStatus"]) == "JointState4..5, TrackerStatus"
     assert bus_report.names([]) == "-"
 

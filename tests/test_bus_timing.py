@@ -1,5 +1,5 @@
-"""The simulated bus against the computed worst cases: arbitration under contention, responses in the worst situations that
-can be made, and in the logs of the five experiments."""
+"""The simulated bus against the computed worst cases: arbitration under contention, response times in constructed worst
+cases, and in the logs of the five experiments."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ from simulation import EXPERIMENTS, experiment, shared
 RATES = BitRates(1_000_000, 5_000_000)
 TICK_NS, MS_NS, US_NS = 1_000_000, 1_000_000, 1000
 COMPUTING_NS, ANSWER_NS = COMPUTING_US * US_NS, ANSWER_US * US_NS
-LOG_NS = 1000  # a log has whole microseconds
+LOG_NS = 1000  # log times are whole microseconds
 
 
-# ---- arbitration: what must hold for any traffic
+# ---- arbitration: invariants for any traffic
 
 
 @settings(max_examples=300, deadline=None, derandomize=True)
@@ -45,12 +45,12 @@ LOG_NS = 1000  # a log has whole microseconds
     )
 )
 def test_arbitration_under_contention(traffic):
-    """The wire never rests while a frame is ready, and what starts has the lowest id of all that are ready. Of two frames
+    """The wire is never idle while a frame is ready, and the frame that starts has the lowest ready id. Of two frames
     with one id in one node the earlier goes first, so the later counts as ready when the earlier has started."""
     bus = Bus(5)
     waiting = []
     for number, (node, tens, length, ready_10us) in enumerate(traffic):
-        identifier = 8 * tens + node  # an id has one sender
+        identifier = 8 * tens + node  # each id has one sender
         data = bytes([number] * length)
         ready_ns = max([10_000 * ready_10us, *(w[1] for w in waiting if w[0] == identifier)])
         assert bus.send(node, identifier, data, 10_000 * ready_10us)
@@ -61,7 +61,7 @@ def test_arbitration_under_contention(traffic):
     for identifier, data, end_ns, _ in bus.heard:
         start_ns = end_ns - frame_duration_ns(identifier, data)
         assert start_ns == max(free_ns, min(item[1] for item in waiting)), (
-            "starts when the wire is free and one is ready"
+            "starts as soon as the wire is free and a frame is ready"
         )
         own = min(item for item in waiting if item[1] <= start_ns)
         assert (own[0], own[3]) == (identifier, data), "the lowest id of all that are ready"
@@ -69,12 +69,12 @@ def test_arbitration_under_contention(traffic):
         free_ns = end_ns
 
 
-# ---- the worst situation of each frame, with the longest payloads
+# ---- the worst case of each frame, with the longest payloads
 
 
-def worst_situation(frames: list[Frame], frame: Frame) -> tuple[int, int]:
-    """How long the frame takes on the simulated bus, since it was queued and since the firmware's frames were: the longest
-    of lower priority has just begun when all others of higher priority are queued."""
+def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
+    """Response time on the simulated bus, from the frame's queueing and from the queueing of the firmware's frames. The
+    longest frame of lower priority has just started when all frames of higher priority are queued."""
     node = {
         name: number
         for number, name in enumerate(("Firmware", "Drives", "Tracker", "Operator", "Gripper", "Proximity"))
@@ -117,15 +117,15 @@ def worst_situation(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
-def test_the_worst_situation_is_within_the_bound_and_near_it(joints):
-    """Up to the joint states that are in time the bound is reached but for the nanosecond of the head start."""
+def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
+    """The joint states that are in time reach the bound, except for the nanosecond of the lower frame's head start."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
     for frame in frames:
         if frame.name == "GripperState, answer":
             continue
-        queued_ns, since_tick_ns = worst_situation(frames, frame)
+        queued_ns, since_tick_ns = worst_case(frames, frame)
         bound = found[frame.name]
         assert queued_ns <= bound.queued_ns, frame.name
         if frame.answers and bound.event_ns <= TICK_NS:
@@ -140,8 +140,8 @@ def test_the_worst_situation_is_within_the_bound_and_near_it(joints):
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.randoms(use_true_random=False), st.sampled_from([4, 8]))
 def test_random_phases_stay_within_the_bound(chance, joints):
-    """100 ms of all that is cyclic in its longest form, each sender with its own phase, and an operator who asks at the
-    shortest distance; the firmware computes 0 to 50 us."""
+    """100 ms of all cyclic frames at their maximum length, each sender with its own phase, and an operator who sends
+    requests at the minimum interval; the firmware computes for 0 to 50 us."""
     frames = {item.name: item for item in fd_frames(joints)}
     found = analyse(streams(list(frames.values()), RATES), RATES.nominal_ns)
     until_ns = 100 * MS_NS
@@ -195,7 +195,7 @@ def test_random_phases_stay_within_the_bound(chance, joints):
 
 @dataclass(frozen=True)
 class Profile:
-    """`prefix`: of its names. `sync`: what the drives answer."""
+    """`prefix`: of its message names. `sync`: the message that the drives answer."""
 
     name: str
     prefix: str
@@ -206,7 +206,7 @@ class Profile:
     tick_ms: int
     event_ticks: int
     sync: str
-    least_ratio: float  # of the longest response of a control frame in the experiments to its bound
+    least_ratio: float  # longest response of a control frame in the experiments over its bound
 
     def plain(self, name: str) -> str:
         return name.removeprefix(self.prefix)
@@ -233,15 +233,15 @@ class Log:
         return (times_ns - MS_NS) // tick_ns * tick_ns + MS_NS
 
     def queued_ns(self, name: str) -> np.ndarray | None:
-        """When each frame of this name was queued: of cyclic ones by their number, of answers by what they answer. None for
-        requests: when the operator queued them is not in the log."""
+        """The time at which each frame of this name was queued: of cyclic frames by their number, of answers by the
+        frame that they answer. None for requests: the log does not show when the operator queued them."""
         count, plain = np.arange(len(self.frames[name])), self.profile.plain(name)
         if plain.startswith("JointState"):
             return self.ends_ns[self.profile.sync][count] + ANSWER_NS
         if plain == "GripperState":
-            asked = self.ends_ns.get(f"{self.profile.prefix}GripperCommand", np.array([], int)) + ANSWER_NS
-            cyclic = np.arange(len(count) - len(asked)) * 20 * MS_NS
-            return np.sort(np.concatenate([cyclic, asked]))
+            requests = self.ends_ns.get(f"{self.profile.prefix}GripperCommand", np.array([], int)) + ANSWER_NS
+            cyclic = np.arange(len(count) - len(requests)) * 20 * MS_NS
+            return np.sort(np.concatenate([cyclic, requests]))
         message = DBC.get_message_by_name(name)
         if message.senders == ["Firmware"]:
             if message.cycle_time:
@@ -249,7 +249,7 @@ class Log:
             payloads = [bytes(data) for data in self.frames[name].data]
             starts_ns = self.ends_ns[name] - np.array([self.profile.duration_ns(message.frame_id, d) for d in payloads])
             return self.tick_before_ns(starts_ns + LOG_NS - COMPUTING_NS) + COMPUTING_NS
-        latency_ns = 4 * MS_NS if plain in ("HandPose", "HandPosition", "HandRotation") else 0  # the tracker's
+        latency_ns = 4 * MS_NS if plain in ("HandPose", "HandPosition", "HandRotation") else 0  # of the tracker
         return latency_ns + count * message.cycle_time * MS_NS if message.cycle_time else None
 
 
@@ -267,8 +267,9 @@ BOOT_NS = 100 * MS_NS  # at 1 kHz
 
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
-    """Nor are the bounds absurdly far: the longest response of each control frame comes to a good part of its bound (0.46 to
-    0.75 on CAN FD, from 0.36 on classic CAN). Frames whose instants meet no others are far from theirs, as the phases of the simulator never change."""
+    """The bounds are not overly pessimistic either: the longest response of each control frame is a fair share of its
+    bound (0.46 to 0.75 on CAN FD, from 0.36 on classic CAN). Frames that never meet others stay far below their bound,
+    as the simulator's phases are fixed."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)
@@ -278,7 +279,7 @@ def test_responses_in_the_experiments_are_within_the_bounds(logged):
         if queued_ns is None:
             continue
         response_ns = logged.ends_ns[name] - queued_ns
-        assert response_ns.min() > 0, f"{name}: queued after its end: the test's own view of the schedule is wrong"
+        assert response_ns.min() > 0, f"{name}: queued after its end: the test's model of the schedule is wrong"
         is_boot = queued_ns < profile.tick_ms * BOOT_NS
         at_boot = booting.get(f"{name}, boot", booting.get(name))
         if profile.plain(name) == "ParameterValue":
@@ -289,22 +290,22 @@ def test_responses_in_the_experiments_are_within_the_bounds(logged):
             assert longest_ns <= running[name].queued_ns + LOG_NS, f"{name}: {longest_ns} ns"
             ratios[profile.plain(name)] = longest_ns / running[name].queued_ns
         judged.add(profile.plain(name))
-    asked = {"OperatorCommand", "TaskDefine", "ParameterAccess", "GripperCommand"}
-    asked |= {"TaskTranslation", "TaskRotation", "TaskInverse"}
-    assert judged == {profile.plain(name) for name in frames} - asked and len(judged) >= 14
+    requests = {"OperatorCommand", "TaskDefine", "ParameterAccess", "GripperCommand"}
+    requests |= {"TaskTranslation", "TaskRotation", "TaskInverse"}
+    assert judged == {profile.plain(name) for name in frames} - requests and len(judged) >= 14
     control = ["TickTrace", *(f"JointState{joint}" for joint in range(4))]
     control += ["JointCmd", "HandPose"] if profile.name == "fd" else ["JointCmd3"]
     for name in control:
         assert ratios[name] > profile.least_ratio, (name, ratios)
 
 
-def test_events_come_as_rarely_as_assumed(logged):
-    """The acknowledgements' ticks: any n + 1 in a row take 2 n - 1 ticks or more, on classic CAN n."""
+def test_events_are_as_rare_as_assumed(logged):
+    """The acknowledgements' ticks: any n + 1 in a row span at least 2 n - 1 ticks, on classic CAN n."""
     frames, prefix = logged.frames, logged.profile.prefix
     acknowledged = [logged.queued_ns(f"{prefix}CommandAck")]
     if f"{prefix}ParameterAccess" in frames:
-        told = frames[f"{prefix}ParameterValue"].raw("sequence") != 0
-        acknowledged.append(logged.queued_ns(f"{prefix}ParameterValue")[told])
+        is_answer = frames[f"{prefix}ParameterValue"].raw("sequence") != 0
+        acknowledged.append(logged.queued_ns(f"{prefix}ParameterValue")[is_answer])
     ticks = np.sort(np.concatenate(acknowledged)) // (logged.profile.tick_ms * MS_NS)
     requests = [f"{prefix}{name}" for name in ("OperatorCommand", "TaskDefine", "ParameterAccess")]
     assert len(ticks) == sum(len(frames[name]) for name in requests if name in frames)

@@ -1,5 +1,5 @@
-"""`comanip calibrate`: the tracker's rotation from three moves; against scipy's align_vectors, and what it says of its own
-error against the errors it makes."""
+"""`comanip calibrate`: the tracker's rotation from three moves, against scipy's align_vectors, and its error estimate
+against the actual errors."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ AXES = np.eye(3)
 def path(
     rng, turn: Rotation, directions=AXES, length_m=0.25, noise_m=0.0005, bow_m=0.0
 ) -> list[tuple[float, np.ndarray]]:
-    """Rest, move, rest, move, rest, move, rest, as a person's hand in the tracker's frame."""
+    """Rest, move, rest, move, rest, move, rest: a person's hand in the tracker's frame."""
     samples, here, t_s = [], np.array([0.3, 0.1, 0.9]), 0.0
     for direction in [None, *directions]:
         if direction is not None:
@@ -65,14 +65,14 @@ def moves_along(directions) -> list[Move]:
 
 
 def random_tilts(rng, turn: Rotation, sigma_rad: float) -> np.ndarray:
-    """The images of the three axes, each a little off."""
+    """The images of the three axes, each slightly tilted."""
     return np.array([Rotation.from_rotvec(rng.normal(0, sigma_rad, 3)).apply(turn.apply(axis)) for axis in AXES])
 
 
 # ---- the rotation
 
 
-def test_is_the_least_squares_rotation(rng):
+def test_result_is_the_least_squares_rotation(rng):
     for turn in Rotation.random(50, random_state=3):
         directions = random_tilts(rng, turn, 0.05)
         expected, _ = Rotation.align_vectors(directions, AXES)
@@ -80,7 +80,7 @@ def test_is_the_least_squares_rotation(rng):
 
 
 @given(st.lists(st.floats(-1.8, 1.8), min_size=3, max_size=3))
-def test_rotation_vectors_are_scipys(vector):
+def test_rotation_vectors_match_scipy(vector):
     turn = Rotation.from_rotvec(vector)
     assert np.abs(rotation_from_vector(turn.as_rotvec()) - turn.as_matrix()).max() < 1e-9
     assert (Rotation.from_rotvec(rotation_vector(turn.as_matrix())) * turn.inv()).magnitude() < 1e-6
@@ -95,16 +95,16 @@ def test_half_a_turn(axis, less):
     assert (Rotation.from_rotvec(found) * turn.inv()).magnitude() < 1e-6
 
 
-def test_says_how_sure_it_is(rng):
-    """Over many calibrations: the errors it makes are as large as those it tells, about its least sure axis."""
+def test_reported_standard_error_matches_the_actual_errors(rng):
+    """Over many calibrations, the actual errors are as large as the reported ones, about the least certain axis."""
     sigma_rad = np.radians(2)
-    told, made = [], []
+    reported, actual = [], []
     for turn in Rotation.random(600, random_state=5):
         result = solve(moves_along(random_tilts(rng, turn, sigma_rad)))
-        told.append(result.standard_error_deg**2)
+        reported.append(result.standard_error_deg**2)
         error = (Rotation.from_matrix(result.rotation) * turn.inv()).as_rotvec()
-        made.append(np.degrees(error) ** 2)
-    assert np.sqrt(np.mean(told)) == pytest.approx(np.sqrt(np.mean(made)), rel=0.15)
+        actual.append(np.degrees(error) ** 2)
+    assert np.sqrt(np.mean(reported)) == pytest.approx(np.sqrt(np.mean(actual)), rel=0.15)
 
 
 # ---- the moves
@@ -124,7 +124,7 @@ def test_a_hand_that_trembles_at_rest_makes_no_move(rng):
     assert detected([(0.01 * i, rng.normal(0, 0.001, 3)) for i in range(1000)]) == []
 
 
-def test_a_short_move_is_none(rng):
+def test_a_short_move_does_not_count(rng):
     assert len(detected(path(rng, PAPER, length_m=0.08))) < 3
 
 
@@ -139,7 +139,7 @@ def test_a_short_move_is_none(rng):
         ([*AXES, [-1, 0, 0]], 0, "4 moves found, expected 3"),
     ],
 )
-def test_refuses_what_tells_no_rotation(rng, directions, bow_m, words):
+def test_refuses_moves_that_do_not_define_a_rotation(rng, directions, bow_m, words):
     with pytest.raises(CalibrationError, match=words):
         solve(detected(path(rng, PAPER, directions, bow_m=bow_m)))
 
@@ -158,10 +158,26 @@ def told_vector(text: str) -> np.ndarray:
 
 def hand_frames(samples, start_us=0) -> list[tuple[float, bytes]]:
     return [
-        (t, protected("HandPose", {"t_us": (start_us + round(1e6 * t)) % 2**32, "valid": 1, "x_m": x, "y_m": y, "z_m": z,
-                                   "qw": 1, "qx": 0, "qy": 0, "qz": 0}, i))
+        (
+            t,
+            protected(
+                "HandPose",
+                {
+                    "t_us": (start_us + round(1e6 * t)) % 2**32,
+                    "valid": 1,
+                    "x_m": x,
+                    "y_m": y,
+                    "z_m": z,
+                    "qw": 1,
+                    "qx": 0,
+                    "qy": 0,
+                    "qz": 0,
+                },
+                i,
+            ),
+        )
         for i, (t, (x, y, z)) in enumerate(samples)
-    ]  # fmt: skip
+    ]
 
 
 def test_from_a_recording_and_from_a_log(tmp_path, rng):
@@ -194,7 +210,7 @@ def test_bad_recordings(tmp_path):
 
 
 def test_guides_a_person_and_sets_the_parameters(monkeypatch, capsys, rng):
-    """The person moves as soon as they are told to, here by a thread that plays the path."""
+    """The person moves at each prompt; here a thread plays the path."""
     turn = Rotation.from_rotvec([-1.5, 0.2, -0.1])
     samples = path(rng, turn)
     with firmware(has_tracker=False) as live, can.Bus(interface="virtual", channel=CHANNEL, fd=True) as tracker:

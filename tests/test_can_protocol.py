@@ -1,4 +1,5 @@
-"""The frames against cantools and the DBC, in both directions; what no frame can carry; and end-to-end protection."""
+"""The frames against cantools and the DBC in both directions, values that no frame can carry, and end-to-end
+protection."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from e2e import p05
 
 HEADER = ("e2e_crc", "e2e_counter")
 XYZ = r"(?P<member>t_task|q_task|q_inv)_(?P<part>[wxyz])(?P<unit>_m)?"
-# Where a signal's value stands in the C message, for those whose names differ.
+# C member of a signal whose name differs from the member's.
 RENAMED = {
     "hand_pose_t": {f"{c}_m": f"position_m.{c}" for c in "xyz"} | {f"q{c}": f"rotation.{c}" for c in "wxyz"},
 }
@@ -36,7 +37,7 @@ MESSAGES = {  # DBC name: C message, name of its pack and unpack functions
 
 
 class Codec:
-    """A message as the DBC and as the firmware see it."""
+    """A message from the DBC's and from the firmware's side."""
 
     def __init__(self, dbc, name: str):
         self.dbc_message = dbc.get_message_by_name(name)
@@ -96,16 +97,16 @@ class Codec:
 
 
 def is_close(a: float, b: float, resolution: float) -> bool:
-    """Within so much, and float32's rounding of the value itself."""
+    """Equal within the resolution and float32's rounding of the value itself."""
     return abs(a - b) <= resolution + 1.3e-7 * abs(b)
 
 
 @pytest.mark.parametrize("name", MESSAGES)
-def test_what_we_pack_cantools_decodes(dbc, rng, name):
+def test_cantools_decodes_packed_frames(dbc, rng, name):
     codec = Codec(dbc, name)
     for _ in range(300):
         values = codec.random_values(rng)
-        # anywhere between two steps of the signal, not only on them
+        # also between two steps of the signal
         shifted = {
             s.name: values[s.name] * (1 - 1e-3 * rng.random()) if s.scale < 1 else values[s.name] for s in codec.signals
         }
@@ -119,7 +120,7 @@ def test_what_we_pack_cantools_decodes(dbc, rng, name):
 
 
 @pytest.mark.parametrize("name", MESSAGES)
-def test_what_cantools_encodes_we_unpack(dbc, rng, name):
+def test_frames_encoded_by_cantools_are_unpacked(dbc, rng, name):
     codec = Codec(dbc, name)
     for _ in range(300):
         values = codec.random_values(rng)
@@ -148,7 +149,7 @@ SCALED = [
 
 
 @pytest.mark.parametrize(("name", "signal"), SCALED)
-def test_a_value_no_signal_can_carry_is_refused_not_saturated(dbc, name, signal):
+def test_a_value_out_of_range_is_refused_not_saturated(dbc, name, signal):
     codec = Codec(dbc, name)
     [description] = [s for s in codec.signals if s.name == signal]
     low, high = (raw * description.scale for raw in codec.raw_range(description))
@@ -164,7 +165,7 @@ def test_a_value_no_signal_can_carry_is_refused_not_saturated(dbc, name, signal)
 
 @pytest.mark.parametrize("value", [9.0, -9.0, math.nan, math.inf])
 @pytest.mark.parametrize("signal", ["x_m", "z_m", "qw"])
-def test_a_pose_out_of_range_goes_out_as_invalid(dbc, signal, value):
+def test_a_pose_out_of_range_is_sent_as_invalid(dbc, signal, value):
     codec = Codec(dbc, "HandPose")
     good = {"t_us": 123456, "x_m": 0.1, "qw": 1.0, "valid": True}
     status, frame = codec.pack(good | {signal: value})
@@ -183,7 +184,7 @@ def test_tracker_period_is_rounded_to_its_resolution(dbc, period_us):
     assert codec.pack({"period_us": 700_000})[0] == lib.PROTOCOL_OUT_OF_RANGE
 
 
-# ---- the two messages that are no plain copy of their fields
+# ---- the two messages whose fields are not plain copies
 
 RECEIVED = {
     "hand_pose": lib.FRAME_HAND_POSE,
@@ -280,7 +281,7 @@ def attribute(message, name: str) -> int:
     return int(found.value) if found else 0
 
 
-def test_frame_table_is_the_dbc():
+def test_frame_table_matches_the_dbc():
     assert len(FD_MESSAGES) == lib.FRAME_KIND_COUNT
     for message in FD_MESSAGES:
         row = lib.frame_table[kind_of(message)]
@@ -314,7 +315,7 @@ def test_data_ids_differ(dbc):
         ("ROBOT_PART_", "Clearance", "robot_part"),
     ],
 )
-def test_enumerations_are_the_dbcs(dbc, prefix, message, signal):
+def test_enumerations_match_the_dbc(dbc, prefix, message, signal):
     kinds = {
         "MODE_": "control_mode_t", "REASON_": "reason_t", "STOP_": "stop_category_t", "TASK_": "task_id_t",
         "COMMAND_": "command_t", "RESULT_": "result_t", "DRIVE_MODE_": "drive_mode_t", "DRIVE_ERROR_": "drive_error_t",
@@ -365,12 +366,12 @@ def test_every_protected_frame_verifies_with_autosar_e2e(rng):
             data = bytes(frame.data)[: message.length]
             if data_id:
                 assert p05.e2e_p05_check(data, data_id)
-                assert data[2] == counter % 256  # each id counts for itself
+                assert data[2] == counter % 256  # each id has its own counter
             else:
                 assert bytes(frame.data) == before
 
 
-def test_check_takes_a_senders_frames_and_names_their_kind():
+def test_check_accepts_a_senders_frames_and_names_their_kind():
     sender, receiver, kind = ffi.new("protocol_sender_t *"), ffi.new("protocol_receiver_t *"), ffi.new("frame_kind_t *")
     for _ in range(300):
         for message in FD_MESSAGES:
@@ -391,15 +392,15 @@ def test_check_refuses_and_counts(dbc):
     assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # repeated
     lib.protocol_protect(sender, frame)
     frame.data[20] ^= 1
-    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # corrupt
+    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # corrupted
     frame.length = 24
     assert checked(receiver, frame) == lib.PROTOCOL_WRONG_LENGTH
     frame.id, frame.length = dbc.get_message_by_name("JointCmd").frame_id, 64
-    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # another id's frame
+    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # a frame of another id
     assert receiver.rejected == 4
 
 
-def test_an_unknown_id_is_another_systems_business():
+def test_an_unknown_id_is_not_an_error():
     receiver = ffi.new("protocol_receiver_t *")
     assert checked(receiver, ffi.new("can_frame_t *", {"id": 0x7FF, "length": 8})) == lib.PROTOCOL_UNKNOWN_ID
     assert receiver.rejected == 0

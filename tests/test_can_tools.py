@@ -1,5 +1,5 @@
-"""The tools that people have, unmodified, on a hub: can-utils and python-can's socketcan under the shim, python-can and
-cantools through socketcand. What they show is what the simulator logged, and listening changes nothing in the run."""
+"""Unmodified standard tools on a hub: can-utils and python-can's socketcan under the shim, python-can and cantools
+through socketcand. They show what the simulator logged, and listening does not change the run."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ from e2e import p05
 from hub import CAN_EFF_FLAG, PATIENCE_S, SCRIPTS, WITH_CAN, Hub, Tool, classic, fd, running, tool, wait_until
 from simulation import SIMULATOR, Run, run
 
-# 14,000 frames: less than the hub keeps for a listener that is late, so that none is dropped, however slow the machine.
-PLAIN = Path(__file__).parent / "scenarios" / "teleop_moves.yaml"  # what run() makes of "teleop"
+# 14,000 frames: fewer than the hub queues for a slow listener, so that no listener is dropped, however slow the
+# machine.
+PLAIN = Path(__file__).parent / "scenarios" / "teleop_moves.yaml"  # the file that run() uses for "teleop"
 SCENARIO = ("--scenario", "teleop", "--duration", 2)
 LOG_LINE = re.compile(r"\(\d+\.\d+\) \w+ ([0-9A-F]+)#(#1)?([0-9A-F]*)(?: [RT])?")
-MARKER = 0x7FE  # no frame of the DBC
+MARKER = 0x7FE  # an id that the DBC does not use
 
 Frame = tuple[int, bytes]
 
 
 @pytest.fixture(scope="module")
-def unheard(tmp_path_factory) -> Run:
-    return run(tmp_path_factory.mktemp("unheard"), *SCENARIO).require_pass()
+def without_listeners(tmp_path_factory) -> Run:
+    return run(tmp_path_factory.mktemp("without_listeners"), *SCENARIO).require_pass()
 
 
 def frames_in(text: str) -> list[Frame]:
-    """Of the lines of candump -L or of python-can's logger."""
+    """The frames in the output of candump -L or of python-can's logger."""
     matches = (LOG_LINE.fullmatch(line.strip()) for line in text.splitlines())
     return [(int(match[1], 16), bytes.fromhex(match[3])) for match in matches if match]
 
@@ -42,7 +43,7 @@ def logged(finished: Run) -> list[Frame]:
 
 
 def require_protected(frames: list[Frame]) -> None:
-    """Each decodes by the DBC and has a valid header."""
+    """Each frame decodes by the DBC and has a valid header."""
     for frame_id, data in frames:
         message = DBC.get_message_by_frame_id(frame_id)
         message.decode(data)
@@ -51,25 +52,27 @@ def require_protected(frames: list[Frame]) -> None:
 
 
 def tap(hub: Hub) -> tuple[str, ...]:
-    """How python-can's own programs are led to socketcand."""
+    """Options that connect python-can's programs to socketcand."""
     return ("-i", "socketcand", "-c", "vcan0", "--bus-kwargs", "host=127.0.0.1", f"port={hub.port}")
 
 
 @dataclass
 class Listened:
     run: Run
-    text: dict[str, str]  # what each listener wrote
+    text: dict[str, str]  # output of each listener
     through_tap: list[can.Message]
 
 
 @pytest.fixture(scope="module")
-def heard(tmp_path_factory) -> Listened:
-    """A run with four listeners, one of which never reads, and one talks."""
+def with_listeners(tmp_path_factory) -> Listened:
+    """A run with four listeners, one of which never reads and one of which sends."""
     python_can = (
         "import can\n"
         "with can.Bus('vcan0', interface='socketcan', fd=True, local_loopback=True) as bus:\n"
         "    try:\n"
-        "        for m in bus: print(f'({m.timestamp:.6f}) {m.channel} {m.arbitration_id:03X}##1{bytes(m.data).hex().upper()}')\n"
+        "        for m in bus:\n"
+        "            data = bytes(m.data).hex().upper()\n"
+        "            print(f'({m.timestamp:.6f}) {m.channel} {m.arbitration_id:03X}##1{data}')\n"
         "    except can.CanError as error: print(error)\n"
     )
     commands = {
@@ -85,8 +88,10 @@ def heard(tmp_path_factory) -> Listened:
         tools = {name: Tool(hub, WITH_CAN, *command) for name, command in commands.items()}
         stalled, talking = hub.connect(), hub.connect()
         hub.wait_for_clients(len(tools) + 2)
-        talking.send(classic(0x010, bytes(8)))  # looks like the firmware's status; must not come through
-        finished = run(tmp_path_factory.mktemp("heard"), *SCENARIO, "--hub", "vcan0", environment=hub.environment)
+        talking.send(classic(0x010, bytes(8)))  # imitates the firmware's status; must be blocked
+        finished = run(
+            tmp_path_factory.mktemp("with_listeners"), *SCENARIO, "--hub", "vcan0", environment=hub.environment
+        )
         expected = len(logged(finished))
         messages = [bus.recv(PATIENCE_S) for _ in range(expected)]
         assert hub.stop() == 0
@@ -102,52 +107,52 @@ def heard(tmp_path_factory) -> Listened:
 # ---- live listening to a run
 
 
-def test_listening_changes_nothing(unheard, heard):
-    assert heard.run.log.read_bytes() == unheard.log.read_bytes()
-    assert heard.run.trace.read_bytes() == unheard.trace.read_bytes()
-    assert {**heard.run.summary, "wall_s": 0} == {**unheard.summary, "wall_s": 0}
-    assert heard.run.stderr == ""
+def test_listening_changes_nothing(without_listeners, with_listeners):
+    assert with_listeners.run.log.read_bytes() == without_listeners.log.read_bytes()
+    assert with_listeners.run.trace.read_bytes() == without_listeners.trace.read_bytes()
+    assert {**with_listeners.run.summary, "wall_s": 0} == {**without_listeners.summary, "wall_s": 0}
+    assert with_listeners.run.stderr == ""
 
 
 @pytest.mark.parametrize("listener", ["candump", "candump any", "python-can"])
-def test_listeners_hear_what_was_logged(heard, listener):
-    assert frames_in(heard.text[listener]) == logged(heard.run)
-    assert "No such device" in heard.text[listener], "when the hub ends, the interface is gone"
+def test_listeners_receive_what_was_logged(with_listeners, listener):
+    assert frames_in(with_listeners.text[listener]) == logged(with_listeners.run)
+    assert "No such device" in with_listeners.text[listener], "the interface disappears with the hub"
 
 
-def test_what_candump_shows_is_protected(heard):
-    require_protected(frames_in(heard.text["candump"]))
+def test_frames_shown_by_candump_are_protected(with_listeners):
+    require_protected(frames_in(with_listeners.text["candump"]))
 
 
-def test_candump_filters(heard):
-    expected = [frame for frame in logged(heard.run) if frame[0] & 0x7F0 == 0x180]
+def test_candump_filters(with_listeners):
+    expected = [frame for frame in logged(with_listeners.run) if frame[0] & 0x7F0 == 0x180]
     assert len(expected) > 1000
-    assert frames_in(heard.text["candump filtered"]) == expected
+    assert frames_in(with_listeners.text["candump filtered"]) == expected
 
 
-def test_candump_has_the_times_of_now(heard):
-    times = [float(line[1:18]) for line in heard.text["candump"].splitlines() if line.startswith("(")]
+def test_candump_shows_wall_clock_times(with_listeners):
+    times = [float(line[1:18]) for line in with_listeners.text["candump"].splitlines() if line.startswith("(")]
     assert all(0 <= later - earlier < 60 for earlier, later in zip(times[:-1], times[1:], strict=True))
     assert abs(times[-1] - time.time()) < 3600
 
 
-def test_python_can_hears_the_run_through_socketcand(heard):
-    frames = [(message.arbitration_id, bytes(message.data)) for message in heard.through_tap]
-    assert frames == logged(heard.run)
+def test_python_can_receives_the_run_through_socketcand(with_listeners):
+    frames = [(message.arbitration_id, bytes(message.data)) for message in with_listeners.through_tap]
+    assert frames == logged(with_listeners.run)
     require_protected(frames)
 
 
-def test_the_run_brings_its_own_hub_and_ends_it(tmp_path, unheard):
-    # A folder of its own, so that no other test meets this hub.
+def test_the_run_starts_and_stops_its_own_hub(tmp_path, without_listeners):
+    # In a separate folder, so that no other test uses this hub.
     with running() as elsewhere:
         environment = {**elsewhere.environment, "COMANIP_HUB_DIR": str(tmp_path / "hubs")}
         finished = run(tmp_path / "out", *SCENARIO, "--hub", "vcan0", environment=environment, quiet=False)
-    assert finished.require_pass().log.read_bytes() == unheard.log.read_bytes()
+    assert finished.require_pass().log.read_bytes() == without_listeners.log.read_bytes()
     assert "the bus is live on its own hub vcan0; to listen, beside this: make candump" in finished.stdout
     assert [file.name for file in (tmp_path / "hubs").iterdir()] == ["vcan0.lock"]
 
 
-def test_a_hub_that_goes_away_does_not_disturb_the_run(tmp_path, unheard):
+def test_a_hub_that_goes_away_does_not_disturb_the_run(tmp_path, without_listeners):
     with running("--listen-only", "--socketcand", "off") as hub:
         command = ("--scenario", PLAIN, "--duration", 2, "--out", tmp_path, "--hub", "vcan0", "--real-time", "--quiet")
         with tool(hub, SIMULATOR, *command) as simulator:
@@ -157,17 +162,17 @@ def test_a_hub_that_goes_away_does_not_disturb_the_run(tmp_path, unheard):
             text = simulator.wait()
             assert simulator.process.returncode == 0
             listener.close()
-    assert (tmp_path / "bus.log").read_bytes() == unheard.log.read_bytes()
+    assert (tmp_path / "bus.log").read_bytes() == without_listeners.log.read_bytes()
     assert "the hub went away or hangs" in text
     assert "frames were not shown on the hub" in text
 
 
-def test_real_time_is_not_faster(tmp_path, unheard):
+def test_real_time_is_not_faster(tmp_path, without_listeners):
     started = time.monotonic()
     finished = run(tmp_path / "out", *SCENARIO, "--real-time").require_pass()
     assert time.monotonic() - started > finished.summary["sim_s"] - 0.01
     assert finished.summary["wall_s"] > finished.summary["sim_s"] - 0.01
-    assert finished.log.read_bytes() == unheard.log.read_bytes()
+    assert finished.log.read_bytes() == without_listeners.log.read_bytes()
 
 
 # ---- can-utils under the shim
@@ -186,12 +191,12 @@ def with_can(hub: Hub, *command: object, status: int = 0) -> str:
         return text
 
 
-def test_canplayer_replays_the_log_to_candump(hub, unheard):
+def test_canplayer_replays_the_log_to_candump(hub, without_listeners):
     with tool(hub, WITH_CAN, "candump", "-L", "vcan0") as candump:
         hub.wait_for_clients(1)
-        with_can(hub, "canplayer", "-t", "-I", unheard.log, "vcan0=vcan0")
+        with_can(hub, "canplayer", "-t", "-I", without_listeners.log, "vcan0=vcan0")
         assert hub.stop() == 0
-        assert frames_in(candump.wait()) == logged(unheard)
+        assert frames_in(candump.wait()) == logged(without_listeners)
 
 
 @pytest.mark.parametrize(
@@ -213,7 +218,7 @@ def test_cansend_sends(hub, text, packet):
     assert len(got) == len(packet)
 
 
-def test_cangen_is_heard_by_candump(hub):
+def test_candump_receives_cangen(hub):
     with tool(hub, WITH_CAN, "candump", "-L", "vcan0") as candump:
         hub.wait_for_clients(1)
         with_can(hub, "cangen", "vcan0", "-n", 500, "-g", 0, "-I", "i", "-D", "i", "-L", 8)
@@ -284,7 +289,7 @@ def test_socketcan_sends_both_kinds(hub):
     assert (len(packet), packet[:5]) == (72, fd(CAN_EFF_FLAG | 0x13, bytes(48))[:5])
 
 
-def test_socketcan_receives_its_own_frames_only_if_it_asks(hub):
+def test_socketcan_receives_its_own_frames_only_on_request(hub):
     text = under_shim(
         hub,
         "a = can.Bus('vcan0', interface='socketcan', receive_own_messages=True)\n"
@@ -299,14 +304,15 @@ def test_socketcan_receives_its_own_frames_only_if_it_asks(hub):
 
 
 FILTERS = [
-    (0x123, 0x7FF), (0x20000100, 0x7F0), (0x80000123, 0x9FFFFFFF), (0x123, 0x1FFFFFFF), (0, 0), (0x40000000, 0x40000000),
-    (0x1123, 0x80001FFF),  # only frames of 11 bits, so that the 12th and 13th do not count
+    (0x123, 0x7FF), (0x20000100, 0x7F0), (0x80000123, 0x9FFFFFFF), (0x123, 0x1FFFFFFF), (0, 0),
+    (0x40000000, 0x40000000),
+    (0x1123, 0x80001FFF),  # compared as 11-bit ids: the 12th and 13th bits do not count
 ]  # fmt: skip
 SENT = [0x000, 0x100, 0x10F, 0x110, 0x123, 0x124, 0x7FF, 0x80000123, 0x80000100, 0x9FFFFFFF, 0x40000123, 0xC0000123]
 
 
 def kernel_accepts(received: int, filters: list[tuple[int, int]], join: bool) -> bool:
-    """As the documentation of the kernel has it: (received & mask) == (id & mask), or not, where the id has CAN_INV_FILTER."""
+    """By the kernel's documentation: (received & mask) == (id & mask), negated if the id has CAN_INV_FILTER."""
     matches = []
     for can_id, mask in filters:
         if mask & 0x80000000 and not can_id & 0x80000000:
@@ -320,14 +326,15 @@ def kernel_accepts(received: int, filters: list[tuple[int, int]], join: bool) ->
     "filters",
     [[], *[[pair] for pair in FILTERS], FILTERS[:2], FILTERS[1:4], [(0x20000123, 0x7FF), (0x20000124, 0x7FF)]],
 )
-def test_receive_filters_are_the_kernels(hub, filters, join):
+def test_receive_filters_match_the_kernels(hub, filters, join):
     sender = hub.connect()
     packed = b"".join(struct.pack("=II", *pair) for pair in filters)
     program = (
         "s = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); s.bind(('vcan0',))\n"
         f"s.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, {packed!r})\n"
         f"s.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_JOIN_FILTERS, {int(join)})\n"
-        "end = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); end.bind(('vcan0',)); print('ready', flush=True)\n"
+        "end = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); end.bind(('vcan0',))\n"
+        "print('ready', flush=True)\n"
         "while end.recv(16)[:4] != b'\\xfe\\7\\0\\0': pass\n"
         "s.setblocking(False); got = []\n"
         "try:\n"
@@ -338,21 +345,22 @@ def test_receive_filters_are_the_kernels(hub, filters, join):
         wait_until(lambda: "ready" in listener.text(), "a listener")
         for can_id in SENT:
             sender.send(classic(can_id))
-            sender.send(fd(can_id))  # not wanted without CAN_RAW_FD_FRAMES
-        sender.send(classic(0x20000004, bytes(8)))  # error frames are not wanted either
+            sender.send(fd(can_id))  # not received without CAN_RAW_FD_FRAMES
+        sender.send(classic(0x20000004, bytes(8)))  # error frames are not received either
         sender.send(classic(MARKER))
         text = listener.wait().splitlines()[-1]
     expected = [can_id for can_id in [*SENT, MARKER] if kernel_accepts(can_id, filters, join)]
     assert json.loads(text) == expected
 
 
-def test_error_frames_come_by_their_class(hub):
-    """Option 2 is CAN_RAW_ERR_FILTER, which Python has no name for."""
+def test_error_frames_are_filtered_by_class(hub):
+    """Option 2 is CAN_RAW_ERR_FILTER, for which Python has no name."""
     sender = hub.connect()
     program = (
         "s = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); s.bind(('vcan0',))\n"
         "s.setsockopt(socket.SOL_CAN_RAW, 2, 0x40)\n"
-        "print('ready', flush=True); print(*(f'{p.hex()} {a}' for p, a in (s.recvfrom(16), s.recvfrom(16))), sep=chr(10))\n"
+        "print('ready', flush=True)\n"
+        "print(*(f'{p.hex()} {a}' for p, a in (s.recvfrom(16), s.recvfrom(16))), sep=chr(10))\n"
     )
     with tool(hub, WITH_CAN, SCRIPTS / "python", "-u", "-c", "import socket\n" + program) as listener:
         wait_until(lambda: "ready" in listener.text(), "a listener")
@@ -366,26 +374,26 @@ def test_error_frames_come_by_their_class(hub):
 
 
 def shown(hub: Hub, sender, started: Tool, packets: list[bytes], pattern: str) -> None:
-    """Sends over and over until the tool shows it: there is no other sign that it is ready."""
+    """Sends repeatedly until the tool shows the frame: there is no other sign that it is ready."""
 
     def is_shown() -> bool:
         for packet in packets:
             sender.send(packet)
         return re.search(pattern, started.text()) is not None
 
-    wait_until(is_shown, f"{pattern} in what {started.process.args[0]} shows")
+    wait_until(is_shown, f"{pattern} in the output of {started.process.args[0]}")
 
 
-def test_python_cans_logger(hub, unheard):
+def test_python_cans_logger(hub, without_listeners):
     sender = hub.connect()
     with tool(hub, SCRIPTS / "can_logger", *tap(hub)) as logger:
         shown(hub, sender, logger, [fd(MARKER, bytes(range(64)))], "ID: +7fe .*DL: 64 +00 01 02 .* 3f")
 
 
-def test_python_cans_logger_writes_what_was_sent(hub, unheard, tmp_path):
+def test_python_cans_logger_writes_what_was_sent(hub, without_listeners, tmp_path):
     sender = hub.connect()
-    frames = logged(unheard)[:3000]
-    file = tmp_path / "heard.log"
+    frames = logged(without_listeners)[:3000]
+    file = tmp_path / "with_listeners.log"
     with tool(hub, SCRIPTS / "can_logger", "-f", file, *tap(hub)) as logger:
         wait_until(lambda: sender.send(classic(MARKER)) and file.exists() and file.stat().st_size > 0, "a log")
         for frame_id, data in frames:
@@ -403,11 +411,11 @@ def test_python_cans_viewer(hub):
         shown(hub, sender, viewer, [classic(0x123, b"\xde\xad\xbe\xef")], r"0x123.*DE AD BE EF")
 
 
-def test_cantools_monitor_decodes(hub, unheard):
+def test_cantools_monitor_decodes(hub, without_listeners):
     sender = hub.connect()
     dbc = Path(__file__).parents[1] / "host_tools" / "comanip" / "comanip.dbc"
     status = DBC.get_message_by_name("FirmwareStatus")
-    frame = next(frame for frame in reversed(logged(unheard)) if frame[0] == status.frame_id)
+    frame = next(frame for frame in reversed(logged(without_listeners)) if frame[0] == status.frame_id)
     expected = status.decode(frame[1])
     with tool(hub, SCRIPTS / "cantools", "monitor", dbc, *tap(hub), terminal=True) as monitor:
         shown(

@@ -1,5 +1,5 @@
-"""Messages on classic CAN: taken apart and put together by the C core, against cantools (what is in the frames), the package
-autosar-e2e (Profile 2) and numpy (rotations). The sender is never asked what the receiver should find."""
+"""Messages on classic CAN, split and reassembled by the C core: against cantools (contents of the frames), the package
+autosar-e2e (Profile 2) and numpy (rotations). Expected values never come from the sender."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ ALL_KINDS = (1 << lib.FRAME_KIND_COUNT) - 1
 JOINTS = 4
 POSE_PERIOD_US = 8000
 POSITION_STEP_M, TORQUE_STEP_NM = 1e-4, 0.2
-# 15 bits for each of the three smaller components, each off by half a step; the largest, which follows from them, by three of
-# these at most (all four 1/2): 2 |dq|.
+# 15 bits for each of the three smaller components, each off by half a step. The largest follows from them and is off by
+# at most three of these (all four 1/2): 2 |dq|.
 ROTATION_ERROR_DEG = math.degrees(2 * math.sqrt(3 + 9) * 0.5 * math.sqrt(0.5) / 16383) * 1.001
 STAMP_STEP_US, STAMP_PERIOD_US = 1024, 262_144
 
 
 def data_id_list(name: str) -> bytes:
-    """Profile 2's DataIDList, as docs/bus.md has it."""
+    """Profile 2's DataIDList, as in docs/bus.md."""
     base = DBC.get_message_by_name(name).dbc.attributes["E2EDataId"].value
     return bytes((base + 16 * n) % 256 for n in range(16))
 
@@ -47,12 +47,12 @@ class Receiver:
         lib.transport_receiver_init(self.state, profile, joints, kinds)
 
     def take(self, frame) -> tuple[int, object]:
-        """Status, and the frame as it came back. The one given stays as it is."""
+        """Status, and the frame as returned. The given frame is unchanged."""
         copy = ffi.new("can_frame_t *", frame[0])
         return lib.transport_receive(self.state, copy, self.kind), copy
 
     def message(self, frames: list):
-        """That they complete with the last one, and not before."""
+        """The message, which must complete with the last frame and not before."""
         *before, last = [self.take(frame) for frame in frames]
         assert [status for status, _ in before] == [lib.PROTOCOL_INCOMPLETE] * len(before)
         assert last[0] == lib.PROTOCOL_OK
@@ -76,14 +76,14 @@ def decoded(frame) -> dict:
 
 
 def quaternion_of(signals: dict, prefix: str) -> np.ndarray:
-    """Smallest three: the largest is not negative, and makes the norm 1."""
+    """Smallest three: the largest component is not negative and makes the norm 1."""
     smaller = [signals[f"{prefix}_{letter}"] for letter in "abc"]
     largest = math.sqrt(max(0.0, 1.0 - sum(c * c for c in smaller)))
     return np.insert(np.array(smaller), int(signals[f"{prefix}_largest"]), largest)
 
 
 def angle_deg(a: np.ndarray, b: np.ndarray) -> float:
-    """Between two rotations; by the sine, in which a small angle is not lost."""
+    """Angle between two rotations, by the sine, which keeps its precision at small angles."""
     cross = a[0] * b[1:] - b[0] * a[1:] - np.cross(a[1:], b[1:])
     return math.degrees(2 * math.atan2(np.linalg.norm(cross), abs(a @ b)))
 
@@ -112,7 +112,7 @@ def pose_of(frame):
 # ---- the frames
 
 
-def test_the_table_is_the_dbc():
+def test_the_table_matches_the_dbc():
     assert len(CLASSIC_MESSAGES) == lib.CLASSIC_FRAME_COUNT
     for place, message in enumerate(CLASSIC_MESSAGES):
         row, attributes = lib.classic_table[place], message.dbc.attributes
@@ -130,7 +130,7 @@ def test_no_two_frames_share_a_data_id_at_any_counter():
     assert all(len(set(ids)) == 16 for ids in lists)
 
 
-QUATERNIONS = {  # by message: signals w x y z, and what stands for them on classic CAN
+QUATERNIONS = {  # by message: signals w x y z, and their name on classic CAN
     "HandPose": [("qw qx qy qz", "q")],
     "TickTrace": [("target_qw target_qx target_qy target_qz", "target")],
     "TaskDefine": [("q_task_w q_task_x q_task_y q_task_z", "q_task"), ("q_inv_w q_inv_x q_inv_y q_inv_z", "q_inv")],
@@ -138,7 +138,7 @@ QUATERNIONS = {  # by message: signals w x y z, and what stands for them on clas
 
 
 def random_value(signal, rng):
-    """That both profiles can carry."""
+    """A value that both profiles can carry."""
     if signal.is_float:
         return float(np.float32(rng.normal()))
     if signal.name.endswith("_Nm"):
@@ -157,7 +157,7 @@ def random_value(signal, rng):
 
 
 def random_messages(rng):
-    """Of each kind: the DBC's message, its signals, and the CAN FD frame, without protection."""
+    """Of each kind: the DBC's message, its signals, and the CAN FD frame without protection."""
     for message in FD_MESSAGES:
         values = {signal.name: random_value(signal, rng) for signal in message.signals}
         values |= {name: 0 for name in values if name.startswith("e2e")}
@@ -172,7 +172,7 @@ def random_messages(rng):
 
 
 def signals_of(parts: list) -> dict:
-    """Of all parts. JointCmd's by the names that they have on CAN FD, with the joint's number."""
+    """Signals of all parts. JointCmd's have their names on CAN FD, with the joint's number."""
     found = {}
     for part in parts:
         joint = named(part).removeprefix("ClassicJointCmd")
@@ -189,13 +189,13 @@ def resolution(message, signal) -> float:
 
 
 IDENTITY = ("FirmwareIdentity", "build_hash")
-NOT_CARRIED = {  # as they are; what is in their place has tests of its own
+NOT_CARRIED = {  # not carried unchanged; their replacements have their own tests
     IDENTITY, ("HandPose", "t_us"), *((f"JointState{j}", "temperature_degC") for j in range(8))
 }  # fmt: skip
 
 
-def test_what_is_sent_cantools_decodes(rng):
-    """Every signal of every message within its resolution, wherever it is."""
+def test_cantools_decodes_what_is_sent(rng):
+    """Every signal of every message within its resolution, in whichever frame it is."""
     sender = Sender(joints=8)
     for _ in range(100):
         for message, values, frame in random_messages(rng):
@@ -212,20 +212,20 @@ def test_what_is_sent_cantools_decodes(rng):
                 if name.startswith("e2e") or name in coded or (message.name, name) in NOT_CARRIED:
                     continue
                 if is_away and signal.unit == "m":
-                    assert found[name] == 0, "what is not there is not told"
+                    assert found[name] == 0, "the signal must be 0 without a value"
                     continue
                 error = abs(float(found[name]) - float(values[name]))
                 assert error <= 0.5 * resolution(message, signal) + 1e-6 * abs(values[name]), (message.name, name)
             for names, prefix in QUATERNIONS.get(message.name, ()):
                 sent = np.array([values[name] for name in names.split()])
-                coarse_deg = 0 if message.name == "HandPose" else 0.006  # 2^-14 a component on CAN FD already
+                coarse_deg = 0 if message.name == "HandPose" else 0.006  # 2^-14 per component already on CAN FD
                 assert is_away or angle_deg(quaternion_of(found, prefix), sent) < ROTATION_ERROR_DEG + coarse_deg
             if message.name == "FirmwareIdentity":
                 assert int(found["build_hash_high"]) << 48 | int(found["build_hash_low"]) == values["build_hash"]
 
 
-def test_what_is_sent_comes_back(rng):
-    """Message in, message out, within the resolutions."""
+def test_a_sent_message_is_received(rng):
+    """A message is received as it was sent, within the resolutions."""
     sender, receiver = Sender(joints=8), Receiver(joints=8)
     for _ in range(100):
         for message, values, frame in random_messages(rng):
@@ -246,12 +246,13 @@ def test_what_is_sent_comes_back(rng):
                 assert error <= 0.5 * resolution(message, signal) + 1e-6 * abs(values[name]), (message.name, name)
             for names, _ in QUATERNIONS.get(message.name, ()):
                 sent, got = (np.array([side[name] for name in names.split()]) for side in (values, found))
-                coarse_deg = 0 if message.name == "HandPose" else 0.012  # 2^-14 a component, on the way in and out
+                # 2^-14 per component, when sent and when received
+                coarse_deg = 0 if message.name == "HandPose" else 0.012
                 assert angle_deg(got / np.linalg.norm(got), sent) < ROTATION_ERROR_DEG + coarse_deg
 
 
 def test_rotations_of_all_kinds_are_within_their_error(rng):
-    """Each component the largest once, either sign, ties, and the identity."""
+    """Each component is the largest once, with either sign, with ties, and the identity."""
     sender, receiver = Sender(), Receiver()
     special = [np.eye(4)[i] * s for i in range(4) for s in (1, -1)]
     special += [np.array([s, t, 0, 0]) / math.sqrt(2) for s in (1, -1) for t in (1, -1)]
@@ -265,13 +266,13 @@ def test_rotations_of_all_kinds_are_within_their_error(rng):
 
 
 @pytest.mark.parametrize("position_m", [(3.2768, 0, 0), (0, -3.277, 0), (0, 0, 8.38)])
-def test_a_pose_beyond_the_frame_goes_out_as_invalid(position_m):
+def test_a_pose_beyond_the_frames_range_is_sent_as_invalid(position_m):
     parts = Sender().send(pose_message(position_m))
     assert decoded(parts[1])["valid"] == 0
     assert not pose_of(Receiver().message(parts))[0]
 
 
-def test_what_cannot_be_carried_is_not_sent():
+def test_values_that_cannot_be_carried_are_not_sent():
     define = ffi.new("task_define_t *", {"q_task": {"w": 0.9}, "q_inv": {"w": 1.0}})
     state = ffi.new("joint_state_t *", {"torque_Nm": 25.6})
     access = ffi.new("parameter_access_t *", {"operation": 16})
@@ -293,7 +294,7 @@ def test_every_frame_verifies_with_autosar_e2e(rng):
                 if named(part) != "FirmwareHeartbeat":
                     data = payload(part)
                     assert p02.e2e_p02_check(data, data_id_list(named(part)), length=len(data)), named(part)
-                    assert data[1] & 15 == count % 16, "parts have equal counters; each message counts for itself"
+                    assert data[1] & 15 == count % 16, "parts have equal counters; each message has its own counter"
 
 
 def test_any_flipped_bit_is_refused():
@@ -309,7 +310,7 @@ def test_any_flipped_bit_is_refused():
 
 @pytest.mark.parametrize("last", [0, 7, 15])
 def test_the_counter(last):
-    """Of Profile 2: a repetition and a step above the limit are refused; the limit is far below the counter's 16."""
+    """Profile 2 refuses a repetition and a step above the limit; the limit is far below the counter's 16."""
     for step in range(16):
         sender, receiver = Sender(), Receiver()
         state = ffi.new("joint_state_t *")
@@ -320,11 +321,11 @@ def test_the_counter(last):
         status = receiver.take(frames[last + step])[0]
         expected = lib.PROTOCOL_OK if 1 <= step <= lib.E2E_PROFILE2_MAX_DELTA else lib.PROTOCOL_NOT_AUTHENTIC
         assert status == expected, step
-        assert receiver.take(frames[last + step + 1])[0] == lib.PROTOCOL_OK, "refused once, then followed"
+        assert receiver.take(frames[last + step + 1])[0] == lib.PROTOCOL_OK, "refused once, then accepted"
     assert lib.E2E_PROFILE2_MAX_DELTA < 8
 
 
-def test_frames_on_events_are_taken_whatever_was_lost():
+def test_event_frames_are_accepted_after_any_loss():
     sender, receiver = Sender(), Receiver()
     frame = ffi.new("can_frame_t *")
     lib.operator_command_pack(ffi.new("operator_command_t *"), frame)
@@ -333,11 +334,11 @@ def test_frames_on_events_are_taken_whatever_was_lost():
         lib.PROTOCOL_OK, lib.PROTOCOL_OK, lib.PROTOCOL_NOT_AUTHENTIC, lib.PROTOCOL_OK]  # fmt: skip
 
 
-# ---- no message is ever torn
+# ---- parts of different messages are never mixed
 
 
 def sample(number: int) -> tuple[np.ndarray, np.ndarray]:
-    """A pose whose position and rotation both tell its number."""
+    """A pose whose position and rotation both encode its number."""
     angle = 1e-3 * (number % 3000)
     return np.array([1e-3 * (number % 3000) - 1.5, 0, 0]), np.array([math.cos(angle / 2), math.sin(angle / 2), 0, 0])
 
@@ -347,8 +348,8 @@ def number_of(position: np.ndarray, rotation: np.ndarray) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("lost", [0.0, 0.05, 0.3, 0.6, 0.9])
-def test_a_torn_pose_is_never_used(rng, lost):
-    """Parts lost by chance, one by one and in long runs: whatever comes through is one sample, both halves of it."""
+def test_parts_of_different_poses_are_never_mixed(rng, lost):
+    """Parts are lost at random, singly and in long runs: each received pose has both parts of one sample."""
     sender, receiver = Sender(), Receiver()
     used = 0
     for number in range(3000):
@@ -367,7 +368,7 @@ def test_a_torn_pose_is_never_used(rng, lost):
 
 
 def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
-    """The counter comes round: equal, and yet of another sample."""
+    """The counter wraps: it is equal, yet from another sample."""
     sender, receiver = Sender(), Receiver()
     samples = [sender.send(pose_message(*sample(i)), i * POSE_PERIOD_US) for i in range(17)]
     assert payload(samples[0][0])[1] & 15 == payload(samples[16][0])[1] & 15
@@ -381,7 +382,7 @@ def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
     "name", ["HandPose", "JointCmd", "TickTrace", "TaskDefine", "TrackerStatus", "FirmwareIdentity"]
 )
 def test_long_messages_need_all_their_parts(rng, name):
-    """In any order; one part less, and nothing comes; the next message is whole again."""
+    """In any order; with a part missing, nothing is received; the next message is complete again."""
     for message, _, frame in random_messages(rng):
         if message.name != name:
             continue
@@ -408,14 +409,14 @@ def test_a_command_has_as_many_parts_as_the_arm_has_joints():
         )
 
 
-def test_commands_for_joints_that_the_arm_does_not_have_are_others_business():
+def test_commands_for_joints_that_the_arm_does_not_have_are_ignored():
     frame, receiver = ffi.new("can_frame_t *"), Receiver(joints=4)
     lib.joint_cmd_pack(ffi.new("joint_cmd_t *"), frame)
     statuses = [receiver.take(part)[0] for part in Sender(joints=8).send(frame)]
     assert statuses == [lib.PROTOCOL_INCOMPLETE] * 3 + [lib.PROTOCOL_OK] + [lib.PROTOCOL_UNKNOWN_ID] * 4
 
 
-def test_what_is_not_listened_to_is_not_refused_either():
+def test_unsubscribed_frames_are_not_counted_as_refused():
     parts = Sender().send(pose_message())
     receiver = Receiver(kinds=1 << lib.FRAME_TRACKER_STATUS)
     parts[0].data[0] ^= 1
@@ -423,7 +424,7 @@ def test_what_is_not_listened_to_is_not_refused_either():
     assert receiver.rejected == 0
 
 
-def test_the_profiles_do_not_hear_each_other(rng):
+def test_the_profiles_ignore_each_other(rng):
     for message, _, frame in random_messages(rng):
         if message.name == "FirmwareHeartbeat":
             continue
@@ -437,7 +438,7 @@ def test_the_profiles_do_not_hear_each_other(rng):
 
 
 def stamps(times_us, delays_us) -> list[tuple[int, int]]:
-    """True stamp and the receiver's, modulo 2^32, of poses measured at these times that take so long."""
+    """True stamp and the receiver's, modulo 2^32, of poses measured at these times and received with these delays."""
     sender, receiver = Sender(), Receiver()
     pairs = []
     for t_us, delay_us in zip(times_us, delays_us):
@@ -448,7 +449,8 @@ def stamps(times_us, delays_us) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize("start_us", [0, 2**31 - 300_000, 2**32 - 400_000])
 def test_the_stamp_is_restored_to_its_step(rng, start_us):
-    """Through gaps of any length and across the wrap of the clock: the first stamp's error stays, the same for all."""
+    """Through gaps of any length and across the wrap of the clock: the error of the first stamp remains, the same for
+    all."""
     gaps_us = rng.choice([8000, 8000, 8000, 16_000, 100_000, 1_000_000, 30_000_000], 300)
     times_us = start_us + np.cumsum(gaps_us)
     pairs = stamps(map(int, times_us), map(int, rng.integers(4000, 60_000, 300)))
@@ -458,10 +460,10 @@ def test_the_stamp_is_restored_to_its_step(rng, start_us):
 
 
 def test_a_delay_up_to_131_ms_shows_and_a_longer_one_does_not():
-    """The limit that docs/bus.md states."""
+    """The limit stated in docs/bus.md."""
     for delay_us in range(0, 300_000, 5000):
         (_, first), (true, found) = stamps([0, 8000], [4000, 4000 + delay_us])
-        shown_us = (8000 + 4000 + delay_us) - (found - first) - 4000  # what the receiver takes for lateness
+        shown_us = (8000 + 4000 + delay_us) - (found - first) - 4000  # the lateness that the receiver sees
         if delay_us < STAMP_PERIOD_US // 2 - STAMP_STEP_US:
             assert abs(shown_us - delay_us) <= STAMP_STEP_US
         elif delay_us > STAMP_PERIOD_US // 2 + STAMP_STEP_US:

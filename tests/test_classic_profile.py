@@ -1,4 +1,4 @@
-"""The same firmware on classic CAN, in lockstep with the simulated world: 250 Hz of control, seen through the bus alone."""
+"""The same firmware on classic CAN, in lockstep with the simulated world: 250 Hz control, observed on the bus only."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CLASSIC = ("--profile", "classic")
 EQUAL, DIFFERENT = 0, 1
 ID = {message.name: message.frame_id for message in DBC.messages}
 NAME = {message.frame_id: message.name for message in DBC.messages}
-PARTS = {  # of the messages that have some
+PARTS = {  # of the messages that are split
     "HandPose": ("HandPosition", "HandRotation"),
     "TickTrace": ("TickTrace", "TickTraceInputs", "TickTraceAge", "TargetPosition", "TargetRotation"),
     "JointCmd": tuple(f"JointCmd{joint}" for joint in range(4)),
@@ -43,7 +43,7 @@ def test_their_logs_replay_byte_for_byte(experiment_run):
     replayed = call("replay", experiment_run.log)
     assert replayed.returncode == EQUAL, replayed.stdout + replayed.stderr
     ticks = int(re.search(r"EQUAL: (\d+) ticks", replayed.stdout)[1])
-    assert abs(ticks - experiment_run.summary["ticks"] / 4) <= 2, "one tick of the firmware in four ms"
+    assert abs(ticks - experiment_run.summary["ticks"] / 4) <= 2, "one firmware tick per 4 ms"
 
 
 @pytest.fixture(scope="module")
@@ -92,12 +92,13 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
             assert abs(len(logged[message.frame_id]) - expected) <= 1, message.name
 
 
-def test_frames_take_as_long_as_their_bits(frames):
-    """No two on the wire at once, and each behind the other by its stuffed length at least; back to back exactly so."""
+def test_frames_last_as_long_as_their_bits(frames):
+    """No two frames overlap: each ends after the previous one by at least its stuffed length, by exactly that if back
+    to back."""
     ends_us = np.array([frame.t_us for frame in frames])
     durations_us = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames]) / 1000
     waits_us = np.diff(ends_us) - durations_us[1:]
-    assert waits_us.min() > -1, "the log has whole microseconds"
+    assert waits_us.min() > -1, "log times are whole microseconds"
     assert np.sum(np.abs(waits_us) < 1) > len(frames) / 3, "the firmware's frames follow one another"
 
 
@@ -114,7 +115,8 @@ def test_parts_have_equal_counters_and_come_together(frames, name):
 
 def test_cantools_decodes_the_log(eventful, frames):
     done = subprocess.run(
-        [Path(sys.executable).parent / "cantools", "decode", "--single-line", REPOSITORY / "host_tools/comanip/comanip.dbc"],
+        [Path(sys.executable).parent / "cantools", "decode", "--single-line",
+         REPOSITORY / "host_tools/comanip/comanip.dbc"],
         stdin=open(eventful.log), capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert re.findall(r":: (\w+)\([^\n]*\)$", done.stdout, re.MULTILINE) == [NAME[frame.frame_id] for frame in frames]
@@ -123,13 +125,13 @@ def test_cantools_decodes_the_log(eventful, frames):
 # ---- the firmware
 
 
-def test_it_holds_in_the_gap_and_goes_on(eventful):
-    told = [mode for mode, _ in modes(eventful)]
-    assert "hold" in told and told[told.index("hold") + 1] == "cooperating"
+def test_it_holds_in_the_gap_and_resumes(eventful):
+    sequence = [mode for mode, _ in modes(eventful)]
+    assert "hold" in sequence and sequence[sequence.index("hold") + 1] == "cooperating"
 
 
 def test_commands_stay_within_the_limits(frames):
-    """Per tick of 4 ms at most the acceleration limit of 25 rad/s^2 times 4 ms, and the speed of the arm's table."""
+    """Per 4 ms tick at most the acceleration limit of 25 rad/s^2 times 4 ms, and the speed limit of the arm's table."""
     logged = by_id(frames)
     for joint in range(4):
         message = DBC.get_message_by_name(f"ClassicJointCmd{joint}")
@@ -146,7 +148,7 @@ def test_two_runs_are_byte_identical(eventful, tmp_path):
 
 
 def test_a_task_can_be_defined(tmp_path):
-    """Its four parts are one message; what comes out is the task that Algorithm 1 has for these constants."""
+    """Its four parts form one message; the result is the task that Algorithm 1 gives for these constants."""
     done = run(tmp_path / "out", "--scenario", "teleop", "--define", "constant:0,0,0.05:1,0,0,0:1,0,0,0:1", *CLASSIC)
     names = [NAME[frame.frame_id] for frame in logged_frames(done.log)]
     assert [names.count(f"ClassicTask{part}") for part in ("Define", "Translation", "Rotation", "Inverse")] == [1] * 4
@@ -171,8 +173,22 @@ def test_an_eventful_log_replays_with_any_clock(eventful, rng):
     assert replay(moved).difference is None
 
 
-@pytest.mark.parametrize("name", ["JointCmd2", "TickTrace", "TickTraceAge", "TargetRotation", "HandPosition", "HandRotation",
-                                  "JointState1", "TrackerClock", "FirmwareStatus", "CommandAck", "Clearance"])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "JointCmd2",
+        "TickTrace",
+        "TickTraceAge",
+        "TargetRotation",
+        "HandPosition",
+        "HandRotation",
+        "JointState1",
+        "TrackerClock",
+        "FirmwareStatus",
+        "CommandAck",
+        "Clearance",
+    ],
+)
 def test_a_flipped_bit_is_reported_at_its_frame(eventful, rng, name):
     recorded = list(logs.read(eventful.log))
     places = [place for place, frame in enumerate(recorded) if frame.frame_id == ID["Classic" + name]]
@@ -202,7 +218,7 @@ def test_a_log_may_end_anywhere(eventful):
 
 
 def test_another_build_is_named_and_replayed(eventful, tmp_path):
-    """Its hash in a part of the identity, with the protection that such a firmware would give it."""
+    """Changes the hash in a part of the identity, with valid protection."""
     from e2e import p02
 
     lines = []

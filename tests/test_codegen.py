@@ -1,4 +1,4 @@
-"""The code generator refuses a schema that does not fit together: what is wrong ends the build, not a user's run."""
+"""The code generator refuses an inconsistent schema: a mistake ends the build, not a user's run."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def changed(signal: str, old: str, new: str):
     return load_string(DBC.replace(line, line.replace(old, new)), "dbc")
 
 
-def test_a_joint_that_is_scaled_otherwise():
+def test_a_joint_with_a_different_scale():
     codegen.check_joints_are_scaled_alike(load_string(DBC, "dbc").get_message_by_name("JointCmd"))
     database = changed("velocity_3_radps", "(0.001,0)", "(0.002,0)")
     with pytest.raises(SystemExit, match="JointCmd: velocity_3_radps is scaled otherwise"):
         codegen.check_joints_are_scaled_alike(database.get_message_by_name("JointCmd"))
 
 
-def test_a_signal_of_more_bits_than_float32_rounds():
+def test_a_signal_with_more_bits_than_float32_holds():
     codegen.schema_header(load_string(DBC, "dbc"))
     database = changed("now_us", "(1,0)", "(0.5,0)")  # 32 bits
     with pytest.raises(SystemExit, match="TickTrace.now_us: raw values to 4294967295, expected at most 8388608"):
@@ -54,7 +54,7 @@ def test_multiplexed_signals_are_refused():
         codegen.write_each_byte_once(body)
 
 
-# ---- a mismatch in the schema ends the build, by one line
+# ---- a mismatch in the schema ends the build, with one line
 
 
 @pytest.fixture
@@ -107,26 +107,26 @@ DBC_MISTAKES = {
 
 
 @pytest.mark.parametrize("kind", PARAMETER_MISTAKES)
-def test_a_parameter_that_is_described_wrongly(schema, kind):
-    pattern, new, told = PARAMETER_MISTAKES[kind]
+def test_a_wrong_parameter_description(schema, kind):
+    pattern, new, complaint = PARAMETER_MISTAKES[kind]
     edit(schema / "parameters.toml", pattern, new)
-    with pytest.raises(SystemExit, match=re.escape(told)):
+    with pytest.raises(SystemExit, match=re.escape(complaint)):
         generated(schema)
 
 
 @pytest.mark.parametrize("kind", TASK_MISTAKES)
-def test_a_task_that_is_described_wrongly(schema, kind):
-    pattern, new, told = TASK_MISTAKES[kind]
+def test_a_wrong_task_description(schema, kind):
+    pattern, new, complaint = TASK_MISTAKES[kind]
     edit(schema / "tasks.toml", pattern, new)
-    with pytest.raises(SystemExit, match=re.escape(told)):
+    with pytest.raises(SystemExit, match=re.escape(complaint)):
         generated(schema)
 
 
 @pytest.mark.parametrize("kind", DBC_MISTAKES)
-def test_a_frame_that_is_described_wrongly(schema, kind):
-    pattern, new, told = DBC_MISTAKES[kind]
+def test_a_wrong_frame_description(schema, kind):
+    pattern, new, complaint = DBC_MISTAKES[kind]
     edit(schema / "comanip.dbc", pattern, new)
-    with pytest.raises(SystemExit, match=re.escape(told)):
+    with pytest.raises(SystemExit, match=re.escape(complaint)):
         generated(schema)
 
 
@@ -220,7 +220,7 @@ meaning = "A test's."
 
 
 def test_a_mistake_is_one_line_of_the_build(tmp_path):
-    """As make calls it."""
+    """Called as make calls it."""
     clone = tmp_path / "clone"
     shutil.copytree(REPOSITORY / "host_tools", clone / "host_tools", symlinks=True)
     shutil.copytree(REPOSITORY / "firmware", clone / "firmware")

@@ -1,5 +1,5 @@
-"""`comanip` as a user has it: firmware and plant as two processes on a hub, watched and operated through socketcand and,
-with the shim, through SocketCAN; what was recorded meanwhile replays byte for byte."""
+"""`comanip` as a user runs it: firmware and plant are two processes on a hub, watched and operated through socketcand
+and, with the shim, through SocketCAN; what was recorded meanwhile replays byte for byte."""
 
 from __future__ import annotations
 
@@ -33,14 +33,15 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
-    """A hub with firmware and plant, and where the plant logs. The plant's operator would start so late that the test's is the one
-    who does: on a busy machine the firmware may refuse a start, and the plant's operator then ends the run."""
+    """A hub with firmware and plant, and the plant's log. The plant's operator starts so late that the test's operator
+    acts first: on a busy machine the firmware may refuse a start, and the plant's operator would then end the run."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))
     with running("--socketcand", "0") as hub:
         with tool(
-            hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--profile", request.param, "--scenario", scene, "--duration", 600,
+            hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--profile", request.param, "--scenario", scene, "--duration",
+            600,
             "--out", out,
         ) as plant:  # fmt: skip
             wait_until(lambda: "waits for the firmware" in plant.text(), "the plant")
@@ -49,7 +50,7 @@ def session(tmp_path_factory, request):
 
 
 def accepted(hub: Hub, through: str, *arguments: object) -> bool:
-    """A busy machine may pause a process, and the firmware then refuses for good reason."""
+    """A busy machine may pause a process, and the firmware then refuses rightly."""
     return comanip(hub, through, *arguments).returncode == 0
 
 
@@ -58,14 +59,15 @@ def test_watch_and_operate(session, through):
     hub = session[0]
 
     def monitored() -> object:
-        """Of a second in which the firmware, which may have just begun, and all drives are heard."""
+        """One second of monitoring in which the firmware and all drives are seen; the firmware may have just
+        started."""
         shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
         assert shown.returncode == 0, shown.stderr
         assert " wrong" not in shown.stdout
         return "JointState3" in shown.stdout and re.search(STATUS, shown.stdout)
 
     wait_until(monitored, "the firmware's status and the drives' states in the monitor")
-    # the plant's operator may start between
+    # the plant's operator may start in between
     write = ("param", "set", "motion_scale", "0.5")
     wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a parameter at rest")
     read = comanip(hub, through, "param", "get", "motion_scale")
@@ -76,8 +78,8 @@ def test_watch_and_operate(session, through):
     wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, "task", "start"), "start")
 
 
-def test_what_was_recorded_replays(session):
-    """Last: it ends the plant."""
+def test_the_recording_replays(session):
+    """Runs last: it ends the plant."""
     _, plant, firmware, out = session
     firmware.process.send_signal(signal.SIGINT)
     firmware.process.wait(PATIENCE_S)

@@ -1,5 +1,5 @@
-"""The simulator's check comes_to_rest: what it measures against numpy on the trace, that it fails on an arm that swings, what it makes
-of phases that are not still, and how what could not be measured is told."""
+"""The simulator's check comes_to_rest: its value against numpy on the trace, that it fails on an arm that oscillates,
+how it treats phases that are not still, and how it reports what could not be measured."""
 
 from __future__ import annotations
 
@@ -73,11 +73,11 @@ def fastest_radps(trace: np.ndarray) -> np.ndarray:
     return np.nan_to_num(np.abs([trace[f"dq{i}_command_radps"] for i in range(4)])).max(axis=0)
 
 
-# ---- the arm that swings
+# ---- an oscillating arm
 
 
-def assert_swings(done) -> None:
-    """By the trace alone: in the last second of the cooperation a joint turns round more than twice, and is fast."""
+def assert_oscillates(done) -> None:
+    """By the trace alone: in the last second of the cooperation a joint reverses more than twice, and is fast."""
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
     last = slice(end - 1000, end)
@@ -91,7 +91,8 @@ def assert_swings(done) -> None:
 
 
 def test_a_still_hand_out_of_reach_fails_with_the_former_law(tmp_path):
-    """The arm stretches towards a hand that went away and stands still, and swings for ever: such a run once passed."""
+    """The arm stretches towards a hand that moved out of reach and stopped, and oscillates forever: such a run once
+    passed."""
     file = scene(
         tmp_path,
         by_m="[0.25, 0, 0]",
@@ -99,7 +100,7 @@ def test_a_still_hand_out_of_reach_fails_with_the_former_law(tmp_path):
         steps=["do: rest, duration_s: 8"],
         operator=["do: stop, after: ann.done"],
     )
-    assert_swings(run(tmp_path / "out", "--scenario", file, "--seed", 0, *QUIET, *FORMER_LAW))
+    assert_oscillates(run(tmp_path / "out", "--scenario", file, "--seed", 0, *QUIET, *FORMER_LAW))
 
 
 def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
@@ -107,24 +108,25 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
     if not file.is_file():
         pytest.skip(f"needs {file}")
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *FORMER_LAW)
-    assert_swings(done)
+    assert_oscillates(done)
     assert re.search(
         r"target out of reach 9\.\d+ of 10\.\d+ s, could be followed for 0\.\d+ of 10\.\d+ s", done.summary["reason"]
     )
 
 
-# ---- what it measures
+# ---- measured values
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_each_experiment_ends_at_rest(name):
-    """Before the stop the person's hand stands still for 2.5 s, and then the arm does; by ODE's hand and the commands alone."""
+    """Before the stop the person's hand is still for 2.5 s, and then so is the arm, by ODE's end effector and the
+    commands."""
     done = shared("--scenario", experiment(name), "--seed", 2).require_pass()
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
     still = slice(end - 2500, end)
     hand_m = np.array([trace[f"person_{axis}_m"][still] for axis in "xyz"])
-    assert np.ptp(hand_m, axis=1).max() < 2e-3, "tremor of 0.1 mm RMS, and what the arm pulls"
+    assert np.ptp(hand_m, axis=1).max() < 2e-3, "tremor of 0.1 mm RMS, and the arm's pull"
     rest = rest_of(done)
     assert rest["pass"] and done.summary["rest"]["still_s"] >= 2.5 and done.summary["rest"]["not_measured"] is None
     assert rest["value"] == done.summary["rest"]["speed_radps"] >= fastest_radps(trace)[end - 900 : end].max()
@@ -142,8 +144,9 @@ def test_without_noise_and_tremor_the_limit_is_as_stated(tmp_path):
     [(0.1, []), (0, ["--noise-deg", 0]), (0, ["--noise-mm", 0.5]), (0.5, [])],
     ids=["as it comes", "noise", "much noise", "much tremor"],
 )
-def test_the_limit_is_five_times_what_noise_does(tmp_path, tremor_mm, arguments):
-    """The computed noise is that of a sound arm at its start: the RMS of the joint that moves most, while the hand rests there."""
+def test_the_limit_is_five_times_the_noise(tmp_path, tremor_mm, arguments):
+    """The computed noise is that of a stable arm at its start: the RMS of the fastest joint while the hand rests
+    there."""
     file = scene(tmp_path, tremor_mm=tremor_mm, steps=["do: rest, duration_s: 3"])
     file.write_text(file.read_text().replace("do: rest, duration_s: 0.5,", "do: rest, duration_s: 4,"))
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *arguments)
@@ -152,14 +155,12 @@ def test_the_limit_is_five_times_what_noise_does(tmp_path, tremor_mm, arguments)
     rms = max(np.sqrt(np.mean(trace[f"dq{i}_command_radps"][at_start] ** 2)) for i in range(4))
     rest = rest_of(done)
     if rest["limit"] > 0.02:
-        assert 2 < rest["limit"] / rms < 15, (
-            "between 2 and 15 times what this law does; 5 times what the computation says"
-        )
+        assert 2 < rest["limit"] / rms < 15, "between 2 and 15 times this law's noise; 5 times the computed noise"
     assert rest["limit"] == pytest.approx(max(0.02, 5 * noise_radps(tremor_mm, arguments)), rel=1e-3)
 
 
 def noise_radps(tremor_mm: float, arguments: list) -> float:
-    """What docs/scenarios.md states, in numpy: the Jacobian by differences, and the pseudo-inverse by numpy."""
+    """The statement of docs/scenarios.md in numpy: the Jacobian by differences, the pseudo-inverse by numpy."""
     noise_mm = arguments[arguments.index("--noise-mm") + 1] if "--noise-mm" in arguments else 0.05
     noise_deg = arguments[arguments.index("--noise-deg") + 1] if "--noise-deg" in arguments else 0.02
     q = np.radians(START_DEG)
@@ -173,19 +174,19 @@ def noise_radps(tremor_mm: float, arguments: list) -> float:
     return np.hypot(np.linalg.norm(inverse, axis=1).max() * hand_mps, rate_per_s * np.radians(noise_deg))
 
 
-def test_a_trace_that_is_off_takes_nothing_away(tmp_path):
+def test_the_check_works_without_a_trace(tmp_path):
     done = run(tmp_path / "out", "--scenario", scene(tmp_path), "--param", "trace=0").require_pass()
     assert rest_of(done)["pass"]
 
 
-# ---- what could not be measured is told
+# ---- phases that could not be measured
 
 
-def assert_told(done, told: str, *words: str) -> None:
+def assert_not_measured(done, complaint: str, *words: str) -> None:
     assert rest_of(done) is None
     assert done.summary["rest"]["not_measured"] is not None
     reason = done.summary["reason"]
-    (row,) = (line for line in told.splitlines() if line.startswith("comes_to_rest"))
+    (row,) = (line for line in complaint.splitlines() if line.startswith("comes_to_rest"))
     assert "not measured" in row and "PASS" not in row
     for word in ("comes_to_rest was not measured: ", *words):
         assert word in reason, reason
@@ -206,18 +207,18 @@ def assert_told(done, told: str, *words: str) -> None:
     ],
     ids=["too short", "cut", "in hold", "noise", "task not yet in force"],
 )
-def test_what_was_not_measured_is_told(tmp_path, options, arguments, words):
+def test_an_unmeasured_phase_is_reported(tmp_path, options, arguments, words):
     file = scene(tmp_path, **options)
-    told = call("--scenario", file, "--out", tmp_path / "told", "--seed", 0, *arguments).stdout
+    complaint = call("--scenario", file, "--out", tmp_path / "complaint", "--seed", 0, *arguments).stdout
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *arguments)
-    assert_told(done, told, *words)
+    assert_not_measured(done, complaint, *words)
 
 
 # ---- the monitor
 
 
 class Watch:
-    """Hand-made ticks of a cooperation; the hand as the person wants it unless said otherwise."""
+    """Synthetic ticks of a cooperation; the hand follows the person's aim unless given otherwise."""
 
     def __init__(self):
         self.monitor = ffi.new("rest_monitor_t *")
@@ -248,7 +249,7 @@ class Watch:
         return self.monitor
 
 
-def test_a_phase_counts_from_two_and_a_half_seconds_on():
+def test_a_phase_counts_from_2_5_seconds():
     assert not Watch().ticks(2490).ticks(10, aim_m=0.1).end().measured
     watch = Watch().ticks(2600).ticks(10, aim_m=0.1).end()
     assert watch.measured and watch.longest_s == pytest.approx(2.6, abs=0.1)
@@ -256,7 +257,7 @@ def test_a_phase_counts_from_two_and_a_half_seconds_on():
 
 @pytest.mark.parametrize(("at", "seen"), [(1500, False), (2500, True), (2995, True), (3005, False)])
 def test_only_the_last_second_is_judged(at, seen):
-    """Any joint, either way; and what comes with the next move is not the rest's."""
+    """Any joint, in either direction; the next move is not counted as rest."""
     for sign in (1, -1):
         watch = (
             Watch().ticks(3000, radps=lambda n: sign * (n == at)).ticks(500, aim_m=0.1, radps=lambda n: n == at).end()
@@ -281,20 +282,21 @@ def test_the_worst_of_all_phases_counts():
     ],
     ids=["hold", "task", "aim", "grip", "hand", "turn"],
 )
-def test_each_thing_that_moves_ends_the_stillness(change):
+def test_any_motion_ends_the_stillness(change):
     still = Watch().ticks(4000).end()
     broken = Watch().ticks(2000).ticks(400, **change).ticks(1600).end()
     assert still.measured and not broken.measured
 
 
-def test_tremor_is_still_and_a_slow_way_is_not():
+def test_tremor_counts_as_still_and_a_slow_move_does_not():
     tremor = Watch().ticks(4000, hand_m=lambda n: 5e-4 * np.sin(2 * np.pi * 9.3e-3 * n)).end()
     assert tremor.measured and not tremor.disturbed
     assert not Watch().ticks(4000, hand_m=lambda n: 5e-6 * n).end().measured
 
 
-def test_a_hand_that_is_shaken_while_it_should_rest_is_no_excuse():
-    """As by an arm that swings and holds the same pipe; one that was at rest for the last second is only too short."""
+def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
+    """As by an oscillating arm that holds the same pipe; a hand that rested only for the last second is merely too
+    short."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()
     assert shaken.disturbed and not shaken.measured
     settled = (

@@ -1,5 +1,5 @@
-"""The simulator's command line: wrong use costs one clear line and nothing else; help is true; a run that fails or is
-interrupted says so in its exit status and in its files."""
+"""The simulator's command line: wrong use gives one clear line and has no other effect; the help is correct; a run that
+fails or is interrupted reports it in its exit status and its files."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ RECORDINGS = {
 
 @pytest.fixture
 def workspace(tmp_path):
-    """A folder with recordings, most of them wrong, and a few things that are no recordings."""
+    """A folder with recordings, most of them invalid, and other kinds of files."""
     for name, text in RECORDINGS.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
@@ -83,7 +83,7 @@ LISTS = {
                "constant:0,0,0:1,0,0,0:1,0,0,0", 300 * "constant:"),
     "param": ("motion_scale", "=1", "no_such=1", "motion_scale=", "motion_scale=nan", "motion_scale=-1"),
 }  # fmt: skip
-# Arguments, and what the line must hold: the thing, the value and what was expected.
+# Arguments, and what the line must contain: the option or file, the value and what was expected.
 WRONG_USE = [
     (["juggle"], ["'juggle'", "expected options"]),
     (["--", "pour"], ["'pour'", "expected options"]),
@@ -146,7 +146,7 @@ def test_wrong_use(workspace, arguments, words):
     assert sorted(workspace.rglob("*")) == before, "something was written"
 
 
-def test_wrong_use_leaves_former_results_alone(workspace):
+def test_wrong_use_keeps_earlier_results(workspace):
     out = workspace / "out"
     out.mkdir()
     for name in FILES:
@@ -174,7 +174,7 @@ def test_folder_that_cannot_be_written(workspace, out, words):
 
 
 @pytest.mark.parametrize("blocked", [*FILES, *(f"{name}.partial" for name in FILES)])
-def test_blocked_file_leaves_former_results_alone(workspace, blocked):
+def test_blocked_file_keeps_earlier_results(workspace, blocked):
     out = workspace / "out"
     (out / blocked / "inside").mkdir(parents=True)
     others = [name for name in FILES if name != blocked]
@@ -216,14 +216,14 @@ def test_run_without_quiet_ends_with_a_table_and_the_paths(tmp_path):
     done = call("--scenario", "teleop", "--out", out)
     assert done.returncode == EXIT_PASS and done.stderr == ""
     checks = json.loads((out / "summary.json").read_text())["checks"]
-    told = re.findall(r"^(\w+) +\S+ [<>]= +\S+ .*(PASS|FAIL)$", done.stdout, re.MULTILINE)
-    assert told == [(check["name"], "PASS") for check in checks]
+    rows = re.findall(r"^(\w+) +\S+ [<>]= +\S+ .*(PASS|FAIL)$", done.stdout, re.MULTILINE)
+    assert rows == [(check["name"], "PASS") for check in checks]
     *paths, last = done.stdout.splitlines()[-4:]
     assert sorted(paths) == sorted(str(out / name) for name in FILES)
     assert last.startswith("teleop: PASS: ")
 
 
-def test_failed_check_is_said_in_all_places(tmp_path):
+def test_failed_check_is_reported_everywhere(tmp_path):
     done = run(
         tmp_path / "out", "--scenario", "teleop", "--param=prediction=0", *(f"--param={gain}=1" for gain in GAINS)
     )
@@ -235,7 +235,7 @@ def test_failed_check_is_said_in_all_places(tmp_path):
     assert done.stderr == f"teleop: FAIL: {done.summary['reason']}\n"
 
 
-def test_run_that_never_starts_fails_and_says_why(tmp_path):
+def test_run_that_never_starts_fails_with_a_reason(tmp_path):
     done = run(tmp_path / "out", "--dropout", 1)
     assert done.status == EXIT_CHECK_FAILED
     assert done.summary["result"] == "fail"

@@ -1,5 +1,5 @@
-"""One tick after another, by frames alone: what the firmware says at boot, how it answers the operator, and how modes,
-targets and drives follow."""
+"""The controller tick by tick, by frames alone: boot messages, answers to the operator, and how modes, targets and
+drives follow."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, JOINTS, TRACKER_PERIOD_TICKS, Bench
 
 ACCEPTED = lib.RESULT_ACCEPTED
-CLOSE_M = 2e-5  # the frames' resolution, the marker's quaternion at arm's length included
+CLOSE_M = 2e-5  # resolution of the frames, including the marker's quaternion at arm's length
 UNKNOWN_COMMAND = 99
 
 
@@ -22,7 +22,7 @@ def moved_mm(bench: Bench, before: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(autouse=True, params=[False, True], ids=["law (4)", "prediction"])
 def predicts(request, monkeypatch):
-    """Each test is of both, unless it says of which."""
+    """Each test runs with and without prediction unless it selects one."""
     monkeypatch.setattr(Bench, "prediction", request.param)
 
 
@@ -30,12 +30,12 @@ of_law_4 = pytest.mark.parametrize("predicts", [False], indirect=True)
 
 
 def settle_ticks() -> int:
-    """Until the newest hand, which has jumped, is in force. The estimate of a motion like that takes its time to come to rest."""
+    """Ticks until a hand that has jumped is in force. The prediction's estimate takes time to settle after a jump."""
     return 2000 if Bench.prediction else 5 * TRACKER_PERIOD_TICKS
 
 
 def settle(bench: Bench) -> np.ndarray:
-    """The target of the newest hand."""
+    """The target after the newest hand is in force."""
     bench.tick(settle_ticks())
     return bench.target
 
@@ -70,8 +70,9 @@ def test_frames_keep_their_periods():
     assert count["FIRMWARE_HEARTBEAT"] == 10
 
 
-def test_a_tick_count_that_wraps_is_no_boot():
-    """After 2^32 ticks, 50 days, it is 0 again; the heartbeat is then due (CANopen: 0 is boot-up, 5 operational)."""
+def test_a_tick_count_that_wraps_is_not_a_boot():
+    """After 2^32 ticks (50 days) it is 0 again, and then the heartbeat is due (CANopen: 0 is boot-up, 5
+    operational)."""
     bench = Bench()
     bench.tick()
     assert dict(bench.sent)[FRAME_ID["FIRMWARE_HEARTBEAT"]] == bytes([0])
@@ -149,7 +150,7 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
     assert bench.command(lib.COMMAND_START) == lib.RESULT_WRONG_MODE
     vars(bench).update(mend)
     bench.tick(5)
-    assert bench.mode == lib.MODE_FAULT  # no way out by itself
+    assert bench.mode == lib.MODE_FAULT  # it does not clear by itself
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED
     bench.tick(5)
     assert bench.mode == lib.MODE_READY and (bench.velocity_radps == 0).all()
@@ -157,7 +158,7 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
 
 
 def test_stop_brakes_within_the_limits_then_closes_the_brakes():
-    """Of acceleration and jerk; the brakes close once the velocity is 0 and no longer changes."""
+    """Limits of acceleration and jerk; the brakes close once the velocity is 0 and no longer changes."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0.08, 0.05, 0.03])
     bench.tick(40)
@@ -178,7 +179,7 @@ def test_stop_brakes_within_the_limits_then_closes_the_brakes():
 
 
 def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
-    """Of each tick: whether the drives shall have power, and their mode in JointCmd."""
+    """For each tick: whether the drives are enabled, and their mode in JointCmd."""
     rows = []
     for _ in range(ticks):
         bench.tick()
@@ -188,8 +189,8 @@ def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
 
 
 @pytest.mark.parametrize("end", ["stop", "hold, then stop", "drive silent", "drive error"])
-def test_drives_have_power_from_the_first_commanded_tick_until_the_brakes_are_closed(end):
-    """A fault keeps it only until its stop has been driven to its end, and boot and readiness do not give it."""
+def test_drives_are_enabled_from_the_first_command_until_the_brakes_close(end):
+    """A fault keeps the power only until its stop has ended; boot and readiness do not enable the drives."""
     brake, velocity = lib.DRIVE_MODE_BRAKE, lib.DRIVE_MODE_VELOCITY
     bench = Bench()
     assert set(enabled_and_modes(bench, 60)) == {(False, brake)} and bench.mode == lib.MODE_READY
@@ -210,10 +211,10 @@ def test_drives_have_power_from_the_first_commanded_tick_until_the_brakes_are_cl
     rows = enabled_and_modes(bench, 300)
     closed = [mode for _, mode in rows].index(brake)
     if end == "hold, then stop":
-        assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # it stood already
+        assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # it was already at rest
         assert {enabled for enabled, _ in rows} == {
             False
-        }  # the stop's own tick, before, was the one with closing brakes
+        }  # the stop's own tick, just before, was the one with closing brakes
     else:
         assert closed > 10
         assert rows == [(True, velocity)] * closed + [(True, brake)] + [(False, brake)] * (299 - closed)
@@ -260,7 +261,7 @@ def test_unknown_commands_and_tasks_are_refused():
 
 
 @pytest.mark.parametrize("result", [lib.RESULT_NOT_SUPPORTED, lib.RESULT_STORE_FAILED, lib.RESULT_ACCEPTED])
-def test_a_saving_is_answered_with_how_it_ended_and_changes_nothing(result):
+def test_a_save_is_answered_with_its_outcome_and_changes_nothing(result):
     bench = Bench().until_ready()
     bench.store_result = result
     assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED
@@ -272,7 +273,7 @@ def test_a_saving_is_answered_with_how_it_ended_and_changes_nothing(result):
     assert bench.stored == [before, before]
 
 
-def test_a_saving_that_takes_long_is_one_saving_with_one_answer():
+def test_a_slow_save_is_one_save_with_one_answer():
     bench = Bench().until_ready()
     bench.store_result, bench.store_ticks = lib.RESULT_ACCEPTED, 30
     message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "parameter": 3, "sequence": 77})
@@ -280,23 +281,23 @@ def test_a_saving_that_takes_long_is_one_saving_with_one_answer():
     answers = []
     for tick in range(50):
         if tick % 5 == 0 and tick < 30:
-            bench.ask(message)  # as a client repeats what is not answered
+            bench.ask(message)  # as a client repeats an unanswered request
         bench.tick()
         answers += [(tick, result) for result in bench.answers()]
     assert answers == [(30, lib.RESULT_ACCEPTED)]
     assert len(bench.stored) == 1
     bench.store_ticks = 5
-    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "the next one is another"
+    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "the next save is a new one"
 
 
-def test_a_second_saving_waits_for_the_first():
+def test_a_second_save_is_refused_until_the_first_ends():
     bench = Bench().until_ready()
     bench.store_result, bench.store_ticks = lib.RESULT_ACCEPTED, 30
     first = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "sequence": 201})
     bench.ask(first)
     bench.tick()
-    assert bench.save() == lib.RESULT_WRONG_MODE, "somebody else's"
-    assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED, "all else goes on"
+    assert bench.save() == lib.RESULT_WRONG_MODE, "a save of another client"
+    assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED, "other requests are served"
     bench.sequence = 201
     found = []
     for _ in range(30):
@@ -312,7 +313,7 @@ def test_nothing_is_saved_in_motion():
     bench.tick(50)
     bench.command(lib.COMMAND_STOP)
     assert bench.mode == lib.MODE_READY and np.abs(bench.velocity_radps).max() > 0
-    assert bench.save() == lib.RESULT_WRONG_MODE, "it still runs out"
+    assert bench.save() == lib.RESULT_WRONG_MODE, "the arm still decelerates"
     bench.tick(500)
     assert bench.velocity_radps.tolist() == [0] * 4
     assert bench.save() == lib.RESULT_NOT_SUPPORTED
@@ -320,7 +321,7 @@ def test_nothing_is_saved_in_motion():
 
 
 def announced(bench: Bench, ticks: int) -> list[tuple[int, int, float]]:
-    """(parameter, result, value) of each ParameterValue that is no answer."""
+    """(parameter, result, value) of each ParameterValue that is not an answer."""
     found = []
     for _ in range(ticks):
         bench.tick()
@@ -349,13 +350,13 @@ def test_parameters_from_a_store_are_in_force_and_announced():
     )
 
 
-def test_a_store_that_is_not_valid_is_told_at_boot():
+def test_an_invalid_store_is_reported_at_boot():
     defaults = ffi.new("parameters_t *")
     lib.parameters_set_defaults(defaults)
     bench = Bench(parameters=defaults, boot_result=lib.RESULT_STORE_FAILED)
     expected = [(i, lib.RESULT_STORE_FAILED, lib.parameter_table[i].default_value) for i in range(lib.PARAMETER_COUNT)]
     assert announced(bench, 50) == expected
-    assert bench.access(lib.PARAMETER_READ, 3, 0.0) == lib.RESULT_ACCEPTED, "an answer is about the request"
+    assert bench.access(lib.PARAMETER_READ, 3, 0.0) == lib.RESULT_ACCEPTED, "an answer concerns the request only"
 
 
 def test_a_parameter_written_before_its_turn_is_announced_first():
@@ -365,11 +366,11 @@ def test_a_parameter_written_before_its_turn_is_announced_first():
             "parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": 30, "sequence": 9, "value": 0.5}
         )
     )
-    told = announced(bench, 50)
-    assert [value for parameter, _, value in told if parameter == 30] == [0, 0.5]
+    announcements = announced(bench, 50)
+    assert [value for parameter, _, value in announcements if parameter == 30] == [0, 0.5]
 
 
-def test_trace_tells_of_fresh_drives_and_of_refused_frames():
+def test_trace_shows_fresh_drives_and_refused_frames():
     bench = Bench().until_ready()
     bench.tick()
     assert (bench.trace.drives_fresh, bench.trace.rejected_frames) == (True, 0)
@@ -381,12 +382,12 @@ def test_trace_tells_of_fresh_drives_and_of_refused_frames():
     for _ in range(6):
         bench.tick()
         silent.append((bench.trace.drives_fresh, bench.mode == lib.MODE_FAULT or bench.mode == lib.MODE_IDLE))
-    assert all(fresh != left for fresh, left in silent), "the mode is left in the tick in which the drives are silent"
+    assert all(fresh != left for fresh, left in silent), "the mode changes in the tick in which the drives fall silent"
     assert silent[0][0] and not silent[-1][0]
 
 
-def test_damaged_frames_that_are_not_for_the_firmware_leave_no_mark():
-    """With a port's filters or without: the same bytes."""
+def test_damaged_frames_for_other_nodes_have_no_effect():
+    """The same bytes with and without a port's filters."""
     filtered, unfiltered = Bench().until_ready(), Bench().until_ready()
     for _ in range(20):
         unfiltered.receive_broken_between_others()
@@ -439,7 +440,7 @@ def test_blend_is_monotonic_and_takes_its_time():
         bench.tick()
         way.append(np.linalg.norm(moved_mm(bench, before)))
     assert way[0] < 0.1 and np.diff(way).min() > -0.01
-    assert 18 < way[250] < 22  # minimum jerk: half of the way at half of the time
+    assert 18 < way[250] < 22  # minimum jerk: half the displacement at half the time
     assert way[480] < 40.01 and way[520] == pytest.approx(40, abs=0.02)
 
 
@@ -469,7 +470,7 @@ def test_clutch_takes_a_new_reference_without_a_jump(task, latched):
     bench.move_hand([0.01, 0.0, 0.0])
     settle(bench)
     expected = -10.0 if task == lib.TASK_MIRROR and not latched else 10.0
-    # the hand of the robot is not quite where the mirrored axis is torso x: the reference is the measured pose
+    # the end effector is not quite where the mirrored axis is torso x: the reference is the measured pose
     assert moved_mm(bench, reference)[0] == pytest.approx(expected, abs=1.5)
 
 
@@ -492,7 +493,7 @@ def test_latch_turns_the_mirror_into_a_carry(measured):
     assert moved_mm(bench, before) == pytest.approx([20, 0, 0], abs=0.03)
 
 
-def wanted(bench: Bench) -> np.ndarray:
+def feedback(bench: Bench) -> np.ndarray:
     return np.array(list(bench.controller.feedback_radps))
 
 
@@ -501,27 +502,27 @@ def in_motion() -> Bench:
     bench.tick(settle_ticks())
     bench.move_hand([0, 0.05, 0])
     bench.tick(30)
-    assert np.abs(wanted(bench)).max() > 0.1
+    assert np.abs(feedback(bench)).max() > 0.1
     return bench
 
 
 @pytest.mark.parametrize("change", ["select", "define", "latch"])
-def test_the_law_waits_in_a_tick_of_a_change(change):
-    """The velocities of the last tick stay: the target does not move."""
+def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
+    """The velocities of the last tick are kept: the target does not move."""
     bench = in_motion()
-    before = wanted(bench)
+    before = feedback(bench)
     if change == "define":
         assert bench.define() == ACCEPTED
     else:
         assert bench.command(getattr(lib, f"COMMAND_{change.upper()}"), lib.TASK_TELEOP) == ACCEPTED
-    assert np.array_equal(wanted(bench), before)
+    assert np.array_equal(feedback(bench), before)
     bench.tick()
-    assert not np.array_equal(wanted(bench), before)
+    assert not np.array_equal(feedback(bench), before)
 
 
-@of_law_4  # with prediction, the target's own motion goes on: test_following_hand.py
+@of_law_4  # with prediction the target keeps its own motion: test_following_hand.py
 @pytest.mark.parametrize("change", ["clutch", "latch measured", "stop and start"])
-def test_no_joint_goes_on_where_the_robot_is_its_own_target(change):
+def test_feedback_is_zero_when_the_target_is_set_to_the_robots_pose(change):
     bench = in_motion()
     if change == "latch measured":
         bench.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED] = 1.0
@@ -530,21 +531,21 @@ def test_no_joint_goes_on_where_the_robot_is_its_own_target(change):
     ]
     before, robot = bench.velocity_radps, bench.robot
     growth = np.sign(before) * list(bench.controller.limits.change_steps)[:JOINTS]
-    if change == "stop and start":  # in one tick: the second is asked for with the first
+    if change == "stop and start":  # in one tick: the second request is sent with the first
         frame = ffi.new("can_frame_t *")
         lib.operator_command_pack(ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP}), frame)
         bench.requests.append(frame)
         command = lib.COMMAND_START
     assert bench.command(command) == ACCEPTED
-    assert (wanted(bench) == 0).all()
+    assert (feedback(bench) == 0).all()
     least = np.maximum(growth - 10, -25)  # of the change, in mrad/s: the jerk and the acceleration limit
     assert (np.abs(bench.velocity_radps) <= np.abs(before) + 1e-3 * least + 1e-6).all()
     assert oracle.pose_distance(bench.target, robot) < 1e-4
     bench.tick()
-    assert np.abs(wanted(bench)).max() > 0
+    assert np.abs(feedback(bench)).max() > 0
 
 
-def test_the_law_waits_for_a_start_that_follows_a_change():
+def test_the_demand_is_deferred_at_a_start_that_follows_a_change():
     bench = in_motion()
     assert bench.command(lib.COMMAND_LATCH) == ACCEPTED
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED
@@ -553,8 +554,8 @@ def test_the_law_waits_for_a_start_that_follows_a_change():
     assert bench.controller.demand_deferred
 
 
-def test_who_goes_on_changing_does_not_stop_the_law():
-    """A task that is selected in every tick: the hand is followed nevertheless."""
+def test_repeated_operator_commands_do_not_stop_the_control_law():
+    """A task selected in every tick: the hand is still followed."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.tick(settle_ticks())
     before = bench.robot
@@ -566,7 +567,7 @@ def test_who_goes_on_changing_does_not_stop_the_law():
 
 
 def test_many_measured_latches_keep_the_relation_a_pose():
-    """Each is made of the one before: an error of its norm must not grow."""
+    """Each relation follows from the previous one: an error of its norm must not grow."""
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_LATCH_MEASURED, 1) == ACCEPTED
     bench.start(lib.TASK_TELEOP)
@@ -578,8 +579,8 @@ def test_many_measured_latches_keep_the_relation_a_pose():
         assert np.linalg.norm([relation.w, relation.x, relation.y, relation.z]) == pytest.approx(1, abs=1e-6)
 
 
-def test_a_joint_at_an_end_is_not_asked_to_go_beyond_it():
-    """The law alone would ask it, as the hand is drawn there."""
+def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
+    """The control law alone would demand it, as the hand is drawn there."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)
@@ -589,7 +590,7 @@ def test_a_joint_at_an_end_is_not_asked_to_go_beyond_it():
     )
     at_end = room.min(axis=1) < 2.7e-3
     assert at_end.any()
-    assert (wanted(bench)[:JOINTS][at_end] == 0).all() and (wanted(bench)[:JOINTS][~at_end] != 0).any()
+    assert (feedback(bench)[:JOINTS][at_end] == 0).all() and (feedback(bench)[:JOINTS][~at_end] != 0).any()
 
 
 def test_motion_scale_acts_on_the_mirror_alike():
@@ -601,9 +602,10 @@ def test_motion_scale_acts_on_the_mirror_alike():
     assert moved_mm(bench, before) == pytest.approx([-10, 10, 10], abs=0.03)
 
 
-def test_marker_lever_arm_is_taken_out():
-    """A marker 0.1 m off the hand: with its transform registered, a turn of the wrist about the hand moves no target."""
-    lever = oracle.pose([1.0, 0, 0, 0], [0.1, 0.0, 0.0])  # the hand seen from the marker
+def test_marker_lever_arm_is_compensated():
+    """A marker 0.1 m off the hand: with its transform registered, a turn of the wrist about the hand moves no
+    target."""
+    lever = oracle.pose([1.0, 0, 0, 0], [0.1, 0.0, 0.0])  # the hand in the marker's frame
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_MARKER_TO_HAND_TRANSLATION_M, 0.1) == ACCEPTED
     hand = bench.hand
@@ -626,12 +628,12 @@ def test_start_offset_sends_the_robot_to_the_person():
     bench.start(lib.TASK_TELEOP)
     assert moved_mm(bench, robot) == pytest.approx(
         [0, 0, 0], abs=0.05
-    )  # the start's own tick takes the references only
+    )  # the start's own tick only takes the references
     bench.tick()
     assert moved_mm(bench, robot) == pytest.approx([30, 0, 0], abs=0.05)
 
 
-def test_clock_that_comes_round_changes_nothing():
+def test_clock_that_wraps_changes_nothing():
     """The same motion at now_us = 0 and across 2^32 us."""
     velocities = []
     for now_us in (0, 2**32 - 200_000):
@@ -647,7 +649,7 @@ def test_clock_that_comes_round_changes_nothing():
     assert (velocities[0] == velocities[1]).all()
 
 
-def test_double_cover_in_mid_stream_changes_nothing():
+def test_quaternion_sign_flips_in_the_stream_change_nothing():
     rows = {}
     for flip in (False, True):
         bench = Bench().until_ready().start(lib.TASK_POUR)
@@ -667,7 +669,7 @@ def test_double_cover_in_mid_stream_changes_nothing():
 
 @pytest.mark.parametrize("late_us", [3, 900])
 def test_frames_stamped_after_the_tick_count_as_just_received(late_us):
-    """A frame that comes while the inbox is filled carries a time after the tick's: no reason to stop."""
+    """A frame that arrives while the inbox is filled has a time stamp after the tick's: no reason to stop."""
     bench = Bench()
     bench.stamp_offset_us = late_us
     bench.until_ready().start(lib.TASK_TELEOP)
@@ -688,7 +690,7 @@ def test_tracker_clock_that_steps_back_holds_the_arm_for_a_second_only():
     assert len(changes) == 2 and changes[1] - changes[0] < 1200
 
 
-def test_restarted_operator_is_heard():
+def test_restarted_operator_is_accepted():
     bench = Bench().until_ready()
     for _ in range(30):
         assert bench.command(lib.COMMAND_STOP) == ACCEPTED

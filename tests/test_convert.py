@@ -18,7 +18,7 @@ from scapy.utils import RawPcapReader, rdpcap
 from simulation import SHORT, shared
 
 BEGIN_US = 1_700_000_000_000_000
-# One of each kind, as SocketCAN, candump and pcap tell them apart.
+# One of each kind that SocketCAN, candump and pcap distinguish.
 KINDS = [
     Frame(BEGIN_US, 0x123, b"\xde\xad\xbe\xef", fd=False, brs=False),
     Frame(BEGIN_US + 1, 0x7FF, b"", fd=False, brs=False),
@@ -33,7 +33,8 @@ KINDS = [
 
 def message_of(frame: Frame) -> can.Message:
     return can.Message(
-        timestamp=frame.t_us / 1e6, arbitration_id=frame.frame_id, is_extended_id=frame.extended, is_remote_frame=frame.remote,
+        timestamp=frame.t_us / 1e6, arbitration_id=frame.frame_id, is_extended_id=frame.extended,
+        is_remote_frame=frame.remote,
         is_fd=frame.fd, bitrate_switch=frame.brs, error_state_indicator=frame.esi, dlc=len(frame.data),
         data=None if frame.remote else frame.data, channel=0,
     )  # fmt: skip
@@ -41,7 +42,8 @@ def message_of(frame: Frame) -> can.Message:
 
 def facts(message: can.Message) -> tuple:
     return (
-        round(message.timestamp * 1e6), message.arbitration_id, message.is_extended_id, message.is_remote_frame, message.is_fd,
+        round(message.timestamp * 1e6), message.arbitration_id, message.is_extended_id, message.is_remote_frame,
+        message.is_fd,
         message.bitrate_switch, message.error_state_indicator, message.dlc, bytes(message.data),
     )  # fmt: skip
 
@@ -67,7 +69,7 @@ def test_python_can_reads_the_candump_lines(kinds):
 
 
 @pytest.mark.parametrize("suffix", [".log", ".blf", ".asc"])
-def test_logs_of_python_can_become_candump_lines(tmp_path, suffix):
+def test_logs_of_python_can_are_converted_to_candump_lines(tmp_path, suffix):
     """python-can's .log ends each line with R or T."""
     path, out = tmp_path / f"recorded{suffix}", tmp_path / "out.log"
     with can.Logger(path) as logger:
@@ -83,7 +85,7 @@ def test_logs_of_python_can_become_candump_lines(tmp_path, suffix):
 
 
 def test_trc_of_python_can(tmp_path):
-    """Its writer knows classic data frames alone."""
+    """Its writer supports classic data frames only."""
     classic = [frame for frame in KINDS if not (frame.fd or frame.remote)]
     path, out = tmp_path / "recorded.trc", tmp_path / "out.log"
     with can.Logger(path) as logger:
@@ -94,7 +96,7 @@ def test_trc_of_python_can(tmp_path):
     assert found == [(frame.frame_id, frame.extended, frame.data) for frame in classic]
 
 
-def test_candump_lines_come_back_as_they_were(tmp_path, short):
+def test_candump_lines_survive_a_round_trip(tmp_path, short):
     out = tmp_path / "again.log"
     assert call("convert", short.log, out).returncode == 0
     assert out.read_bytes() == short.log.read_bytes()
@@ -108,7 +110,7 @@ def test_kernels_from_6_on_mark_fd_frames():
 # ---- pcap
 
 
-def test_pcap_is_as_the_specification_says(tmp_path, kinds):
+def test_pcap_follows_the_specification(tmp_path, kinds):
     """LINKTYPE_CAN_SOCKETCAN, byte by byte."""
     out = tmp_path / "out.pcap"
     assert call("convert", kinds, out).returncode == 0
@@ -217,9 +219,9 @@ def test_decode_has_cantools_signals_and_the_references_verdict(tmp_path, short)
     text = "\n".join([*lines[:place], flipped, *lines[place + 1 :]])
     done = call("decode", "-", text=text)
     assert done.returncode == 0, done.stderr
-    told = done.stdout.splitlines()
-    assert len(told) == len(lines)
-    for line, out in zip(text.splitlines(), told, strict=True):
+    lines_out = done.stdout.splitlines()
+    assert len(lines_out) == len(lines)
+    for line, out in zip(text.splitlines(), lines_out, strict=True):
         frame_id, data = line.split()[2].split("##1")
         layout, payload = DBC.get_message_by_frame_id(int(frame_id, 16)), bytes.fromhex(data)
         assert f" {layout.name} [" in out
@@ -232,10 +234,10 @@ def test_decode_has_cantools_signals_and_the_references_verdict(tmp_path, short)
             if not name.startswith("e2e_"):
                 text_value = out.split(f"{name} ", 1)[1].split(",")[0].split(" ")[0]
                 assert text_value == (f"{value:.7g}" if isinstance(value, float) else str(value))
-    assert sum("[wrong CRC]" in out for out in told) == 1
+    assert sum("[wrong CRC]" in out for out in lines_out) == 1
 
 
-def test_decode_tells_lost_and_repeated_frames(short):
+def test_decode_reports_lost_and_repeated_frames(short):
     lines = [line for line in short.log.read_text().splitlines() if " 010#" in line][:6]
     done = call("decode", text="\n".join([lines[0], lines[1], lines[1], lines[4]]))
     assert [line.split("[")[1].split("]")[0] for line in done.stdout.splitlines()] == [
@@ -246,15 +248,16 @@ def test_decode_tells_lost_and_repeated_frames(short):
     ]
 
 
-def test_decode_takes_what_candump_shows_people():
-    lines = ["  vcan0  701   [1]  05", " (1700000000.123456)  can0  1F334455   [2]  11 22", "  can0  010  [08]  00 01 02 03 04 05 06 07",
+def test_decode_reads_candumps_screen_format():
+    lines = ["  vcan0  701   [1]  05", " (1700000000.123456)  can0  1F334455   [2]  11 22",
+             "  can0  010  [08]  00 01 02 03 04 05 06 07",
              "  can0  123   [4]  remote request"]  # fmt: skip
     done = call("decode", text="\n".join(lines))
-    told = done.stdout.splitlines()
-    assert "701 FirmwareHeartbeat [unprotected] state operational" in told[0]
-    assert "1F334455" in told[1] and "(1700000000.123456)" in told[1] and "11 22" in told[1]
-    assert "010 FirmwareStatus [wrong CRC]" in told[2]
-    assert "remote request" in told[3]
+    lines_out = done.stdout.splitlines()
+    assert "701 FirmwareHeartbeat [unprotected] state operational" in lines_out[0]
+    assert "1F334455" in lines_out[1] and "(1700000000.123456)" in lines_out[1] and "11 22" in lines_out[1]
+    assert "010 FirmwareStatus [wrong CRC]" in lines_out[2]
+    assert "remote request" in lines_out[3]
     require_refusal(call("decode", text="hello\n"), "standard input:1", "hello")
 
 

@@ -1,4 +1,4 @@
-"""Algorithm 1 against the paper's own lines in dqrobotics, and the claims the paper makes of it."""
+"""Algorithm 1 against the paper's lines in dqrobotics, and the paper's claims about it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from comanip import core
 from comanip._core import ffi, lib
 
 TASKS = ["pour", "teleop", "mirror"]
-CHECK_POSTURE = np.radians([[90, 0, 0, -90]]).astype(np.float32)  # z_hand forward, x_hand up
+CHECK_POSTURE = np.radians([[90, 0, 0, -90]]).astype(np.float32)  # end effector z forward, x up
 ONE = np.array([1.0, 0, 0, 0])
 
 
@@ -18,7 +18,7 @@ def robot_at_check_posture() -> np.ndarray:
 
 
 def motion(rng, steps: int = 50) -> np.ndarray:
-    """A hand that wanders and turns, in the tracker frame."""
+    """A hand that moves and turns at random, in the tracker frame."""
     r = oracle.random_rotations(rng, 1)[0]
     t = rng.uniform(-1, 1, 3)
     rows = []
@@ -40,7 +40,7 @@ def displacement(targets: np.ndarray) -> np.ndarray:
 
 
 def hand_in_tracker(rotation, translation, tracker_rotation=oracle.EQUATION_9) -> np.ndarray:
-    """The tracker's view of a hand given in torso axes."""
+    """The tracker's measurement of a hand given in torso axes."""
     return oracle.pose(
         oracle.quaternion_multiply(tracker_rotation, np.asarray(rotation, float)),
         oracle.rotate(tracker_rotation, translation),
@@ -102,7 +102,7 @@ def test_targets_are_unit(rng):
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_the_tracker_may_stand_anywhere(rng, task):
+def test_the_tracker_may_be_placed_anywhere(rng, task):
     hands, robot = motion(rng), robot_at_check_posture()
     here = follow(task, hands, robot)
     for _ in range(50):
@@ -169,7 +169,7 @@ def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
 
 @pytest.mark.parametrize("scale", [1.0, 0.5, 2.0])
 def test_mirror_signs_and_scale(rng, scale):
-    """z_hand along +x of the torso: (dx, dy, dz) becomes s (-dx, dy, dz)."""
+    """End effector z along +x of the torso: (dx, dy, dz) becomes s (-dx, dy, dz)."""
     robot = robot_at_check_posture()
     for d in rng.uniform(-0.05, 0.05, (50, 3)):
         hands = np.array([hand_in_tracker(ONE, [0.4, 0.1, 0.2] + factor * d) for factor in (0, 1)])
@@ -177,14 +177,14 @@ def test_mirror_signs_and_scale(rng, scale):
 
 
 def test_mirror_needs_the_hands_z_axis_forward():
-    """With z_hand = -x of the torso the same formula gives 3 dx."""
+    """With z along -x of the torso the same formula gives 3 dx."""
     backwards = oracle.pose(oracle.rotation([0, 1, 0], -np.pi / 2), [0.1, -0.1, 0])
     hands = np.array([hand_in_tracker(ONE, [x, 0, 0]) for x in (0, 0.02)])
     assert np.abs(displacement(follow("mirror", hands, backwards)) - [0.06, 0, 0]).max() < 1e-6
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_scale_leaves_rotations_alone(rng, task):
+def test_scale_does_not_change_rotations(rng, task):
     hands, robot = motion(rng), robot_at_check_posture()
     scaled, plain = (follow(task, hands, robot, scale=s) for s in (0.3, 1.0))
     assert oracle.rotation_angle(scaled, plain).max() < 2e-6
@@ -200,7 +200,7 @@ def test_the_other_tasks_follow_the_hand(task):
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_sign_flips_in_mid_stream_change_no_output(rng, task):
+def test_sign_flips_in_the_stream_change_no_output(rng, task):
     hands, robot = motion(rng, 200), robot_at_check_posture()
     signs = np.where(rng.random((len(hands), 1)) < 0.5, -1, 1).astype(np.float32)
     signs[0] = 1
@@ -263,7 +263,7 @@ def test_latch_right_at_the_start_keeps_the_start_relation():
     assert np.abs(oracle.translation(moved) - oracle.translation(robot) - [0.02, 0, 0]).max() < 1e-6
 
 
-# ---- changes under way, as the operator commands them on the bus
+# ---- changes during cooperation, as commanded on the bus
 
 
 def c_pose(x: np.ndarray):
@@ -277,7 +277,7 @@ def from_c(pose) -> np.ndarray:
 
 
 class Running:
-    """A cooperation in progress, at the level of the firmware's own functions."""
+    """A cooperation in progress, using the firmware's own functions."""
 
     def __init__(self, task: int, hand: np.ndarray, robot: np.ndarray):
         self.state, config = ffi.new("cooperation_t *"), ffi.new("cooperation_config_t *")
@@ -314,8 +314,8 @@ def test_selecting_another_task_does_not_move_the_target(rng, first, second):
 
 
 @pytest.mark.parametrize("task", range(3))
-def test_a_task_selected_under_way_is_the_task_started_with(rng, task):
-    """The start poses are kept: once blended, it is as if the task had been selected before the start."""
+def test_a_task_selected_during_cooperation_equals_one_selected_before(rng, task):
+    """The start poses are kept: after the blend the result equals that of a task selected before the start."""
     hands, robot = motion(rng), robot_at_check_posture()
     running = Running((task + 1) % 3, hands[0], robot)
     running.target(hands[20])
@@ -325,7 +325,7 @@ def test_a_task_selected_under_way_is_the_task_started_with(rng, task):
 
 
 @pytest.mark.parametrize("task", range(3))
-def test_a_clutch_takes_a_new_reference_where_the_robot_stands(rng, task):
+def test_a_clutch_takes_a_new_reference_at_the_robots_pose(rng, task):
     hands, robot = motion(rng), robot_at_check_posture()
     running = Running(task, hands[0], robot)
     running.target(hands[20])
@@ -344,7 +344,7 @@ def test_select_releases_a_latch(rng):
     assert not running.state.latched
 
 
-def test_select_right_after_a_measured_latch_goes_on_from_the_robots_pose(rng):
+def test_select_right_after_a_measured_latch_continues_from_the_robots_pose(rng):
     hands, robot = motion(rng), robot_at_check_posture()
     running = Running(lib.TASK_MIRROR, hands[0], robot)
     running.target(hands[10])
@@ -357,7 +357,7 @@ def test_select_right_after_a_measured_latch_goes_on_from_the_robots_pose(rng):
 @pytest.mark.parametrize("task", ["teleop", "pour", "mirror"])
 @pytest.mark.parametrize("motion_scale", [1.0, 0.3])
 def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
-    """Against differences of the targets of two hands a little apart, which Algorithm 1 maps as above."""
+    """Against differences of the targets of two slightly different hands, which Algorithm 1 maps as above."""
     apart_s = 0.01
     for _ in range(20):
         cooperation = core.Cooperation(task, scale=motion_scale)

@@ -1,4 +1,4 @@
-"""What comanip.core refuses, and that it says which argument and why."""
+"""comanip.core refuses bad arguments with a message that names the argument and the reason."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_normalise_needs_a_primary_part():
 
 
 @pytest.mark.parametrize("matrix", [1.001 * np.eye(3), np.diag([1, 1, -1]), np.zeros((3, 3))])
-def test_matrices_that_are_no_rotations(matrix):
+def test_matrices_that_are_not_rotations(matrix):
     with pytest.raises(ValueError, match="^R: .*(rotation|reflection)"):
         core.pose_from_matrix(matrix[None].astype(F), t[:1])
 
@@ -167,7 +167,7 @@ def test_numbers(name, call, bad):
 
 
 @pytest.mark.parametrize("number", [1e39, 1e-50])
-def test_numbers_that_float32_does_not_hold(number):
+def test_numbers_beyond_float32(number):
     with pytest.raises(ValueError, match="^scale: .*float32"):
         core.Cooperation("pour", scale=number)
 
@@ -220,20 +220,20 @@ def arm(**changes) -> core.Arm:
         ({"effector": off_unit(0.1)[1]}, "^effector: not a unit dual quaternion"),
     ],
 )
-def test_arms_of_ones_own_are_checked(changes, message):
+def test_user_defined_arms_are_checked(changes, message):
     arm()
     with pytest.raises(ValueError, match=message):
         arm(**changes)
 
 
-def test_arms_lists_what_can_be_used():
+def test_arms_lists_the_available_names():
     assert HOAP3 in core.arms()
     for name in core.arms():
         core.forward_kinematics(name, np.zeros((1, core.Arm.named(name).joint_count), F))
 
 
 def test_an_arm_lives_as_long_as_it_is_used(rng):
-    """Tables of arms made and dropped in between do not disturb it."""
+    """Tables of arms created and dropped in between do not disturb it."""
     kept = arm()
     angles = rng.uniform(-1, 1, (50, 2)).astype(F)
     before = core.forward_kinematics(kept, angles)

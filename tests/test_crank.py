@@ -1,4 +1,5 @@
-"""The crank: its turns counted, dry friction against the handle's weight. Energy and free swing: test_physics.py."""
+"""The crank: its turn count, and dry friction against the handle's weight. Energy and free oscillation:
+test_physics.py."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ def crank(**values) -> dict:
 
 @pytest.mark.parametrize("turns", [3.0, -2.0])
 def test_turns_are_counted_with_their_sign(turns):
-    """Against the handle's own place, step by step. The work of the hand over whole turns is what friction takes."""
+    """Against the handle's position, step by step. The hand's work over whole turns equals the friction's."""
     friction, damping, seconds = 0.03, 0.01, 4.0
     holder = {"start": (list(HINGE + [RADIUS_M, 0, 0]), (1, 0, 0, 0)), "stiffness_Npm": 2000.0, "damping_ratio": 1.0}
     with Scene([holder], [crank(friction_Nm=friction, damping_Nmspprad=damping)]) as scene:
@@ -40,7 +41,7 @@ def test_turns_are_counted_with_their_sign(turns):
             work_J -= scene.hand_force() @ (now - handle)
             loss_J += friction * abs(turned) + damping * turned**2 / scene.step_s
             angle, handle = angle + turned, now
-        scene.step()  # the count is that of the step before
+        scene.step()  # the count lags by one step
         assert lib.scene_crank_turns(scene.scene, 0) == pytest.approx(angle / (2 * np.pi), abs=1e-6)
         assert angle / (2 * np.pi) == pytest.approx(turns, abs=0.02)
         assert work_J == pytest.approx(loss_J, rel=0.01) and loss_J > 0.4
@@ -48,7 +49,7 @@ def test_turns_are_counted_with_their_sign(turns):
 
 @pytest.mark.parametrize(("share", "moves"), [(0.95, True), (1.05, False)])
 def test_dry_friction_holds_the_handle_up(share, moves):
-    level_Nm = HANDLE_KG * GRAVITY_MPS2 * RADIUS_M  # of the handle's weight about the hinge, at the start
+    level_Nm = HANDLE_KG * GRAVITY_MPS2 * RADIUS_M  # torque of the handle's weight about the hinge at the start
     with Scene([], [crank(friction_Nm=share * level_Nm)]) as scene:
         scene.step(500)
         assert (abs(lib.scene_crank_turns(scene.scene, 0)) > 0.01) == moves

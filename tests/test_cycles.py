@@ -1,4 +1,4 @@
-"""`make cycles`: its model of ARM's tables line by line, its counter against code that is counted by hand, and its budget."""
+"""`make cycles`: its model of ARM's tables line by line, its counter against code counted by hand, and its budget."""
 
 from __future__ import annotations
 
@@ -25,17 +25,21 @@ def modelled(*lines: str, image: str = "cortex-m4f") -> list[tuple[bool, int]]:
 @pytest.mark.parametrize(
     ("line", "cost"),
     [  # ARM DDI 0439, tables 3-1 and 7-1; P = 3
-        ("add\tr0, r1, r2", 1), ("ldr\tr0, [r1, #4]", 2), ("ldrd\tr0, r1, [r2]", 3), ("push\t{r4, r5, lr}", 4), ("pop\t{r4, pc}", 6),
-        ("ldr\tr2, [pc, #8]", 2), ("b.n\t20 <x>", 4), ("bl\t20 <x>", 4), ("bx\tlr", 4), ("udiv\tr0, r1, r2", 12), ("smull\tr0, r1, r2, r3", 1),
-        ("vadd.f32\ts0, s1, s2", 1), ("vmul.f32\ts0, s1, s2", 1), ("vfma.f32\ts0, s1, s2", 3), ("vdiv.f32\ts0, s1, s2", 14),
-        ("vsqrt.f32\ts0, s1", 14), ("vldr\ts0, [r0, #4]", 2), ("vpush\t{s16-s20}", 6), ("vpop\t{d8-d9}", 5), ("vmrs\tAPSR_nzcv, fpscr", 1),
+        ("add\tr0, r1, r2", 1), ("ldr\tr0, [r1, #4]", 2), ("ldrd\tr0, r1, [r2]", 3), ("push\t{r4, r5, lr}", 4),
+        ("pop\t{r4, pc}", 6),
+        ("ldr\tr2, [pc, #8]", 2), ("b.n\t20 <x>", 4), ("bl\t20 <x>", 4), ("bx\tlr", 4), ("udiv\tr0, r1, r2", 12),
+        ("smull\tr0, r1, r2, r3", 1),
+        ("vadd.f32\ts0, s1, s2", 1), ("vmul.f32\ts0, s1, s2", 1), ("vfma.f32\ts0, s1, s2", 3),
+        ("vdiv.f32\ts0, s1, s2", 14),
+        ("vsqrt.f32\ts0, s1", 14), ("vldr\ts0, [r0, #4]", 2), ("vpush\t{s16-s20}", 6), ("vpop\t{d8-d9}", 5),
+        ("vmrs\tAPSR_nzcv, fpscr", 1),
     ],
 )  # fmt: skip
-def test_the_model_is_arms_table(line, cost):
+def test_the_model_matches_arms_table(line, cost):
     assert modelled(line) == [(False, cost)]
 
 
-def test_a_result_that_is_needed_at_once_comes_a_cycle_later():
+def test_a_result_that_is_needed_at_once_costs_a_cycle():
     assert modelled("vadd.f32\ts0, s1, s2", "vmul.f32\ts3, s0, s1") == [(False, 1), (False, 2)]
     assert modelled("vadd.f32\ts0, s1, s2", "vmul.f32\ts3, s4, s1") == [(False, 1), (False, 1)]
     assert modelled("vadd.f32\ts1, s1, s2", "vstr\ts1, [r0]") == [(False, 1), (False, 3)]
@@ -43,7 +47,7 @@ def test_a_result_that_is_needed_at_once_comes_a_cycle_later():
 
 
 @pytest.mark.parametrize("line", ["beq.n\t20 <x>", "bne.w\t20 <x>", "cbz\tr0, 20 <x>", "bxeq\tlr"])
-def test_a_conditional_branch_is_known_as_one(line):
+def test_a_conditional_branch_is_recognised(line):
     assert modelled(line) == [(True, 1)]
 
 
@@ -55,16 +59,18 @@ def test_multiplications_of_cortex_m3_take_longer():
 @pytest.mark.parametrize(
     ("line", "cost"),
     [  # ARM DDI 0484, table 3-1
-        ("adds\tr0, r1, r2", 1), ("muls\tr0, r1", 1), ("ldr\tr0, [r1, #4]", 2), ("str\tr0, [r1, #4]", 2), ("ldr\tr2, [pc, #8]", 2),
-        ("push\t{r4, r5, lr}", 4), ("pop\t{r4, r5}", 3), ("pop\t{r4, pc}", 5), ("b.n\t20 <x>", 2), ("bl\t20 <x>", 3), ("bx\tlr", 2),
+        ("adds\tr0, r1, r2", 1), ("muls\tr0, r1", 1), ("ldr\tr0, [r1, #4]", 2), ("str\tr0, [r1, #4]", 2),
+        ("ldr\tr2, [pc, #8]", 2),
+        ("push\t{r4, r5, lr}", 4), ("pop\t{r4, r5}", 3), ("pop\t{r4, pc}", 5), ("b.n\t20 <x>", 2), ("bl\t20 <x>", 3),
+        ("bx\tlr", 2),
         ("add\tr1, pc, #8", 1), ("mov\tpc, r2", 2), ("mrs\tr0, PRIMASK", 3),
     ],
 )  # fmt: skip
-def test_the_model_of_cortex_m0plus_is_arms_table(line, cost):
+def test_the_model_of_cortex_m0plus_matches_arms_table(line, cost):
     assert modelled(line, image="cortex-m0plus") == [(False, cost)]
 
 
-def test_what_is_beyond_its_budget_is_told_with_the_difference():
+def test_an_exceeded_budget_is_reported_with_the_difference():
     found = {"cortex-m4f": {"tick": {"instructions": 630, "cycles": 850}, "step": {"instructions": 10}}}
     budget = {"cortex-m4f": {"tick": {"instructions": 627, "cycles": 850}}}
     assert cycles.exceeded(found, budget) == [
@@ -73,19 +79,27 @@ def test_what_is_beyond_its_budget_is_told_with_the_difference():
     ]
 
 
-def test_what_was_asked_and_is_missed_is_told():
-    results = {image: {states: {name: {unit: {"maximum": 700} for unit in ("instructions", "cycles")} for name in ("step", "step_not_predicted", "tick")}
-                       for states in ("recorded", "not_predicted")} for image in ("cortex-m4f", "cortex-m3")}  # fmt: skip
+def test_a_missed_requirement_is_reported():
+    results = {
+        image: {
+            states: {
+                name: {unit: {"maximum": 700} for unit in ("instructions", "cycles")}
+                for name in ("step", "step_not_predicted", "tick")
+            }
+            for states in ("recorded", "not_predicted")
+        }
+        for image in ("cortex-m4f", "cortex-m3")
+    }
     assert cycles.missed(results) == []
     results["cortex-m4f"]["recorded"]["step"]["instructions"]["maximum"] = 8001
     results["cortex-m3"]["not_predicted"]["step_not_predicted"]["cycles"]["maximum"] = 72_001
     assert cycles.missed(results) == [
-        "cortex-m4f, recorded: step: maximum of instructions 8001, asked 8000",
-        "cortex-m3, not_predicted: step_not_predicted: maximum of cycles 72001, asked 72000",
+        "cortex-m4f, recorded: step: maximum of instructions 8001, required 8000",
+        "cortex-m3, not_predicted: step_not_predicted: maximum of cycles 72001, required 72000",
     ]
 
 
-def test_the_operated_states_are_of_each_kind():
+def test_the_operated_states_include_each_kind():
     seen = operated.run(cycles.OPERATED_TICKS, seed=3).seen
     kinds = (
         "start",
@@ -95,7 +109,7 @@ def test_the_operated_states_are_of_each_kind():
         "define",
         "read",
         "stop",
-        "the law waits",
+        "demand deferred",
         "hold",
         "a joint at its limit",
     )
@@ -105,8 +119,8 @@ def test_the_operated_states_are_of_each_kind():
 @pytest.mark.skipif(
     not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps"
 )
-def test_the_counter_counts_what_is_there(tmp_path):
-    """A loop of known length: `n` times a subtraction and a branch that is taken but for the last time."""
+def test_the_counter_is_exact(tmp_path):
+    """A loop of known length: `n` subtractions and branches, all but the last taken."""
     source = tmp_path / "loop.S"
     source.write_text("""
         .syntax unified

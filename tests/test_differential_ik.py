@@ -1,4 +1,4 @@
-"""Law (4) against numpy and dqrobotics in double precision, and what it must do at the double cover and at
+"""Control law (4) against numpy and dqrobotics in double precision, and its behaviour at the double cover and at
 singularities."""
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def postures(rng, count: int) -> np.ndarray:
 
 
 def tolerance(weight, damping: float) -> float:
-    """What float32 can keep on this arm: the condition of the normal equations grows as 1/lambda."""
+    """The precision that float32 can keep on this arm: the condition of the normal equations grows as 1/lambda."""
     return max(5e-5, 5e-8 * max(4.0, float(np.max(weight))) / damping)
 
 
@@ -63,9 +63,9 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
-def test_law_where_the_normal_equations_lose_most(rng, error_frame, weight):
-    """A uniform weight scales the condition, but not the tolerance's least value: without the step of refinement the error is
-    beyond it. All inputs at each lambda, and |u| as the largest component."""
+def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
+    """A uniform weight scales the condition but not the tolerance's minimum: without iterative refinement the error
+    exceeds it. All inputs at each lambda; |u| is the largest component."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -79,7 +79,7 @@ def test_law_where_the_normal_equations_lose_most(rng, error_frame, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [(0.01, 100), (1, 1), (1, 4), (25, 100), (0, 100)], ids=str)
 def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, weight):
-    """Where differential_ik_prepare() lets it take over, which includes the default law."""
+    """Where differential_ik_prepare() selects it, which includes the default law."""
     weight = np.repeat(weight, 4).astype(np.float32)
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -95,7 +95,7 @@ def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, wei
         assert (np.abs(u - expected).max(axis=1) / scale).max() < tolerance(weight, damping)
 
 
-def test_paper_law_is_dqrobotics_damped_controller(rng):
+def test_the_papers_law_matches_dqrobotics_damped_controller(rng):
     """The paper's lambda is dqrobotics' damping squared."""
     robot, gain = oracle.hoap3(), 4.0
     for damping in (1e-4, 1e-3, 1e-2):
@@ -138,7 +138,7 @@ def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 def test_no_error_no_velocity(rng, error_frame):
-    """Trap 1: on raw vec8s, -q_d at zero true error commands some rad/s."""
+    """Trap 1: on raw vec8s, -q_d at zero true error commands several rad/s."""
     q = postures(rng, 1000)
     hand = core.forward_kinematics(HOAP3, q)
     for target in (hand, -hand):
@@ -158,25 +158,25 @@ def singular_postures(rng) -> np.ndarray:
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [None, WEIGHTED], ids=["paper", "weighted"])
 def test_zero_damping_at_singular_postures(rng, error_frame, weight):
-    """Finite, bounded, and the hand is not asked to move faster than the error says: J u is a projection of K e."""
+    """Finite, bounded, and the end effector is not faster than the error demands: J u is a projection of K e."""
     gain = 4.0
     q = singular_postures(rng)
     target = oracle.random_poses(rng, len(q), 0.3)
     u = core.joint_velocity(HOAP3, q, target, gain, 0.0, error_frame, weight)
     assert np.isfinite(u).all()
-    assert np.abs(u).max() < 2000 * gain  # 1 / sqrt(float32's resolution), the steepest gain it can tell from none
+    assert np.abs(u).max() < 2000 * gain  # 1 / sqrt(float32's resolution), the steepest gain distinguishable from none
     root = np.sqrt(np.broadcast_to(1.0 if weight is None else weight, 8))
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     target = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1) * target.astype(float)
     motion, error = (jacobian @ u[..., None])[..., 0], target - hand
     if error_frame == "target":
         motion, error = (oracle.multiply(oracle.conjugate(target), x) for x in (motion, error))
-    asked = gain * np.linalg.norm(root * error, axis=1)
-    assert (np.linalg.norm(root * motion, axis=1) < 1.1 * asked).all()
+    demanded = gain * np.linalg.norm(root * error, axis=1)
+    assert (np.linalg.norm(root * motion, axis=1) < 1.1 * demanded).all()
 
 
-def test_zero_damping_with_more_joints_than_freedoms(rng):
-    """8 joints for 6 freedoms: always singular; the hand still goes where it is asked."""
+def test_zero_damping_with_more_joints_than_degrees_of_freedom(rng):
+    """8 joints for 6 degrees of freedom: always singular; the end effector still moves as demanded."""
     fixed, effector = oracle.random_poses(rng, 8, 0.3), oracle.random_poses(rng, 1, 0.3)[0]
     axis = np.tile(np.array([0, 0, 1], np.float32), (8, 1))
     limits = np.full(8, 3, np.float32)
@@ -190,13 +190,13 @@ def test_zero_damping_with_more_joints_than_freedoms(rng):
     assert np.abs((jacobian @ u[..., None])[..., 0] - expected).max() < 0.02
 
 
-def test_nothing_weighted_nothing_moves(rng):
+def test_without_weights_nothing_moves(rng):
     u = core.joint_velocity(HOAP3, postures(rng, 10), oracle.random_poses(rng, 10, 0.3), 4.0, 0.0, weight=0.0)
     assert np.array_equal(u, np.zeros((10, 4)))
 
 
 def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tuple[float, float]:
-    """Steady error [mm, deg] of the mirrored target for a hand moved in torso axes and held, without delay."""
+    """Steady-state error [mm, deg] of the mirrored target for a hand moved in torso axes and held, without delay."""
     q = np.radians([start_deg]).astype(np.float32)
     start = core.forward_kinematics(HOAP3, q)[0]
     cooperation = core.Cooperation("mirror", tracker_rotation=np.array([1, 0, 0, 0], np.float32))

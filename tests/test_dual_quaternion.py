@@ -14,7 +14,7 @@ from comanip._core import ffi, lib
 COUNT = 100_000
 
 
-def test_decompositional_product_is_dqrobotics_on_100_000_pairs(rng):
+def test_decompositional_product_matches_dqrobotics_on_100_000_pairs(rng):
     a, b = oracle.random_poses(rng, COUNT), oracle.random_poses(rng, COUNT)
     expected = [
         dqrobotics.dec_mult(dqrobotics.DQ(x), dqrobotics.DQ(y)).vec8()
@@ -61,7 +61,7 @@ def test_normalise_gives_the_nearest_pose(rng):
 
 
 def test_renormalised_products_stay_unit_while_raw_ones_drift(rng):
-    """10^6 products, as 100 chains of 10,000: float32 leaves the unit sphere, normalisation brings it back."""
+    """10^6 products, as 100 chains of 10,000: float32 drifts off the unit sphere, normalisation brings it back."""
     steps = oracle.random_poses(rng, 10_000, 0.01)
     raw = renormalised = oracle.random_poses(rng, 100)
     for step in steps:
@@ -77,7 +77,7 @@ def test_renormalised_products_stay_unit_while_raw_ones_drift(rng):
 
 
 def edge_rotations() -> np.ndarray:
-    """The 24 rotations that map axes onto axes; half turns, and turns next to half, about many axes."""
+    """The 24 rotations that map axes onto axes; half turns, and turns close to half, about many axes."""
     signed = [np.diag(s) @ np.eye(3)[list(p)] for p in permutations(range(3)) for s in product((1, -1), repeat=3)]
     axis_aligned = [matrix for matrix in signed if np.linalg.det(matrix) > 0]
     axes = np.array([v for v in product((-1, -1e-3, 0, 1e-3, 1), repeat=3) if np.linalg.norm(v) > 0.5])
@@ -108,7 +108,7 @@ def test_quaternion_from_rotation_vector(rng, scale):
         assert np.abs(np.array([got.w, got.x, got.y, got.z]) - expected).max() < 4e-7 + 1.2e-7 * angle
 
 
-def test_interpolation_takes_the_shorter_way(rng):
+def test_interpolation_takes_the_shorter_arc(rng):
     for a, b in zip(oracle.random_rotations(rng, 500), oracle.random_rotations(rng, 500), strict=True):
         s = rng.uniform()
         got = [

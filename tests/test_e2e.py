@@ -20,7 +20,7 @@ def check(receiver, data: bytes, data_id: int) -> int:
 
 
 @pytest.mark.parametrize("length", LENGTHS)
-def test_protect_writes_what_autosar_e2e_writes(rng, length):
+def test_protect_matches_autosar_e2e(rng, length):
     for _ in range(20):
         data, data_id, counter = rng.bytes(length), int(rng.integers(65536)), int(rng.integers(256))
         expected = bytearray(data)
@@ -31,7 +31,7 @@ def test_protect_writes_what_autosar_e2e_writes(rng, length):
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_check_agrees_with_autosar_e2e(rng, length):
-    """On its own frames, on frames with one bit flipped, and under another Data ID."""
+    """On its own frames, on frames with one flipped bit, and under another Data ID."""
     frame = bytearray(rng.bytes(length))
     p05.e2e_p05_protect(frame, 0xC120, increment_counter=False)
     assert check(ffi.new("e2e_receiver_t *"), bytes(frame), 0xC120) == lib.E2E_OK
@@ -44,7 +44,7 @@ def test_check_agrees_with_autosar_e2e(rng, length):
 
 
 def expected_status(step: int) -> int:
-    """Of a frame whose counter is `step` after the last one's."""
+    """Status of a frame whose counter is `step` after the last one's."""
     if step == 0:
         return lib.E2E_REPEATED
     if step == 1:
@@ -57,13 +57,13 @@ def test_counter(last):
     for step in range(256):
         receiver = ffi.new("e2e_receiver_t *")
         first, second = (protected(bytes(8), 1, (last + s) % 256) for s in (0, step))
-        assert check(receiver, first, 1) == lib.E2E_OK  # whatever the first counter is
+        assert check(receiver, first, 1) == lib.E2E_OK  # any first counter is accepted
         assert check(receiver, second, 1) == expected_status(step), step
         after = protected(bytes(8), 1, (last + step + 1) % 256)
-        assert check(receiver, after, 1) == lib.E2E_OK  # a jump is refused once, then followed
+        assert check(receiver, after, 1) == lib.E2E_OK  # a jump is refused once, then accepted
 
 
-def test_a_corrupt_frame_leaves_the_counter_alone():
+def test_a_corrupt_frame_does_not_change_the_counter():
     receiver = ffi.new("e2e_receiver_t *")
     assert check(receiver, protected(bytes(8), 1, 5), 1) == lib.E2E_OK
     assert check(receiver, b"\xff" + protected(bytes(8), 1, 200)[1:], 1) == lib.E2E_WRONG_CRC

@@ -1,5 +1,5 @@
-"""The campaign of experiments and the search for gains, on a simulator of our own making that passes, fails, refuses
-and hangs on demand: what is run, what is written, what is said."""
+"""The campaign of experiments and the search for gains, with a fake simulator that passes, fails, refuses and hangs on
+demand: the runs made, the files written, the messages."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_recordings_are_given_to_both_people(tmp_path, simulator, recordings):
     assert "--paper-law" not in command and "--param" not in command
 
 
-def test_missing_recordings_are_said(tmp_path, simulator, recordings, capsys):
+def test_missing_recordings_are_reported(tmp_path, simulator, recordings, capsys):
     assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 0
     assert f"recordings not run: there is no folder {tmp_path / 'none'}" in " ".join(capsys.readouterr().out.split())
     (recordings / RECORDINGS[0].file).unlink()
@@ -127,7 +127,7 @@ def test_logs_are_kept_only_when_asked_for(tmp_path, simulator, keep):
     assert files == {"summary.json", INPUTS_FILE} | ({"bus.log", "trace.csv"} if keep else set())
 
 
-def test_laws_side_by_side(tmp_path, simulator):
+def test_both_laws_in_one_table(tmp_path, simulator):
     run(simulator, tmp_path / "out", "--recordings", tmp_path / "none")
     rows = json.loads((tmp_path / "out" / "laws.json").read_text())
     assert [row["scenario"] for row in rows] == list(EXPERIMENTS)
@@ -138,7 +138,7 @@ def test_laws_side_by_side(tmp_path, simulator):
     assert "| pour | paper | 30 | 2 | 1.5 / 4 | 2 of 2 |" in table
 
 
-def test_the_papers_law_is_what_runs(tmp_path, simulator):
+def test_the_papers_law_is_used(tmp_path, simulator):
     run(simulator, tmp_path / "out", "--recordings", tmp_path / "none")
     command = json.loads((tmp_path / "out" / "crank" / "paper-law-seed-02" / "summary.json").read_text())["argv"]
     written = [text for option, text in zip(command, command[1:], strict=False) if option == "--param"]
@@ -166,8 +166,11 @@ def test_pouring_is_judged_over_all_seeds_of_a_condition(
     assert run(simulator, tmp_path / "out", "--recordings", recordings) == (0 if passed else 1)
     text = capsys.readouterr().out
     assert "37 of 37 passed" in text
-    told = "FAILED pour, kul_pour1_com.csv, 3 seeds together: 170 of 180 particles caught (94.44 %), expected at least 95 %"
-    assert (told in text) == (not passed)
+    line = (
+        "FAILED pour, kul_pour1_com.csv, 3 seeds together: "
+        "170 of 180 particles caught (94.44 %), expected at least 95 %"
+    )
+    assert (line in text) == (not passed)
     conditions = json.loads((tmp_path / "out" / "conditions.json").read_text())
     poured = [r.file for r in RECORDINGS if r.scenario == "pour"]
     assert [(c["recording"], c["runs"], c["poured"]) for c in conditions] == [(None, 2, 120)] + [
@@ -177,14 +180,14 @@ def test_pouring_is_judged_over_all_seeds_of_a_condition(
     assert all(c["pass"] == passed and c["limit_percent"] == 95.0 for c in conditions[1:])
 
 
-def test_a_pour_without_a_drop_is_no_success(tmp_path, simulator, monkeypatch, capsys):
+def test_a_pour_without_particles_fails(tmp_path, simulator, monkeypatch, capsys):
     monkeypatch.setenv("FAKE_POUR", "refuse")
     assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 1
     assert "FAILED pour, 2 seeds together: 0 of 0 particles caught (- %)" in capsys.readouterr().out
 
 
 def runs_made(simulator: Path) -> list[str]:
-    """The output folders since the last call, below the campaign's."""
+    """The output folders since the last call, relative to the campaign's."""
     path = simulator.parent / "runs"
     made = path.read_text().split() if path.exists() else []
     path.unlink(missing_ok=True)
@@ -208,7 +211,7 @@ def test_only_what_changed_is_run_again(tmp_path, simulator, recordings, monkeyp
     run(simulator, out, *arguments)
     assert runs_made(simulator) == ["mirror/seed-01"]
     run(simulator, out, *arguments, "--keep")
-    assert len(runs_made(simulator)) == 47, "their logs had not been kept"
+    assert len(runs_made(simulator)) == 47, "their logs were not kept"
     simulator.write_text(simulator.read_text() + "# another program\n")
     run(simulator, out, *arguments)
     assert len(runs_made(simulator)) == 47
@@ -228,13 +231,13 @@ def test_a_scenario_that_changed_is_run_again(tmp_path, simulator):
     assert sorted(runs_made(program)) == [f"mirror/{law}seed-0{seed}" for law in ("paper-law-", "") for seed in (1, 2)]
 
 
-def test_a_refused_run_gives_the_simulators_words(tmp_path, simulator, monkeypatch, capsys):
+def test_a_refused_run_quotes_the_simulators_message(tmp_path, simulator, monkeypatch, capsys):
     monkeypatch.setenv("FAKE_POUR", "refuse")
     assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 1
     assert "FAILED pour, seed 1: exit status 2: comanip-sim: no such thing" in capsys.readouterr().out
 
 
-def test_an_earlier_summary_does_not_stand_for_a_run_that_wrote_none(tmp_path, simulator, monkeypatch):
+def test_an_earlier_summary_is_not_used_for_a_run_that_wrote_none(tmp_path, simulator, monkeypatch):
     out = tmp_path / "seed-01"
     out.mkdir()
     (out / "summary.json").write_text(json.dumps(synthetic_run.summary("pour")))
@@ -243,10 +246,10 @@ def test_an_earlier_summary_does_not_stand_for_a_run_that_wrote_none(tmp_path, s
     assert outcome.result == "error" and "no summary" in outcome.reason
 
 
-def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator):
+def test_an_interrupt_stops_the_children_and_writes_nothing(tmp_path, simulator):
     out, pids = tmp_path / "out", tmp_path / "pids"
     out.mkdir()
-    (out / "experiments.json").write_text("[]")  # of an earlier campaign
+    (out / "experiments.json").write_text("[]")  # from an earlier campaign
     command = [sys.executable, "-m", "comanip_dev.experiments", "--seeds", "2", "--out", out, "--simulator", simulator]
     environment = {**os.environ, "FAKE_TELEOP": "hang", "FAKE_PIDS": str(pids)}
     process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -264,7 +267,7 @@ def test_interrupted_it_ends_its_children_and_writes_nothing(tmp_path, simulator
     assert not list(out.glob("*.json")) and not list(out.glob("*.md"))
     done = runs_made(simulator)
     assert done and run(simulator, out, "--recordings", tmp_path / "none") == 0
-    assert not set(done) & set(runs_made(simulator)), "what was finished is not repeated"
+    assert not set(done) & set(runs_made(simulator)), "finished runs are not repeated"
 
 
 @pytest.mark.parametrize("arguments", [["--seeds", "0"], ["--seeds", "x"], ["--jobs", "-1"]])
@@ -287,13 +290,13 @@ def test_a_run_that_hangs_is_stopped(tmp_path, simulator, monkeypatch):
     assert (outcome.result, outcome.reason) == ("error", "stopped: not done after 0.3 s of wall time")
 
 
-def test_figures_of_no_measurement():
+def test_figures_without_measurements():
     assert figure_lines([], [Figure("turns", True)]) == [("turns", "-", "-", "-")]
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_decisive_figures_are_checks_of_the_scenario(name):
-    """And their worst is the one nearest to, or beyond, the check's limit."""
+    """Their worst value is the one closest to the check's limit, or furthest beyond it."""
     text = experiment(name).read_text()
     for figure in DECISIVE[name]:
         found = re.search(rf"name: {figure.check},.*?(at_least|at_most):", text)
@@ -302,7 +305,7 @@ def test_decisive_figures_are_checks_of_the_scenario(name):
 
 
 @pytest.mark.skipif(not RECORDINGS_FOLDER.is_dir(), reason=f"there is no folder {RECORDINGS_FOLDER}")
-def test_the_recordings_named_are_there():
+def test_the_listed_recordings_exist():
     for recording in RECORDINGS:
         assert (RECORDINGS_FOLDER / recording.file).is_file()
         assert recording.second is None or (RECORDINGS_FOLDER / recording.second).is_file()
@@ -336,7 +339,7 @@ def test_the_two_laws():
 
 
 def test_share_at_the_acceleration_limit():
-    """25 rad/s^2 is 0.025 rad/s in a tick: 100 of 400 steps take all of it."""
+    """25 rad/s^2 is 0.025 rad/s per tick: 100 of 400 steps are at the limit."""
     steps = np.zeros(400)
     steps[:100] = 0.025
     rate = np.concatenate([[np.nan], [0.0], np.cumsum(steps)])
@@ -352,7 +355,7 @@ def test_a_failed_check_outweighs_a_better_tracking():
 
 
 def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
-    """Lowest at gain 14, ratio 32, damping 3e-4: half a step off the coarse grid."""
+    """Minimum at gain 14, ratio 32, damping 3e-4: half a step off the coarse grid."""
 
     def bowl(candidate: gain_search.Candidate, seeds: int) -> gain_search.Score:
         logs = np.log([candidate.gain_per_s / 14.0, candidate.ratio / 32.0, candidate.damping / 3e-4])
@@ -379,7 +382,7 @@ def test_a_search_ends_with_its_budget_and_writes_what_it_tried(tmp_path, simula
     assert not (tmp_path / "out" / "runs").exists()
 
 
-def test_a_search_in_which_nothing_runs_says_so(tmp_path, simulator, monkeypatch, capsys):
+def test_a_search_without_any_successful_run_reports_it(tmp_path, simulator, monkeypatch, capsys):
     monkeypatch.setenv("FAKE_CRANK", "refuse")
     arguments = ["--out", tmp_path / "out", "--simulator", simulator, "--scenarios", "crank"]
     assert gain_search.main([str(a) for a in arguments]) == 2

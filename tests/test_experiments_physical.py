@@ -25,7 +25,7 @@ def values(done: Run) -> dict[str, float]:
 
 
 def variant(tmp_path: Path, name: str, *changes: tuple[str, str]) -> Path:
-    """The experiment's file with some text replaced, each once."""
+    """The experiment's file with some text replaced; each text must occur once."""
     text = experiment(name).read_text()
     for old, new in changes:
         assert text.count(old) == 1, f"{name}.yaml has {text.count(old)} times: {old}"
@@ -73,8 +73,8 @@ def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
 
 
 @pytest.mark.parametrize("duration", [[], ["--duration", "150"]])
-def test_who_waits_in_vain_fails_however_long_it_takes(tmp_path, duration):
-    """The gripper is never told to close: teleoperator and operator wait for robot.holds."""
+def test_waiting_in_vain_fails_at_any_duration(tmp_path, duration):
+    """The gripper never closes: teleoperator and operator wait for robot.holds."""
     path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
     done = run(tmp_path / "out", "--scenario", path, *duration)
     assert done.status == EXIT_CHECK_FAILED
@@ -83,7 +83,7 @@ def test_who_waits_in_vain_fails_however_long_it_takes(tmp_path, duration):
     assert done.summary["sim_s"] < 100
 
 
-def test_who_has_too_little_time_is_told_where_he_was(tmp_path):
+def test_an_unfinished_program_is_reported_with_its_step(tmp_path):
     done = run(tmp_path / "out", "--scenario", variant(tmp_path, "mirror", ("duration_s: 60", "duration_s: 20")))
     assert re.search(
         r"done in the scenario's 20 s: person is at step \d+ of 22, operator is done", done.summary["reason"]
@@ -93,9 +93,9 @@ def test_who_has_too_little_time_is_told_where_he_was(tmp_path):
 # ---- each criterion can fail
 
 
-def test_tilted_too_early_the_water_misses_the_glass(tmp_path):
-    """Without the upright approach the glass tilts while it is still on its way over the person's. How much misses in one run is
-    chaotic, but over the seeds together it is 10 % more than `make experiments` lets pass."""
+def test_water_misses_the_glass_when_tilted_too_early(tmp_path):
+    """Without the upright approach the glass tilts on its way to the person's. The loss of a single run is chaotic, but
+    over the seeds together it is 10 % more than `make experiments` accepts."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
     runs = {seed: run(tmp_path / f"out-{seed}", "--scenario", path, "--seed", seed) for seed in (2, 5)}
     outcomes = (
@@ -106,12 +106,12 @@ def test_tilted_too_early_the_water_misses_the_glass(tmp_path):
     assert any("water_caught" in failed(done) for done in runs.values())
 
 
-FEW_PARTICLES = ("particles: 160", "particles: 10")  # what moves the arm does not depend on them
+FEW_PARTICLES = ("particles: 160", "particles: 10")  # they do not affect the arm's motion
 
 
 @pytest.mark.parametrize("off_mm", [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10), (0, 0, -10)], ids=str)
 def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
-    """Whatever of the water the wide glass would still catch; with the start's variation of 3 mm per axis on top."""
+    """Even if the wide glass still catches the water; the start also varies by 3 mm per axis."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     offset_m = np.array([0, -0.06, 0]) + np.array(off_mm) / 1e3
     options = [f"--param=start_offset_{axis}_m={value:g}" for axis, value in zip("xyz", offset_m, strict=True)]
@@ -122,8 +122,8 @@ def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
 
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
-def test_the_glasses_keep_clear_of_each_other_on_a_hand_that_turns_and_goes_far(tmp_path):
-    """90 degrees and 1.3 m, up above all. With a twentieth of its turns instead of a fiftieth 0.3 mm were left."""
+def test_the_glasses_do_not_collide_on_a_hand_that_turns_and_moves_far(tmp_path):
+    """90 degrees and 1.3 m, mostly upwards. With a twentieth of its turns instead of a fiftieth, 0.3 mm were left."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     done = run(tmp_path / "out", "--scenario", path, "--tracker", RECORDINGS / "ethz_handheld1.csv")
     assert values(done)["clearance"] > 4 and not {"clearance", "aim"} & failed(done)
@@ -140,9 +140,9 @@ def test_gripper_released_early_drops_the_pipe(tmp_path):
     assert any(event["name"] == "pipe.dropped" for event in done.summary["events"])
 
 
-def test_a_recorded_hand_that_leads_the_pipe_into_its_stand_is_told_so(tmp_path):
-    """2 m down and forward are 80 mm at the scale of the scenario's `play`: twice of what the pipe was lifted by. The teleoperator does
-    not guide what lies about to the taker, and nobody waits until the scenario's time is over."""
+def test_a_recorded_hand_that_moves_the_pipe_into_its_stand_fails_with_the_reason(tmp_path):
+    """2 m down and forward are 80 mm at the scale of the scenario's `play`: twice the height of the lifted pipe. The
+    teleoperator does not bring a dropped pipe to the taker, and nobody waits until the end of the scenario."""
     recording = tmp_path / "hand.csv"
     recording.write_text(
         recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201)))
@@ -162,15 +162,16 @@ def test_gripper_released_early_drops_the_baton(tmp_path):
     assert {"baton_drops", "baton_with_person"} <= failed(done)
 
 
-def test_without_the_latch_the_robot_does_not_go_along(tmp_path):
-    """It goes on mirroring: what the person does along x, it does against it."""
+def test_without_the_latch_the_robot_does_not_follow(tmp_path):
+    """It keeps mirroring: it moves against the person's motion along x."""
     path = variant(
         tmp_path, "mirror",
         ("  - {do: latch, name: latched, after: [robot.holds, person.holds]}\n", ""),
         ("after: operator.latched, delay_s: 0.3", "after: person.holds, delay_s: 0.3"),
         *((f"measure: {measure}, by: person, from: operator.latched", f"measure: {measure}, by: person")
           for measure in ("force_rms", "force_peak")),
-        ("measure: relation_rms, by: person, from: operator.latched", "measure: relation_rms, by: person, from: person.holds"),
+        ("measure: relation_rms, by: person, from: operator.latched",
+         "measure: relation_rms, by: person, from: person.holds"),
         ("measure: following_rms, from: operator.latched", "measure: following_rms, from: person.holds"),
     )  # fmt: skip
     done = run(tmp_path / "out", "--scenario", path)
@@ -190,7 +191,7 @@ SEARCHED = [f"--param={name}={value:g}" for name, value in PAPER_GAINS]
         ("mirror", SEARCHED, {"force_rms", "following"}),
     ],
 )
-def test_the_papers_law_to_the_letter_fails(tmp_path, name, gains, criteria):
+def test_the_papers_law_with_its_published_gains_fails(tmp_path, name, gains, criteria):
     """K = 1 in metres is dominated by the orientation, which four joints cannot follow; the best K found follows, and
     pulls at the person. All by measured values."""
     done = run(tmp_path / "out", "--scenario", experiment(name), "--paper-law", *gains)
@@ -208,14 +209,16 @@ DO_NOT_TILT = ("name: pouring, task: pour, after", "name: pouring, task: upright
     [
         ("pour", DO_NOT_TILT, {"glass_tilt", "water_poured"}),
         ("mirror", (CARRY, CARRY + "      - {do: release}\n"), {"carried_for"}),
-        ("mirror", (CARRY, CARRY.replace("0.02, 0, 0], duration_s: 2", "0.03, 0, 0], duration_s: 0.1")), {"force_peak"}),
+        ("mirror", (CARRY, CARRY.replace("0.02, 0, 0], duration_s: 2", "0.03, 0, 0], duration_s: 0.1")),
+         {"force_peak"}),
         ("crank", ("turns: 3.05", "turns: 2.5"), {"turns"}),
         ("crank", ("elbow_m: [0.60, -0.16, -0.06]", "elbow_m: [0.60, -0.16, -0.06]\n    grip_force_limit_N: 0.7"),
          {"handle_drops"}),
     ],
 )  # fmt: skip
 def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
-    """A glass that is never tilted, a hand that lets go too early, a hasty hand, a lazy one, a weak one."""
+    """A glass that is never tilted, a hand that releases too early, one that is too fast, one that turns too little, a
+    weak one."""
     done = run(tmp_path / "out", "--scenario", variant(tmp_path, name, change))
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)
@@ -224,13 +227,13 @@ def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
-    """The person's glass then runs into the robot's."""
+    """The person's glass then collides with the robot's."""
     done = run(tmp_path / "out", "--scenario", experiment("pour"), "--seed", seed, "--param", "motion_scale=0.01")
     assert done.status == EXIT_CHECK_FAILED and failed(done) & {"clearance", "water_caught"}
 
 
 def test_mirrored_motion_of_the_measured_robot(tmp_path):
-    """Person +x, robot -x; lateral and vertical motion equal: within 5 % of 30 mm, read from the trace by ourselves."""
+    """Person +x, robot -x; lateral and vertical motion equal: within 5 % of 30 mm, computed from the trace."""
     done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
     names = done.trace.open().readline().rstrip().split(",")
     columns = {

@@ -1,5 +1,5 @@
-"""How following is measured: the figures of paths whose delay and noise are known, the truth against the paper's own lines, and the fast loop
-against physics that can be reckoned by hand."""
+"""The measurement of following: figures of paths with known delay and noise, the reference against the paper's lines,
+and the fast loop against physics that can be computed by hand."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ START_RAD = np.radians([60.0, -30.0, -10.0, -80.0])
 
 
 def sway(duration_s: float = 6.0, amplitude_m: float = 0.03, frequency_hz: float = 0.5) -> Recording:
-    """A smooth motion that begins and ends at rest, at 100 Hz."""
+    """A smooth motion that starts and ends at rest, at 100 Hz."""
     t_s = np.arange(0.0, duration_s, 0.01)
     swing = 1.0 - np.cos(2 * np.pi * frequency_hz * t_s)
     displacement_m = amplitude_m / 2 * swing[:, None] * np.array([1.0, 0.5, -0.3])
@@ -44,13 +44,13 @@ def wander(t_s: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("delay_ms", [-7.25, 0.0, 3.5, 41.0, 152.6])
-def test_delay_is_found_whatever_the_offset(rng, delay_ms):
+def test_delay_is_found_for_any_offset(rng, delay_ms):
     t_s = np.arange(8000) * 1e-3
     path_m = wander(t_s - 1e-3 * delay_ms) + [0.1, -0.2, 0.05] + rng.normal(scale=1e-4, size=(8000, 3))
     assert metrics.delay_ms(path_m, wander(t_s)) == pytest.approx(delay_ms, abs=0.1)
 
 
-def test_no_delay_where_nothing_moves_or_it_is_beyond_all_that_are_tried():
+def test_no_delay_without_motion_or_beyond_the_search_range():
     t_s = np.arange(8000) * 1e-3
     assert np.isnan(metrics.delay_ms(wander(t_s), np.zeros((8000, 3))))
     assert np.isnan(metrics.delay_ms(wander(t_s - 0.25), wander(t_s)))
@@ -75,12 +75,12 @@ def test_ticks_at_a_limit_are_counted():
     assert metrics.limit_share(command, np.array([0.24, 4.76]), 25.0) == pytest.approx(33 / 100)
 
 
-# ---- the truth
+# ---- the reference target
 
 
 @pytest.mark.parametrize("task", ["teleop", "mirror", "pour"])
-def test_truth_is_algorithm_1(rng, task):
-    """Against the paper's lines in dqrobotics, of the hand as the tracker sees it."""
+def test_reference_target_matches_algorithm_1(rng, task):
+    """Against the paper's lines in dqrobotics, for the hand as the tracker sees it."""
     count = 50
     recording = Recording(
         "random", np.arange(count) * 0.1, np.vstack([np.zeros(3), rng.normal(scale=0.1, size=(count - 1, 3))]),
@@ -98,7 +98,7 @@ def test_truth_is_algorithm_1(rng, task):
     assert oracle.pose_distance(found, expected).max() < 1e-7
 
 
-def test_arm_is_hoap3_and_its_jacobian_the_derivative(rng):
+def test_arm_matches_hoap3_and_its_jacobian_is_the_derivative(rng):
     q = np.array([hoap3.random_posture(rng) for _ in range(20)])
     position_m, jacobian = ARM.position_jacobian(q)
     np.testing.assert_allclose(position_m, [hoap3.frames(row)[-1][:3, 3] for row in q], atol=1e-7)
@@ -120,8 +120,8 @@ def test_positions_of_postures_are_reached_and_others_not(rng):
     assert far_m[0] == pytest.approx(np.linalg.norm([1.0, 0, 0] - shoulder_m) - 0.282, abs=0.01)
 
 
-def test_scale_is_the_largest_at_which_all_is_in_reach():
-    """Straight up from the start: the arm is stretched, 0.282 m from the shoulder, when the way is used up."""
+def test_scale_is_the_largest_with_everything_in_reach():
+    """Straight up from the start: the arm is fully stretched, 0.282 m from the shoulder, at the end of the path."""
     t_s = np.arange(0.0, 2.0, 0.01)
     up = np.outer(t_s / t_s[-1], [0.0, 0.0, 1.0])
     recording = Recording("up", t_s, up, np.tile([1.0, 0, 0, 0], (len(t_s), 1)), np.zeros(len(t_s) - 1, bool))
@@ -156,15 +156,15 @@ def test_hand_is_hidden_strictly_inside_a_gap():
 # ---- the loop
 
 
-def test_a_run_is_the_same_again_and_another_with_another_seed():
+def test_a_run_repeats_with_its_seed_and_differs_with_another():
     first = follow(ARM, scene(), TRACKER, followers.firmware({}))
     assert follow(ARM, scene(), TRACKER, followers.firmware({})) == first
     assert follow(ARM, scene(), dataclasses.replace(TRACKER, seed=2), followers.firmware({})) != first
 
 
 def test_former_default_lags_by_the_sum_of_its_parts():
-    """A slow sway without noise: 4 ms of latency, half a tick until a command is read, one period (4 ms) of interpolation, 1/K, one tick of
-    feedback and the drives' 3 ms, within the ticks in which frames wait."""
+    """A slow sway without noise: 4 ms of latency, half a tick until a command is read, one period (4 ms) of
+    interpolation, 1/K, one tick of feedback and the drives' 3 ms, plus or minus the ticks in which frames wait."""
     figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
     speed_mps = np.pi * 0.5 * 0.03 * np.linalg.norm([1.0, 0.5, -0.3]) / np.sqrt(2)
@@ -172,7 +172,7 @@ def test_former_default_lags_by_the_sum_of_its_parts():
     assert figures.limit_percent == 0.0
 
 
-def test_longer_latency_delays_by_as_much():
+def test_longer_latency_adds_the_same_delay():
     still = dataclasses.replace(TRACKER, noise_m=0.0)
     late = dataclasses.replace(still, latency_s=0.034)
     former = followers.named(plan.FORMER)
@@ -186,7 +186,7 @@ def test_noise_at_rest_grows_with_the_trackers():
         noise_at_rest_um(ARM, "teleop", dataclasses.replace(TRACKER, noise_m=n), former) for n in (5e-5, 1e-4)
     )
     assert large / small == pytest.approx(2.0, rel=0.3)
-    assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the law filters, and adds nothing
+    assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the control law filters and adds nothing
 
 
 def test_encoders_quantise_and_joints_integrate_their_commands():
@@ -201,7 +201,7 @@ def test_encoders_quantise_and_joints_integrate_their_commands():
     assert not run.cooperating[:500].any() and run.cooperating[500:].all()
 
 
-def test_wrong_parameters_are_refused_in_a_line():
+def test_wrong_parameters_are_refused_with_one_line():
     motion = scene().motion
     samples = measure(TRACKER, motion)
     for parameters, text in (({"gain": 1.0}, "parameter 'gain'"), ({"damping": 7.0}, "expected 0 to 1")):

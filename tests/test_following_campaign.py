@@ -1,5 +1,5 @@
-"""The campaign of `make following`: what the arm's limits allow, what the judge says of made-up results, what users know against what is known
-of it, ODE beside the loop without physics, and a campaign that is interrupted."""
+"""The campaign of `make following`: motion within the arm's limits, the verdict on synthetic results, the peers against
+their known properties, ODE against the kinematic loop, and an interrupted campaign."""
 
 from __future__ import annotations
 
@@ -37,18 +37,19 @@ def write(folder, name: str, recording: Recording) -> None:
     np.savetxt(folder / f"{name}.csv", rows, "%.9f", ",", header=HEADER, comments="")
 
 
-# ---- what the arm's limits allow
+# ---- motion within the arm's limits
 
 
-def test_a_path_within_the_limits_stays_as_it_is():
+def test_a_path_within_the_limits_is_unchanged():
     t_s = np.arange(400) * 5e-3
     q = 0.3 * np.sin(2 * t_s)[:, None] * np.ones(2)
     bounds = (np.full(2, -1.0), np.full(2, 1.0))
     np.testing.assert_allclose(within_limits(q, 5e-3, bounds, np.full(2, 5.0), 25.0), q, atol=1e-6)
 
 
-def test_a_step_becomes_the_fastest_way_there():
-    """From rest to rest with bounded acceleration: the way grows with the square of the time, and no further than the limits allow."""
+def test_a_step_becomes_the_fastest_allowed_motion():
+    """From rest to rest with bounded acceleration: the displacement grows with the square of the time, within the
+    limits."""
     step_s, acceleration = 5e-3, 10.0
     q = np.where(np.arange(400) < 200, 0.0, 0.5)[:, None]
     path = within_limits(q, step_s, (np.array([-1.0]), np.array([0.45])), np.array([1.2]), acceleration)
@@ -56,7 +57,7 @@ def test_a_step_becomes_the_fastest_way_there():
     assert np.abs(np.diff(path, 2, axis=0)).max() <= acceleration * step_s**2 * 1.001
     assert path.max() <= 0.45 + 5e-4
     assert path[100, 0] == pytest.approx(0.0, abs=5e-3) and path[300, 0] == pytest.approx(0.45, abs=5e-3)
-    assert np.abs(np.diff(path, axis=0)).max() > 1.1 * step_s, "the speed that there is was not used"
+    assert np.abs(np.diff(path, axis=0)).max() > 1.1 * step_s, "the available speed was not used"
 
 
 def test_slow_hands_are_followable_and_fast_ones_are_not():
@@ -104,7 +105,7 @@ def failed(found: Judge) -> set[str]:
     return {c.what for c in [*found.criteria(plan.LOOP), *found.wrong_latency()] if not c.passed}
 
 
-def test_what_follows_well_passes_all():
+def test_good_figures_pass_all_criteria():
     assert failed(judge()) == set()
 
 
@@ -123,7 +124,7 @@ def test_what_follows_well_passes_all():
         ("rms_mm", 3.0, NAMES[:1], "teleop, rotation 1: RMS ratio without those that lock, half 1"),
     ],
 )
-def test_each_criterion_fails_on_what_it_is_for(figure, value, names, part):
+def test_each_criterion_can_fail(figure, value, names, part):
     def spoilt(loop, follower, condition, setting, name):
         found = good(loop, follower, condition, setting, name)
         return {**found, figure: value} if follower == plan.DEFAULT and name in names else found
@@ -134,20 +135,20 @@ def test_each_criterion_fails_on_what_it_is_for(figure, value, names, part):
     assert other == part or not any(other in what for what in wrong)
 
 
-def test_noise_may_grow_by_20_um_and_not_at_all_at_90_hz():
+def test_noise_may_grow_by_20_um_but_not_at_90_hz():
     def noise(follower, condition):
         return 20.0 + (15.0 if follower == plan.DEFAULT else 0.0)
 
     assert failed(judge(noise=noise)) == {"noise at rest at 90 Hz, 30 ms, 0.5 mm"}
 
 
-def test_an_arm_that_swings_when_the_latency_is_wrong_fails():
+def test_an_arm_that_oscillates_with_a_wrong_latency_fails():
     wrong = failed(judge(noise=lambda follower, condition: 40.0 if condition.announced_error_ms > 0 else 20.0))
     assert len(wrong) == 2 and all("announced +10 ms" in what for what in wrong)
 
 
 @pytest.mark.parametrize("lost", ["default", "former"])
-def test_what_was_not_measured_has_not_passed(lost):
+def test_a_missing_measurement_does_not_pass(lost):
     found = judge()
     for key in list(found._results.values):
         if key[2] == lost and key[5] in (NAMES[0], "at rest"):
@@ -164,7 +165,7 @@ def test_what_was_not_measured_has_not_passed(lost):
 
 
 def test_peers_are_tuned_on_the_other_half():
-    """What is best on one half is worst on the other: so each half is judged with its worst."""
+    """The best choice on one half is the worst on the other, so each half is judged with its worst."""
     first, second = plan.folds(NAMES)
     good_for = dict.fromkeys(first, "qp 20") | dict.fromkeys(second, "qp 35")
 
@@ -180,7 +181,7 @@ def test_each_recording_is_in_one_half():
     assert len({"mine", "yours"} & set(first)) == 1
 
 
-def test_what_much_noise_decides_is_the_mean_over_seeds():
+def test_noise_dominated_figures_are_means_over_seeds():
     found = judge()
     for seed, value in ((1, 3.0), (2, 6.0), (3, 9.0)):
         key = case_key(plan.LOOP, plan.DEFAULT, plan.SLOW, plan.TELEOP, NAMES[0], seed)
@@ -191,11 +192,11 @@ def test_what_much_noise_decides_is_the_mean_over_seeds():
     assert math.isnan(found.figure(*figure))
 
 
-# ---- what users know
+# ---- peers
 
 
 def test_one_euro_is_a_low_pass_at_rest_and_lets_fast_motion_through():
-    """A first-order low-pass of white noise leaves sqrt(s / (2 - s)) of it, s the share of the new sample."""
+    """A first-order low-pass of white noise leaves sqrt(s / (2 - s)) of it, s being the weight of the new sample."""
     tracker = plan.Condition(250, 4, 0.5).tracker()
     still = measure(tracker, HandMotion(None, 1.0, 1.0, 0.0, 40.0))
     quiet = one_euro.filtered(still, 1.0, 0.0)
@@ -210,7 +211,7 @@ def test_one_euro_is_a_low_pass_at_rest_and_lets_fast_motion_through():
 
 
 @pytest.mark.parametrize("name", ["ruckig 0", "ruckig 0.5", "qp 35"])
-def test_peers_follow_within_the_same_limits(name):
+def test_peers_follow_within_the_arms_limits(name):
     for package in ("ruckig", "mink"):
         pytest.importorskip(package, reason=f"{package} comes with `make following`")
     scene, tracker = Scene(sway(), "teleop", 1.0, 0.3), plan.Condition(250, 4, 0.0).tracker()
@@ -228,8 +229,8 @@ def test_peers_follow_within_the_same_limits(name):
 
 
 @pytest.mark.parametrize("setting", [plan.TELEOP, plan.MIRROR, plan.POUR])
-def test_ode_agrees_with_the_loop_without_physics(tmp_path, setting):
-    """Two arms that share no code but the firmware."""
+def test_ode_agrees_with_the_kinematic_loop(tmp_path, setting):
+    """Two arms that share no code except the firmware."""
     write(tmp_path, "sway", sway())
     scene = Scene(sway(), setting.task, 0.8, setting.rotation_scale)
     job = ode.job(tmp_path / "run", plan.FORMER, plan.FAST, setting, tmp_path / "sway.csv", 0.8)
@@ -243,7 +244,7 @@ def test_ode_agrees_with_the_loop_without_physics(tmp_path, setting):
     assert found.acceleration_mps2 == pytest.approx(expected.acceleration_mps2, rel=0.1)
 
 
-def test_ode_rests_as_noisily_as_the_loop_without_physics(tmp_path):
+def test_ode_has_the_same_noise_at_rest_as_the_kinematic_loop(tmp_path):
     job = ode.job(tmp_path, plan.FORMER, plan.MIDDLE, plan.TELEOP, None, 1.0)
     expected = noise_at_rest_um(ARM, "teleop", plan.MIDDLE.tracker(), followers.named(plan.FORMER))
     assert ode.noise_um(ARM, run_jobs([job])[0]) == pytest.approx(expected, rel=0.2)
@@ -254,7 +255,7 @@ def test_ode_rests_as_noisily_as_the_loop_without_physics(tmp_path):
 
 @pytest.fixture
 def few_cases(monkeypatch):
-    """In place of a campaign's hundreds."""
+    """A few cases instead of a campaign's hundreds."""
 
     def few(choice, scenes):
         path, scale = scenes[plan.TELEOP][0]
@@ -273,10 +274,10 @@ def campaign(tmp_path, *arguments: str) -> int:
     )
 
 
-def test_campaign_measures_reports_and_goes_on(tmp_path, few_cases, capsys, monkeypatch):
+def test_campaign_measures_reports_and_resumes(tmp_path, few_cases, capsys, monkeypatch):
     write(tmp_path, "sway", sway())
     write(tmp_path, "sway_raw", sway())
-    assert campaign(tmp_path) == 1, "criteria that nothing was measured for have passed"
+    assert campaign(tmp_path) == 1, "criteria without measurements have passed"
     out = capsys.readouterr().out
     assert "not measured" in out and "former" in out
     document = json.loads((tmp_path / "out" / "following.json").read_text())
@@ -306,10 +307,11 @@ def test_results_of_another_firmware_are_not_used(tmp_path):
     assert Results.open(path, "new").values == {}
 
 
-def test_without_recordings_it_says_so(tmp_path, capsys, monkeypatch):
+def test_missing_recordings_are_reported(tmp_path, capsys, monkeypatch):
     assert program.main(["--out", str(tmp_path), "--recordings", str(tmp_path / "none")]) == 2
     assert "none: no such folder" in capsys.readouterr().err
-    monkeypatch.setattr(program, "RECORDINGS_FOLDER", tmp_path / "none")  # the default one: a checkout alone
+    # the default folder, as in a checkout on its own
+    monkeypatch.setattr(program, "RECORDINGS_FOLDER", tmp_path / "none")
     assert program.main(["--out", str(tmp_path), "--recordings", str(tmp_path / "none")]) == 0
     assert "skipped: there is no folder" in capsys.readouterr().out
     assert campaign(tmp_path) == 2
@@ -319,7 +321,7 @@ def test_without_recordings_it_says_so(tmp_path, capsys, monkeypatch):
     assert "broken.csv" in capsys.readouterr().err
 
 
-def test_a_twin_with_its_gaps_is_left_out(tmp_path):
+def test_a_duplicate_recording_with_gaps_is_left_out(tmp_path):
     write(tmp_path, "a", sway())
     write(tmp_path, "a_raw", sway())
     write(tmp_path, "b_raw", sway())
@@ -329,8 +331,8 @@ def test_a_twin_with_its_gaps_is_left_out(tmp_path):
     assert left_out == {"a_raw": "the same motion as a", "force": "no motion of a hand: another header"}
 
 
-def test_limits_are_the_limiters():
-    """A share of ticks at the limit that the loop without physics can reach: a hand that jumps about."""
+def test_limits_match_the_joint_limits_module():
+    """A share of ticks at the limit that the kinematic loop can reach: a hand that jumps about."""
     figures = follow(ARM, Scene(sway(4.0, 0.2), "teleop", 1.0, 0.3), plan.FAST.tracker(), followers.named(plan.FORMER))
     assert figures.limit_percent > 30.0
     assert metrics.TICK_S == 1e-3

@@ -1,4 +1,4 @@
-"""controller_step() with prediction: what the hand's motion does to the arm, frame by frame, with drives that do at once what they are told."""
+"""controller_step() with prediction: the arm's response to the hand's motion, frame by frame, with ideal drives."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def position(bench: Bench) -> np.ndarray:
 
 
 def move(bench: Bench, velocity_mps, ticks: int, ramp: int = 300) -> np.ndarray:
-    """The hand speeds up in `ramp` ticks and goes on; the robot's place at each tick."""
+    """Accelerates the hand within `ramp` ticks and keeps the speed; returns the robot's position at each tick."""
     places = []
     for k in range(ticks):
         bench.move_hand(np.asarray(velocity_mps) * min(1, (k + 1) / ramp) * TICK_US * 1e-6)
@@ -43,11 +43,11 @@ def test_a_hand_that_moves_steadily_is_followed_without_lag():
     hand, robot = oracle.translation(bench.hand), position(bench)
     move(bench, [0, SPEED_MPS, 0], 700)
     lag_m = (oracle.translation(bench.hand) - hand) - (position(bench) - robot)
-    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # 10 ms of way; interpolation alone costs 4 ms, and 1 / K 29 ms
+    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # displacement in 10 ms; interpolation alone costs 4 ms, and 1 / K 29 ms
     assert np.abs(bench.velocity_radps).max() > 0.1
 
 
-def test_off_by_one_parameter():
+def test_one_parameter_switches_prediction_off():
     bench = started(prediction=0.0)
     hand, robot = oracle.translation(bench.hand), position(bench)
     move(bench, [0, SPEED_MPS, 0], 700)
@@ -56,7 +56,8 @@ def test_off_by_one_parameter():
 
 
 def test_a_clutch_in_motion_keeps_the_hands_speed():
-    """The next target is the robot's pose, and moves on with the hand: the robot is not braked (it was, from 0.156 to 0.043 m/s)."""
+    """The next target is the robot's pose and moves with the hand: the robot keeps its speed (it once dropped from
+    0.156 to 0.043 m/s)."""
     bench = started()
     before = move(bench, [0, SPEED_MPS, 0], 600)
     assert bench.command(lib.COMMAND_CLUTCH) == lib.RESULT_ACCEPTED
@@ -70,18 +71,18 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
     bench = started(stale_periods=25)
     move(bench, [0, SPEED_MPS, 0], 600)
     bench.hand = None
-    begun = position(bench)
-    bench.tick(80)  # 100 ms until it counts as stale: the prediction has faded before
+    start = position(bench)
+    bench.tick(80)  # 100 ms until the hand is stale: the prediction has faded by then
     assert bench.mode == lib.MODE_COOPERATING
     assert np.abs(bench.velocity_radps).max() < 0.15
     bench.tick(60)
     assert bench.mode == lib.MODE_HOLD and (bench.velocity_radps == 0).all()
-    assert (position(bench) - begun)[1] < SPEED_MPS * 0.08
+    assert (position(bench) - start)[1] < SPEED_MPS * 0.08
 
 
 @pytest.mark.parametrize("ticks_lost", [100, 1500])
-def test_after_a_loss_nobody_is_led_from_where_the_hand_was(ticks_lost):
-    """The tracker is lost, the hand moves on by 200 mm and is still: a start as soon as it can be moves nothing."""
+def test_after_a_loss_the_start_does_not_use_the_old_hand_position(ticks_lost):
+    """The tracker is lost, the hand moves on by 200 mm and stops: a start as soon as possible moves nothing."""
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     assert bench.write(lib.PARAMETER_TASK_BLEND_S, 0.0) == lib.RESULT_ACCEPTED
     hand, bench.hand = bench.hand, None
@@ -96,7 +97,7 @@ def test_after_a_loss_nobody_is_led_from_where_the_hand_was(ticks_lost):
     assert np.linalg.norm(position(bench) - robot) < 1e-3
 
 
-def test_prediction_switched_on_begins_with_the_hand_as_it_is():
+def test_prediction_starts_with_the_current_hand_pose():
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     assert bench.write(lib.PARAMETER_PREDICTION, 0.0) == lib.RESULT_ACCEPTED
     bench.move_hand([0.2, 0, 0])
@@ -109,7 +110,8 @@ def test_prediction_switched_on_begins_with_the_hand_as_it_is():
 
 
 def test_the_reference_is_the_estimate_and_not_one_sample(rng):
-    """Of many starts with noise, the target's place about the robot's: what the last sample alone was off by is not kept."""
+    """Over many starts with noise, the target's position relative to the robot: the error of the last sample is not
+    kept."""
     sigma_m, offsets = 1e-3, []
     for _ in range(12):
         bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
@@ -125,7 +127,7 @@ def test_the_reference_is_the_estimate_and_not_one_sample(rng):
     assert np.sqrt(np.mean(np.square(offsets))) < 1.0 * sigma_m  # one sample: sqrt(3) sigma
 
 
-def test_a_target_that_comes_back_into_reach_is_met_without_whipping():
+def test_a_target_that_returns_into_reach_causes_no_overshoot():
     bench = started()
     robot = position(bench)
     t = np.arange(0, 5.0, TICK_US * 1e-6)

@@ -1,6 +1,7 @@
-"""The paper's law, law (4) with given K and W, and the default of before the prediction ask for the same velocities as they did, to the bit.
+"""The paper's law, law (4) with given K and W, and the default before prediction still give the same velocities, bit by
+bit.
 
-before_prediction.txt is what digest.c printed with the firmware at e544a9a: the last one without prediction."""
+before_prediction.txt is the output of digest.c with the firmware at e544a9a, the last one without prediction."""
 
 from __future__ import annotations
 
@@ -12,12 +13,13 @@ REPOSITORY = HERE.parent
 FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Werror", "-Ibuild/generated"]
 
 
-def test_the_velocities_asked_for_without_prediction_are_the_former_ones(tmp_path):
+def test_the_velocities_without_prediction_are_unchanged(tmp_path):
     firmware = sorted((REPOSITORY / "firmware").rglob("*.c"))
     sources = [path for path in firmware if path.name != "main.c"]
     program = tmp_path / "digest"
     subprocess.run(
-        ["gcc", *FLAGS, HERE / "former_law" / "digest.c", *sources, "build/generated/comanip_dbc.c", "-lm", "-o", program],
+        ["gcc", *FLAGS, HERE / "former_law" / "digest.c", *sources, "build/generated/comanip_dbc.c", "-lm", "-o",
+         program],
         cwd=REPOSITORY, check=True,
     )  # fmt: skip
     printed = subprocess.run([program], check=True, capture_output=True, text=True).stdout

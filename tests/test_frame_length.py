@@ -1,4 +1,5 @@
-"""Exact lengths of frames: the simulated bus's and the computed extremes, against constructions bit by bit."""
+"""Exact lengths of frames: the simulated bus's durations and the computed extremes, against bit-by-bit
+constructions."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ def simulated_ns(rates: BitRates, identifier: int, data: bytes) -> int:
 
 
 def random_data(rng: np.random.Generator, length: int) -> bytes:
-    """Half of it rich in runs of equal bits."""
+    """Half of the data has long runs of equal bits."""
     return rng.bytes(length) if rng.random() < 0.5 else bytes(rng.choice(RUNS, length).astype(np.uint8))
 
 
@@ -35,7 +36,7 @@ def lengths(rates: BitRates) -> list[int]:
 
 
 def received(wire: str) -> str:
-    """What a receiver keeps: all but the bit after each five equal ones, which also begins the next run."""
+    """The bits that a receiver keeps: all but the bit after five equal ones, which also starts the next run."""
     kept, run = "", ""
     for bit in wire:
         kept += "" if len(run) == 5 else bit
@@ -72,7 +73,7 @@ def test_impossible_classic_frames_have_no_duration(identifier, length):
 
 @pytest.mark.parametrize("rates", [FD, CLASSIC], ids=["fd", "classic"])
 @pytest.mark.parametrize("identifier", [0x000, 0x050, 0x078, 0x3E0, 0x7FF])
-def test_extremes_are_those_of_all_payloads_of_one_byte(rates, identifier):
+def test_extremes_over_all_payloads_of_one_byte(rates, identifier):
     durations = [DURATION_NS[rates](identifier, bytes([octet])) for octet in range(256)]
     assert longest(identifier, 1, rates).duration_ns == max(durations)
     assert shortest(identifier, 1, rates).duration_ns == min(durations)
@@ -80,8 +81,8 @@ def test_extremes_are_those_of_all_payloads_of_one_byte(rates, identifier):
 
 
 @pytest.mark.parametrize("rates", [FD, CLASSIC], ids=["fd", "classic"])
-def test_extremes_are_those_of_all_payloads_of_two_bytes(rates):
-    """All by the simulator's function, which is tested above."""
+def test_extremes_over_all_payloads_of_two_bytes(rates):
+    """All payloads with the simulator's function, which is tested above."""
     for identifier in (0x078, 0x180):
         durations = [simulated_ns(rates, identifier, value.to_bytes(2, "big")) for value in range(1 << 16)]
         assert longest(identifier, 2, rates).duration_ns == max(durations)
@@ -89,7 +90,7 @@ def test_extremes_are_those_of_all_payloads_of_two_bytes(rates):
 
 
 @pytest.mark.parametrize("rates", [FD, CLASSIC], ids=["fd", "classic"])
-def test_extremes_are_reached_and_never_passed(rng, rates):
+def test_extremes_are_reached_and_never_exceeded(rng, rates):
     for length in lengths(rates):
         for identifier in (0x010, 0x078, int(rng.integers(0x800))):
             most, least = longest(identifier, length, rates), shortest(identifier, length, rates)
@@ -103,7 +104,7 @@ def test_extremes_are_reached_and_never_passed(rng, rates):
                 )
 
 
-def test_the_usual_bounds_hold_and_are_near():
+def test_the_usual_bounds_hold_and_are_tight():
     """One stuff bit per four bits that can be stuffed; classic: 55 + 10 n bits (Davis et al. 2007)."""
     for length in range(9):
         worst_us = max(longest(identifier, length, CLASSIC).duration_ns for identifier in IDENTIFIERS) / 1000
@@ -129,7 +130,7 @@ def test_rates_scale_their_own_phase(rng):
     ("identifier", "length", "rates", "words"),
     [(0x800, 8, FD, "0x800"), (-1, 8, CLASSIC, "-0x1"), (1, 9, FD, "length 9"), (1, 12, CLASSIC, "length 12")],
 )
-def test_frames_that_cannot_be_are_refused(identifier, length, rates, words):
+def test_impossible_frames_are_refused(identifier, length, rates, words):
     for extreme in (longest, shortest):
         with pytest.raises(ValueError, match=words):
             extreme(identifier, length, rates)

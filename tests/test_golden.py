@@ -1,6 +1,6 @@
-"""Golden logs (tests/golden): the firmware, fed with what it received then, sends what it sent then.
+"""Golden logs (tests/golden): the firmware, fed with the recorded input, sends the recorded output.
 
-They were recorded by the build that their FirmwareIdentity names: a change of behaviour between builds is seen here."""
+They were recorded by the build that their FirmwareIdentity names: a change of behaviour between builds shows here."""
 
 from __future__ import annotations
 
@@ -45,10 +45,12 @@ def replayed(frames):
 
 
 @pytest.mark.parametrize(("run", "profile"), CASES, ids=lambda value: getattr(value, "name", value))
-def test_the_firmware_sends_what_it_sent(frames_of, run, profile):
+def test_the_firmware_repeats_the_recorded_output(frames_of, run, profile):
     frames = frames_of(run, profile)
     report = replayed(frames)
-    assert report.difference is None, f"{run.name}-{profile}: {report.difference}; a change meant to be? make golden"
+    assert report.difference is None, (
+        f"{run.name}-{profile}: {report.difference}; if the change is intended: make golden"
+    )
     counted = Counter(frame.name for frame in frames)
     commands = counted["JointCmd"] if profile == "fd" else counted["ClassicJointCmd0"]
     traces = counted["TickTrace"] if profile == "fd" else counted["ClassicTickTrace"]
@@ -57,10 +59,10 @@ def test_the_firmware_sends_what_it_sent(frames_of, run, profile):
 
 
 @pytest.mark.parametrize(("run", "profile"), CASES, ids=lambda value: getattr(value, "name", value))
-def test_a_log_goes_from_boot_over_start_to_stop(frames_of, run, profile):
+def test_a_log_goes_from_boot_through_start_to_stop(frames_of, run, profile):
     name = "FirmwareStatus" if profile == "fd" else "ClassicFirmwareStatus"
-    told = [decode(frame) for frame in frames_of(run, profile) if frame.name == name]
-    reasons = [str(status["reason"]) for status in told]
+    statuses = [decode(frame) for frame in frames_of(run, profile) if frame.name == name]
+    reasons = [str(status["reason"]) for status in statuses]
     assert reasons[0] in ("boot", "waiting_for_drives")
     assert "operator_start" in reasons
     if run.name == "teleop_gaps":
@@ -68,7 +70,7 @@ def test_a_log_goes_from_boot_over_start_to_stop(frames_of, run, profile):
     else:
         assert reasons[-1] == "operator_stop"
     if run.name == "mirror":
-        assert any(status["latched"] for status in told)
+        assert any(status["latched"] for status in statuses)
 
 
 def test_both_profiles_all_experiments_and_the_size():
@@ -78,13 +80,13 @@ def test_both_profiles_all_experiments_and_the_size():
     assert len(list(golden.FOLDER.glob("*.log.xz"))) == len(CASES)
 
 
-def test_the_changelog_says_why_they_were_recorded():
+def test_the_changelog_gives_the_reason_of_each_recording():
     revisions = re.findall(r"Golden logs, revision (\d+): \S", (REPOSITORY / "CHANGELOG.md").read_text())
     assert [int(revision) for revision in revisions] == list(range(1, golden.REVISION + 1))
 
 
 @pytest.mark.parametrize("profile", golden.PROFILES)
-def test_a_change_of_behaviour_is_found(frames_of, profile):
+def test_a_change_of_behaviour_is_detected(frames_of, profile):
     """One bit of one command."""
     run = next(run for run in golden.RUNS if run.name == "handover")
     frames = list(frames_of(run, profile))
@@ -103,9 +105,9 @@ def test_a_change_of_behaviour_is_found(frames_of, profile):
 def identity_changed(frames, **signals):
     place = next(i for i, frame in enumerate(frames) if frame.name == "FirmwareIdentity")
     old = frames[place]
-    whole = old._replace(data=old.data.ljust(old.message.length, b"\0"))
+    padded = old._replace(data=old.data.ljust(old.message.length, b"\0"))
     known = {"build_hash": 1, "trace_version": 1, "trace_hash": Replay(frames[:2000])._lib.replay_trace_hash()}
-    data = protected("FirmwareIdentity", decode(whole) | known | signals, 0)
+    data = protected("FirmwareIdentity", decode(padded) | known | signals, 0)
     return [*frames[:place], old._replace(data=data), *frames[place + 1 :]]
 
 
@@ -133,7 +135,7 @@ def test_another_trace_is_refused(handover, change):
 
 
 def without_parameter(frames, number: int):
-    """As a build without that parameter would have sent it: nothing of it, and the counters of the others run on."""
+    """The frames of a build without that parameter: its frames are missing, the other counters are consecutive."""
     counter, kept = 0, []
     for frame in frames:
         if frame.name == "ParameterValue":
@@ -152,7 +154,7 @@ def test_a_build_with_fewer_parameters_is_replayed(handover):
     assert report.difference is None, report.difference
 
 
-def test_a_build_that_answers_otherwise_is_found(handover):
+def test_a_build_with_different_answers_is_detected(handover):
     frames = identity_changed(handover, build_hash=2)
     place = [i for i, frame in enumerate(frames) if frame.name == "ParameterValue"][20]
     signals = decode(frames[place])
@@ -163,12 +165,12 @@ def test_a_build_that_answers_otherwise_is_found(handover):
     assert replayed(frames).difference is not None
 
 
-def test_what_the_log_has_not_at_all_is_left_out_and_named(handover):
+def test_a_message_missing_from_the_log_is_left_out_and_named(handover):
     frames = [frame for frame in identity_changed(handover, build_hash=2) if frame.name != "FirmwareStatus"]
     report = replayed(frames)
     assert report.difference is None and report.left_out == ("FirmwareStatus", "FirmwareIdentity")
 
 
-def test_a_report_says_nothing_of_builds_where_there_is_one(handover):
+def test_a_report_names_no_other_build_if_there_is_none(handover):
     report = replayed(identity_changed(handover, build_hash=Replay(handover)._lib.replay_build_hash()))
     assert dataclasses.replace(report, difference=None).other_build is None and report.left_out == ()

@@ -1,4 +1,4 @@
-"""What grips bear against statics: the robot's joints, its pads, shocks, torque about the jaws."""
+"""Loads on grips against statics: the robot's joints, its pads, shocks, torque about the jaws."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scene_bench import ALONG_Y, GRAVITY_MPS2, Scene
 
 _, lib = plant_binding.load()
 CHECK_DEG = (90, 0, 0, -90)
-GRIPPER = np.array([0.166, -0.111, 0.014])  # 30 mm before the hand of the manual's check posture
+GRIPPER = np.array([0.166, -0.111, 0.014])  # 30 mm in front of the end effector in the manual's check posture
 FREE_PLACE = np.array([0.4, 0.2, 0.0])  # far from arm and ground
 
 
@@ -43,7 +43,7 @@ def test_the_arms_joints_bear_what_the_gripper_holds(kind):
 
 
 @pytest.mark.parametrize("kind", ["GRIP_BALL", "GRIP_FIXED"])
-def test_pads_give_way_as_springs(kind):
+def test_pads_deflect_as_springs(kind):
     """Held in its middle, a rod of 0.3 kg sinks by its weight over the stiffness."""
     thing = rod(GRIPPER, held_by_robot=True, mass_kg=0.3, robot_grip=getattr(lib, kind))
     with Scene([], [thing], start_deg=CHECK_DEG, gripper={"stiffness_Npm": 1500.0}) as scene:
@@ -55,13 +55,13 @@ def test_pads_give_way_as_springs(kind):
 
 @pytest.mark.parametrize(("limit_share", "lost"), [(0.97, 1), (1.03, 0)])
 def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
-    """A rod gripped 60 mm from its middle pulls with its weight times 60 mm at the jaws."""
+    """A rod gripped 60 mm from its middle loads the jaws with its weight times 60 mm."""
     mass, lever = 0.4, 0.06
     limit = limit_share * mass * GRAVITY_MPS2 * lever
     thing = rod(GRIPPER + [0, lever, 0], held_by_robot=True, mass_kg=mass, robot_grip=lib.GRIP_FIXED)
     gripper = {"torque_limit_Nm": limit, "stiffness_Npm": 1e5, "damping_Nspm": 1e3}
     with Scene([], [thing], start_deg=CHECK_DEG, gripper=gripper) as scene:
-        for n in range(1, 1001):  # the weight grows: no swing
+        for n in range(1, 1001):  # the weight grows slowly: no oscillation
             scene.set_gravity(-GRAVITY_MPS2 * n / 1000)
             scene.step()
         scene.step(300)
@@ -69,7 +69,7 @@ def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
 
 
 @pytest.mark.parametrize(("shock_steps", "lost"), [(1, 0), (40, 1)])
-def test_one_steps_shock_opens_no_hand(shock_steps, lost):
+def test_a_shock_of_one_step_does_not_open_the_hand(shock_steps, lost):
     """Three times the limit (no stiffness: the puller's acceleration alone gives the force) for 1 ms, or for 40 ms."""
     places = [FREE_PLACE - [0, 0.1, 0], FREE_PLACE + [0, 0.1, 0]]
     limp = {"stiffness_Npm": 0.0, "mass_kg": 1.5}
@@ -79,7 +79,7 @@ def test_one_steps_shock_opens_no_hand(shock_steps, lost):
         assert scene.grip(0) and scene.grip(1)
         aim, speed, peak_N = places[1].copy(), 0.0, 0.0
         for n in range(100):
-            # 60 N on two hands of the same mass: 30 N at the other.
+            # 60 N on two hands of equal mass: 30 N at the other.
             speed += 40.0 * scene.step_s if n < shock_steps else 0.0
             aim = aim + [0, speed * scene.step_s, 0]
             scene.aim(1, aim)
@@ -89,7 +89,7 @@ def test_one_steps_shock_opens_no_hand(shock_steps, lost):
         assert scene.times("person0.lost") == lost
 
 
-def test_a_hand_holds_one_thing_and_no_stand():
+def test_a_hand_holds_one_object_and_never_a_stand():
     stand = {"kind": lib.OBJECT_STAND, "pose": (list(FREE_PLACE), (1, 0, 0, 0))}
     with Scene([person(FREE_PLACE)], [rod(FREE_PLACE), rod(FREE_PLACE), stand]) as scene:
         assert not scene.grip(0, 2)

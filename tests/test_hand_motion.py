@@ -1,4 +1,5 @@
-"""The estimate of the hand's motion: against motions known in closed form, its own equations in double precision, and invariants."""
+"""The estimate of the hand's motion: against motions in closed form, its equations in double precision, and
+invariants."""
 
 from __future__ import annotations
 
@@ -44,15 +45,17 @@ class Estimate:
 
     def predict(self, now_us, ahead_s=0.0) -> np.ndarray:
         """w x y z, position, velocity, angular velocity."""
-        asked = (self.state, (self.zero_us + now_us) % WRAP, ahead_s)
-        pose = ffi.new("pose_t *", lib.hand_motion_pose(*asked))
-        motion = ffi.new("twist_t *", lib.hand_motion_twist(*asked))
+        arguments = (self.state, (self.zero_us + now_us) % WRAP, ahead_s)
+        pose = ffi.new("pose_t *", lib.hand_motion_pose(*arguments))
+        motion = ffi.new("twist_t *", lib.hand_motion_twist(*arguments))
         return np.concatenate([np.frombuffer(ffi.buffer(part), np.float32) for part in (pose, motion)]).astype(float)
 
 
 def run(truth, duration_s, rate_hz=250, latency_s=0.004, noise_m=0.0, rng=None, ahead_s=0.0, estimate=None, **how):
-    """Samples of truth(t) -> position, rotation at a rate; the prediction at each tick. how: lost(t), change(position, rotation),
-    announced_s (the latency that is believed), jitter (of the interval)."""
+    """Samples truth(t) -> position, rotation at a rate; returns the prediction at each tick.
+
+    how: lost(t), change(position, rotation), announced_s (the assumed latency), jitter (of the interval).
+    """
     estimate = estimate or Estimate()
     lost, change = how.get("lost", lambda t: False), how.get("change", lambda p, r: (p, r))
     believed_s = how.get("announced_s", latency_s)
@@ -90,7 +93,7 @@ def angle_between(a, b):
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 @pytest.mark.parametrize("latency_s", [0.004, 0.06])
 def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
-    """In the limit: where it is, how fast, and for the instant asked for."""
+    """In the limit: position, speed, and the requested time."""
     velocity, spin = np.array([0.3, -0.4, 0.2]), 2.0
     axis = np.array([1.0, 2.0, -2.0]) / 3
 
@@ -108,7 +111,8 @@ def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
 
 
 def test_a_hand_that_accelerates_is_followed():
-    """The estimate's error is the cube of the memory times the acceleration over its fading time, not the lag of a velocity filter."""
+    """The estimate's error is the cube of the memory times the acceleration over its fading time, not a velocity
+    filter's lag."""
     acceleration = 2.0
     t, got = run(lambda t: (0.5 * acceleration * t**2 * X, IDENTITY), 1.0)
     late = t > 0.6
@@ -117,7 +121,7 @@ def test_a_hand_that_accelerates_is_followed():
 
 
 @pytest.mark.parametrize("rate_hz", [60, 120, 250])
-def test_irregular_and_lost_samples_do_no_harm(rate_hz, rng):
+def test_irregular_and_lost_samples_are_tolerated(rate_hz, rng):
     velocity = np.array([0.3, -0.4, 0.2])
     t, got = run(
         lambda t: (velocity * t, IDENTITY),
@@ -132,7 +136,7 @@ def test_irregular_and_lost_samples_do_no_harm(rate_hz, rng):
 
 
 @pytest.mark.parametrize("wrong_s", [-0.01, 0.01])
-def test_a_latency_known_wrongly_shifts_the_time_and_no_more(wrong_s):
+def test_a_wrong_latency_only_shifts_the_time(wrong_s):
     t, got = run(lambda t: (0.4 * t * X, IDENTITY), 3.0, latency_s=0.02, announced_s=0.02 + wrong_s)
     late = t > 2
     assert np.abs(got[late, 4] - 0.4 * (t[late] + wrong_s)).max() < 2e-4
@@ -140,7 +144,7 @@ def test_a_latency_known_wrongly_shifts_the_time_and_no_more(wrong_s):
 
 
 def test_the_velocity_is_the_derivative_of_the_pose():
-    """Between samples, once the last change has faded: by finite differences of the prediction at one tick."""
+    """Between samples, after the last change has faded: by finite differences of the prediction at one tick."""
     estimate = Estimate()
 
     def truth(t):
@@ -156,8 +160,9 @@ def test_the_velocity_is_the_derivative_of_the_pose():
 
 
 @pytest.mark.parametrize(("latency_s", "most"), [(0.0, 1.2), (0.02, 1.4), (0.05, 2.4)])
-def test_a_hand_that_shakes_is_not_magnified_beyond_what_its_latency_costs(latency_s, most):
-    """4 Hz, 50 mm: a constant acceleration over the whole horizon made 1.1 to 3.1 times of it, and took the motion for noise."""
+def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_s, most):
+    """4 Hz, 50 mm: a constant acceleration over the whole horizon amplified it 1.1 to 3.1 times and took it for
+    noise."""
     estimate = Estimate()
     t, got = run(lambda t: (0.05 * np.sin(8 * np.pi * t) * X, IDENTITY), 4.0, 250, latency_s, estimate=estimate)
     assert np.abs(got[t > 2, 4]).max() < most * 0.05
@@ -167,7 +172,8 @@ def test_a_hand_that_shakes_is_not_magnified_beyond_what_its_latency_costs(laten
 
 
 class Reference:
-    """Translation only: Morrison's third-order fading memory with exact exponentials, and the memory's law, in double precision."""
+    """Translation only: Morrison's third-order fading memory with exact exponentials and the memory's law, in
+    double."""
 
     def __init__(self):
         self.p = self.v = self.a = self.innovation = self.change = self.trend = np.zeros(3)
@@ -201,9 +207,9 @@ class Reference:
 
 @pytest.mark.parametrize("noise_m", [5e-5, 5e-4])
 @pytest.mark.parametrize("rate_hz", [60, 250])
-def test_the_filter_is_its_equations(rate_hz, noise_m, rng):
-    """Rest, a reach, rest, with noise and irregular intervals: what float32 and the rational exponential leave of a difference is a small
-    part of the noise."""
+def test_the_filter_matches_its_equations(rate_hz, noise_m, rng):
+    """Rest, a reach, rest, with noise and irregular intervals: the difference left by float32 and the rational
+    exponential is a small part of the noise."""
     estimate, reference = Estimate(), Reference()
     t = 0.0
     difference, memories = [], []
@@ -222,7 +228,7 @@ def test_the_filter_is_its_equations(rate_hz, noise_m, rng):
     assert max(difference) < 0.2 * noise_m
     memories = np.array(memories)
     assert np.abs(memories[:, 0] / memories[:, 1] - 1).max() < 0.1
-    assert memories[:, 1].max() > 3 * memories[:, 1].min()  # it was put to use
+    assert memories[:, 1].max() > 3 * memories[:, 1].min()  # the memory did adapt
 
 
 # ---- invariants
@@ -232,8 +238,8 @@ def wander(t):
     return 0.1 * np.sin([3 * t, 4 * t + 1, 5 * t]), turn([1, 2, 3], np.sin(2 * t))
 
 
-def test_the_trackers_place_does_not_matter():
-    """The same motion seen from elsewhere: the same prediction, seen from there."""
+def test_the_trackers_position_does_not_matter():
+    """The same motion in another frame gives the same prediction in that frame."""
     placed, shift = turn([3, -1, 2], 2.1), np.array([0.7, -1.1, 0.4])
     _, here = run(wander, 1.5, 120, 0.01)
     seen = lambda p, r: (oracle.rotate(placed, p) + shift, oracle.quaternion_multiply(placed, r))  # noqa: E731
@@ -257,7 +263,7 @@ def test_flipped_signs_change_nothing(rng):
 
 
 @pytest.mark.parametrize("zero_us", [WRAP - 500_000, WRAP - 3000, 2**31 - 500_000])
-def test_the_clock_may_come_round(zero_us):
+def test_the_clock_may_wrap(zero_us):
     _, here = run(wander, 1.0)
     _, there = run(wander, 1.0, estimate=Estimate(zero_us))
     assert np.array_equal(here, there)
@@ -265,7 +271,8 @@ def test_the_clock_may_come_round(zero_us):
 
 @pytest.mark.parametrize("rate_hz", [30, 90, 250])
 def test_a_new_sample_makes_no_jump(rate_hz, rng):
-    """From tick to tick the hand goes on as its speed lets it, and the speed changes gently, whatever the noise."""
+    """From tick to tick the hand moves no further than its speed allows, and the speed changes gently, for any
+    noise."""
     t, got = run(wander, 3.0, rate_hz, 0.03, noise_m=2e-4, rng=rng)
     late = got[t > 0.5]
     fastest = np.linalg.norm(late[:, 7:10], axis=1).max()
@@ -283,8 +290,8 @@ def test_a_new_sample_makes_no_jump(rate_hz, rng):
 @pytest.mark.parametrize(
     ("rate_hz", "latency_s", "noise_m"), [(250, 0.004, 5e-5), (120, 0.01, 1e-4), (90, 0.03, 5e-4), (30, 0.06, 1e-3)]
 )
-def test_at_rest_less_is_left_than_one_samples_noise(rate_hz, latency_s, noise_m, rng):
-    """What a start, clutch or latch takes for its reference: a single sample would leave noise_m for good."""
+def test_noise_at_rest_is_below_one_samples_noise(rate_hz, latency_s, noise_m, rng):
+    """The reference taken by a start, clutch or latch: a single sample would leave an error of noise_m permanently."""
     t, got = run(still, 15.0, rate_hz, latency_s, noise_m, rng)
     late = got[t > 4]
     assert np.sqrt(np.mean(late[:, 4:7] ** 2)) < 0.8 * noise_m
@@ -299,7 +306,7 @@ def test_the_noise_is_measured(motion, noise_m, rng):
     assert np.sqrt(estimate.state.translation.noise_variance) == pytest.approx(noise_m, rel=0.25)
 
 
-def test_an_outlier_does_not_pass_for_noise(rng):
+def test_an_outlier_is_not_counted_as_noise(rng):
     estimate = Estimate()
     run(still, 4.0, noise_m=5e-5, rng=rng, estimate=estimate)
     before = estimate.state.translation.noise_variance
@@ -327,7 +334,8 @@ def test_the_memory_is_long_at_rest_and_short_in_motion(rng):
 
 @pytest.mark.parametrize("rate_hz", [30, 120, 500])
 def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
-    """2.5 usual intervals and 5 ms as before, then slower, and after GAP_S it stands: continuous in speed, never faster than before."""
+    """2.5 usual intervals and 5 ms as before, then slower, at rest after GAP_S: continuous speed, never faster than
+    before."""
     t, got = run(lambda t: (0.4 * t * X, turn([0, 0, 1], t)), 3.0, rate_hz, lost=lambda t: t > 2)
     speed, step = got[:, 7], np.diff(got[:, 4])
     last_s = np.floor(2 * rate_hz) / rate_hz + 0.004
@@ -345,8 +353,9 @@ def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
 
 @pytest.mark.parametrize("gap_s", [0.08, 0.3, 2.0])
 @pytest.mark.parametrize("rate_hz", [60, 250])
-def test_after_a_gap_it_starts_anew_without_a_spike(rate_hz, gap_s):
-    """The hand went on meanwhile: the speed told never exceeds the hand's by much, and soon it is met again."""
+def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
+    """The hand moved on meanwhile: the estimated speed never exceeds the hand's by much, and the hand is soon followed
+    again."""
     speed = 0.3
     t, got = run(
         lambda t: (0.1 * np.sin(speed / 0.1 * t) * X, IDENTITY), 4.0, rate_hz, lost=lambda t: 1.5 < t < 1.5 + gap_s
@@ -356,8 +365,8 @@ def test_after_a_gap_it_starts_anew_without_a_spike(rate_hz, gap_s):
     assert np.abs(got[met, 4] - 0.1 * np.sin(speed / 0.1 * t[met])).max() < 3e-3
 
 
-def test_after_a_gap_the_speed_of_before_is_forgotten():
-    """The hand stopped as the gap began: taken as one motion, the old speed would turn into one backwards."""
+def test_after_a_gap_the_earlier_speed_is_discarded():
+    """The hand stopped at the start of the gap: seen as one motion, the old speed would cause one backwards."""
     t, got = run(lambda t: (0.4 * min(t, 1.0) * X, IDENTITY), 1.6, lost=lambda t: 1.0 < t < 1.3)
     assert np.abs(got[t > 1.31, 7]).max() < 0.01
 
@@ -369,13 +378,13 @@ def test_a_reset_leaves_the_hand_at_rest_where_it_was_last_seen():
     at_rest = estimate.predict(1_000_000)
     assert at_rest[4] == pytest.approx(0.3, abs=5e-3)
     assert not at_rest[7:].any()
-    estimate.sample(X, IDENTITY, 77, 1_500_000)  # stamps of a clock that was started anew
+    estimate.sample(X, IDENTITY, 77, 1_500_000)  # stamps of a restarted clock
     assert not estimate.predict(1_900_000)[7:].any()
     assert estimate.predict(1_900_000)[4] == 1.0
 
 
 def test_a_tracker_that_slows_down_is_not_taken_for_gaps():
-    """From 250 to 15 Hz: after some samples it is predicted again."""
+    """From 250 to 15 Hz: after some samples the hand is predicted again."""
     estimate = Estimate()
     run(lambda t: (0.3 * t * X, IDENTITY), 1.0, 250, estimate=estimate)
     for i in range(1, 60):
@@ -387,7 +396,7 @@ def test_a_tracker_that_slows_down_is_not_taken_for_gaps():
 # ---- bounds
 
 
-def test_without_a_sample_it_is_the_identity_at_rest():
+def test_without_a_sample_the_pose_is_the_identity_at_rest():
     assert list(Estimate().predict(12345)) == [1, 0, 0, 0] + 9 * [0]
 
 
@@ -406,8 +415,8 @@ def test_the_estimated_speed_is_capped():
     assert np.isfinite(got).all()
 
 
-def test_whatever_comes_the_estimate_is_finite_and_bounded(rng):
-    """Poses at random, far and near, at random times: a tracker's clock that jumps back, repeats, or leaves out seconds."""
+def test_the_estimate_is_finite_and_bounded_for_any_input(rng):
+    """Random poses, far and near, at random times: a tracker clock that jumps back, repeats, or skips seconds."""
     for far_m in (0.3, 1e3, 1e30):
         estimate, now_us, captured_us = Estimate(), 0, 0
         for _ in range(3000):
@@ -428,7 +437,7 @@ def test_whatever_comes_the_estimate_is_finite_and_bounded(rng):
             assert np.linalg.norm([getattr(estimate.state.rotation.velocity, c) for c in "xyz"]) < 50.001
 
 
-# ---- what it is for
+# ---- purpose
 
 
 @pytest.mark.parametrize(
@@ -436,7 +445,7 @@ def test_whatever_comes_the_estimate_is_finite_and_bounded(rng):
     [(250, 0.004, 5e-5, 0.2), (120, 0.01, 1e-4, 0.2), (90, 0.03, 5e-4, 0.4)],
 )
 def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_s, noise_m, part, rng):
-    """A minimum-jerk reach of 0.2 m in 1 s, there and back: RMS against the instantaneous true hand, beside hand_tracker's."""
+    """A minimum-jerk reach of 0.2 m in 1 s, there and back: RMS against the true hand, compared with hand_tracker's."""
 
     def place(t):
         return 0.2 * (minimum_jerk((t - 2) / 1.0) - minimum_jerk((t - 4) / 1.0))
@@ -444,7 +453,7 @@ def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_
     t, got = run(lambda t: (place(t) * X, IDENTITY), 6.0, rate_hz, latency_s, noise_m, rng)
     interpolated = place(
         t - latency_s - 1.5 / rate_hz
-    )  # of the newest sample half an interval old in the mean, reached one later
+    )  # the newest sample is half an interval old on average and is reached one interval later
     late = t > 1
     predicted = np.sqrt(np.mean((got[late, 4] - place(t[late])) ** 2))
     assert predicted < part * np.sqrt(np.mean((interpolated[late] - place(t[late])) ** 2))

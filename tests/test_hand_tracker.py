@@ -1,4 +1,4 @@
-"""The tracker's stream: age over two wrapping clocks, staleness, late frames, sign continuity, interpolation."""
+"""The tracker's stream: age across two wrapping clocks, staleness, late frames, sign continuity, interpolation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from comanip._core import ffi, lib
 WRAP = 2**32
 PERIOD_US = 4000
 NO_POSE_AGE = WRAP - 1
-# (tracker's clock, firmware's clock) at the first pose: anywhere, and either or both about to wrap
+# (tracker's clock, firmware's clock) at the first pose: arbitrary, and either or both about to wrap
 CLOCKS = [(0, 0), (123, 4_000_000_000), (WRAP - 10_000, 5000), (5000, WRAP - 10_000), (WRAP - 9_000, WRAP - 11_000)]
 
 
@@ -37,8 +37,8 @@ class Tracker:
                 "valid": valid,
             },
         )
-        taken = received_us if taken_us is None else taken_us
-        return lib.hand_tracker_receive(self.state, pose, self.now(received_us), self.now(taken))
+        accepted = received_us if taken_us is None else taken_us
+        return lib.hand_tracker_receive(self.state, pose, self.now(received_us), self.now(accepted))
 
     def announce(self, period_us: int) -> None:
         lib.hand_tracker_status(self.state, ffi.new("tracker_status_t *", {"period_us": period_us}))
@@ -59,7 +59,7 @@ class Tracker:
 # ---- without interpolation
 
 
-def test_switched_to_and_fro_it_interpolates_from_where_the_hand_was():
+def test_after_switching_it_interpolates_from_the_current_pose():
     """Never from a pose of before the switch."""
     tracker = Tracker()
     tracker.receive(0, 0, x_m=0.1)
@@ -71,7 +71,7 @@ def test_switched_to_and_fro_it_interpolates_from_where_the_hand_was():
     lib.hand_tracker_interpolate(tracker.state, True)
     for t_us in (8100, 10_000):
         assert oracle.translation(tracker.pose(t_us))[0] == pytest.approx(0.5, abs=1e-6)
-    lib.hand_tracker_interpolate(tracker.state, True)  # as it was: nothing happens
+    lib.hand_tracker_interpolate(tracker.state, True)  # already on: no effect
     tracker.receive(12_000, 12_000, x_m=0.6)
     lib.hand_tracker_interpolate(tracker.state, True)
     assert oracle.translation(tracker.pose(14_000))[0] == pytest.approx(0.55, abs=1e-6)
@@ -88,7 +88,7 @@ def test_without_a_pose_there_is_no_age():
 
 @pytest.mark.parametrize("clocks", CLOCKS, ids=str)
 def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
-    """Transport takes 700 us at the least; a frame that took 900 us more is 900 us older."""
+    """Transport takes at least 700 us; a frame that took 900 us more is 900 us older."""
     tracker = Tracker(clocks)
     for i in range(20):
         extra_us = 900 if i % 5 == 4 else 0
@@ -96,14 +96,14 @@ def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
         received_us = measured_us + 700 + extra_us
         assert tracker.receive(measured_us, received_us)
         for later_us in (0, 300, 2500):
-            # the firmware lets its minimum creep by 1 us each 5 ms, so that clocks may drift apart
+            # the firmware raises its minimum by 1 us per 5 ms, so that clocks may drift apart
             assert tracker.age(received_us + later_us) == pytest.approx(
                 later_us + extra_us, abs=1 + i * PERIOD_US / 5000
             )
 
 
 @pytest.mark.parametrize("clocks", CLOCKS, ids=str)
-def test_a_slow_first_frame_is_put_right_by_the_first_fast_one(clocks):
+def test_a_slow_first_frame_is_corrected_by_the_first_fast_one(clocks):
     tracker = Tracker(clocks)
     assert tracker.receive(0, 5000)
     assert tracker.receive(PERIOD_US, PERIOD_US + 700)
@@ -114,7 +114,7 @@ def test_a_slow_first_frame_is_put_right_by_the_first_fast_one(clocks):
 
 @pytest.mark.parametrize("drift_ppm", [-100, 100])
 def test_clocks_that_drift_apart_do_not_age_the_poses(drift_ppm):
-    """Quartz against quartz for ten minutes: the age stays that of the frame."""
+    """Quartz against quartz for ten minutes: the age remains that of the frame."""
     tracker = Tracker()
     for i in range(150_000):
         measured_us = i * PERIOD_US
@@ -137,7 +137,7 @@ def test_stale_after_two_and_a_half_of_the_trackers_own_periods(clocks, period_u
     assert tracker.is_stale(limit_us + 1)
 
 
-def test_before_the_announcement_the_dbcs_period_counts(dbc):
+def test_before_the_announcement_the_dbcs_period_applies(dbc):
     tracker = Tracker()
     assert tracker.receive(0, 0)
     limit_us = int(2.5e3 * dbc.get_message_by_name("HandPose").cycle_time)
@@ -145,7 +145,7 @@ def test_before_the_announcement_the_dbcs_period_counts(dbc):
     assert tracker.is_stale(limit_us + 1)
 
 
-def test_a_period_of_zero_is_not_believed():
+def test_a_period_of_zero_is_ignored():
     tracker = Tracker()
     tracker.announce(0)
     assert tracker.receive(0, 0)
@@ -159,7 +159,7 @@ def test_a_frame_that_came_too_late_is_stale_on_arrival():
     assert tracker.is_stale(PERIOD_US + 700 + 12_000)
 
 
-def test_invalid_poses_keep_nothing_fresh():
+def test_invalid_poses_do_not_count_as_fresh():
     tracker = Tracker()
     assert tracker.receive(0, 0)
     for i in range(1, 10):
@@ -168,8 +168,8 @@ def test_invalid_poses_keep_nothing_fresh():
 
 
 @pytest.mark.parametrize("silence_us", [WRAP // 2 + 1000, WRAP - 1, WRAP, WRAP + 3000, 2 * WRAP + 100])
-def test_a_pose_does_not_become_fresh_again_when_the_clock_comes_round(silence_us):
-    """The firmware looks once a tick; here, once each 10 s, over the 71 minutes of a 32-bit clock in us."""
+def test_a_pose_does_not_become_fresh_again_when_the_clock_wraps(silence_us):
+    """The firmware checks once per tick; here, once per 10 s, over the 71 minutes of a 32-bit clock in us."""
     tracker = Tracker()
     assert tracker.receive(0, 0)
     for t_us in range(10_000_000, silence_us, 10_000_000):
@@ -178,8 +178,8 @@ def test_a_pose_does_not_become_fresh_again_when_the_clock_comes_round(silence_u
 
 
 @pytest.mark.parametrize("absence_min", [1, 40, 70])
-def test_a_person_who_comes_back_after_a_break_is_seen(absence_min):
-    """The tracker has sent invalid poses all the while."""
+def test_a_person_who_returns_after_a_break_is_accepted(absence_min):
+    """The tracker sends invalid poses all the while."""
     tracker = Tracker()
     assert tracker.receive(0, 0)
     end_us = absence_min * 60_000_000
@@ -190,8 +190,9 @@ def test_a_person_who_comes_back_after_a_break_is_seen(absence_min):
     assert not tracker.is_stale(end_us + 1000)
 
 
-def test_a_tracker_that_restarts_its_clock_is_seen_again():
-    """After a restart its stamps count from 0; once the old pose has been stale for a second, the new stream is taken."""
+def test_a_tracker_that_restarts_its_clock_is_accepted_again():
+    """After a restart its stamps count from 0; once the old pose has been stale for a second, the new stream is
+    accepted."""
     tracker = Tracker((100_000_000, 0))
     assert tracker.receive(0, 0)
     for t_us in range(0, 1_100_000, 1000):  # once per tick
@@ -201,7 +202,7 @@ def test_a_tracker_that_restarts_its_clock_is_seen_again():
     assert not tracker.is_stale(1_100_000 + 19 * PERIOD_US + 1000)
 
 
-# ---- what is refused
+# ---- refusals
 
 
 def test_late_and_repeated_frames_are_refused():
@@ -213,15 +214,15 @@ def test_late_and_repeated_frames_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("norm", "taken"), [(1.0, True), (0.9995, True), (1.0005, True), (0.998, False), (1.002, False), (0, False)]
+    ("norm", "accepted"), [(1.0, True), (0.9995, True), (1.0005, True), (0.998, False), (1.002, False), (0, False)]
 )
-def test_only_unit_quaternions_are_taken(norm, taken):
+def test_only_unit_quaternions_are_accepted(norm, accepted):
     tracker = Tracker()
-    assert tracker.receive(0, 0, rotation=norm * oracle.rotation([1, 2, 3], 1.0)) == taken
+    assert tracker.receive(0, 0, rotation=norm * oracle.rotation([1, 2, 3], 1.0)) == accepted
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_a_quaternion_that_is_no_number_is_refused(bad):
+def test_a_quaternion_that_is_not_finite_is_refused(bad):
     assert not Tracker().receive(0, 0, rotation=(1, bad, 0, 0))
 
 
@@ -238,7 +239,7 @@ def test_the_newest_sample_is_reached_after_one_period_and_kept():
 
 @pytest.mark.parametrize("period_us", [4000, 16_670, 66_660])
 def test_the_path_is_continuous_even_if_samples_jitter(rng, period_us):
-    """At 1 kHz no step is longer than the hand's speed allows, give or take what jitter compresses."""
+    """At 1 kHz no step is longer than the hand's speed allows, apart from the effect of jitter."""
     tracker, speed = Tracker(), 0.5
     tracker.announce(period_us)
     path, i, received_us = [], 0, 0

@@ -1,4 +1,4 @@
-"""A controller's time stamps brought to the kernel's clock: the true times are known here, since they are made here."""
+"""A CAN controller's time stamps mapped to the kernel's clock; the true times are generated here."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from c_declarations import declarations
 from simulation import REPOSITORY
 
-PERIOD_NS = 250_000  # 4,000 frames a second
+PERIOD_NS = 250_000  # 4,000 frames per second
 START_NS = 1_700_000_000_000_000_000  # of the kernel's clock, Unix time
 HEADER = REPOSITORY / "hal" / "linux" / "hardware_clock.h"
 
@@ -33,7 +33,8 @@ def mapped(library, hardware_ns, kernel_ns) -> np.ndarray:
 
 
 def delays_ns(rng, count: int) -> np.ndarray:
-    """Of an interrupt: 20 us at least, some 50 us more, now and then a millisecond, and each second a pause of 8 ms."""
+    """Interrupt delays: at least 20 us, about 50 us more, now and then a millisecond, and a pause of 8 ms each
+    second."""
     delays = 20_000 + rng.exponential(50_000, count)
     delays += np.where(rng.random(count) < 0.01, rng.uniform(0, 1_000_000, count), 0)
     place = np.arange(count) * PERIOD_NS % 1_000_000_000
@@ -43,11 +44,11 @@ def delays_ns(rng, count: int) -> np.ndarray:
 def bus(
     rng, seconds: float, ppm: float = 0.0, hardware_start_ns: int = 12_345
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """True times of the frames by the kernel's clock, both kinds of stamps."""
+    """True times of the frames by the kernel's clock, and both kinds of stamps."""
     count = int(seconds * 1e9 / PERIOD_NS)
     true = START_NS + np.arange(count, dtype=np.int64) * PERIOD_NS
     hardware = hardware_start_ns + ((true - START_NS) * (1 + 1e-6 * ppm)).astype(np.int64)
-    kernel = np.maximum.accumulate(true + delays_ns(rng, count))  # it serves them in their order
+    kernel = np.maximum.accumulate(true + delays_ns(rng, count))  # the kernel handles the frames in order
     return true, hardware, kernel
 
 
@@ -55,8 +56,8 @@ SETTLED = 400  # frames: 100 ms
 
 
 @pytest.mark.parametrize("ppm", [0, 20, 100, -100, 500, -500])
-def test_jitter_is_taken_out_and_drift_followed(library, rng, ppm):
-    """No more than 0.1 ms is left, the least delay included, where the kernel's stamps are up to 8 ms late."""
+def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
+    """At most 0.1 ms remains, including the least delay, while the kernel's stamps are up to 8 ms late."""
     true, hardware, kernel = bus(rng, 20, ppm)
     late = (mapped(library, hardware, kernel) - true)[SETTLED:]
     assert (kernel - true).max() >= 7_000_000
@@ -93,7 +94,7 @@ def test_a_kernels_clock_that_is_set(library, rng, step_ns):
 
 
 def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
-    """As of a frame that was stamped just when the clock was set back."""
+    """As for a frame that was stamped just when the clock was set back."""
     true, hardware, kernel = bus(rng, 2)
     kernel[4000] -= 10**12
     late = mapped(library, hardware, kernel) - true
@@ -101,7 +102,7 @@ def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
 
 
 def test_a_pause_of_the_bus(library, rng):
-    """An hour without frames, in which the clocks drifted apart by 0.4 s."""
+    """An hour without frames, in which the clocks drift apart by 0.4 s."""
     true, hardware, kernel = bus(rng, 2)
     half = len(true) // 2
     true[half:], kernel[half:] = true[half:] + 3600 * 10**9, kernel[half:] + 3600 * 10**9

@@ -1,4 +1,5 @@
-"""The hub: one order for all, nothing but frames, listeners that only listen, slow ones dropped, closed to others."""
+"""The hub: one order for all clients, frames only, listen-only clients, slow ones dropped, access for the owner
+only."""
 
 from __future__ import annotations
 
@@ -37,7 +38,7 @@ def call(*arguments: str, folder: Path) -> subprocess.CompletedProcess:
 # ---- frames
 
 
-def test_everybody_else_gets_each_frame_in_one_order():
+def test_all_other_clients_get_the_frames_in_one_order():
     per_sender = 300
     with running() as hub:
         senders = [hub.connect() for _ in range(3)]
@@ -52,16 +53,18 @@ def test_everybody_else_gets_each_frame_in_one_order():
         threads = [threading.Thread(target=send, args=pair) for pair in zip(senders, sent, strict=True)]
         for thread in threads:
             thread.start()
-        heard = [receive(listener, 3 * per_sender) for listener in listeners]
+        received = [receive(listener, 3 * per_sender) for listener in listeners]
         for thread in threads:
             thread.join()
-        assert heard[0] == heard[1] == heard[2]
+        assert received[0] == received[1] == received[2]
         for i, sender in enumerate(senders):
-            assert [packet for packet in heard[0] if packet in set(sent[i])] == sent[i], (
+            assert [packet for packet in received[0] if packet in set(sent[i])] == sent[i], (
                 "a sender's frames in its order"
             )
-            others = [packet for packet in heard[0] if packet not in set(sent[i])]
-            assert receive(sender, 2 * per_sender) == others, "a sender gets the others' frames, in the same order"
+            others = [packet for packet in received[0] if packet not in set(sent[i])]
+            assert receive(sender, 2 * per_sender) == others, (
+                "a sender gets the other senders' frames in the same order"
+            )
             sender.setblocking(False)
             with pytest.raises(BlockingIOError):
                 sender.recv(100)
@@ -87,7 +90,7 @@ def test_packets_pass_unchanged():
         classic(0x1, b"", 9), fd(0x1, b"", 65), fd(0x1, b"", 255), classic(0x800), fd(0x1FFFFFFF), classic(0x40000800),
     ],
 )  # fmt: skip
-def test_what_is_no_frame_is_refused(packet):
+def test_packets_that_are_not_frames_are_refused(packet):
     with running() as hub:
         sender, listener = hub.connect(), hub.connect()
         hub.wait_for_clients(2)
@@ -95,11 +98,11 @@ def test_what_is_no_frame_is_refused(packet):
             sender.send(sent)
         assert listener.recv(100) == classic(0x55)
         sender.close()
-        wait_until(lambda: "2 packets or commands were refused" in hub.stderr(), "a count of what was refused")
+        wait_until(lambda: "2 packets or commands were refused" in hub.stderr(), "a count of refused packets")
         assert "is refused: expected a can_frame" in hub.stderr()
 
 
-def test_listeners_of_a_listen_only_hub_are_not_heard():
+def test_listeners_of_a_listen_only_hub_cannot_send():
     with running("--listen-only", "--socketcand", "off") as hub:
         source, loud, quiet = hub.connect(".source"), hub.connect(), hub.connect()
         hub.wait_for_clients(2)
@@ -112,10 +115,10 @@ def test_listeners_of_a_listen_only_hub_are_not_heard():
         with pytest.raises(BlockingIOError):
             source.recv(100)
         loud.close()
-        wait_until(lambda: "3 frames were not forwarded" in hub.stderr(), "a count of what was not forwarded")
+        wait_until(lambda: "3 frames were not forwarded" in hub.stderr(), "a count of frames not forwarded")
 
 
-def test_who_only_sends_is_never_too_slow():
+def test_a_client_that_only_sends_is_never_too_slow():
     with running() as hub:
         sender, listener, other = hub.connect(), hub.connect(), hub.connect()
         sender.shutdown(socket.SHUT_RD)
@@ -126,7 +129,7 @@ def test_who_only_sends_is_never_too_slow():
         assert listener.recv(100) == classic(0x2)
 
 
-def test_a_stalled_listener_is_dropped_and_slows_nobody():
+def test_a_stalled_listener_is_dropped_and_delays_nobody():
     count = JOURNAL_FRAMES + 8192  # more than the journal and the kernel's queue hold
     with running() as hub:
         sender, listener, stalled = hub.connect(), hub.connect(), hub.connect()
@@ -137,17 +140,18 @@ def test_a_stalled_listener_is_dropped_and_slows_nobody():
                 sender.send(packet)
             assert receive(listener, 128) == expected
         assert re.fullmatch(
-            rf"comanip-hub: unix client \d is dropped: it reads too slowly, more than {JOURNAL_FRAMES} frames wait for it\n",
+            r"comanip-hub: unix client \d is dropped: it reads too slowly, "
+            rf"more than {JOURNAL_FRAMES} frames wait for it\n",
             hub.stderr(),
         )
         got = 0
         while packet := stalled.recv(100):
-            assert packet == classic(0x1, got.to_bytes(4, "little")), "what it had got, it had got in order"
+            assert packet == classic(0x1, got.to_bytes(4, "little")), "received frames are in order"
             got += 1
         assert 0 < got < count - JOURNAL_FRAMES
 
 
-def test_at_its_end_everybody_gets_what_was_sent():
+def test_at_its_end_all_clients_get_the_queued_frames():
     count = 20000
     with running() as hub:
         sender, listener = hub.connect(), hub.connect()
@@ -161,7 +165,7 @@ def test_at_its_end_everybody_gets_what_was_sent():
         assert not hub.path.exists()
 
 
-# ---- who may come near
+# ---- access
 
 
 def sockets_of(process: subprocess.Popen) -> set[str]:
@@ -187,14 +191,14 @@ def test_nothing_listens_off_loopback():
         assert network_addresses(hub.process) == []
 
 
-def test_only_the_owner_comes_to_the_socket(tmp_path):
+def test_only_the_owner_can_open_the_socket(tmp_path):
     with running("--listen-only", "--socketcand", "off", folder=tmp_path / "new") as hub:
         assert stat.S_IMODE(hub.folder.stat().st_mode) == 0o700
         for suffix in ("", ".source", ".lock"):
             assert stat.S_IMODE(Path(f"{hub.path}{suffix}").stat().st_mode) & 0o077 == 0
 
 
-def test_a_folder_of_everybody_is_not_trusted(tmp_path):
+def test_a_world_writable_folder_is_refused(tmp_path):
     tmp_path.chmod(0o777)
     done = call(folder=tmp_path)
     assert done.returncode == 1
@@ -210,7 +214,7 @@ def test_one_hub_per_bus(tmp_path):
             assert other.path.exists()
         first.process.kill()
         first.process.wait()
-        assert first.path.exists(), "a killed hub leaves its socket"
+        assert first.path.exists(), "a killed hub leaves its socket behind"
         with running(folder=tmp_path) as second:
             a, b = second.connect(), second.connect()
             second.wait_for_clients(2)
@@ -227,7 +231,7 @@ def test_one_hub_per_bus(tmp_path):
         (["--bus"], "'--bus': expected a value"), (["vcan0"], "'vcan0': expected options only"),
     ],
 )  # fmt: skip
-def test_wrong_use_is_told_in_one_line(arguments, named, tmp_path):
+def test_wrong_use_gives_one_line(arguments, named, tmp_path):
     done = call(*arguments, folder=tmp_path / "none")
     assert done.returncode == 2
     assert named in done.stderr
@@ -272,7 +276,7 @@ def test_socketcand_sends_and_receives():
         assert client.recv(100) == classic(CAN_EFF_FLAG | 0x1ABCDEF0)
         packet = client.recv(100)
         assert packet[:5] + packet[8:] == fd(0x7FF, bytes(range(12)))[:5] + fd(0x7FF, bytes(range(12)))[8:]
-        client.send(classic(0x40000001))  # a remote frame, for which it has no word
+        client.send(classic(0x40000001))  # a remote frame, which socketcand cannot express
         client.send(fd(0x12, b"\x01\x23"))
         client.send(classic(CAN_EFF_FLAG | 0x12))
         text = ""
@@ -309,7 +313,7 @@ def test_an_endless_command_gets_an_error_and_is_closed():
         line = Line(hub)
         line.send("< " + "a" * 300)
         line.expect("< error command too long >")
-        with pytest.raises(ConnectionError):  # or its end; what was not read makes the kernel send a reset
+        with pytest.raises(ConnectionError):  # or end of file; unread data makes the kernel send a reset
             if line.socket.recv(1) == b"":
                 raise ConnectionResetError
 
@@ -349,7 +353,8 @@ def test_taps_survive_fuzzing(program, tmp_path):
     for name, seed in seeds.items():
         (tmp_path / "corpus" / name).write_bytes(seed)
     done = subprocess.run(
-        [built, "-runs=3000", "-seed=1", "-max_len=2048", "-close_fd_mask=2", f"-artifact_prefix={tmp_path}/", tmp_path / "corpus"],
+        [built, "-runs=3000", "-seed=1", "-max_len=2048", "-close_fd_mask=2", f"-artifact_prefix={tmp_path}/",
+         tmp_path / "corpus"],
         capture_output=True, text=True, check=False, timeout=PATIENCE_S,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]

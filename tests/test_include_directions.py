@@ -1,4 +1,5 @@
-"""Include directions: the tree keeps them, the checker reads what the compiler reads, and each kind of offence is seen."""
+"""Include directions: the tree follows them, the checker reads what the compiler reads, and each violation is
+detected."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ CHECKER = REPOSITORY / "tests" / "check" / "include_directions.py"
 
 @pytest.fixture
 def tree(tmp_path) -> Path:
-    """The repository's C sources, to be spoilt."""
+    """A copy of the repository's C sources that tests may break."""
     for folder in check.FOLDERS:
         for file in (REPOSITORY / folder).rglob("*.[ch]"):
             copy = tmp_path / file.relative_to(REPOSITORY)
@@ -28,7 +29,7 @@ def tree(tmp_path) -> Path:
 
 
 def add(tree: Path, file: str, include: str) -> int:
-    """A last line for the file, which may be a new one; its number."""
+    """Appends a line to the file, which may be new; returns its line number."""
     path = tree / file
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = [*(path.read_text().splitlines() if path.exists() else []), f"#include {include}"]
@@ -41,7 +42,7 @@ def checked(tree: Path) -> tuple[int, list[str]]:
     return done.returncode, done.stderr.splitlines()
 
 
-def test_the_tree_keeps_its_directions(tree):
+def test_the_tree_follows_its_directions(tree):
     assert check.problems(REPOSITORY) == []
     assert checked(tree) == (0, [])
 
@@ -75,18 +76,25 @@ def test_it_reads_the_headers_that_the_compiler_reads(file):
 @pytest.mark.parametrize(
     ("file", "include", "target", "wrong"),
     [
-        ("firmware/maths/pose.h", '"../control/task.h"', "firmware/control/task.h", "firmware/maths may use nothing but itself"),
+        ("firmware/maths/pose.h", '"../control/task.h"', "firmware/control/task.h",
+         "firmware/maths may use nothing but itself"),
         ("firmware/controller.c", '"../hal/hal.h"', "hal/hal.h", "firmware may use only firmware/maths, "),
         ("firmware/protocol/e2e.c", "<stdio.h>", "stdio.h", "firmware may use only float.h, math.h, "),
-        ("hal/hal.h", '"../firmware/controller.h"', "firmware/controller.h", "hal may use only firmware/protocol/can_frame.h, "),
-        ("hal/linux/pace.h", '"../../sim/world/world.h"', "sim/world/world.h", "hal/linux may use only firmware/main.h, "),
-        ("hal/linux/pace.c", '"../../host_tools/hub/hub.h"', "host_tools/hub/hub.h", "hal/linux may use only firmware/main.h, "),
-        ("hal/new_board/port.c", '"../linux/pace.h"', "hal/linux/pace.h", "hal/new_board may use only firmware/main.h, "),
-        ("sim/scenario/scenario.h", '"../scene/scene.h"', "sim/scene/scene.h", "sim/scenario may use only firmware/protocol, "),
+        ("hal/hal.h", '"../firmware/controller.h"', "firmware/controller.h",
+         "hal may use only firmware/protocol/can_frame.h, "),
+        ("hal/linux/pace.h", '"../../sim/world/world.h"', "sim/world/world.h",
+         "hal/linux may use only firmware/main.h, "),
+        ("hal/linux/pace.c", '"../../host_tools/hub/hub.h"', "host_tools/hub/hub.h",
+         "hal/linux may use only firmware/main.h, "),
+        ("hal/new_board/port.c", '"../linux/pace.h"', "hal/linux/pace.h",
+         "hal/new_board may use only firmware/main.h, "),
+        ("sim/scenario/scenario.h", '"../scene/scene.h"', "sim/scene/scene.h",
+         "sim/scenario may use only firmware/protocol, "),
         ("sim/scenario/yaml_reader.c", "<ode/ode.h>", "ode/ode.h", "only sim/scene may use it"),
         ("sim/world/world.h", '"../output/report.h"', "sim/output/report.h", "sim/world may use only sim/common, "),
         ("sim/new_room/a.h", '"../world/world.h"', "sim/world/world.h", "sim/new_room is not in the table of "),
-        ("host_tools/hub/hub.c", '"../../sim/bus/bus.h"', "sim/bus/bus.h", "host_tools/hub may use only hal/linux/hub_path.h"),
+        ("host_tools/hub/hub.c", '"../../sim/bus/bus.h"', "sim/bus/bus.h",
+         "host_tools/hub may use only hal/linux/hub_path.h"),
     ],
 )  # fmt: skip
 def test_an_include_against_the_direction_is_one_line(tree, file, include, target, wrong):
@@ -94,7 +102,7 @@ def test_an_include_against_the_direction_is_one_line(tree, file, include, targe
     status, lines = checked(tree)
     assert status == 1
     assert lines[0].startswith(f"{file}:{line}: includes {target}; {wrong}")
-    assert all("in a circle" in other for other in lines[1:])  # some of them close one, too
+    assert all("in a circle" in other for other in lines[1:])  # some of them also close one
 
 
 def test_files_in_a_circle_are_named(tree):

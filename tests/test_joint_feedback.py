@@ -1,4 +1,4 @@
-"""The drives' answers: all joints of the arm must be fresh, and one error is an error."""
+"""The drives' answers: all joints of the arm must be fresh, and one drive's error is an arm error."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ TIMEOUT_US = 1000 * lib.frame_table[lib.FRAME_JOINT_STATE0].timeout_ms
 
 
 def feedback(times_us, **state):
-    made = ffi.new("joint_feedback_t *")
-    lib.joint_feedback_init(made, TIMEOUT_US)
+    feedback_state = ffi.new("joint_feedback_t *")
+    lib.joint_feedback_init(feedback_state, TIMEOUT_US)
     message = ffi.new("joint_state_t *", state)
     for joint, time_us in enumerate(times_us):
-        lib.joint_feedback_receive(made, joint, message, time_us % WRAP)
-    return made
+        lib.joint_feedback_receive(feedback_state, joint, message, time_us % WRAP)
+    return feedback_state
 
 
-def is_fresh(made, count: int, now_us: int) -> bool:
-    return lib.joint_feedback_check_fresh(made, count, now_us % WRAP)
+def is_fresh(feedback_state, count: int, now_us: int) -> bool:
+    return lib.joint_feedback_check_fresh(feedback_state, count, now_us % WRAP)
 
 
 @pytest.mark.parametrize("zero", [0, WRAP - 1000, WRAP - TIMEOUT_US])
 @pytest.mark.parametrize("count", range(1, 9))
 def test_fresh_within_the_timeout_of_every_joint(zero, count):
     for oldest in range(count):
-        made = feedback([zero + (0 if joint == oldest else 500) for joint in range(count)])
-        assert is_fresh(made, count, zero + TIMEOUT_US)
-        assert not is_fresh(made, count, zero + TIMEOUT_US + 1)
+        feedback_state = feedback([zero + (0 if joint == oldest else 500) for joint in range(count)])
+        assert is_fresh(feedback_state, count, zero + TIMEOUT_US)
+        assert not is_fresh(feedback_state, count, zero + TIMEOUT_US + 1)
 
 
 def test_a_joint_that_never_answered_is_not_fresh():
@@ -42,22 +42,22 @@ def test_a_joint_that_never_answered_is_not_fresh():
 )
 def test_one_drives_error_is_the_arms(error):
     for joint in range(4):
-        made = feedback([0] * 4)
-        assert not lib.joint_feedback_has_error(made, 4)
-        lib.joint_feedback_receive(made, joint, ffi.new("joint_state_t *", {"error": error}), 0)
-        assert lib.joint_feedback_has_error(made, 4)
-        assert not lib.joint_feedback_has_error(made, joint)
+        feedback_state = feedback([0] * 4)
+        assert not lib.joint_feedback_has_error(feedback_state, 4)
+        lib.joint_feedback_receive(feedback_state, joint, ffi.new("joint_state_t *", {"error": error}), 0)
+        assert lib.joint_feedback_has_error(feedback_state, 4)
+        assert not lib.joint_feedback_has_error(feedback_state, joint)
 
 
 def test_positions_are_the_last_received():
-    made = feedback([0] * 4, position_rad=0.25)
-    lib.joint_feedback_receive(made, 2, ffi.new("joint_state_t *", {"position_rad": -1.5}), 10)
-    assert list(made.position_rad)[:4] == [0.25, 0.25, -1.5, 0.25]
+    feedback_state = feedback([0] * 4, position_rad=0.25)
+    lib.joint_feedback_receive(feedback_state, 2, ffi.new("joint_state_t *", {"position_rad": -1.5}), 10)
+    assert list(feedback_state.position_rad)[:4] == [0.25, 0.25, -1.5, 0.25]
 
 
-def test_an_answer_does_not_become_fresh_again_when_the_clock_comes_round():
-    """The firmware looks once a tick; here, once each 10 s, over the 71 minutes of a 32-bit clock in us."""
-    made = feedback([0] * 4)
+def test_an_answer_does_not_become_fresh_again_when_the_clock_wraps():
+    """The firmware checks once per tick; here, once per 10 s, over the 71 minutes of a 32-bit clock in us."""
+    feedback_state = feedback([0] * 4)
     for now_us in range(10_000_000, WRAP, 10_000_000):
-        assert not is_fresh(made, 4, now_us)
-    assert not is_fresh(made, 4, WRAP + 100)
+        assert not is_fresh(feedback_state, 4, now_us)
+    assert not is_fresh(feedback_state, 4, WRAP + 100)

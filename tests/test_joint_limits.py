@@ -1,4 +1,4 @@
-"""The only way out to a command: whatever is asked, position, velocity, acceleration and jerk stay within limits."""
+"""Every command passes through the joint limits: position, velocity, acceleration and jerk stay within them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def arm_of(jerk: float) -> core.Arm:
 
 
 class Drives:
-    """Joints that follow what is commanded `delay_ticks` after the tick that saw their position, with a lag of first order."""
+    """Joints that follow commands `delay_ticks` after the tick that read their position, with a first-order lag."""
 
     def __init__(
         self, position_rad, delay_ticks: int, acceleration=25.0, jerk=DEFAULT_JERK, lag_s=0.0, tick_s=TICK_S, **config
@@ -60,13 +60,13 @@ class Drives:
         )
         lib.joint_limits_prepare(self.config, self.arm.table)
 
-    def tick(self, wanted, measured=None, feedforward=()) -> tuple[bool, np.ndarray]:
+    def tick(self, demanded, measured=None, feedforward=()) -> tuple[bool, np.ndarray]:
         measured = self.position_rad if measured is None else measured
         finite = lib.joint_limits_apply(
             self.state,
             self.arm.table,
             self.config,
-            *(ffi.new("float[8]", list(x)) for x in (measured, wanted, feedforward)),
+            *(ffi.new("float[8]", list(x)) for x in (measured, demanded, feedforward)),
         )
         velocity = np.array(list(self.state.velocity_radps)[:N])
         self.pipe.append(velocity)
@@ -84,7 +84,7 @@ class Drives:
 
 
 class Judge:
-    """Of each command: speed, and its first and second difference, in float64."""
+    """Checks each command's speed and its first and second difference, in float64."""
 
     def __init__(self, speed_max, acceleration: float, jerk: float, tick_s: float):
         self.velocity, self.change = np.zeros(N), np.zeros(N)
@@ -110,19 +110,19 @@ accelerations, jerks = st.floats(1, 70), st.floats(1e3, 1e6)
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(
     start=fractions,
-    asked=commands,
+    commanded=commands,
     delay_ticks=st.integers(0, 5),
     acceleration=accelerations,
     jerk=jerks,
     fraction=st.floats(0.01, 1),
 )
-def test_no_limit_is_ever_exceeded(start, asked, delay_ticks, acceleration, jerk, fraction):
+def test_no_limit_is_ever_exceeded(start, commanded, delay_ticks, acceleration, jerk, fraction):
     drives = Drives(position_at(start), delay_ticks, acceleration, jerk, speed_fraction=fraction)
     judge = Judge(fraction * ARM.velocity_max_radps, acceleration, jerk, TICK_S)
-    for wanted, ticks in asked:
+    for demanded, ticks in commanded:
         for _ in range(ticks):
-            finite, velocity = drives.tick(wanted)
-            assert finite == bool(np.isfinite(np.array(wanted, np.float32)).all())
+            finite, velocity = drives.tick(demanded)
+            assert finite == bool(np.isfinite(np.array(demanded, np.float32)).all())
             judge(velocity)
             reference = np.array(list(drives.state.position_rad)[:N])
             assert ((reference >= ARM.position_min_rad) & (reference <= ARM.position_max_rad)).all()
@@ -132,46 +132,47 @@ def test_no_limit_is_ever_exceeded(start, asked, delay_ticks, acceleration, jerk
 
 LONGEST_HOLD = {"a tick": 1, "some ticks": 30, "until it is there": 500}
 LAG_AS_DELAY = (
-    1.42  # sqrt(2): in a lag of first order the joint has v lag + a lag^2 to go, in a delay v delay + a delay^2 / 2
+    1.42  # sqrt(2): with a first-order lag the joint has v lag + a lag^2 left, with a delay v delay + a delay^2 / 2
 )
 
 
 @pytest.mark.parametrize("hold", LONGEST_HOLD)
 @settings(max_examples=25, deadline=None, derandomize=True)
-@given(seed=st.integers(0, 2**32), tick_s=ticks_s, delay_ticks=st.integers(0, 3), lag_s=st.one_of(st.just(0.0), st.floats(1e-3, 1e-2)),
+@given(seed=st.integers(0, 2**32), tick_s=ticks_s, delay_ticks=st.integers(0, 3),
+       lag_s=st.one_of(st.just(0.0), st.floats(1e-3, 1e-2)),
        acceleration=accelerations, jerk=jerks)  # fmt: skip
 def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag_s, acceleration, jerk):
-    """Full speed one way or the other, for as long as chance says, mostly outwards; the speed fed forward as well."""
+    """Full speed in either direction for random times, mostly outwards, with the speed fed forward as well."""
     rng = np.random.default_rng(seed)
     start = position_at(rng.random(N) ** 3 if seed % 2 else 1 - rng.random(N) ** 3)
     delay_s = delay_ticks * tick_s + LAG_AS_DELAY * lag_s
     drives = Drives(start, delay_ticks, acceleration, jerk, lag_s, tick_s, command_delay_s=delay_s)
     judge = Judge(ARM.velocity_max_radps, acceleration, jerk, tick_s)
     outwards = np.where(drives.position_rad > position_at([0.5] * N), 1.0, -1.0)
-    left, wanted = np.zeros(N, int), np.zeros(N)
+    left, demanded = np.zeros(N, int), np.zeros(N)
     for _ in range(500):
         again = left <= 0
-        wanted[again] = (outwards * rng.choice([10.0, 1.0, -10.0, math.nan], N, p=[0.7, 0.1, 0.19, 0.01]))[again]
+        demanded[again] = (outwards * rng.choice([10.0, 1.0, -10.0, math.nan], N, p=[0.7, 0.1, 0.19, 0.01]))[again]
         left[again] = rng.integers(0, LONGEST_HOLD[hold], N)[again]
         left -= 1
-        judge(drives.tick(wanted, feedforward=rng.uniform(-5, 5, N))[1])
+        judge(drives.tick(demanded, feedforward=rng.uniform(-5, 5, N))[1])
         assert (drives.position_rad >= ARM.position_min_rad - 1e-6).all()
         assert (drives.position_rad <= ARM.position_max_rad + 1e-6).all()
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, asked=commands)
-def test_standstill_comes_in_time(seed, tick_s, acceleration, jerk, asked):
-    """Within v/a + 2.5 a/j and two ticks, a and j being whole steps of the resolution: from any state, most of them full acceleration.
-    Only then may the brakes close."""
+@given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, commanded=commands)
+def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
+    """Within v/a + 2.5 a/j and two ticks, a and j in whole steps of the resolution: from any state, most of them at
+    full acceleration. Only then may the brakes close."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, jerk, tick_s=tick_s, approach_gain_per_s=0.0)
     change_max = math.floor(acceleration * tick_s / RESOLUTION_RADPS + 1e-3)
     second_max = math.floor(jerk * tick_s**2 / RESOLUTION_RADPS + 1e-3)
     rng = np.random.default_rng(seed)
     judge = Judge(ARM.velocity_max_radps, acceleration, jerk, tick_s)
-    for wanted, ticks in asked:
+    for demanded, ticks in commanded:
         for _ in range(1 + ticks // rng.integers(1, 20)):
-            judge(drives.tick(wanted, position_at([0.5] * N))[1])
+            judge(drives.tick(demanded, position_at([0.5] * N))[1])
         saved = ffi.new("joint_limits_t *", drives.state[0])
         steps = np.abs(judge.velocity).max() / RESOLUTION_RADPS
         for _ in range(math.floor(steps / change_max + 2.5 * change_max / second_max + 2)):
@@ -182,25 +183,25 @@ def test_standstill_comes_in_time(seed, tick_s, acceleration, jerk, asked):
 
 
 def test_a_joint_that_passes_zero_is_not_at_rest():
-    """Its velocity is 0 there, but its change is not: brakes that closed would be a jerk beyond the limit."""
+    """Its velocity is 0 there, but still changing: closing the brakes would exceed the jerk limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=0.0)
-    for wanted in (0.1, -0.1):
-        seen = [(drives.tick([wanted] * N, position_at([0.5] * N))[1][0], drives.at_rest) for _ in range(40)]
+    for demanded in (0.1, -0.1):
+        seen = [(drives.tick([demanded] * N, position_at([0.5] * N))[1][0], drives.at_rest) for _ in range(40)]
     assert any(abs(velocity) < 0.03 for velocity, _ in seen)
     assert not any(at_rest for _, at_rest in seen)
 
 
 @settings(max_examples=50, deadline=None, derandomize=True)
-@given(start=fractions, wanted=st.lists(st.floats(-5, 5), min_size=N, max_size=N), acceleration=st.floats(1, 70))
-def test_commands_are_whole_multiples_of_the_bus_resolution(start, wanted, acceleration):
+@given(start=fractions, demanded=st.lists(st.floats(-5, 5), min_size=N, max_size=N), acceleration=st.floats(1, 70))
+def test_commands_are_whole_multiples_of_the_bus_resolution(start, demanded, acceleration):
     drives = Drives(position_at(start), 2, acceleration)
     for _ in range(100):
-        steps = drives.tick(wanted)[1] / RESOLUTION_RADPS
+        steps = drives.tick(demanded)[1] / RESOLUTION_RADPS
         assert np.abs(steps - np.round(steps)).max() < 1e-3
 
 
 @pytest.mark.parametrize("acceleration", [1.0, 1.5, 5.0, 25.0, 70.0])
-def test_any_speed_wanted_is_reached_and_left_again(acceleration):
+def test_any_demanded_speed_is_reached_and_left_again(acceleration):
     """Within the time that acceleration and jerk allow, in whole steps of the resolution: none is lost to rounding."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, approach_gain_per_s=0.0)
     target = np.array([0.4, -0.3, 0.2, -0.1])
@@ -216,15 +217,15 @@ def test_any_speed_wanted_is_reached_and_left_again(acceleration):
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize("where", ["wanted", "measured", "feedforward"])
-def test_what_is_not_finite_brakes(bad, where):
+@pytest.mark.parametrize("where", ["demanded", "measured", "feedforward"])
+def test_a_non_finite_demand_brakes(bad, where):
     drives = Drives(position_at([0.5] * N), 0)
     for _ in range(50):
         drives.tick([1.0, -1.0, 0.5, 1.0])
     spoilt = [0.5, bad, 0.0, 0.0]
     speed = np.abs(list(drives.state.velocity_radps)[:N])
     for _ in range(60):
-        finite, velocity = drives.tick(**{"wanted": [1.0] * N} | {where: spoilt})
+        finite, velocity = drives.tick(**{"demanded": [1.0] * N} | {where: spoilt})
         assert not finite
         assert (np.abs(velocity) <= speed).all()
         assert np.isfinite(list(drives.state.position_rad)).all()
@@ -233,14 +234,14 @@ def test_what_is_not_finite_brakes(bad, where):
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(wanted=st.lists(st.floats(-50, 50), min_size=N, max_size=N))
-def test_speed_limits_keep_the_direction(wanted):
-    """Where only speed limits act, all joints are slowed alike, to the limit of one of them."""
+@given(demanded=st.lists(st.floats(-50, 50), min_size=N, max_size=N))
+def test_speed_limits_keep_the_direction(demanded):
+    """Where only speed limits act, all joints are slowed in proportion, to the limit of one of them."""
     drives = Drives(position_at([0.5] * N), 0, acceleration=70, command_delay_s=0.0, approach_gain_per_s=0.0)
     for _ in range(100):
-        velocity = drives.tick(wanted, position_at([0.5] * N))[1]
-    share = min(1.0, *(limit / max(abs(w), 1e-9) for limit, w in zip(ARM.velocity_max_radps, wanted, strict=True)))
-    assert np.abs(velocity - share * np.array(wanted)).max() < 1.5 * RESOLUTION_RADPS
+        velocity = drives.tick(demanded, position_at([0.5] * N))[1]
+    share = min(1.0, *(limit / max(abs(w), 1e-9) for limit, w in zip(ARM.velocity_max_radps, demanded, strict=True)))
+    assert np.abs(velocity - share * np.array(demanded)).max() < 1.5 * RESOLUTION_RADPS
 
 
 @settings(max_examples=50, deadline=None, derandomize=True)
@@ -249,14 +250,15 @@ def test_speed_limits_keep_the_direction(wanted):
     feedforward=st.lists(st.floats(-6, 6), min_size=N, max_size=N),
     gain=st.floats(10, 200),
 )
-def test_what_is_fed_forward_is_not_braked_for_the_way_to_go(error, feedforward, gain):
-    """Only the error's share is: at the speed from which K times the way stops. The sum is held to the speed limit in proportion."""
+def test_feedforward_is_not_reduced_for_the_stopping_distance(error, feedforward, gain):
+    """Only the error's share is: at the speed from which K times the error stops. The sum is scaled to the speed
+    limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=gain, command_delay_s=0.0)
     error, feedforward = np.array(error), np.array(feedforward)
     linear = 0.9 * 25.0 / gain
     braked = [math.sqrt(linear * (2 * speed - linear)) / speed for speed in np.abs(error) if speed > linear]
-    asked = min([1.0, *braked]) * error + feedforward
-    expected = asked * min(1.0, *(ARM.velocity_max_radps / np.maximum(np.abs(asked), 1e-9)))
+    commanded = min([1.0, *braked]) * error + feedforward
+    expected = commanded * min(1.0, *(ARM.velocity_max_radps / np.maximum(np.abs(commanded), 1e-9)))
     for _ in range(300):
         velocity = drives.tick(error, position_at([0.5] * N), feedforward)[1]
     assert np.abs(velocity - expected).max() < 1.5 * RESOLUTION_RADPS
@@ -272,8 +274,9 @@ def test_a_sum_that_overflows_brakes():
 @pytest.mark.parametrize("delay_ticks", [0, 2])
 @pytest.mark.parametrize("way_rad", [0.001, 0.05, 0.5, 1.2])
 def test_a_proportional_law_arrives_without_overshoot(gain, overshoot_rad, delay_ticks, way_rad):
-    """Asked for K times the way to go, a joint brakes in time although the law itself does not know the limits. Not
-    quite at a gain of 100/s, whose linear speed a joint comes to while it still accelerates: 2 mrad beyond."""
+    """With a demand of K times the distance, a joint brakes in time although the control law does not know the limits.
+    Not quite at a gain of 100/s, where the joint reaches the linear speed while still accelerating: 2 mrad
+    overshoot."""
     drives = Drives(position_at([0.5] * N), delay_ticks, command_delay_s=0.002, approach_gain_per_s=gain)
     start = drives.position_rad.copy()
     goal = start + way_rad * np.array([1, -1, 1, -1]) * [1, 0.5, 0.7, 0.3]
@@ -293,9 +296,9 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
     assert (drives.position_rad < ARM.position_max_rad).all()
 
 
-AT_LIMIT_RAD = 2e-3  # JOINT_LIMITS_AT_LIMIT_RAD
+AT_LIMIT_RAD = 2e-3  # as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# and what is left of the way when a joint's stopping speed is 0
+# distance from the limit where a joint's stopping speed is 0
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 

@@ -1,4 +1,4 @@
-"""The latency that summary.json tells: against numpy on the trace, on motions of known delay, and by what must change when the tracker does."""
+"""The latency in summary.json: against numpy on the trace, on motions of known delay, and as the tracker changes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ def latency(tmp_path, *arguments, scenario="teleop") -> dict:
 
 
 def delay_of_trace_ms(file) -> float:
-    """Of `teleop`, whose target is the hand's way: where the robot's way less the person's varies least."""
+    """Of `teleop`, whose target is the hand's path: the delay at which the robot's path minus the person's varies
+    least."""
     trace = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding=None)
     person, hand = (np.array([trace[f"{who}_{axis}_m"] for axis in "xyz"]) for who in ("person", "hand"))
     speed = np.linalg.norm(np.gradient(person, axis=1), axis=0) * 1e3
@@ -33,25 +34,25 @@ def delay_of_trace_ms(file) -> float:
     return -bend[1] / (2 * bend[0])
 
 
-def test_end_to_end_is_what_numpy_finds_in_the_trace(tmp_path):
-    told = latency(tmp_path)
-    assert told["end_to_end_ms"] == pytest.approx(delay_of_trace_ms(tmp_path / "out" / "trace.csv"), abs=2)
-    assert sum(told[part] for part in PARTS) == pytest.approx(told["end_to_end_ms"], abs=1e-3)
-    assert told["not_measured"] is None
-    assert told["how"] == {
+def test_end_to_end_latency_matches_numpy_on_the_trace(tmp_path):
+    measured = latency(tmp_path)
+    assert measured["end_to_end_ms"] == pytest.approx(delay_of_trace_ms(tmp_path / "out" / "trace.csv"), abs=2)
+    assert sum(measured[part] for part in PARTS) == pytest.approx(measured["end_to_end_ms"], abs=1e-3)
+    assert measured["not_measured"] is None
+    assert measured["how"] == {
         "tracker_ms": "announced", "bus_ms": "measured", "estimate_ms": "measured", "law_ms": "computed",
         "command_bus_ms": "measured", "drive_ms": "assumed", "end_to_end_ms": "measured",
     }  # fmt: skip
 
 
-def test_one_law_is_equally_late_in_every_task(tmp_path):
-    """Levers, turned and mirrored hands are no delay."""
+def test_one_law_has_equal_latency_in_every_task(tmp_path):
+    """Lever arms, rotated and mirrored hands add no delay."""
     found = [latency(tmp_path / name, scenario=name)["end_to_end_ms"] for name in SCENARIOS]
     assert max(found) - min(found) < 6, found
 
 
-def test_a_later_and_a_slower_tracker_show_where_they_are_late(tmp_path):
-    """With the former law, which foretells nothing: 20 ms later is 20 ms later, and to interpolate costs one period."""
+def test_a_later_and_a_slower_tracker_add_their_delay(tmp_path):
+    """With the former law, without prediction: 20 ms of latency add 20 ms, and interpolation adds one period."""
     normal = latency(tmp_path / "a")
     late = latency(tmp_path / "b", "--latency-ms", 24)
     assert late["tracker_ms"] - normal["tracker_ms"] == pytest.approx(20)
@@ -63,14 +64,14 @@ def test_a_later_and_a_slower_tracker_show_where_they_are_late(tmp_path):
 
 
 def test_classic_can_is_measured_too(tmp_path):
-    told = latency(tmp_path, "--profile", "classic")
-    assert told["bus_ms"] > 2 * latency(tmp_path / "fd")["bus_ms"] > 0
-    assert told["end_to_end_ms"] == pytest.approx(delay_of_trace_ms(tmp_path / "out" / "trace.csv"), abs=4)
+    measured = latency(tmp_path, "--profile", "classic")
+    assert measured["bus_ms"] > 2 * latency(tmp_path / "fd")["bus_ms"] > 0
+    assert measured["end_to_end_ms"] == pytest.approx(delay_of_trace_ms(tmp_path / "out" / "trace.csv"), abs=4)
 
 
 def test_the_trackers_clock_does_not_matter(tmp_path):
-    told, other = latency(tmp_path / "a"), latency(tmp_path / "b", "--tracker-clock", 4294000000)
-    assert other["bus_ms"] == pytest.approx(told["bus_ms"], abs=1e-3)
+    measured, other = latency(tmp_path / "a"), latency(tmp_path / "b", "--tracker-clock", 4294000000)
+    assert other["bus_ms"] == pytest.approx(measured["bus_ms"], abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -81,19 +82,19 @@ def test_the_trackers_clock_does_not_matter(tmp_path):
     ],
     ids=["still", "no trace"],
 )
-def test_what_cannot_be_measured_is_null_and_says_why(tmp_path, arguments, words):
+def test_an_unmeasurable_latency_is_null_with_a_reason(tmp_path, arguments, words):
     recording = tmp_path / "hand.csv"
     recording.write_text(recording_csv(*(f"{0.01 * i:.2f},0,0,0,1,0,0,0" for i in range(300))))
     options = ["--scenario", "teleop", "--tracker", recording, *arguments]
-    told = run(tmp_path / "out", *options).summary["latency"]
-    assert told["end_to_end_ms"] is None and told["estimate_ms"] is None and told["law_ms"] is None
-    assert told["how"]["end_to_end_ms"] == "not measured"
-    assert told["tracker_ms"] == 4
+    measured = run(tmp_path / "out", *options).summary["latency"]
+    assert measured["end_to_end_ms"] is None and measured["estimate_ms"] is None and measured["law_ms"] is None
+    assert measured["how"]["end_to_end_ms"] == "not measured"
+    assert measured["tracker_ms"] == 4
     (line,) = (
         line for line in call(*options, "--out", tmp_path / "b").stdout.splitlines() if line.startswith("latency [ms]")
     )
     for word in words:
-        assert word in told["not_measured"] and word in line
+        assert word in measured["not_measured"] and word in line
 
 
 # ---- the fit
@@ -101,10 +102,11 @@ def test_what_cannot_be_measured_is_null_and_says_why(tmp_path, arguments, words
 
 @pytest.mark.parametrize("delay_ms", [-7.3, 0.0, 37.6, 180.2])
 def test_a_known_delay_is_found(rng, delay_ms):
-    """A hand that goes and turns, a lever of 0.1 m at it, an offset, and 0.2 mm of noise; in two stretches with constants of their own."""
+    """A hand that moves and turns, a lever arm of 0.1 m, an offset, and 0.2 mm of noise, in two intervals with
+    different constants."""
 
     def hand(t_s):
-        """Places (N, 3) and turns (N, 3, 3) at these times."""
+        """Positions (N, 3) and rotations (N, 3, 3) at these times."""
         position_m = 0.05 * np.stack([np.sin(3 * t_s), np.sin(4 * t_s + 1), np.sin(5 * t_s + 2)], axis=-1)
         turns = np.stack([0.3 * np.sin(2 * t_s), 0.2 * np.cos(3 * t_s), np.full_like(t_s, 0.1)], axis=-1)
         return position_m, Rotation.from_rotvec(turns).as_matrix()

@@ -1,4 +1,4 @@
-"""firmware/main.c's loop, compiled around a HAL of this test: what comes between two ticks is not lost."""
+"""firmware/main.c's loop, compiled with a HAL of this test: frames between two ticks are not lost."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import subprocess
 import pytest
 from simulation import REPOSITORY
 
-PLACES = 15  # of the smallest receive queue: hal/slcan/slcan_link.h
-FRAMES_A_MS = (
-    6  # each 40 ms, in three of the 4 ms of classic CAN's tick: 18, more than the queue, fewer than queue and inbox
-)
+PLACES = 15  # size of the smallest receive queue: hal/slcan/slcan_link.h
+# Frames per ms in three of the 4 ms of classic CAN's tick, every 40 ms: 18 in all, more than the queue holds, fewer
+# than queue and inbox together.
+FRAMES_A_MS = 6
 
 HAL = """
 #include "firmware/main.h"
@@ -57,8 +57,8 @@ def loop(tmp_path_factory):
     return ctypes.CDLL(folder / "loop.so")
 
 
-def test_frames_between_the_ticks_of_classic_can_are_taken_as_they_come(loop):
-    """As many as the eight drives, the tracker and an operator who defines a task can send in one."""
+def test_frames_between_the_ticks_of_classic_can_are_read_as_they_arrive(loop):
+    """As many as the eight drives, the tracker and an operator who defines a task can send in one tick."""
     loop.firmware_main()
     assert ctypes.c_int.in_dll(loop, "lost").value == 0
     assert ctypes.c_int.in_dll(loop, "taken").value == 10 * 3 * FRAMES_A_MS

@@ -1,4 +1,4 @@
-"""`make` as a person types it: help, and `make sim` with everything it passes on to the simulator."""
+"""`make` as a user types it: help, and `make sim` with the options that it passes to the simulator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`comanip monitor`, `doctor` and `sim`: what they show against numpy and bit-level lengths of the frames of a log."""
+"""`comanip monitor`, `doctor` and `sim`: their output against numpy and bit-level lengths of the frames of a log."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def state(frames) -> BusState:
     return result
 
 
-# ---- the numbers
+# ---- the figures
 
 
 def test_counts_rates_and_signals(short, state, frames):
@@ -53,13 +53,13 @@ def test_counts_rates_and_signals(short, state, frames):
     assert state.signals("FirmwareStatus") == DBC.decode_message(last.frame_id, last.data)
 
 
-def test_load_is_an_upper_bound_and_a_close_one(state, frames):
+def test_load_is_a_tight_upper_bound(state, frames):
     now_us = frames[-1].t_us
     exact = sum(frame_duration_ns(f.frame_id, f.data) for f in frames if f.t_us > now_us - 10**6) / 1e7
     assert exact <= state.load_percent() <= 1.15 * exact
 
 
-def test_a_silent_bus_comes_to_nothing(frames):
+def test_a_silent_bus_drops_to_zero(frames):
     state = BusState()
     for frame in frames[:5000]:
         state.feed(frame)
@@ -108,7 +108,7 @@ def test_a_live_bus(monkeypatch, capsys):
             monkeypatch, capsys, "monitor", "--once", "--duration", 1, "-i", "virtual", "-c", CHANNEL
         )
         assert status == 0, err
-        assert not live.heard, "it sends nothing"
+        assert not live.received, "it sends nothing"
     assert "ready (inputs_ready)" in out
     assert "TickTrace" in out and " ok " in out and " wrong" not in out
 
@@ -127,7 +127,7 @@ def test_monitor_needs_an_end_for_one_table():
 # ---- doctor, sim, help
 
 
-def test_doctor_names_what_is_there_and_mends_what_is_not(tmp_path):
+def test_doctor_lists_what_is_installed_and_how_to_install_the_rest(tmp_path):
     done = call("doctor", environment={"PATH": str(tmp_path), "COLUMNS": "200", "COMANIP_HUB_DIR": str(tmp_path)})
     assert done.returncode == 0, done.stderr
     rows = {line[6:28].strip(): line for line in done.stdout.splitlines()[1:]}
@@ -166,9 +166,9 @@ COMMANDS = ("sim", "replay", "monitor", "decode", "convert", "tracker", "calibra
 
 
 def test_every_command_has_help_with_examples():
-    told = call("--help").stdout
+    overview = call("--help").stdout
     for command in COMMANDS:
-        assert re.search(rf"^│ {command} ", told, re.MULTILINE)
+        assert re.search(rf"^│ {command} ", overview, re.MULTILINE)
     found: list[str] = []
 
     def ask(command: str) -> None:

@@ -1,4 +1,4 @@
-"""`comanip task` and `comanip param` against the C core on a virtual bus: acknowledged, verified, refused by name."""
+"""`comanip task` and `comanip param` against the C core on a virtual bus: acknowledged, verified, refusals by name."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ def require_refused(outcome: tuple[int, str, str], *words: str) -> None:
 
 
 def test_a_session(live, comanip):
-    """What the firmware is in afterwards, and what is on the bus: E2E valid for the reference implementation."""
+    """The firmware's state afterwards, and the requests on the bus, which are valid by the E2E reference
+    implementation."""
     core = live.bench.controller
     assert comanip("task", "select", "mirror", *BUS) == (0, "select mirror: accepted\n", "")
     assert core.task_id == lib.TASK_MIRROR
@@ -48,7 +49,7 @@ def test_a_session(live, comanip):
     require_refused(comanip("param", "set", "motion_scale", 0.5, *BUS), "motion_scale", "wrong_mode")
     assert comanip("task", "stop", *BUS)[0] == 0
     assert core.supervisor.mode == lib.MODE_READY
-    for message in live.heard:
+    for message in live.received:
         layout = DBC.get_message_by_frame_id(message.arbitration_id)
         assert p05.e2e_p05_check(bytes(message.data), layout.dbc.attributes["E2EDataId"].value), layout.name
         assert message.is_fd and message.bitrate_switch and len(message.data) == layout.length
@@ -68,8 +69,8 @@ def test_refusals_are_named(live, comanip):
     require_refused(comanip("task", "select", "juggle", *BUS), "juggle", "pour, teleop, mirror")
 
 
-def test_parameters_that_do_not_go_together_are_named(live, comanip):
-    """All of them, with their values, when they would come into force; not when one is written."""
+def test_an_unstable_combination_of_parameters_is_named(live, comanip):
+    """All of them with their values when they would come into force; not when one is written."""
     for name, value in (("gain_x_per_s", 400), ("gain_dual_z_per_s", 450)):
         assert comanip("param", "set", name, value, *BUS)[0] == 0
     words = ("parameters_unstable", "gain_x_per_s = 400, gain_dual_z_per_s = 450;")
@@ -95,8 +96,8 @@ def test_parameters_are_written_and_read_back(live, comanip):
         assert rows[name] == pytest.approx([values[i], row.minimum, row.maximum, row.default_value], rel=1e-6)
 
 
-def test_parameters_are_saved_once_though_the_store_is_slow(live, comanip, monkeypatch):
-    """Slower than the deadline of an attempt: the request is repeated, with the same number."""
+def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monkeypatch):
+    """Slower than the deadline of an attempt: the request is repeated with the same number."""
     monkeypatch.setattr("comanip.bus.operator_client.SAVE_S", 0.0)
     live.bench.store_result = lib.RESULT_ACCEPTED
     live.bench.store_ticks = 10**9
@@ -104,8 +105,8 @@ def test_parameters_are_saved_once_though_the_store_is_slow(live, comanip, monke
     stored: list = []
 
     def end_when_repeated() -> None:
-        wait_until(lambda: len(live.heard) >= 3, "three requests")
-        stored.extend(live.bench.stored)  # one more request may be under way when this one is over: it asks anew
+        wait_until(lambda: len(live.received) >= 3, "three requests")
+        stored.extend(live.bench.stored)  # one more request may be on its way when the save ends: it starts a new one
         live.bench.store_until = 0
 
     ending = threading.Thread(target=end_when_repeated)
@@ -116,8 +117,8 @@ def test_parameters_are_saved_once_though_the_store_is_slow(live, comanip, monke
     assert stored == [list(live.bench.controller.parameters.value)]
 
 
-def test_a_value_that_reads_back_otherwise_is_told(live, comanip, monkeypatch):
-    """As if somebody else had written between."""
+def test_a_value_that_reads_back_differently_is_reported(live, comanip, monkeypatch):
+    """As if another client had written in between."""
     from comanip.bus.operator_client import OperatorClient
 
     monkeypatch.setattr(OperatorClient, "read", lambda self, name: 0.75)
@@ -127,16 +128,16 @@ def test_a_value_that_reads_back_otherwise_is_told(live, comanip, monkeypatch):
 def test_lost_requests_are_sent_again(live, comanip):
     live.deaf = 3
     assert comanip("task", "select", "pour", *BUS)[0] == 0
-    assert len(live.heard) >= 4
-    sequences = {DBC.decode_message(m.arbitration_id, bytes(m.data))["sequence"] for m in live.heard}
+    assert len(live.received) >= 4
+    sequences = {DBC.decode_message(m.arbitration_id, bytes(m.data))["sequence"] for m in live.received}
     assert len(sequences) == 1, "the same request"
-    assert len({m.data[2] for m in live.heard}) == len(live.heard), "with a new counter each"
+    assert len({m.data[2] for m in live.received}) == len(live.received), "each with a new counter"
 
 
 def test_no_answer_is_an_error_with_a_deadline(live, comanip):
     live.mute = True
     require_refused(comanip("task", "stop", *BUS), "OperatorCommand", "no CommandAck", "5 attempts")
-    wait_until(lambda: len(live.heard) == 5, "five requests")
+    wait_until(lambda: len(live.received) == 5, "five requests")
 
 
 def test_no_bus_is_one_clear_line():

@@ -1,5 +1,5 @@
-"""The operator on the bus against a firmware and a gripper played here: what it sends when (decoded with cantools), what
-it waits for, and what it says when something goes wrong."""
+"""The operator on the bus against a simulated firmware and gripper: what it sends and when (decoded with cantools), its
+waiting, and its error messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TICK_NS = 1_000_000
 
 
 class Bench:
-    """A scenario's script, and one tick after each of the operator's frames its answer."""
+    """A scenario's script. Each of the operator's frames is answered one tick later."""
 
     def __init__(self, dbc, *steps, duration_s=30.0, parameters=None, own_tasks=(), wishes=None):
         self.dbc = dbc
@@ -96,12 +96,12 @@ class Bench:
             else:
                 lib.operator_command_unpack(frame, command)
                 number, sequence = command.command, command.sequence
-                self._obey(number, command.task)
+                self._execute(number, command.task)
             result = self.refuses.get(number, lib.RESULT_ACCEPTED)
             ack = {"command": number, "sequence": sequence, "result": result}
             self._send(lib.command_ack_pack, ffi.new("command_ack_t *", ack))
 
-    def _obey(self, command, task):
+    def _execute(self, command, task):
         if command == lib.COMMAND_START and self.follows_start:
             self.mode = lib.MODE_COOPERATING
         elif command == lib.COMMAND_STOP:
@@ -136,7 +136,7 @@ class Bench:
         return lib.operator_node_script_done(self.operator)
 
     def what(self):
-        """One word per frame: the command, task or parameter that it carries."""
+        """One word per frame: its command, task or parameter."""
         words = {
             "OperatorCommand": lambda s: str(s["command"]),
             "TaskDefine": lambda _: "define",
@@ -166,7 +166,7 @@ def define(form, x_m=0.0):
     return {"form": form, "t_task_m": {"x": x_m}, "q_task": unit, "q_inv": unit}
 
 
-def test_script_is_done_in_its_order_and_at_its_times(dbc):
+def test_script_runs_in_order_and_on_time(dbc):
     steps = (
         SELECT,
         {**START, "name": "started"},
@@ -204,7 +204,7 @@ def test_parameters_come_first_and_the_command_lines_take_precedence(dbc):
     assert bench.what()[3:] == ["select"] and bench.times()[0] >= 0.01
 
 
-def test_a_task_of_ones_own_takes_the_place_of_the_first(dbc):
+def test_a_custom_task_replaces_the_first(dbc):
     own, wish = define(lib.TASK_FORM_CONSTANT, 0.1), define(lib.TASK_FORM_MIRRORED, 0.2)
     second = {"kind": lib.OPERATE_DEFINE, "own_task": 0, "at_s": 1.0}
     for first, expected_m in ((SELECT, [0.2, 0.1]), ({**second, "at_s": 0}, [0.2, 0.1])):
@@ -218,7 +218,7 @@ def test_a_task_of_ones_own_takes_the_place_of_the_first(dbc):
     assert bench.what() == ["define", "start"]
 
 
-def test_nothing_is_commanded_before_the_firmware_is_ready(dbc):
+def test_no_command_before_the_firmware_is_ready(dbc):
     bench = Bench(dbc, SELECT)
     bench.mode, bench.reason = lib.MODE_IDLE, lib.REASON_WAITING_FOR_TRACKER
     bench.run(1.0)
@@ -246,7 +246,7 @@ def test_latch_and_clutch_wait_for_the_cooperation(dbc):
         (None, ["latch", "clutch"]),
     ],
 )
-def test_clutch_comes_at_its_time_between_the_steps_that_wait(dbc, event_s, order):
+def test_clutch_is_sent_on_time_between_waiting_steps(dbc, event_s, order):
     bench = Bench(
         dbc,
         SELECT,
@@ -263,14 +263,14 @@ def test_clutch_comes_at_its_time_between_the_steps_that_wait(dbc, event_s, orde
     assert bench.times()[2 + order.index("clutch")] == pytest.approx(2.0, abs=0.0003)
 
 
-def test_patience_names_the_event(dbc):
+def test_a_timeout_names_the_event(dbc):
     bench = Bench(dbc, SELECT, command("start", awaited=["person.there"], patience_s=0.8))
     bench.run(3.0)
     assert bench.failure.startswith("operator: command start at 0.8")
     assert bench.failure.endswith(" s: waited 0.8 s in vain for person.there")
 
 
-def test_refusal_and_silence_are_told(dbc):
+def test_refusal_and_timeout_are_reported(dbc):
     bench = Bench(dbc, SELECT, START)
     bench.refuses[lib.COMMAND_START] = lib.RESULT_TRACKER_STALE
     bench.follows_start = False
@@ -281,12 +281,12 @@ def test_refusal_and_silence_are_told(dbc):
     bench.gripper_is_silent = True
     bench.run(1.0)
     assert bench.times() == pytest.approx([0.5, 0.55, 0.6, 0.65], abs=0.0003)
-    assert len({s["sequence"] for *_, s in bench.sent}) == 1, "the same sequence number each time"
+    assert len({s["sequence"] for *_, s in bench.sent}) == 1, "each with the same sequence number"
     what = "no answer from the gripper to 4 sendings, 50 ms each"
     assert bench.failure == f"operator: gripper command close at 0.700 s: {what}"
 
 
-def test_gripper_that_was_silent_for_a_while_is_asked_again(dbc):
+def test_a_gripper_request_without_answer_is_repeated(dbc):
     bench = Bench(dbc, gripper(True, at_s=0.5, name="closed"), gripper(False))
     bench.gripper_is_silent = True
     bench.run(0.57)
@@ -297,7 +297,7 @@ def test_gripper_that_was_silent_for_a_while_is_asked_again(dbc):
 
 
 @pytest.mark.parametrize("waits_for", ["an event", "its time", "the cooperation"])
-def test_stop_leaves_out_what_has_not_begun(dbc, waits_for):
+def test_stop_skips_steps_that_have_not_started(dbc, waits_for):
     step = {
         "an event": gripper(True, awaited=["person.there"]),
         "its time": gripper(True, at_s=20.0),
@@ -313,7 +313,7 @@ def test_stop_leaves_out_what_has_not_begun(dbc, waits_for):
     assert lib.operator_node_finished(bench.operator) and bench.failure is None
 
 
-def test_stop_finishes_what_is_on_its_way(dbc):
+def test_stop_finishes_a_step_in_progress(dbc):
     bench = Bench(dbc, SELECT, gripper(True, at_s=0.5, name="closed"), gripper(False))
     bench.gripper_is_silent = True
     bench.run(0.52)
@@ -325,18 +325,18 @@ def test_stop_finishes_what_is_on_its_way(dbc):
     assert bench.time_of("operator.closed") is not None and lib.operator_node_finished(bench.operator)
 
 
-def test_stop_that_is_not_obeyed_fails(dbc):
+def test_a_stop_without_effect_fails(dbc):
     bench = Bench(dbc, SELECT, START)
     bench.run(1.0)
     bench.stop()
-    bench._obey = lambda *_: None
+    bench._execute = lambda *_: None
     bench.run(2.0)
     assert bench.failure.startswith("operator: waiting for mode ready at 1.40")
     assert bench.failure.endswith("s: mode is still cooperating (inputs_ready) after 0.4 s")
 
 
-def test_it_knows_whether_the_robot_mirrors(dbc):
-    """Table I's mirrored task does until it is latched; of an own task, its form decides."""
+def test_it_tracks_whether_the_robot_mirrors(dbc):
+    """Table I's mirrored task does until it is latched; for a custom task its form decides."""
     tasks = ((lib.TASK_TELEOP, 0.1), (lib.TASK_MIRROR, 0.4))
     selects = [command("select", task=task, at_s=at_s) for task, at_s in tasks]
     bench = Bench(dbc, *selects, START, command("latch", at_s=1.0))

@@ -1,5 +1,5 @@
-"""The Python package by itself: built from the sources into a wheel, light without the command line's packages, and clear about
-what is missing."""
+"""The Python package on its own: built from the sources into a wheel, importable without the command line's packages,
+and with clear messages about missing parts."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def python(code: str, path: Path | None = None, **environment: str) -> subproces
 
 
 def without(*names: str) -> str:
-    """Python code after which these modules cannot be imported."""
+    """Python code that makes these modules impossible to import."""
     return f"import sys; sys.modules.update(dict.fromkeys({names!r})); "
 
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory) -> Path:
-    """What is needed of the repository, without anything that was built."""
+    """The required part of the repository, without build products."""
     folder = tmp_path_factory.mktemp("clone")
     ignored = shutil.ignore_patterns("*.so", "__pycache__", "build", "*.egg-info")
     for name in ("firmware", "host_tools"):
@@ -36,7 +36,7 @@ def clone(tmp_path_factory) -> Path:
 
 
 def install(clone: Path, target: Path, **environment: str) -> Path:
-    """As pip and pipx do it, but without the network: the requirements are those of this environment."""
+    """Installs as pip and pipx do, but without the network: the requirements come from this environment."""
     command = [
         PYTHON,
         "-m",
@@ -60,7 +60,7 @@ def installed(clone, tmp_path_factory) -> Path:
     return install(clone, tmp_path_factory.mktemp("installed"))
 
 
-def test_installed_from_sources_it_has_the_core_of_these_sources(installed):
+def test_the_installed_package_has_the_core_of_these_sources(installed):
     done = python(
         "from comanip import core, native; import comanip; ffi, lib = native.load(); "
         "print(comanip.__file__, f'{lib.replay_build_hash():016x}', len(core.arms()))",
@@ -73,7 +73,7 @@ def test_installed_from_sources_it_has_the_core_of_these_sources(installed):
     assert int(arms) >= 1
 
 
-def test_installed_it_has_the_command(installed):
+def test_the_installed_package_has_the_command(installed):
     script = installed / "bin" / "comanip"
     done = subprocess.run(
         [PYTHON, script, "doctor"],
@@ -88,7 +88,7 @@ def test_installed_it_has_the_command(installed):
     assert {path.name for path in (installed / "comanip" / "commands").glob("*.py")} >= {"replay.py", "monitor.py"}
 
 
-def test_installed_it_has_no_tools_for_developers(installed):
+def test_the_installed_package_has_no_developer_tools(installed):
     assert [path for path in installed.rglob("*") if path.name.startswith(("comanip_dev", "development"))] == []
     names = {path.stem for path in (installed / "comanip").rglob("*.py")}
     assert names >= {"frame", "replay", "transport"} and not names & {
@@ -104,7 +104,7 @@ def test_installed_it_has_no_tools_for_developers(installed):
     assert "clone of the repository" in done.stderr.splitlines()[-1]
 
 
-def test_without_a_compiler_it_installs_and_says_what_is_missing(clone, tmp_path):
+def test_without_a_compiler_it_installs_and_reports_what_is_missing(clone, tmp_path):
     target = install(clone, tmp_path / "target", CC="no-such-compiler")
     assert not list(target.rglob("_core*.so"))
     log = tmp_path / "bus.log"
@@ -126,14 +126,14 @@ def test_core_imports_without_the_packages_of_the_command_line():
 
 
 @pytest.mark.parametrize("missing", ["typer", "rich"])
-def test_command_without_its_packages_says_so(missing):
+def test_command_without_its_packages_reports_it(missing):
     done = python(without(missing) + "from comanip.__main__ import main; main()")
     assert done.returncode == 2
     assert done.stderr.startswith(f"comanip: the package {missing} is missing") and done.stderr.count("\n") == 1
 
 
-def test_pins_are_those_of_the_package():
-    """What is installed here is what pyproject.toml asks for: pip itself compares."""
+def test_installed_versions_meet_the_packages_requirements():
+    """The packages installed here meet pyproject.toml's requirements: pip itself compares."""
     import tomllib
 
     from packaging.requirements import Requirement

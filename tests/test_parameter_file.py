@@ -1,5 +1,5 @@
-"""The firmware's parameters in a file of the Linux port: saved, found again after a restart, whole after any interruption, and
-refused in words where they cannot be saved."""
+"""The firmware's parameters in a file of the Linux port: saved, read after a restart, intact after any interruption,
+and with a clear error where they cannot be saved."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from test_comanip_on_a_hub import comanip
 from test_parameter_store import DEFAULTS, NAMES, record
 from test_two_processes import PLAIN
 
-pytestmark = pytest.mark.skipif(has_kernel_can(), reason="the bus has no part in it: tried on a hub")
+pytestmark = pytest.mark.skipif(has_kernel_can(), reason="independent of the bus: tested on a hub")
 
 SLOW = 5
 SCALE = NAMES.index("motion_scale")
@@ -68,10 +68,10 @@ def end(process: Tool) -> str:
     return text
 
 
-# ---- kept
+# ---- saved and read
 
 
-def test_saved_killed_and_found_again(hub, file):
+def test_saved_parameters_survive_a_kill(hub, file):
     with firmware(hub, "--parameters", file) as (process, client):
         assert client.read("motion_scale") == 1
         client.write("motion_scale", 0.5)
@@ -79,7 +79,7 @@ def test_saved_killed_and_found_again(hub, file):
         done = comanip(hub, "socketcand", "param", "save")
         assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("saved: "), done
         assert file.read_bytes() == with_scale(0.5)
-        assert [path.name for path in file.parent.iterdir()] == [file.name], "nothing else is left"
+        assert [path.name for path in file.parent.iterdir()] == [file.name], "no other file is left"
         process.process.kill()
         process.wait()
         assert f"comanip-firmware: parameters: {file} is not there yet, defaults\n" in process.text()
@@ -101,11 +101,11 @@ def test_without_a_file_there_is_no_store(hub, tmp_path):
 
 @pytest.mark.parametrize("profile", ["fd", "classic"])
 def test_a_run_with_stored_parameters_replays(tmp_path, profile):
-    """Firmware with a store and plant; saved once more on the way."""
+    """Firmware with a store and a plant; saved once more in between."""
     (tmp_path / "parameters").write_bytes(with_scale(0.75))
     with Bus(tmp_path, SLOW, profile) as bus:
         plant = bus.plant("--scenario", PLAIN, "--duration", 3)
-        bus.wait(lambda: "waits for the firmware" in bus.told("plant.out") or plant.poll() is not None, "the plant")
+        bus.wait(lambda: "waits for the firmware" in bus.output("plant.out") or plant.poll() is not None, "the plant")
         bus.firmware("firmware", FIRMWARE, "--parameters", tmp_path / "parameters")
         bus.wait(lambda: bus.since(0, "ParameterValue"), "the boot")
         save = [WITH_CAN, COMANIP, "param", "save", "-c", INTERFACE]
@@ -114,27 +114,27 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
     assert saved.returncode == 0 or "wrong_mode" in saved.stderr, "the plant's operator may have started before"
     values = {}
     for frame in bus.since(0, "ParameterValue"):
-        told = frame.decode()
-        values.setdefault(str(told["parameter"]), told["value"])
+        decoded = frame.decode()
+        values.setdefault(str(decoded["parameter"]), decoded["value"])
     assert values["motion_scale"] == 0.75
     replayed = call("replay", tmp_path / "plant" / "bus.log")
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
-# ---- not valid
+# ---- invalid records
 
 
 def boot_results(hub: Hub, file: Path) -> tuple[set[str], dict[str, float]]:
-    """What the boot announcement says: its results, and the values."""
+    """The results and the values in the boot announcement."""
     values, results = {}, set()
     with hub.connect() as tap, tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--parameters", file):
         while len(values) < len(NAMES):
             packet = tap.recv(72)
             frame_id, length = struct.unpack_from("=IB", packet)
             if frame_id == DBC.get_message_by_name("ParameterValue").frame_id:
-                told = DBC.decode_message(frame_id, packet[8 : 8 + length])
-                values[str(told["parameter"])] = told["value"]
-                results.add(str(told["result"]))
+                decoded = DBC.decode_message(frame_id, packet[8 : 8 + length])
+                values[str(decoded["parameter"])] = decoded["value"]
+                results.add(str(decoded["result"]))
     return results, values
 
 
@@ -156,7 +156,7 @@ INVALID = {
 
 
 @pytest.mark.parametrize("kind", INVALID)
-def test_an_invalid_record_gives_defaults_and_is_told_on_the_bus(hub, file, kind):
+def test_an_invalid_record_gives_defaults_and_is_reported_on_the_bus(hub, file, kind):
     file.write_bytes(INVALID[kind])
     results, values = boot_results(hub, file)
     assert results == {"store_failed"}
@@ -165,19 +165,20 @@ def test_an_invalid_record_gives_defaults_and_is_told_on_the_bus(hub, file, kind
         client.write("motion_scale", 0.5)
         client.save()
         end(process)
-    assert file.read_bytes() == with_scale(0.5), "a saving mends it"
+    assert file.read_bytes() == with_scale(0.5), "a save repairs it"
 
 
 # ---- interrupted
 
 
-def is_whole(file: Path, *scales: float) -> bool:
+def is_complete(file: Path, *scales: float) -> bool:
     return file.read_bytes() in [with_scale(scale) for scale in scales]
 
 
 @pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, len(record(DEFAULTS)) - 1])
-def test_killed_within_the_write(hub, file, bytes_written):
-    """The kernel kills the process at the byte after these (RLIMIT_FSIZE). Then a firmware boots and saves as if nothing were."""
+def test_killed_during_the_write(hub, file, bytes_written):
+    """The kernel kills the process after this number of bytes (RLIMIT_FSIZE). A new firmware then boots and saves
+    normally."""
     file.write_bytes(with_scale(0.5))
     with firmware(hub, "--parameters", file) as (process, client):
         client.write("motion_scale", 0.25)
@@ -187,14 +188,14 @@ def test_killed_within_the_write(hub, file, bytes_written):
         process.wait()
         assert process.process.returncode == KILLED_BY_LIMIT
     assert file.read_bytes() == with_scale(0.5)
-    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "it was killed there"
+    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "killed at that byte"
     with firmware(hub, "--parameters", file) as (process, client):
         assert client.read("motion_scale") == 0.5
         client.write("motion_scale", 2)
         client.save()
         end(process)
     assert [path.name for path in file.parent.iterdir()] == [file.name]
-    assert is_whole(file, 2)
+    assert is_complete(file, 2)
 
 
 WRITER = """
@@ -213,7 +214,7 @@ int main(int argc, char *argv[]) {
 
 
 def test_killed_at_any_moment(tmp_path, rng):
-    """A process that does nothing but write two records in turn; each time it is killed, one of them is there as a whole."""
+    """A process that only writes two records in turn; whenever it is killed, one of them is complete."""
     source, program, path = tmp_path / "writer.c", tmp_path / "writer", tmp_path / "records" / "record"
     source.write_text(WRITER)
     path.parent.mkdir()
@@ -232,7 +233,7 @@ def test_killed_at_any_moment(tmp_path, rng):
         found.add(content[:1])
         interrupted += path.with_name("record.tmp").exists()
     assert found == {b"a", b"b"}
-    assert interrupted > 10, "most of its time it is within a write"
+    assert interrupted > 10, "the process spends most of its time writing"
 
 
 # ---- refused
@@ -256,14 +257,14 @@ def mounted(folder: Path):
 
 
 def require_refusal(hub: Hub, process: Tool, file: Path, cause: str) -> None:
-    """On the bus, by the command, on the firmware's console; and the firmware goes on."""
+    """On the bus, by the command and on the firmware's console; the firmware keeps running."""
     done = comanip(hub, "socketcand", "param", "save")
     assert done.returncode == WRONG_USE
     assert done.stderr.startswith("comanip: save: refused: store_failed (") and done.stderr.count("\n") == 1, (
         done.stderr
     )
-    wanted = f"comanip-firmware: parameters not saved: {file}: {cause}\n"
-    assert wanted in process.text()
+    expected = f"comanip-firmware: parameters not saved: {file}: {cause}\n"
+    assert expected in process.text()
     assert file.read_bytes() == with_scale(0.5)
     assert not file.with_name("parameters.tmp").exists()
 
@@ -288,7 +289,7 @@ def test_full_and_read_only_disks(hub, tmp_path):
 
 
 def test_a_file_that_cannot_be_written(hub, file):
-    """Here since a folder has the temporary file's name."""
+    """Because a folder has the temporary file's name."""
     file.write_bytes(with_scale(0.5))
     file.with_name("parameters.tmp").mkdir()
     with firmware(hub, "--parameters", file) as (process, client):
@@ -296,7 +297,7 @@ def test_a_file_that_cannot_be_written(hub, file):
         with pytest.raises(RefusedError, match="save: refused: store_failed"):
             client.save()
         assert f"comanip-firmware: parameters not saved: {file}: Is a directory\n" in process.text()
-        assert client.read("motion_scale") == 0.25, "in force all the same"
+        assert client.read("motion_scale") == 0.25, "still in force"
         end(process)
     assert file.read_bytes() == with_scale(0.5)
 
@@ -312,7 +313,7 @@ def test_a_path_that_cannot_be_one_is_refused_at_the_start(hub, tmp_path, path, 
 
 
 @pytest.mark.parametrize("arguments", [["--parameters"], ["--parameters="], ["--parameters", ""]])
-def test_the_option_wants_a_file(arguments):
+def test_the_option_needs_a_file(arguments):
     done = subprocess.run(
         [FIRMWARE, "--can", "vcan0", *arguments], capture_output=True, text=True, check=False, timeout=PATIENCE_S
     )

@@ -1,4 +1,4 @@
-"""Sets of parameters: what is refused, by whom it is told, and that what is refused would be too fast."""
+"""Sets of parameters: refusals, their reports, and that a refused set would be too fast."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check(changes: dict[int, float], tick_s: float = TICK_S) -> tuple[int, set[i
 
 
 @pytest.mark.parametrize("tick_s", [TICK_S, CLASSIC_TICK_S])
-def test_the_defaults_and_all_that_is_slow_are_accepted(tick_s):
+def test_the_defaults_and_all_slower_gains_are_accepted(tick_s):
     slow = {
         "nothing": {},
         "gain": {FOLLOWING_GAIN: lib.parameter_table[FOLLOWING_GAIN].minimum},
@@ -55,7 +55,7 @@ def test_the_defaults_and_all_that_is_slow_are_accepted(tick_s):
 
 
 def test_gains_are_refused_by_the_loops_delay():
-    """A gain alone; a delay with the default gains; the two together: named are those, and no other."""
+    """A gain alone; a delay with the default gains; the two together: only the responsible parameters are named."""
     delay = lib.PARAMETER_COMMAND_DELAY_S
     assert check(LAW_4 | {3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
     assert check(LAW_4 | TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))
@@ -73,11 +73,11 @@ def test_the_following_gain_is_refused_by_the_loops_delay():
     assert check({lib.PARAMETER_COMMAND_DELAY_S: 0.05})[0] == lib.PARAMETER_SET_UNSTABLE
 
 
-def test_a_gain_without_a_weight_does_nothing():
+def test_a_gain_without_a_weight_has_no_effect():
     assert check(LAW_4 | {3: 500.0, lib.PARAMETER_WEIGHT + 3: 0.0})[0] == lib.PARAMETER_SET_MAY_SWING
 
 
-def test_the_papers_law_is_warned_of_and_not_refused():
+def test_the_papers_law_gives_a_warning_and_is_not_refused():
     paper = {**LAW_4, lib.PARAMETER_ERROR_FRAME: 0.0, **dict.fromkeys(WEIGHTS, 1.0)}
     assert check(paper | TOO_FAST) == (lib.PARAMETER_SET_MAY_SWING, set(GAINS))
     for change in ({lib.PARAMETER_ERROR_FRAME: 1.0}, {lib.PARAMETER_WEIGHT + 7: 1.5}):
@@ -85,7 +85,8 @@ def test_the_papers_law_is_warned_of_and_not_refused():
 
 
 def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
-    """What the criterion counts on, in double: eigenvalues of J N^-1 J^T W K with dqrobotics' Jacobian, at any posture, with any weights."""
+    """The criterion's assumption, in double: eigenvalues of J N^-1 J^T W K with dqrobotics' Jacobian, any posture and
+    weights."""
     arm = oracle.hoap3()
     _, jacobians = oracle.evaluate(arm, rng.uniform(*np.radians(oracle.HOAP3_RANGE_DEG), size=(50, 4)))
     for jacobian in jacobians:
@@ -101,7 +102,7 @@ def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
 
 
 def named(bench: Bench, ticks: int) -> list[tuple[int, int]]:
-    """(parameter, sequence) of each ParameterValue that says parameters_unstable, at most one a tick."""
+    """(parameter, sequence) of each ParameterValue with parameters_unstable, at most one per tick."""
     found = []
     for _ in range(ticks):
         bench.tick()
@@ -127,7 +128,7 @@ def status_bit(bench: Bench) -> bool:
     return message.rest_not_assured
 
 
-def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_it_is_mended():
+def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_corrected():
     bench = Bench(prediction=True).until_ready()
     bench.store_result = lib.RESULT_ACCEPTED
     assert not status_bit(bench)
@@ -154,7 +155,8 @@ def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_it_is_me
     ("profile", "parameters", "others"),
     [
         ("fd", {"command_delay_s": 0.02, "following_gain_per_s": 60}, {}),
-        ("classic", {"prediction": 0, "command_delay_s": 0.02, "gain_x_per_s": 100, "gain_dual_y_per_s": 90},  # k T above 0.8 for each gain
+        # k T above 0.8 for each gain
+        ("classic", {"prediction": 0, "command_delay_s": 0.02, "gain_x_per_s": 100, "gain_dual_y_per_s": 90},
          {f"gain_{axis}_per_s": 35 for axis in ("w", "y", "z", "dual_w", "dual_x", "dual_z")}),
     ],
 )  # fmt: skip
@@ -167,15 +169,15 @@ def test_the_simulator_names_all_parameters_of_a_refused_start(tmp_path, profile
     assert set(named.split(", ")) == expected
 
 
-def test_a_stored_set_that_is_unstable_stays_is_told_at_boot_and_not_started():
+def test_a_stored_unstable_set_is_kept_reported_at_boot_and_not_started():
     bench = Bench(parameters=parameters(LAW_4 | {4: 500.0, 6: 400.0}))
-    told = {}
+    announced = {}
     for _ in range(50):
         bench.tick()
-        told |= {d[3]: d[5] for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[4] == 0}
-    assert {i for i, result in told.items() if result == lib.RESULT_PARAMETERS_UNSTABLE} == {4, 6}
-    assert {result for i, result in told.items() if i not in (4, 6)} == {lib.RESULT_ACCEPTED} and len(
-        told
+        announced |= {d[3]: d[5] for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[4] == 0}
+    assert {i for i, result in announced.items() if result == lib.RESULT_PARAMETERS_UNSTABLE} == {4, 6}
+    assert {result for i, result in announced.items() if i not in (4, 6)} == {lib.RESULT_ACCEPTED} and len(
+        announced
     ) == lib.PARAMETER_COUNT
     assert (bench.controller.parameters.value[4], bench.controller.parameters.value[6]) == (500, 400)
     bench.until_ready()

@@ -1,4 +1,4 @@
-"""The record of all parameters: as an independent encoder makes it, and taken as a whole or not at all."""
+"""The record of all parameters: matches an independent encoder, and is read completely or not at all."""
 
 from __future__ import annotations
 
@@ -22,8 +22,10 @@ ROWS = [lib.parameter_table[i] for i in range(COUNT)]
 NAMES = [ffi.string(row.name).decode() for row in ROWS]
 DEFAULTS = [row.default_value for row in ROWS]
 OF_38_PARAMETERS = bytes.fromhex(
-    "434d4e509f85f3510000304100000c4200000c4200000c4200000c4200000c4200000c4200000c420ad7233c0ad7233c0ad7233c0ad7233c0000c8420000c842"
-    "0000c8420000c8420ad7233c0000803f0000803fdb0fc9bf00000000000000000000000000000000000000000000000000000000000000000000000000000000"
+    "434d4e509f85f3510000304100000c4200000c4200000c4200000c4200000c42"
+    "00000c4200000c420ad7233c0ad7233c0ad7233c0ad7233c0000c8420000c842"
+    "0000c8420000c8420ad7233c0000803f0000803fdb0fc9bf0000000000000000"
+    "0000000000000000000000000000000000000000000000000000000000000000"
     "00000000000000000000803f0000803e0000c8410ad7a33b000020400000803f63812e4f"
 )
 FORMER_COUNTS = range(38, 44)
@@ -44,7 +46,7 @@ def former_record(values: Sequence[float], names: Sequence[str] = NAMES, magic: 
 
 
 def decode(data: bytes) -> list[float] | None:
-    """None: refused, and then nothing was changed."""
+    """None: refused, with the parameters unchanged."""
     parameters = ffi.new("parameters_t *", {"value": [float(i) for i in range(COUNT)]})
     if lib.parameter_store_decode(data, len(data), parameters):
         return list(parameters.value)
@@ -64,19 +66,19 @@ def random_values(rng) -> list[float]:
     return [float(round(value)) if row.integer else value for value, row in zip(draws, ROWS, strict=True)]
 
 
-def test_record_is_what_an_independent_encoder_writes(rng):
+def test_record_matches_an_independent_encoder(rng):
     for _ in range(50):
         values = random_values(rng)
         assert encode(values) == record(values)
         assert decode(record(values)) == values
 
 
-def test_both_ends_of_each_range_come_back():
+def test_both_ends_of_each_range_are_preserved():
     for ends in ([row.minimum for row in ROWS], [row.maximum for row in ROWS], DEFAULTS):
         assert decode(encode(ends)) == ends
 
 
-def test_every_flipped_bit_is_found(rng):
+def test_every_flipped_bit_is_detected(rng):
     good = record(random_values(rng))
     for bit in range(8 * len(good)):
         bad = bytearray(good)
@@ -92,8 +94,8 @@ def test_other_lengths_are_refused(rng):
     assert decode(good + good) is None
 
 
-def test_what_is_no_record_is_refused():
-    """With a right CRC."""
+def test_data_that_is_not_a_record_is_refused():
+    """With a valid CRC."""
     assert decode(record(DEFAULTS)) == DEFAULTS
     assert decode(record(DEFAULTS, magic=b"cmn2")) is None
     assert decode(record(DEFAULTS, magic=b"CMN3")) is None
@@ -104,7 +106,7 @@ def test_what_is_no_record_is_refused():
         assert decode(other + struct.pack("<I", zlib.crc32(other))) is None, count
 
 
-def test_what_a_record_lacks_gets_its_default_and_unknown_numbers_are_skipped(rng):
+def test_missing_parameters_get_defaults_and_unknown_numbers_are_skipped(rng):
     values = dict(enumerate(random_values(rng)))
     for _ in range(50):
         kept = {number: value for number, value in values.items() if rng.random() < 0.5}
@@ -117,7 +119,7 @@ def test_what_a_record_lacks_gets_its_default_and_unknown_numbers_are_skipped(rn
 
 
 def test_the_former_format_is_read(rng):
-    """Of firmware with 38 to 43 parameters, whose names stood in the order of their numbers."""
+    """Of firmware with 38 to 43 parameters, whose names were in the order of their numbers."""
     values = random_values(rng)
     for count in FORMER_COUNTS:
         expected = [*values[:count], *DEFAULTS[count:]]
@@ -152,19 +154,22 @@ def test_a_value_out_of_range_refuses_the_whole_record(parameter):
         assert decode(record(values)) is None, value
 
 
-# ---- a firmware whose parameters are not these
+# ---- a firmware with other parameters
 
 
 @pytest.fixture(scope="module")
 def other_firmware(tmp_path_factory):
-    """It has no stale_periods (36), and one more parameter, with number 43."""
+    """It has no stale_periods (36), and one additional parameter, number 43."""
     folder = tmp_path_factory.mktemp("other")
     schema = folder / "schema"
     shutil.copytree(REPOSITORY / "firmware" / "schema", schema)
     text = (schema / "parameters.toml").read_text()
     without = re.sub(r"\[\[parameter\]\]\nnumber = 36\n.*?(?=\[\[)", "", text, flags=re.DOTALL)
     assert without != text
-    more = '\n[[parameter]]\nnumber = 43\nname = "another_m"\nunit = "m"\nrange = [0, 9]\ndefault = 4\ngroup = "x"\nmeaning = "x"\n'
+    more = (
+        '\n[[parameter]]\nnumber = 43\nname = "another_m"\nunit = "m"\n'
+        'range = [0, 9]\ndefault = 4\ngroup = "x"\nmeaning = "x"\n'
+    )
     (schema / "parameters.toml").write_text(without.replace("retired = []", "retired = [36]") + more)
     codegen.update_schema(schema)
     codegen.main(folder / "generated", schema)

@@ -1,4 +1,4 @@
-"""The parameter table against the DBC, and what it refuses."""
+"""The parameter table against the DBC, and refused values."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def name(parameter: int) -> str:
 
 
 @pytest.mark.parametrize("message", ["ParameterValue", "ParameterAccess"])
-def test_names_and_numbers_are_the_dbcs(dbc, message):
+def test_names_and_numbers_match_the_dbc(dbc, message):
     choices = dbc.get_message_by_name(message).get_signal_by_name("parameter").choices
     assert {number: str(choice) for number, choice in choices.items()} == {number: name(number) for number in ALL}
 
 
 @pytest.mark.parametrize("parameter", ALL, ids=name)
 def test_range(parameters, parameter):
-    """The default and both ends are taken; what lies beyond, NaN and infinities are refused and change nothing."""
+    """The default and both ends are accepted; values beyond, NaN and infinities are refused and change nothing."""
     row = lib.parameter_table[parameter]
     assert row.minimum <= row.default_value <= row.maximum
     assert parameters.value[parameter] == row.default_value
@@ -106,10 +106,10 @@ def test_view_of_the_joint_limits(parameters):
     assert (config.tick_s, config.approach_gain_per_s) == (np.float32(0.001), 35)
     write(parameters, lib.PARAMETER_PREDICTION, [0])
     lib.parameters_joint_limits(parameters, core.Arm.named("hoap3_right").table, 0.001, config)
-    assert config.approach_gain_per_s == 77  # law (4)'s
+    assert config.approach_gain_per_s == 77  # the gain of control law (4)
     for plan in list(config.plan)[
         :4
-    ]:  # it is prepared: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
+    ]:  # prepared in steps: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
         assert (plan.change_max_steps, plan.jerk_steps) == (12, 10)
 
 

@@ -1,5 +1,5 @@
-"""What particles do to each other in one step: contacts against all pairs in numpy, impulses against the exact solution of
-the step's problem (scipy) and against statics."""
+"""Interaction of particles in one step: contacts against all pairs in numpy, impulses against the exact solution of the
+step's problem (scipy) and against statics."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Solver:
         self.c = self.ffi.gc(create, self.lib.particle_solver_destroy)
 
     def step(self, contacts) -> np.ndarray:
-        """Impulses, N s. contacts: of (one, other, normal, depth_m, wall_speed_mps)."""
+        """Impulses, N s. contacts: (one, other, normal, depth_m, wall_speed_mps)."""
         c = self.ffi.new("particle_contact_t[]", [(*contact, 0.0) for contact in contacts])
         self.lib.particle_solver_step(self.c, c, len(contacts), self.particles.c, STEP_S)
         return np.array([c[i].impulse_Ns for i in range(len(contacts))])
@@ -73,8 +73,8 @@ def contacts_of_all_pairs(position_m, radius_m, spilt):
 
 
 @pytest.mark.parametrize("way_m", [1e-4, 1e-3, 1e-2])
-def test_contacts_are_those_of_all_pairs(rng, way_m):
-    """A crowd that moves on, by little and by much; from time to time some are spilt."""
+def test_contacts_match_those_of_all_pairs(rng, way_m):
+    """A crowd that moves by small and large steps; now and then some particles are spilt."""
     count = 60
     radius_m, mass_kg = sizes(rng, count)
     particles = Particles(rng.uniform(-0.02, 0.02, (count, 3)), radius_m, mass_kg)
@@ -105,7 +105,8 @@ def test_contacts_are_those_of_all_pairs(rng, way_m):
 
 
 def test_wall_contacts_have_the_speed_of_the_wall():
-    """A particle in the corner of a cup that moves and turns: speed of the touched points, v + w x r, along the normals."""
+    """A particle in the corner of a cup that moves and turns: speed of the touched points, v + w x r, along the
+    normals."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", {"present": True, "radius_m": 0.03, "height_m": 0.04, "wall_m": 0.002})
     velocity, turn = np.array([0.2, -0.1, 0.3]), np.array([0.5, -0.4, 0.0])
@@ -142,7 +143,7 @@ def crowd(rng, count=25):
 
 
 def jacobian(particles, contacts) -> np.ndarray:
-    """(contacts, 3 n): velocities to the speeds along the normals."""
+    """(contacts, 3 n): maps velocities to the speeds along the normals."""
     rows = np.zeros((len(contacts), particles.count + 1, 3))
     for row, (one, other, normal, _, _) in zip(rows, contacts, strict=True):
         row[one] += normal
@@ -151,9 +152,9 @@ def jacobian(particles, contacts) -> np.ndarray:
 
 
 def test_impulses_solve_the_soft_contacts_exactly(rng):
-    """Repeated on the same contacts and velocities it converges on the solution of the complementarity problem
-    0 <= p, 0 <= (J M^-1 J' + s) p + J v - b, whose matrix and right side come from two measured contacts: the speed that
-    an overlap is parted with, and the share of a speed that is left."""
+    """Repeated on the same contacts and velocities, it converges to the solution of the complementarity problem
+    0 <= p, 0 <= (J M^-1 J' + s) p + J v - b. Its matrix and right side come from two measured contacts: the speed that
+    separates an overlap, and the share of a speed that remains."""
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
     j, per_kg = jacobian(particles, contacts), np.repeat(1 / particles.mass_kg, 3)
@@ -183,8 +184,8 @@ def test_impulses_solve_the_soft_contacts_exactly(rng):
     assert particles.velocity_mps.ravel() == pytest.approx(velocity.ravel() + per_kg * (exact @ j), abs=1e-9)
 
 
-def test_momentum_is_kept_but_for_the_walls(rng):
-    """From the first iteration on, however far from the solution. Energy is lost, never won, where nothing overlaps."""
+def test_momentum_is_conserved_except_at_the_walls(rng):
+    """From the first iteration on, however far from the solution. Without overlap, energy is lost and never gained."""
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
     particles.velocity_mps = velocity
@@ -195,8 +196,8 @@ def test_momentum_is_kept_but_for_the_walls(rng):
     assert change == pytest.approx([0, 0, on_wall], abs=1e-15)
 
 
-def test_contacts_take_energy_and_give_none(rng):
-    """Without overlap, between particles and a floor that stands: in each of a hundred steps."""
+def test_contacts_dissipate_energy(rng):
+    """Without overlap, between particles and a fixed floor: in each of a hundred steps."""
     particles, contacts, velocity = crowd(rng)
     contacts = [(*c[:3], 0.0, 0.0) for c in contacts]
     solver = Solver(particles)
@@ -211,15 +212,16 @@ def test_contacts_take_energy_and_give_none(rng):
     assert last < 0.9 * first
 
 
-def test_what_parts_is_left_alone():
+def test_separating_contacts_get_no_impulse():
     particles = Particles([[0, 0, 0.01], [0, 0, 0]], [4e-3] * 2, [MASS_KG] * 2)
     particles.velocity_mps = [[0.3, 0, 0.2], [0, 0.1, -0.1]]
     assert Solver(particles).step([(1, 0, [0, 0, -1], 0.0, 0.0)]) == 0.0
     assert particles.velocity_mps.tolist() == [[0.3, 0, 0.2], [0, 0.1, -0.1]]
 
 
-def test_a_contact_that_was_interrupted_starts_anew():
-    """The same bits as a solver that has seen none of it, and other ones than a solver that goes on from the last step."""
+def test_an_interrupted_contact_starts_from_zero():
+    """The same bits as a solver that has not seen it, and other bits than a solver that continues from the last
+    step."""
 
     def impulse(*steps):
         particles = Particles([[0, 0, 7e-3], [0, 0, 0]], [4e-3] * 2, [MASS_KG] * 2)
@@ -235,7 +237,7 @@ def test_a_contact_that_was_interrupted_starts_anew():
 
 
 def test_a_stack_presses_with_its_weight(rng):
-    """Each particle of a column of eight bears those above it, the floor all of them; overlaps are in proportion."""
+    """Each particle of a column of eight carries those above it, the floor carries all; overlaps are in proportion."""
     count = 8
     radius_m, mass_kg = sizes(rng, count)
     z = np.cumsum(2 * radius_m) - radius_m

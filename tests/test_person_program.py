@@ -1,6 +1,6 @@
-"""People's programs in a scene without physics (stand_in_scene.c): moves, waits, corrections, and how they fail.
+"""People's programs in a scene without physics (stand_in_scene.c): moves, waits, corrections, and their failures.
 
-A run gives where the hand was at the end of each step of physics, one row per step.
+A run returns the hand's pose at the end of each physics step, one row per step.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ def wxyz(rotation: Rotation) -> list[float]:
 
 
 class Person:
-    """A scenario with a pipe (object 0, its point "end" 0.2 m along its axis) and a crank (object 1), and a person
-    whose program these steps are: dicts of person_step_t, action and `awaited` events by name."""
+    """A scenario with a pipe (object 0, its point "end" 0.2 m along its axis), a crank (object 1), and a person with
+    these program steps: dicts of person_step_t, with action and `awaited` events by name."""
 
     def __init__(self, *steps, recording=None, axes=None, tremor_mm=0.0, seed=1, recorded=()):
         self.scenario = ffi.new("scenario_t *", {"name": b"test", "person_count": 2, "object_count": 2})
@@ -131,8 +131,8 @@ GRIPPER = {"kind": lib.POINT_ROBOT_GRIPPER}
 
 
 @pytest.mark.parametrize("step_s", [0.0005, 0.001, 0.002])
-def test_moves_are_minimum_jerk_whatever_the_step(step_s):
-    """From the start, or from where the last one ended; the second begins when the first ends, between two steps."""
+def test_moves_are_minimum_jerk_for_any_step_size(step_s):
+    """From the start, or from the end of the last one; the second begins when the first ends, between two steps."""
     turn, turn_on = Rotation.from_rotvec([0.5, 0.2, -0.4]), Rotation.from_rotvec([-0.3, 0.9, 0.1])
     person = Person(
         {
@@ -156,7 +156,7 @@ def test_moves_are_minimum_jerk_whatever_the_step(step_s):
     begins_s, durations_s = (0, 0.4015, 1.1), (0.4015, 0.5, 0.3)
     shares = [share((t - begin) / duration) for begin, duration in zip(begins_s, durations_s, strict=True)]
     expected_m = START_M + sum(s[:, None] * way for s, way in zip(shares, ways_m, strict=True))
-    # Only the step in which one move ends and the next begins may be off, by the little that a start moves: 10 x^3 way.
+    # Only the step in which one move ends and the next begins may be off, by the start's small displacement 10 x^3.
     np.testing.assert_allclose(position_m, expected_m, atol=10 * (step_s / 0.5) ** 3 * 0.1 + 1e-12)
     np.testing.assert_allclose(position_m[t > 0.41], expected_m[t > 0.41], atol=1e-12)
     first = Rotation.from_rotvec(shares[0][:, None] * turn.as_rotvec()) * START
@@ -168,8 +168,8 @@ def test_moves_are_minimum_jerk_whatever_the_step(step_s):
     assert person.time_of("ann.done") == pytest.approx(1.4)
 
 
-def test_a_move_turns_the_shorter_way():
-    """By 3.6 rad about an axis is by 2 pi - 3.6 the other way."""
+def test_a_move_turns_in_the_shorter_direction():
+    """3.6 rad about an axis equals 2 pi - 3.6 in the other direction."""
     axis = np.array([0.6, 0.0, 0.8])
     person = Person({"action": "move", "duration_s": 1.0, "rotation_vector_rad": (3.6 * axis).tolist()})
     t, _, rotation = person.run(1.0)
@@ -193,13 +193,13 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
             person.raise_event("robot.holds")
 
     t, position_m, _ = person.run(1.3, before=before)
-    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15; 0.75 + 0.05; what has happened and is past is not waited for
+    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15; 0.75 + 0.05; an earlier event is not waited for
     expected_m = START_M[0] + 0.1 * sum(share((t - begin) / 0.1) for begin in begins_s)
     np.testing.assert_allclose(position_m[:, 0], expected_m, atol=1e-12)
     assert person.done
 
 
-def test_patience_ends_with_the_event_that_did_not_happen():
+def test_a_timeout_names_the_missing_event():
     person = Person(
         {"action": "rest", "duration_s": 0.2},
         {"action": "rest", "awaited": ["bob.there", "robot.holds"], "patience_s": 0.5},
@@ -212,7 +212,7 @@ def test_patience_ends_with_the_event_that_did_not_happen():
     assert not person.done
 
 
-def test_without_patience_it_waits_for_ever_and_rests():
+def test_without_a_timeout_it_waits_forever_at_rest():
     person = Person({"action": "move", "awaited": ["bob.there"], "duration_s": 1, "displacement_m": [1, 0, 0]})
     _, position_m, _ = person.run(20, step_s=0.002)
     assert person.failure is None and not person.done
@@ -227,8 +227,9 @@ def test_empty_program_is_done_at_once():
 # ---- reaching and guiding
 
 
-def test_reach_brings_the_grip_to_the_point_although_the_arm_sags():
-    """The first move on a bow of its height; then corrections of 0.4 s by what is missing, until it is near enough."""
+def test_reach_corrects_for_a_sagging_arm():
+    """The first move on an arc of its height; then corrections of 0.4 s by the remaining distance until it is close
+    enough."""
     reach = {"action": "reach", "to": PIPE_END, "offset_m": [0, 0, 0.03], "duration_s": 1.0, "lift_m": 0.05}
     person = Person({**reach, "tolerance_m": 0.001, "name": "there"})
     goal_m = PIPE_END_M + [0, 0, 0.03]
@@ -271,7 +272,7 @@ def test_reach_finds_a_point_that_moved_away():
 
 
 def test_reach_gives_up_after_ten_corrections():
-    """A point that flees with 0.1 m/s is 40 mm away after each correction of 0.4 s."""
+    """A point that moves away with 0.1 m/s is 40 mm away after each correction of 0.4 s."""
     person = Person({"action": "reach", "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.003})
 
     def before(now_s):
@@ -284,9 +285,9 @@ def test_reach_gives_up_after_ten_corrections():
 
 
 @pytest.mark.parametrize("follows", [(1, 1, 1), (-0.5, 0.5, 0.5)])
-def test_guide_moves_the_hand_as_the_robot_needs_it(follows):
-    """The robot goes 0.8 of the way that the person expects of it: 20 % are left each time. 20 mm after the first move,
-    then 4 mm, 0.8 mm, with 0.15 s for the robot to settle before each look."""
+def test_guide_moves_the_hand_until_the_robot_arrives(follows):
+    """The robot moves 0.8 of the expected displacement, so each correction leaves 20 %. 20 mm after the first move,
+    then 4 mm, 0.8 mm, with 0.15 s for the robot to settle before each check."""
     person = Person(
         {
             "action": "guide",
@@ -311,17 +312,19 @@ def test_guide_moves_the_hand_as_the_robot_needs_it(follows):
     assert person.time_of("ann.there") == pytest.approx(1.15 + 2 * 0.55, abs=0.0011)
 
 
-FALLING = [  # what is brought, and whereto
-    ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001}, "the robot's gripper to pipe.end"),
-    ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001}, "pipe.end to bob's grip"),
+FALLING = [  # what is brought, and where to
+    ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001},
+     "the robot's gripper to pipe.end"),
+    ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001},
+     "pipe.end to bob's grip"),
     ({"action": "reach", "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001}, "ann's grip to pipe.end"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "way"), FALLING)
 @pytest.mark.parametrize("is_forbidden", [True, False])
-def test_nobody_goes_after_what_fell_and_must_not(step, way, is_forbidden):
-    """At 0.3 s, in the middle of the move. What a scenario lets fall can be fetched all the same."""
+def test_a_fallen_object_is_not_fetched_unless_it_may_fall(step, way, is_forbidden):
+    """At 0.3 s, in the middle of the move. An object that the scenario allows to fall can still be fetched."""
     person = Person({**step, "name": "there"})
     dropped = person.declare("pipe.dropped")
     if is_forbidden:
@@ -348,7 +351,7 @@ def test_guide_refuses_a_robot_that_does_not_follow():
 # ---- gripping and turning
 
 
-def test_grip_is_tried_for_a_while_and_release_opens():
+def test_grip_is_retried_for_a_while_and_release_opens():
     person = Person(
         {"action": "grip", "object": 0, "name": "gripped"}, {"action": "rest", "duration_s": 0.5}, {"action": "release"}
     )
@@ -364,7 +367,7 @@ def test_grip_is_tried_for_a_while_and_release_opens():
 
 
 @pytest.mark.parametrize(("object_", "name"), [(0, "pipe"), (1, "crank")])
-def test_grip_in_vain_says_how_far_it_is(object_, name):
+def test_a_failed_grip_reports_the_distance(object_, name):
     person = Person({"action": "grip", "object": object_})
     person.state.crank_turns = 0.25
     person.run(0.4)
@@ -376,7 +379,7 @@ def test_grip_in_vain_says_how_far_it_is(object_, name):
     assert person.failure == f"ann: cannot grip {name}: it is {distance_mm:.0f} mm away"
 
 
-def test_a_full_hand_grips_nothing_more():
+def test_a_hand_that_holds_an_object_cannot_grip():
     person = Person({"action": "grip", "object": 0})
     person.state.holds[1] = True
     person.run(0.4)
@@ -386,7 +389,7 @@ def test_a_full_hand_grips_nothing_more():
 @pytest.mark.parametrize("turns", [3.0, -1.5, 0.5])
 def test_turn_takes_the_hand_around_with_the_handle(turns):
     person = Person({"action": "turn", "object": 1, "turns": turns, "duration_s": 2.0})
-    person.state.crank_turns = 0.1  # where it stands, not where it once stood
+    person.state.crank_turns = 0.1  # its current angle, not an earlier one
     whole_rad, start_rad = 2 * np.pi * turns, 0.2 * np.pi
     t, position_m, rotation = person.run(9)
 
@@ -396,7 +399,7 @@ def test_turn_takes_the_hand_around_with_the_handle(turns):
     angle_rad = np.unwrap(np.arctan2(from_hinge[:, 1], from_hinge[:, 0])) - start_rad
     assert angle_rad[-1] == pytest.approx(whole_rad)
     speed_radps = np.sign(turns) * np.gradient(angle_rad, t)
-    assert speed_radps.min() > -1e-9 and speed_radps.max() == pytest.approx(np.pi, rel=1e-3), "a turn in 2 s at most"
+    assert speed_radps.min() > -1e-9 and speed_radps.max() == pytest.approx(np.pi, rel=1e-3), "at most one turn in 2 s"
     assert np.abs(np.gradient(speed_radps, t)).max() < 1.05 * 1.875 * np.pi / min(2.0, 2 * abs(turns))
     assert np.abs(angle_rad[t <= 0.05]).max() < 1e-3, "starts smoothly"
     assert (rotation.inv() * START).magnitude().max() < 1e-9
@@ -418,7 +421,7 @@ def play(**changes):
 
 
 def test_recorded_steps_play_the_recording_from_here(tmp_path):
-    """After a move; with the axes of the command line; in a gap of the recording the hand goes on unseen."""
+    """After a move, with the axes of the command line; in a gap of the recording the hand continues unseen."""
     times_s = [i / 100 for i in range(201) if not 60 < i < 80]
     path = write(tmp_path / "hand.csv", times_s, times_s)
     person = Person(
@@ -437,7 +440,7 @@ def test_recorded_steps_play_the_recording_from_here(tmp_path):
     expected_m = START_M + np.outer(share(t / 0.5), [0, 0, 0.1]) + np.outer(0.5 * played, [0, 1, 0])
     np.testing.assert_allclose(position_m, expected_m, atol=1e-9)
     hidden_ms = set(np.flatnonzero(hidden))  # before step n the hand is where it was at n ms
-    assert hidden_ms | {900, 1100} == set(range(900, 1101)), "its ends are a matter of rounding"
+    assert hidden_ms | {900, 1100} == set(range(900, 1101)), "its ends depend on rounding"
     assert person.time_of("ann.done") == pytest.approx(1.9)
     description = ffi.string(lib.person_program_description(person.program)).decode()
     assert description.startswith(f"ann: recording {path}: samples 182, 2.00 s, 100.0 Hz, gaps 1 (longest 200 ms)")

@@ -1,5 +1,5 @@
-"""Is ODE's world sane? Energy, momentum and motion of arm, rods and crank against analytic mechanics and numpy
-(hoap3.py), and how errors shrink with the step."""
+"""ODE's world against analytic mechanics and numpy (hoap3.py): energy, momentum and motion of arm, rods and crank, and
+how errors shrink with the step."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class BareArm:
             lib.arm_plant_release(self.plant, joint)
 
     def run(self, duration_s: float, step_s: float, every_s: float = 0.01) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """t (N,), angles and rates (N, 4), seen every so often."""
+        """t (N,), angles and rates (N, 4), every `every_s`."""
         steps, rows = round(every_s / step_s), round(duration_s / every_s)
         q, rate = np.zeros((rows, 4)), np.zeros((rows, 4))
         for i in range(rows):
@@ -61,7 +61,7 @@ def energy_J(q, rate, gravity=True) -> float:
 # ---- the bare arm
 
 
-PENDULUM_START = np.radians([50, -5, 0, -30])  # hangs still near 98 degrees; the stops are at -91 and 151
+PENDULUM_START = np.radians([50, -5, 0, -30])  # at rest near 98 degrees; the stops are at -91 and 151
 
 
 def pendulum(duration_s: float, step_s: float):
@@ -72,7 +72,7 @@ def pendulum(duration_s: float, step_s: float):
 
 def compound_pendulum(t: np.ndarray) -> np.ndarray:
     """Shoulder pitch over time by numpy's inertia and gravity torque; the other joints are locked. The inertia about
-    the shoulder's axis does not depend on its angle, and the amplitude is large: no small-angle formula would do."""
+    the shoulder's axis does not depend on its angle. The amplitude is too large for a small-angle formula."""
     inertia = hoap3.inertia_matrix(PENDULUM_START)[0, 0]
 
     def motion(_, state):
@@ -87,10 +87,10 @@ def test_arm_swings_as_a_compound_pendulum():
     t, q, _ = pendulum(3.0, 1e-3)
     assert np.ptp(q[:, 0]) > np.radians(90)
     assert np.abs(q[:, 0] - compound_pendulum(t)).max() < 0.01
-    assert np.abs(q[:, 1:] - PENDULUM_START[1:]).max() < 1e-3  # the motors hold the rest
+    assert np.abs(q[:, 1:] - PENDULUM_START[1:]).max() < 1e-3  # the motors hold the other joints
 
 
-def test_pendulums_energy_does_not_drift_and_errs_less_with_smaller_steps():
+def test_pendulums_energy_does_not_drift_and_its_error_shrinks_with_the_step():
     inertia = hoap3.inertia_matrix(PENDULUM_START)[0, 0]
     ripple, drift = [], []
     for step_s in STEPS_S:
@@ -105,7 +105,7 @@ def test_pendulums_energy_does_not_drift_and_errs_less_with_smaller_steps():
 
 
 def lagrange(start: np.ndarray, duration_s: float) -> np.ndarray:
-    """Angles (4,) of the arm with all joints free after so long, from rest: Hamilton's equations, by numpy."""
+    """Angles (4,) of the arm with all joints free after `duration_s` from rest: Hamilton's equations, by numpy."""
 
     def motion(_, state):
         q, momentum = state[:4], state[4:]
@@ -123,8 +123,8 @@ def lagrange(start: np.ndarray, duration_s: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("start_deg", [(60, -40, 10, -60), (0, -60, -30, -40)])
-def test_free_chain_falls_as_lagrange_says(start_deg):
-    """Four free joints, until shortly before they meet their stops; the error goes down with the step."""
+def test_free_chain_falls_as_lagrange_predicts(start_deg):
+    """Four free joints, until shortly before they reach their stops; the error decreases with the step."""
     start, duration_s = np.radians(start_deg), 0.15
     expected, error = lagrange(start, duration_s), []
     for step_s in STEPS_S:
@@ -138,7 +138,7 @@ def test_free_chain_falls_as_lagrange_says(start_deg):
 
 
 def test_chain_without_gravity_keeps_energy_and_angular_momentum():
-    """About the first joint's axis nothing acts then. All four joints coast, 10 degrees and more from their stops."""
+    """No torque acts about the first joint's axis then. All four joints coast, at least 10 degrees from their stops."""
     lost, turned = [], []
     for step_s in STEPS_S:
         with bare_arm(np.radians([0, -50, 0, -60]), gravity=False) as arm:
@@ -160,7 +160,7 @@ def test_chain_without_gravity_keeps_energy_and_angular_momentum():
 
 
 @pytest.mark.parametrize("step_s", STEPS_S)
-def test_rod_falls_as_galileo_says(step_s):
+def test_rod_falls_as_galileo_predicts(step_s):
     tilted = list(Rotation.from_rotvec([0.5, 0.2, 0]).as_quat(scalar_first=True))
     rod = {"kind": lib.OBJECT_ROD, "pose": ([0.5, 0.5, 0.2], tilted)}
     with Scene([], [rod], step_s=step_s) as scene:
@@ -171,8 +171,9 @@ def test_rod_falls_as_galileo_says(step_s):
 
 
 @pytest.mark.parametrize("kind", [lib.GRIP_BALL, lib.GRIP_FIXED])
-def test_hands_and_weights_impulse_is_the_rods_momentum(kind):
-    """A hand swings the rod about in all directions; what ODE's joint says it gives is what the rod gets."""
+def test_impulse_of_hand_and_weight_is_the_rods_momentum(kind):
+    """A hand swings the rod in all directions; the force reported by ODE's joint equals the rod's change of
+    momentum."""
     rod = {"kind": lib.OBJECT_ROD, "pose": (list(HAND_M + [0, 0.05, 0]), ALONG_Y), "person_grip": kind}
     with Scene([{}], [rod]) as scene:
         assert scene.grip()
@@ -191,7 +192,7 @@ def test_hands_and_weights_impulse_is_the_rods_momentum(kind):
 
 
 def test_two_hands_on_one_rod_act_and_react():
-    """Without gravity, what one hand gives and the rod does not keep is what the other takes."""
+    """Without gravity, the impulse that one hand gives and the rod does not keep acts on the other."""
     people = [{"start": (list(HAND_M + [0, y, 0]), [1, 0, 0, 0])} for y in (-0.1, 0.1)]
     with Scene(people, [{"kind": lib.OBJECT_ROD, "pose": (list(HAND_M), ALONG_Y)}]) as scene:
         scene.set_gravity(0.0)
@@ -212,10 +213,11 @@ def test_two_hands_on_one_rod_act_and_react():
     assert largest_N > 1.0
 
 
-def test_inner_forces_change_no_momentum():
-    """A limp arm (no stiffness) holds a rod by its end: a push on the hand, then nothing. Hand and rod keep the push's
-    momentum and angular momentum together while the rod turns in the hand."""
-    hand_kg, rod_kg, push_mps = 1.5, 0.5, np.array([0.0, 0.3, 0.4])  # what the push gives a hand without a rod
+def test_internal_forces_do_not_change_the_momentum():
+    """A limp arm (no stiffness) holds a rod by its end: a push on the hand, then nothing. Hand and rod together keep
+    the push's momentum and angular momentum while the rod turns in the hand."""
+    # the speed that the push gives a hand without a rod
+    hand_kg, rod_kg, push_mps = 1.5, 0.5, np.array([0.0, 0.3, 0.4])
     across_kgm2 = rod_kg * (3 * ROD["radius_m"] ** 2 + ROD["length_m"] ** 2) / 12
     person = {"mass_kg": hand_kg, "stiffness_Npm": 0.0, "stiffness_Nmprad": 0.0}
     rod = {"kind": lib.OBJECT_ROD, "pose": ([0.53, 0.2, 0.0], ALONG_X), "mass_kg": rod_kg}
@@ -232,7 +234,7 @@ def test_inner_forces_change_no_momentum():
             v_rod = (scene.thing()[0] - middle) / scene.step_s
             spin = np.cross(direction, scene.thing()[1].apply([0, 0, 1])) / scene.step_s
             assert np.allclose(hand_kg * v_hand + rod_kg * v_rod, hand_kg * push_mps, atol=1e-9)
-            # About the hand's first place: the push went through it.
+            # About the hand's initial position: the push went through it.
             moment = np.cross(hand - origin, hand_kg * v_hand) + np.cross(middle - origin, rod_kg * v_rod)
             assert np.abs(moment + across_kgm2 * spin).max() < 0.002 * rod_kg * 0.13 * 0.5
             hand, middle, direction = scene.hand()[0], scene.thing()[0], scene.thing()[1].apply([0, 0, 1])
@@ -250,7 +252,7 @@ HINGE_M = np.array([0.5, 0.2, 0.0])
 
 
 def crank(**fields) -> dict:
-    """Its hinge along y; the handle at +x of it."""
+    """Its hinge is along y; the handle at its +x side."""
     return {"kind": lib.OBJECT_CRANK, "pose": (list(HINGE_M), ALONG_Y), "radius_m": CRANK_RADIUS_M, **fields}
 
 
@@ -263,7 +265,7 @@ def angle_of(scene: Scene) -> float:
     return 2 * np.pi * lib.scene_crank_turns(scene.scene, 0)
 
 
-def test_persons_work_on_the_crank_is_what_friction_takes():
+def test_persons_work_on_the_crank_equals_the_friction_losses():
     """One and a half turns, from rest to rest, with weight: work = viscous + dry losses + height gained."""
     damping, friction = 0.02, 0.05
     person = {"start": (list(handle(0)), [1, 0, 0, 0]), "stiffness_Npm": 800.0, "damping_ratio": 1.0}
@@ -289,12 +291,12 @@ def test_persons_work_on_the_crank_is_what_friction_takes():
 
 
 def spin_down(rate_radps: float, duration_s: float, **fields) -> np.ndarray:
-    """Angles (N,) of a crank that is let go at this rate, without gravity; per ms."""
+    """Angles (N,) of a crank released at this rate, without gravity; per ms."""
     person = {"start": (list(handle(0)), [1, 0, 0, 0]), "stiffness_Npm": 800.0}
     with Scene([person], [crank(**fields)]) as scene:
         scene.set_gravity(0.0)
         assert scene.grip()
-        for tick in range(600):  # 0.2 s up to speed, 0.4 s at it
+        for tick in range(600):  # 0.2 s to accelerate, 0.4 s at the rate
             t = tick * scene.step_s
             scene.aim(0, handle(rate_radps * (0.5 * t * t / 0.2 if t < 0.2 else t - 0.1)))
             scene.step()
@@ -315,7 +317,7 @@ def test_viscous_crank_slows_down_exponentially(damping):
     assert np.abs(rate - expected).max() < 0.01 * abs(rate[0]) + 1e-9
 
 
-def test_dry_crank_slows_down_linearly_and_stands():
+def test_dry_crank_slows_down_linearly_and_stops():
     friction = 0.003
     rate = np.diff(spin_down(6.0, 1.0, friction_Nm=friction)) / 1e-3
     t = 1e-3 * np.arange(len(rate))

@@ -1,5 +1,5 @@
-"""Processor in the loop: the image in QEMU, stepped by the simulator, makes the same run as the firmware on the host, byte for
-byte. A few seconds of it; `make pil` runs whole scenarios."""
+"""Processor in the loop: the image in QEMU, stepped by the simulator, gives the same run as the firmware on the host,
+byte for byte. A few seconds only; `make pil` runs whole scenarios."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def elf(image) -> Path:
     return build(image, REPOSITORY / "build" / "target" / f"{image.name}-pil" / "comanip.elf")
 
 
-def test_the_run_is_the_hosts_byte_for_byte(image, elf, tmp_path):
+def test_the_run_equals_the_hosts_byte_for_byte(image, elf, tmp_path):
     """From boot into cooperation: the hand moves, the arm follows, the operator stops it."""
     options = ["--scenario", experiment("teleop"), "--duration", 2, "--quiet"]
     done = pil(" ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "pil", *options)
@@ -56,7 +56,7 @@ def test_the_run_is_the_hosts_byte_for_byte(image, elf, tmp_path):
     assert {mode["mode"] for mode in host.summary["modes"]} >= {"ready", "cooperating"}
 
 
-def test_so_is_the_run_on_classic_can(tmp_path):
+def test_the_run_on_classic_can_equals_the_hosts(tmp_path):
     image = IMAGES["cortex-m4f"]
     elf = build(image, REPOSITORY / "build" / "target-classic" / f"{image.name}-pil" / "comanip.elf", "PROFILE=classic")
     options = ["--scenario", experiment("teleop"), "--duration", 2, "--profile", "classic", "--quiet"]
@@ -66,7 +66,7 @@ def test_so_is_the_run_on_classic_can(tmp_path):
     assert (tmp_path / "pil" / "bus.log").read_bytes() == host.log.read_bytes()
 
 
-def test_an_image_that_panics_ends_the_run_with_its_words(image, elf, tmp_path):
+def test_an_image_that_panics_ends_the_run_with_its_message(image, elf, tmp_path):
     source = tmp_path / "panics.c"
     source.write_text(
         f'#include "{REPOSITORY}/hal/hal.h"\n#include "{REPOSITORY}/firmware/main.h"\n'
@@ -82,8 +82,8 @@ def test_an_image_that_panics_ends_the_run_with_its_words(image, elf, tmp_path):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
-    """Its process group has the emulator and the simulator in it; the files of what has run are written."""
+def test_a_signal_ends_all_processes(elf, image, tmp_path, number):
+    """Its process group has the emulator and the simulator in it; the files of the run so far are written."""
     command = [
         sys.executable,
         "-m",
@@ -101,7 +101,7 @@ def test_when_it_is_ended_nothing_goes_on(elf, image, tmp_path, number):
             assert "in qemu-system" in process.stdout.readline()
             deadline_s = time.monotonic() + PATIENCE_S
             while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
-                time.sleep(0.1)  # until the run has begun
+                time.sleep(0.1)  # until the run has started
             process.send_signal(number)
             assert process.wait(PATIENCE_S) == 128 + number
         except BaseException:
@@ -116,7 +116,7 @@ def test_wrong_use(tmp_path):
     assert pil().returncode == EXIT_WRONG_USE
     refused = pil("no-such-emulator -machine x", "x.elf", PROGRAM)
     assert refused.returncode == EXIT_WRONG_USE and "no-such-emulator is not installed" in refused.stderr
-    built = make(str(PROGRAM.relative_to(REPOSITORY)))  # no compiler for a target is needed
+    built = make(str(PROGRAM.relative_to(REPOSITORY)))  # no target compiler is needed
     assert built.returncode == 0, built.stderr
     if shutil.which("qemu-system-arm"):
         missing = pil(

@@ -1,4 +1,5 @@
-"""ODE's arm and its drives against numpy: kinematics, gravity, inertia, stops, torque limit, servo, encoder, watchdog."""
+"""ODE's arm and its drives against numpy: kinematics, gravity, inertia, stops, torque limit, servo, encoder,
+watchdog."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ def sim():
 
 @contextlib.contextmanager
 def plant_at(sim, q):
-    """The arm in a world of its own, and what steps it by one tick."""
+    """The arm in its own world, and the function that steps it by one tick."""
     ffi, lib = sim
     world = lib.physics_create()
     plant = lib.arm_plant_create(world, ffi.new("double[4]", list(q)))
@@ -60,7 +61,7 @@ def assert_hand(sim, plant, q, position_m, angle_rad):
     assert (rotation.inv() * Rotation.from_matrix(expected[:3, :3])).magnitude() < angle_rad
 
 
-def test_check_pose_of_the_manual(sim):
+def test_the_manuals_check_posture(sim):
     with plant_at(sim, np.radians([90, 0, 0, -90])) as (plant, _):
         at, rotation = hand_of(sim, plant)
         assert np.allclose(at, [0.136, -0.111, 0.014], atol=1e-9)
@@ -75,8 +76,8 @@ def test_hand_at_random_postures(sim, rng):
             assert_hand(sim, plant, q, 1e-9, 1e-7)
 
 
-def test_joints_keep_together_while_moving(sim, rng):
-    """After a second of hard motion, ODE's bodies are still where ODE's joint angles say."""
+def test_joints_stay_connected_while_moving(sim, rng):
+    """After a second of fast motion, ODE's bodies agree with ODE's joint angles."""
     for _ in range(5):
         with plant_at(sim, hoap3.random_posture(rng, 30.0)) as (plant, step):
             start = position(sim, plant)
@@ -89,7 +90,7 @@ def test_joints_keep_together_while_moving(sim, rng):
             assert np.abs(position(sim, plant) - start).max() > 0.05
 
 
-def test_holding_torque_is_gravitys(sim, rng):
+def test_holding_torque_balances_gravity(sim, rng):
     for _ in range(20):
         q = hoap3.random_posture(rng)
         with plant_at(sim, q) as (plant, step):
@@ -108,7 +109,7 @@ def test_torque_of_a_velocity_step_is_inertia_times_it(sim, rng):
             step()
             expected = hoap3.inertia_matrix(q) @ velocity / TICK_S + hoap3.holding_torque(q)
             assert np.abs(expected).max() < 3.0
-            assert np.allclose(torque(sim, plant), expected, atol=5e-5)  # ODE's joints give way a little
+            assert np.allclose(torque(sim, plant), expected, atol=5e-5)  # ODE's joints are slightly compliant
 
 
 def test_motors_have_a_torque_limit(sim):
@@ -145,21 +146,21 @@ def test_same_commands_same_bits(sim, rng):
 
 
 class Drives:
-    """Plant and drives on a bus; JointCmd sent from here, JointState decoded with cantools."""
+    """Plant and drives on a bus; JointCmd is sent from here, JointState is decoded with cantools."""
 
     def __init__(self, sim, dbc, plant, step):
         self.ffi, self.lib = sim
         self.dbc, self.plant, self.step = dbc, plant, step
         self.bus = self.lib.bus_create(self.lib.CAN_PROFILE_FD)
         self.drives = self.lib.drive_node_create(self.bus, plant)
-        self.node = self.lib.bus_attach(self.bus, self._hear(lambda frame: None), self.ffi.NULL)
+        self.node = self.lib.bus_attach(self.bus, self._callback(lambda frame: None), self.ffi.NULL)
         self.states = {}
-        self._listener = self._hear(self._on_frame)
+        self._listener = self._callback(self._on_frame)
         self.lib.bus_listen(self.bus, self._listener, self.ffi.NULL)
         self.sender = self.ffi.new("protocol_sender_t *")
         self.now_ns = 0
 
-    def _hear(self, function):
+    def _callback(self, function):
         callback = self.ffi.callback(
             "void(void *, const can_frame_t *, int64_t)", lambda _context, frame, _end_ns: function(frame)
         )
@@ -238,7 +239,7 @@ def test_silent_before_the_first_command(sim, drives):
     assert np.allclose(position(sim, drives.plant), before, atol=1e-6)
 
 
-def test_watchdog_brakes_and_says_so(sim, drives):
+def test_watchdog_brakes_and_is_reported(sim, drives):
     for _ in range(50):
         drives.tick([0.3, 0, 0, 0])
     assert drives.states[0]["error"] == 0 and drives.states[0]["mode"] == 1
@@ -246,14 +247,14 @@ def test_watchdog_brakes_and_says_so(sim, drives):
     for _ in range(10):
         drives.tick()
         errors.append(drives.states.get(0, {}).get("error"))
-    assert errors.index(1) in (3, 4)  # 3 ms, and the state goes out in the tick after
+    assert errors.index(1) in (3, 4)  # 3 ms, and the state is sent in the next tick
     assert set(errors[errors.index(1) :]) == {1} and drives.states[3]["mode"] == 0
     assert sim[1].arm_plant_velocity_radps(drives.plant, 0) == pytest.approx(0.0, abs=1e-6)
     drives.tick([0.1, 0, 0, 0])
     assert drives.states[0]["error"] == 0 and drives.states[0]["mode"] == 1
 
 
-def test_without_power_drives_brake_whatever_is_commanded(sim, drives):
+def test_disabled_drives_brake_whatever_is_commanded(sim, drives):
     _, lib = sim
     for _ in range(20):
         drives.tick([0.3, -0.2, 0.25, 0.15])
@@ -264,13 +265,14 @@ def test_without_power_drives_brake_whatever_is_commanded(sim, drives):
         assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6
     lib.drive_node_enable(drives.drives, True)
     drives.tick()
-    assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6  # power moves nothing
+    # enabling the drives causes no motion
+    assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6
     drives.tick([0.3, -0.2, 0.25, 0.15])
     assert {state["mode"] for state in drives.states.values()} == {1}
     assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).min() > 0.01
 
 
-def test_a_damaged_command_is_not_obeyed(sim, drives):
+def test_a_damaged_command_is_ignored(sim, drives):
     drives.tick([0.0] * 4)
     for _ in range(2):
         drives.tick([0.5] * 4, spoil=True)

@@ -1,5 +1,5 @@
-"""Pictures of a run: read right, drawn whole, and what is missing said in one line. Judged against closed forms, scipy
-and the simulator's own scenario files."""
+"""Pictures of a run: correct input, complete drawing, and one line about missing data. Compared with closed forms,
+scipy and the simulator's scenario files."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def broken(text: str, how: str) -> str:
         ("another table", "trace.csv:1: no column t_s"),
     ],
 )
-def test_broken_trace_is_one_line_and_status_1(tmp_path, capsys, how, expected):
+def test_broken_trace_gives_one_line_and_status_1(tmp_path, capsys, how, expected):
     folder = synthetic_run.write(tmp_path, "mirror", duration_s=1.0)
     trace = folder / "trace.csv"
     trace.write_text(broken(trace.read_text(), how))
@@ -80,7 +80,7 @@ def test_broken_trace_is_one_line_and_status_1(tmp_path, capsys, how, expected):
         ('{"scenario": "pour", "result": "pass", "seed": "1"}', "seed is '1', expected int"),
     ],
 )
-def test_broken_summary_is_one_line_and_status_1(tmp_path, capsys, text, expected):
+def test_broken_summary_gives_one_line_and_status_1(tmp_path, capsys, text, expected):
     folder = synthetic_run.write(tmp_path, "pour", duration_s=0.1)
     (folder / "summary.json").unlink()
     if text is not None:
@@ -121,7 +121,7 @@ def test_small_angles_are_not_lost():
     np.testing.assert_allclose(angle, np.degrees(1e-9), rtol=1e-6)
 
 
-def test_arm_points_are_the_manuals():
+def test_arm_points_match_the_manual():
     """At (90, 0, 0, -90) deg the upper arm hangs down and the forearm points forward; links of 0.111 and 0.171 m."""
     points = geometry.arm_points_m(np.radians([[90.0, 0.0, 0.0, -90.0]]))[0]
     shoulder, elbow, hand = [-0.035, -0.111, 0.125], [-0.035, -0.111, 0.014], [0.136, -0.111, 0.014]
@@ -137,7 +137,7 @@ def test_link_lengths_hold_in_any_posture(rng):
     np.testing.assert_allclose(np.linalg.norm(points[:, -1] - points[:, -2], axis=1), 0.171, atol=1e-6)
 
 
-def test_joint_limits_drawn_are_the_manuals():
+def test_drawn_joint_limits_match_the_manual():
     arm = Arm.named(geometry.ARM)
     usable = np.stack([arm.position_min_rad, arm.position_max_rad], axis=1)
     np.testing.assert_allclose(np.degrees(usable), STOPS_DEG + [1.0, -1.0], atol=1e-4)
@@ -167,7 +167,7 @@ def test_pictures_of_each_experiment(tmp_path, capsys, scenario):
 
 @pytest.mark.parametrize("scenario", ["pour", "mirror", "handover", "own"])
 def test_snapshots_and_curves_of_each_experiment(tmp_path, scenario):
-    """At the instants when the scenario's events happened, in the posture of the arm then."""
+    """At the times of the scenario's events, with the arm's posture at these times."""
     from comanip.plotting import experiment as picture
 
     run = read_run(synthetic_run.write(tmp_path, scenario))
@@ -178,7 +178,7 @@ def test_snapshots_and_curves_of_each_experiment(tmp_path, scenario):
     assert len({(panel.get_xlim(), panel.get_ylim()) for panel in panels}) == 1
 
 
-def test_a_stale_picture_does_not_stay(tmp_path):
+def test_a_stale_picture_is_removed(tmp_path):
     folder = synthetic_run.write(tmp_path, "mirror", duration_s=1.0)
     (folder / "report").mkdir()
     (folder / "report" / "water.png").write_bytes(PNG)
@@ -187,7 +187,7 @@ def test_a_stale_picture_does_not_stay(tmp_path):
 
 
 def test_a_run_without_targets_and_events_is_drawn(tmp_path):
-    """It never cooperated."""
+    """A run that never cooperated."""
     folder = tmp_path / "run"
     idle = [{"t_s": 0.0, "mode": "idle", "reason": "waiting_for_tracker"}]
     synthetic_run.write(folder, "mirror", duration_s=0.4, events=[], modes=idle)
@@ -195,11 +195,13 @@ def test_a_run_without_targets_and_events_is_drawn(tmp_path):
     assert not (folder / "report" / "tracking.png").exists() and (folder / "report" / "joints.png").exists()
 
 
-def test_curves_and_limits_are_the_runs(tmp_path):
+def test_curves_and_limits_match_the_run(tmp_path):
     from comanip.plotting import time_plots
 
-    checks = [{"name": name, "value": 1.0, "limit": limit, "unit": unit, "pass": True}
-              for name, limit, unit in (("force_rms", 4.5, "N"), ("force_peak", 13.0, "N"), ("turns", 3, "turn"))]  # fmt: skip
+    checks = [
+        {"name": name, "value": 1.0, "limit": limit, "unit": unit, "pass": True}
+        for name, limit, unit in (("force_rms", 4.5, "N"), ("force_peak", 13.0, "N"), ("turns", 3, "turn"))
+    ]
     run = read_run(synthetic_run.write(tmp_path, "mirror", checks=checks))
     x, error = time_plots.tracking(run).axes[:2]
     np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # mm behind, by construction
@@ -209,15 +211,15 @@ def test_curves_and_limits_are_the_runs(tmp_path):
     levels = {float(line.get_ydata()[0]): line.get_label() for line in force.lines[1:] if line.get_label()[0] != "_"}
     assert levels == {4.5: "force rms: 4.5 N", 13.0: "force peak: 13 N"}
     unlimited = time_plots.force(read_run(synthetic_run.write(tmp_path / "other", "mirror"))).axes[0]
-    assert len([line for line in unlimited.lines if line.get_label()[0] != "_"]) == 1, "limits that nobody set"
+    assert len([line for line in unlimited.lines if line.get_label()[0] != "_"]) == 1, "limits that were not set"
 
 
 def test_labels_are_spread_in_order(rng):
     from comanip.plotting.style import spread
 
     for count in (1, 2, 7, 30):
-        wanted = np.sort(rng.uniform(0.0, 10.0, count))
-        places = spread(wanted, 0.3, 0.0, 10.0)
+        desired = np.sort(rng.uniform(0.0, 10.0, count))
+        places = spread(desired, 0.3, 0.0, 10.0)
         assert np.all(np.diff(places) >= 0.3 - 1e-9)
         assert places.min() >= -1e-9 and places.max() <= 10.0 + 1e-9
     np.testing.assert_allclose(spread([1.0, 5.0], 0.3, 0.0, 10.0), [1.0, 5.0])
@@ -225,12 +227,12 @@ def test_labels_are_spread_in_order(rng):
     assert np.all(np.diff(crowded) > 0.1) and crowded.max() <= 10.0 + 1e-9
 
 
-def test_the_package_needs_no_matplotlib():
+def test_importing_the_package_does_not_import_matplotlib():
     code = "import sys, comanip, comanip.core, comanip.plotting.__main__; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-# ---- what the pictures know of the scenarios
+# ---- the scenario data in the pictures
 
 
 def numbers(text: str, key: str) -> list[float]:
@@ -238,7 +240,7 @@ def numbers(text: str, key: str) -> list[float]:
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_things_are_as_large_as_in_the_scenario_file(tmp_path, name):
+def test_drawn_sizes_match_the_scenario_file(tmp_path, name):
     simulate(tmp_path, "--scenario", experiment(name), "--duration", 2)
     text, run = re.sub(r"#.*", "", experiment(name).read_text()), read_run(tmp_path)
     if name == "pour":
@@ -261,7 +263,7 @@ def test_things_are_as_large_as_in_the_scenario_file(tmp_path, name):
 @pytest.mark.parametrize(
     ("name", "curves"), [("pour", "particles"), ("mirror", "object's distance"), ("crank", "turns")]
 )
-def test_a_scene_of_ones_own_is_drawn_with_what_is_in_it(tmp_path, name, curves):
+def test_a_custom_scene_is_drawn_with_its_objects(tmp_path, name, curves):
     path = tmp_path / "mine.yaml"
     path.write_text(re.sub(r"^name: .*", "name: mine", experiment(name).read_text(), flags=re.MULTILINE))
     simulate(tmp_path / "out", "--scenario", path, "--duration", 2)
@@ -273,13 +275,13 @@ def test_a_scene_of_ones_own_is_drawn_with_what_is_in_it(tmp_path, name, curves)
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_instants_are_steps_of_the_scenario(name):
-    """Events of grips come from the scene, all others from the named steps of the scenario file."""
+    """Grip events come from the scene, all others from the named steps of the scenario file."""
     text = experiment(name).read_text()
     for event, _, _ in SCENES[name].instants:
         what = event.partition(".")[2]
         assert what == "holds" or re.search(rf"name: {what}\b", text), event
 
 
-def test_broken_reading_names_the_path(tmp_path):
+def test_a_read_error_names_the_path(tmp_path):
     with pytest.raises(RunDataError, match=re.escape(str(tmp_path / "trace.csv"))):
         read_trace(Path(tmp_path) / "trace.csv")

@@ -1,5 +1,5 @@
-"""A port to a board with a CAN controller is a folder of its own: tests/skeleton_port, put beside the others under hal/ of a
-tree that is otherwise the repository's."""
+"""A port to a board with a CAN controller needs only its own folder: tests/skeleton_port is added under hal/ in an
+otherwise unchanged copy of the repository."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def built(tree):
     return tree / "build/target/skeleton"
 
 
-def test_a_board_with_a_can_controller_links_from_its_own_folder_and_the_common_one(built):
+def test_a_board_with_a_can_controller_links_only_its_own_and_the_common_folder(built):
     linked = re.findall(r"^LOAD \S*/(hal/\w+)/\w+\.o$", (built / "comanip.map").read_text(), re.MULTILINE)
     assert set(linked) == SHARED | {"hal/skeleton"}
 
@@ -58,7 +58,7 @@ def test_its_image_runs(built, tree):
     assert run.returncode == 0
 
 
-def test_it_is_not_stepped_by_a_simulator_over_a_serial_line_that_it_has_not(tree):
+def test_stepping_by_the_simulator_is_refused_without_a_serial_line(tree):
     refused = make_in(tree, "pil", "BOARD=skeleton")
     assert refused.returncode == 2
     assert "BOARD='skeleton': expected an image with a serial line" in refused.stderr

@@ -1,4 +1,5 @@
-"""position_priority() against its equations in double precision on dqrobotics' kinematics, and against the potential that it goes down."""
+"""position_priority() against its equations in double precision on dqrobotics' kinematics, and against its
+potential."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from comanip import core
 from comanip._core import ffi, lib
 
 JOINTS = 4
-RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T  # lower, upper, kept from the stops
+RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T  # lower, upper; with the margin to the stops
 GAIN, WEIGHT = 35.0, 1.5e-5
 ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 1e-5, 0.25
 TASK_DAMPING_M2, TASK_FLOOR_M2 = 3e-4, 1e-5
@@ -21,7 +22,8 @@ def hand_at(q: np.ndarray) -> np.ndarray:
 
 
 def geometric_jacobian(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """d position / dq and angular velocity, (3, 4) each in torso axes, from central differences of dqrobotics' forward kinematics."""
+    """d position / dq and angular velocity, (3, 4) each in torso axes, by central differences of dqrobotics'
+    kinematics."""
     h = 1e-5
     linear, angular = np.empty((3, JOINTS)), np.empty((3, JOINTS))
     for i in range(JOINTS):
@@ -33,7 +35,7 @@ def geometric_jacobian(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def error(q: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The way to the target, and twice the vector part of the turn to it, in torso axes."""
+    """Translation to the target, and twice the vector part of the rotation to it, in torso axes."""
     hand = hand_at(q)
     turn = oracle.quaternion_multiply(target[:4], oracle.quaternion_conjugate(hand[:4]))
     return oracle.translation(target) - oracle.translation(hand), 2 * turn[1:] * (1 if turn[0] >= 0 else -1)
@@ -53,7 +55,7 @@ def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
     position = distance**2 / 2 if distance <= ERROR_MAX_M else ERROR_MAX_M * (distance - ERROR_MAX_M / 2)
     cosine_half = np.sqrt(
         1 - (turn @ turn) / 4
-    )  # the gradient of 4 (1 - cos(angle / 2)) is that of 2 v, the error's turn
+    )  # the gradient of 4 (1 - cos(angle / 2)) is that of 2 v, the rotation error
     return position + WEIGHT * (4 * (1 - cosine_half) + k / 2 * (out_of_margin(q) @ out_of_margin(q)))
 
 
@@ -107,7 +109,7 @@ def cases(rng, count: int):
 
 
 @pytest.mark.parametrize("written_out", [False, True])
-def test_both_velocities_are_those_of_the_equations(rng, written_out):
+def test_both_velocities_match_the_equations(rng, written_out):
     for q, target in cases(rng, 200):
         linear, angular = geometric_jacobian(q)
         way, turn = error(q, target)
@@ -124,8 +126,8 @@ def test_both_velocities_are_those_of_the_equations(rng, written_out):
 
 
 @pytest.mark.parametrize("written_out", [False, True])
-def test_it_goes_down_the_potential_of_its_header(rng, written_out):
-    """So that it comes to rest: N u = -K grad V, with grad V from differences of V, and N positive definite."""
+def test_it_descends_the_potential_given_in_its_header(rng, written_out):
+    """The reason why it comes to rest: N u = -K grad V, with grad V from differences of V, and N positive definite."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
         gradient = np.array(
@@ -140,7 +142,7 @@ def test_it_goes_down_the_potential_of_its_header(rng, written_out):
 
 
 @pytest.mark.parametrize("written_out", [False, True])
-def test_no_joint_at_an_end_goes_beyond_it(rng, written_out):
+def test_no_joint_at_a_limit_moves_past_it(rng, written_out):
     held = 0
     for q, target in cases(rng, 200):
         lower, upper = int(rng.integers(16)), int(rng.integers(16))
@@ -162,8 +164,8 @@ def test_either_sign_of_the_target_is_the_same_pose(rng, written_out):
 
 
 @pytest.mark.parametrize("written_out", [False, True])
-def test_a_posture_that_is_singular_twice_gives_no_wild_velocity(written_out):
-    """The arm stretched out, with the hand on the first joint's axis: of three directions one is left."""
+def test_a_doubly_singular_posture_gives_a_bounded_velocity(written_out):
+    """The arm is fully stretched, with the end effector on the first joint's axis: one of three directions is left."""
     for q in (
         [0.3, 0.0, 0.0, 0.0],
         [0.3, -1.6580, 0.0, 0.0],

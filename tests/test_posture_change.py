@@ -1,4 +1,5 @@
-"""posture_change through controller_step(): dead ends, in which joints at their ends hold the hand off a target that another posture reaches."""
+"""posture_change through controller_step(): in a dead end, joints at their limits block a target that another posture
+reaches."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from controller_bench import FRAME_ID, TICK_US, Bench
 
 TICK_S = TICK_US * 1e-6
 MOVE_S = 1.0
-# start [deg], the hand's way [m] in torso axes: found among random ones
+# start [deg], the hand's displacement [m] in torso axes: found by random search
 DEAD_ENDS = [
     ((81, -90, 20, -79), (-0.04, 0.11, 0.08)),
     ((74, -95, 1, -76), (0.08, 0.18, -0.07)),
@@ -30,15 +31,15 @@ def phase(bench: Bench) -> int:
     return bench.controller.posture_change.phase
 
 
-def place(bench: Bench) -> np.ndarray:
+def position_m(bench: Bench) -> np.ndarray:
     return oracle.translation(bench.robot)
 
 
 def error_m(bench: Bench) -> float:
-    return np.linalg.norm(oracle.translation(bench.target) - place(bench))
+    return np.linalg.norm(oracle.translation(bench.target) - position_m(bench))
 
 
-def told(bench: Bench) -> bool | None:
+def reported(bench: Bench) -> bool | None:
     """changes_posture of this tick's FirmwareStatus; None without one."""
     for number, data in bench.sent:
         if number == FRAME_ID["FIRMWARE_STATUS"]:
@@ -51,7 +52,7 @@ def told(bench: Bench) -> bool | None:
 
 
 def carry(bench: Bench, way_m, duration_s: float = MOVE_S) -> list[int]:
-    """The hand goes this way with minimum jerk. The phases on it."""
+    """Moves the hand by way_m with minimum jerk; returns the phase in each tick."""
     s = np.arange(1, round(duration_s / TICK_S) + 1) * TICK_S / duration_s
     steps = np.diff(s**3 * (10 - 15 * s + 6 * s**2), prepend=0.0)
     phases = []
@@ -66,9 +67,9 @@ def wait(bench: Bench, for_s: float) -> list[int]:
     return carry(bench, np.zeros(3), for_s)
 
 
-def until(bench: Bench, wanted: int, at_most_s: float = 8.0) -> Bench:
+def until(bench: Bench, expected: int, at_most_s: float = 8.0) -> Bench:
     for _ in range(round(at_most_s / TICK_S)):
-        if phase(bench) == wanted:
+        if phase(bench) == expected:
             return bench
         bench.tick()
     raise AssertionError(f"phase {phase(bench)} after {at_most_s} s")
@@ -90,60 +91,60 @@ def at_rest(bench: Bench) -> bool:
     return np.abs(bench.velocity_radps).max() < 0.01
 
 
-# ---- it leaves
+# ---- leaving a dead end
 
 
 @pytest.mark.parametrize("dead_end", DEAD_ENDS)
 def test_a_dead_end_is_left(dead_end):
-    """Within its speeds, told on the bus for so long, and then the arm stands."""
+    """Within its speed limits and reported on the bus meanwhile; then the arm rests."""
     bench = started(dead_end[0])
     carry(bench, dead_end[1])
-    fastest_radps, fastest_mps, told_when = 0.0, 0.0, set()
+    fastest_radps, fastest_mps, reported_when = 0.0, 0.0, set()
     until(bench, lib.POSTURE_SEARCHED)
-    phases, last_m = [], place(bench)
+    phases, last_m = [], position_m(bench)
     while len(phases) < 8000 and phases[-300:] != 300 * [lib.POSTURE_CHANGED]:
         bench.tick()
         phases.append(phase(bench))
         if phases[-1] == lib.POSTURE_CHANGING:
             fastest_radps = max(fastest_radps, np.abs(bench.velocity_radps).max())
-            fastest_mps = max(fastest_mps, np.linalg.norm(place(bench) - last_m) / TICK_S)
-            last_m = place(bench)
-        if told(bench) is not None:
-            told_when.add((phases[-1] == lib.POSTURE_CHANGING, told(bench)))
-    assert told_when == {(False, False), (True, True)}
+            fastest_mps = max(fastest_mps, np.linalg.norm(position_m(bench) - last_m) / TICK_S)
+            last_m = position_m(bench)
+        if reported(bench) is not None:
+            reported_when.add((phases[-1] == lib.POSTURE_CHANGING, reported(bench)))
+    assert reported_when == {(False, False), (True, True)}
     assert 0.5 * JOINT_RADPS < fastest_radps <= JOINT_RADPS + 1e-3
-    assert fastest_mps < 1.03 * HAND_MPS  # the limits follow with their jerk
+    assert fastest_mps < 1.03 * HAND_MPS  # the joint limits add their jerk-limited lag
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_CHANGED
     assert error_m(bench) < 1e-3
     assert (bench.velocity_radps == 0).all()
 
 
 @pytest.mark.parametrize("dead_end", DEAD_ENDS)
-def test_off_by_one_parameter(dead_end):
+def test_one_parameter_switches_it_off(dead_end):
     bench = started(dead_end[0], posture_change=0)
     assert set(carry(bench, dead_end[1]) + wait(bench, 1.5)) == {lib.POSTURE_WATCHED}
     assert error_m(bench) > 0.02
 
 
-def test_the_hand_is_as_slow_as_that_where_it_binds():
-    """Far round, stretched out: the joints' share would allow 0.3 m/s."""
+def test_the_end_effectors_speed_limit_applies_where_it_binds():
+    """Reaching round, stretched out: the joints' share would allow 0.3 m/s."""
     bench = started((128, -54, -68, -99))
     carry(bench, (-0.04, -0.16, 0.11))
     until(bench, lib.POSTURE_CHANGING)
     fastest_mps = 0.0
     while phase(bench) == lib.POSTURE_CHANGING:
-        before_m = place(bench)
+        before_m = position_m(bench)
         bench.tick()
-        fastest_mps = max(fastest_mps, np.linalg.norm(place(bench) - before_m) / TICK_S)
+        fastest_mps = max(fastest_mps, np.linalg.norm(position_m(bench) - before_m) / TICK_S)
     assert 0.95 * HAND_MPS < fastest_mps < 1.03 * HAND_MPS
 
 
-def test_a_lower_speed_holds_too():
+def test_a_lower_speed_limit_applies_too():
     bench = on_the_way(speed_fraction=0.1)
     assert 0.4 < np.abs(bench.velocity_radps).max() <= 0.1 * 4.76 + 1e-3
 
 
-# ---- and afterwards
+# ---- after the change
 
 
 def arrived() -> Bench:
@@ -154,14 +155,14 @@ def arrived() -> Bench:
 
 def test_afterwards_the_hand_is_followed():
     bench = arrived()
-    before_m = place(bench)
+    before_m = position_m(bench)
     carry(bench, [0, 0.02, 0.0], 0.5)
     bench.tick(500)
     assert phase(bench) != lib.POSTURE_CHANGED
-    assert place(bench) - before_m == pytest.approx([0, 0.02, 0], abs=1.5e-3)
+    assert position_m(bench) - before_m == pytest.approx([0, 0.02, 0], abs=1.5e-3)
 
 
-def test_an_arm_that_is_pushed_away_comes_back():
+def test_an_arm_that_is_pushed_away_returns():
     bench = arrived()
     bench.position_rad = bench.position_rad + [0.05, 0.02, -0.03, 0.04]
     assert error_m(bench) > 5e-3
@@ -169,7 +170,7 @@ def test_an_arm_that_is_pushed_away_comes_back():
     assert error_m(bench) < 1e-3 and at_rest(bench)
 
 
-# ---- it is abandoned
+# ---- abandoning a change
 
 
 def test_abandoned_when_the_target_moves_on():
@@ -183,7 +184,7 @@ def test_abandoned_when_the_target_moves_on():
 def test_not_abandoned_while_the_target_stays_near():
     bench = on_the_way()
     assert set(carry(bench, [0, 0, -0.015], 0.3)) == {lib.POSTURE_CHANGING}
-    until(bench, lib.POSTURE_LEFT).tick(1000)  # the law goes the rest
+    until(bench, lib.POSTURE_LEFT).tick(1000)  # the control law covers the rest
     assert error_m(bench) < 1e-3
 
 
@@ -209,7 +210,7 @@ def test_abandoned_in_hold():
     assert (bench.velocity_radps == 0).all()
 
 
-# ---- it does not begin
+# ---- no change
 
 
 def test_not_when_latched():
@@ -226,13 +227,13 @@ def test_not_without_prediction():
     assert error_m(bench) > 0.02
 
 
-def test_not_at_an_end_that_does_not_hold_the_hand_off():
+def test_not_at_a_limit_that_does_not_block_the_target():
     bench = started((90, -5, 0, -113.9))
     assert set(carry(bench, [0.03, 0, 0]) + wait(bench, 2.0)) == {lib.POSTURE_WATCHED}
     assert error_m(bench) < 1e-3
 
 
-def test_not_when_stretched_out_after_a_target_beyond_reach():
+def test_not_when_stretched_towards_a_target_out_of_reach():
     bench = started((60, -40, 0, -30))
     assert set(carry(bench, [0.25, -0.02, 0.02]) + wait(bench, 2.0)) <= {
         lib.POSTURE_WATCHED,
@@ -242,8 +243,8 @@ def test_not_when_stretched_out_after_a_target_beyond_reach():
     assert error_m(bench) > 0.05 and at_rest(bench)
 
 
-def test_out_of_reach_it_is_searched_once_and_the_arm_stays():
-    """Where no posture gets there. The hand then trembles, and goes to and fro: not again; 20 mm on: again."""
+def test_out_of_reach_one_search_and_the_arm_stays():
+    """No posture reaches the target. A trembling hand, or one that moves to and fro, starts no new search; 20 mm do."""
     bench = started((90, -5, 0, -90))
     phases = carry(bench, [0, 0.5, 0.3]) + wait(bench, 2.0)
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_LEFT and lib.POSTURE_CHANGING not in phases
@@ -259,8 +260,8 @@ def test_out_of_reach_it_is_searched_once_and_the_arm_stays():
     assert at_rest(bench)
 
 
-def test_not_while_the_hand_goes_on():
-    """25 mm/s, out of reach with joints at their ends."""
+def test_not_while_the_hand_moves():
+    """25 mm/s, out of reach with joints at their limits."""
     bench = started((90, -5, 0, -90))
     carry(bench, [0, 0.5, 0.3])
     for _ in range(1500):

@@ -1,4 +1,4 @@
-"""Least clearances in a scene against geometry, and what proximity sensor and gripper tell on the bus."""
+"""Least clearances in a scene against geometry, and the bus messages of proximity sensor and gripper."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from scipy.spatial.transform import Rotation
 
 ffi, lib = proximity_binding.load()
 
-ERROR_M = 0.00005  # CONVEX_DISTANCE_ERROR_M
+ERROR_M = 0.00005  # as CONVEX_DISTANCE_ERROR_M
 MS = 1_000_000
-POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward: the hand at (0.136, -0.111, 0.014), along x
+POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward: the end effector at (0.136, -0.111, 0.014), along x
 HAND = np.array([0.136, -0.111, 0.014])
 ROBOT = 2  # holder
 WRIST_M = 0.06  # behind the hand's origin
@@ -26,7 +26,7 @@ FACING = Rotation.from_euler("y", -90, degrees=True)  # a hand that points back 
 
 
 class Scene:
-    """A scenario and a scene that agree; the arm at POSTURE_DEG, people's hands far away."""
+    """A scenario and a matching scene; the arm is at POSTURE_DEG, people's hands far away."""
 
     def __init__(self, people: int = 1):
         self.scenario = ffi.new("scenario_t *", {"person_count": people})
@@ -55,7 +55,7 @@ class Scene:
         self.set_pose(self.scene.hand[person], position_m, rotation)
 
     def set_elbow(self, position_m, wrist_to_elbow_m: float = 0.3) -> None:
-        """Of the first person; at the start the forearm was so long."""
+        """Sets the first person's elbow and the initial length of the forearm."""
         self.scenario.person[0].elbow_m = list(map(float, position_m))
         self.set_pose(self.scenario.person[0].start, np.asarray(position_m) - [0, 0, wrist_to_elbow_m - WRIST_M])
 
@@ -79,7 +79,7 @@ class Scene:
         return ffi.gc(lib.proximity_create(self.scenario, self.scene), lib.proximity_destroy)
 
     def measure(self, proximity=None) -> tuple[float, str, float, str]:
-        """Clearance and names of the pair: to the person, of the robot with itself."""
+        """Clearance and names of the pair: to the person, and of the robot with itself."""
         proximity = proximity or self.proximity()
         found = lib.proximity_measure(proximity)
         names = [
@@ -110,18 +110,18 @@ def test_flat_hand_above_the_forearm(height_m):
 @pytest.mark.parametrize(
     ("hand_m", "rotation", "clearance_m", "part"),
     [
-        # finger tips (0.12 m ahead) towards the gripper, whose box ends 55 mm before the hand
+        # finger tips (0.12 m ahead) towards the gripper, whose box ends 55 mm before the end effector
         (HAND + [0.055 + 0.12 + 0.03, 0, 0], FACING, 0.03, "gripper"),
         # from the left to the torso (150 mm wide)
         ([-0.035, 0.075 + 0.12 + 0.05, 0.1], Rotation.from_euler("x", 90, degrees=True), 0.05, "torso"),
-        # from above to the head, that ends at 0.32 m
+        # from above to the head, which ends at 0.32 m
         ([-0.03, 0, 0.32 + 0.12 + 0.08], Rotation.from_euler("x", 180, degrees=True), 0.08, "head"),
         # from the right to the upper arm, 75 mm below the shoulder, and to the shoulder's cube of 50 mm
         ([-0.035, -0.111 - 0.02 - 0.12 - 0.04, 0.125 - 0.075], FROM_THE_RIGHT, 0.04, "upper_arm"),
         ([-0.035, -0.111 - 0.025 - 0.12 - 0.04, 0.125], FROM_THE_RIGHT, 0.04, "shoulder"),
     ],
 )  # fmt: skip
-def test_finger_tips_before_each_part(hand_m, rotation, clearance_m, part):
+def test_finger_tips_in_front_of_each_part(hand_m, rotation, clearance_m, part):
     scene = Scene()
     scene.set_hand(hand_m, rotation)
     scene.set_elbow(hand_m - rotation.apply([0, 0, 0.36]))
@@ -131,7 +131,7 @@ def test_finger_tips_before_each_part(hand_m, rotation, clearance_m, part):
 
 
 @pytest.mark.parametrize("degrees", [(90, -5, 0, -90), (60, -40, 20, -70), (20, -80, -50, -20), (-60, -10, 80, -110)])
-def test_arm_is_where_its_kinematics_say(degrees):
+def test_arm_parts_follow_the_kinematics(degrees):
     """A crumb in a person's hand, 2 mm wide and long, held beside the middle of either link."""
     scene = Scene()
     scene.set_posture(degrees)
@@ -147,7 +147,7 @@ def test_arm_is_where_its_kinematics_say(degrees):
             away = side.apply(np.linalg.svd(along[None])[2][1])
             at = middle + 0.03 * away
             if at[0] < 0.03 and at[1] > -0.09:
-                continue  # the torso is nearer
+                continue  # the torso is closer
             across = Rotation.align_vectors([away], [[0, 0, 1]])[0]  # its end face of 1 mm radius towards the link
             scene.set_pose(scene.scene.object[rod], at, across)
             found_m, pair, *_ = scene.measure(proximity)
@@ -156,8 +156,8 @@ def test_arm_is_where_its_kinematics_say(degrees):
 
 
 def test_forearm_points_from_wrist_to_elbow():
-    """The elbow stays 50 mm before the gripper's face, wherever the hand goes: its end, 45 mm in radius, or its side is
-    then next to the gripper."""
+    """The elbow stays 50 mm in front of the gripper's face wherever the hand is: the forearm's end, 45 mm in radius, or
+    its side is then next to the gripper."""
     scene = Scene()
     elbow_m = np.array([HAND[0] + 0.055 + 0.05, *HAND[1:]])
     scene.set_elbow(elbow_m)
@@ -167,19 +167,23 @@ def test_forearm_points_from_wrist_to_elbow():
         scene.set_hand(elbow_m + 0.36 * away, Rotation.align_vectors([away], [[0, 0, 1]])[0])
         found_m, pair, *_ = scene.measure(proximity)
         assert pair == "person.forearm - robot.gripper"
-        # The round is a hull with eight corners.
+        # The round shape is a hull with eight corners.
         assert 0.05 - radius_m - 0.001 < found_m < 0.05 - radius_m * np.cos(np.pi / 8) + 0.001
 
 
-def test_cups_and_what_is_closed_counts_as_full():
+def test_cups_count_as_solid():
     scene = Scene()
     for cup in (scene.scenario.cup, scene.scenario.person[0].cup):
         cup.present, cup.radius_m, cup.height_m, cup.wall_m = True, 0.03, 0.08, 0.002
     scene.scenario.person[0].cup.mount.rotation = [1, 0, 0, 0]
-    scene.scenario.person[0].cup.mount.position_m = [0, 0, 2]  # 2 m before the hand: nothing else of the person is near
+    scene.scenario.person[0].cup.mount.position_m = [
+        0,
+        0,
+        2,
+    ]  # 2 m in front of the hand: no other part of the person is close
     at = np.array([0.3, -0.6, 0.3])
     scene.set_pose(scene.scene.robot_cup, at)
-    # side by side, mantles 10 mm apart; then one above the other: bottom 2 mm below the frame, rim 80 mm above
+    # side by side, outer surfaces 10 mm apart; then one above the other: bottom 2 mm below the frame, rim 80 mm above
     for offset, clearance_m in (([0.064 + 0.01, 0, 0], 0.01), ([0, 0, 0.08 + 0.002 + 0.005], 0.005)):
         scene.set_hand(at + offset - [0, 0, 2], Rotation.identity())
         found_m, pair, *_ = scene.measure()
@@ -187,7 +191,7 @@ def test_cups_and_what_is_closed_counts_as_full():
         assert pair == "person.cup - robot.cup"
 
 
-def test_nothing_near():
+def test_nothing_close():
     scene = Scene()
     found = lib.proximity_measure(scene.proximity())
     assert (found.person_m, found.person_pair) == (1.0, -1)
@@ -208,15 +212,15 @@ def test_a_rod_that_the_person_will_take_may_touch_hand_and_forearm():
             scene.add_grip(0, rod)
         scene.set_hand(HAND + [0.22, 0, 0])  # finger tips over the rod
         found_m, pair, *_ = scene.measure()
-        if takes:  # fingers are curled, 45 mm ahead of the palm: next is the gripper, 55 mm ahead of the robot's hand
+        if takes:  # fingers are curled, 45 mm ahead of the palm; the gripper follows, 55 mm ahead of the end effector
             assert (found_m, pair) == (pytest.approx(0.22 - 0.045 - 0.055, abs=ERROR_M), "person.hand - robot.gripper")
         else:
             assert (found_m, pair) == (0.0, "person.hand - robot.held")
-        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # somebody else has no business there
+        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # another person may not touch it
         assert scene.measure()[0] == 0.0 and scene.measure()[1].endswith(".hand - robot.held")
 
 
-def test_a_rod_that_both_hold_and_the_gripper_that_let_go():
+def test_a_rod_held_by_both_and_a_gripper_that_has_released():
     scene = Scene()
     rod = scene.add_rod(HAND + [0.03 + 0.06, 0, 0], Rotation.from_euler("y", 90, degrees=True))
     scene.add_grip(0, rod)
@@ -238,7 +242,7 @@ def test_a_rod_that_both_hold_and_the_gripper_that_let_go():
 
 
 def test_forearm_beside_the_torso():
-    """At 111 mm from the middle, 20 mm thick, and the torso reaches to 75 mm; the elbow is at the torso's height."""
+    """111 mm from the middle, 20 mm thick; the torso extends to 75 mm; the elbow is at the torso's height."""
     assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
 
 
@@ -251,8 +255,8 @@ def test_a_held_rod_counts_as_the_arm():
     assert scene.measure()[3] == "robot.forearm - robot.torso"
 
 
-def test_no_posture_makes_neighbours_touch(rng):
-    """What touches in every posture is no clearance: stretched sideways, nothing does."""
+def test_neighbouring_parts_never_count_as_touching(rng):
+    """Parts that touch in every posture are excluded: stretched sideways, nothing touches."""
     scene = Scene()
     scene.set_posture((0, -90, 0, 0))
     assert scene.measure()[2] > 0.05
@@ -275,8 +279,8 @@ def busy_scene(rng) -> Scene:
     return scene
 
 
-def test_the_search_of_a_moving_scene_equals_one_begun_anew(rng):
-    """What is remembered from tick to tick saves time and changes nothing: also through jumps and changes of hands."""
+def test_the_search_of_a_moving_scene_equals_a_fresh_one(rng):
+    """The memory from tick to tick saves time and changes no result, including jumps and changes of hands."""
     scene = busy_scene(rng)
     proximity = scene.proximity()
     phase, speed = rng.uniform(0, 6, 30), rng.uniform(0.5, 6, 30)
@@ -295,15 +299,15 @@ def test_the_search_of_a_moving_scene_equals_one_begun_anew(rng):
             scene.set_pose(scene.scene.object[i], place - [0.1, 0, 0], turn)
         for holder, rod in itertools.product(range(3), range(2)):
             scene.hold(holder, rod, (tick // 100 + holder) % 4 == rod)
-        kept, anew = lib.proximity_measure(proximity), lib.proximity_measure(scene.proximity())
-        assert abs(kept.person_m - anew.person_m) <= 2 * ERROR_M
-        assert abs(kept.self_m - anew.self_m) <= 2 * ERROR_M
+        kept, fresh = lib.proximity_measure(proximity), lib.proximity_measure(scene.proximity())
+        assert abs(kept.person_m - fresh.person_m) <= 2 * ERROR_M
+        assert abs(kept.self_m - fresh.self_m) <= 2 * ERROR_M
         pairs |= {kept.person_pair, kept.self_pair}
     assert len(pairs) > 12
 
 
 def test_another_rod_in_the_same_hand_is_searched_at_once():
-    """However far from everything the one was that the hand held before."""
+    """However far from everything the previous rod in this hand was."""
     scene = Scene()
     far, near = scene.add_rod((2, 2, 2)), scene.add_rod((0.015 + 0.01 + 0.03, 0, 0.05))
     proximity = scene.proximity()
@@ -315,7 +319,7 @@ def test_another_rod_in_the_same_hand_is_searched_at_once():
     assert scene.measure(proximity)[:2] == (pytest.approx(0.03, abs=ERROR_M), "person.held - robot.torso")
 
 
-def test_pairs_are_named_as_the_dbc_names_their_parts(dbc):
+def test_pairs_have_the_dbcs_part_names(dbc):
     scene = Scene(people=2)
     proximity = scene.proximity()
     signal = dbc.get_message_by_name("Clearance").get_signal_by_name
@@ -337,21 +341,21 @@ def test_pairs_are_named_as_the_dbc_names_their_parts(dbc):
 
 
 class Bus:
-    """A bus with a listener that keeps (end in ns, decoded frame); frames are sent from here as the operator's."""
+    """A bus with a listener that stores (end in ns, decoded frame); frames are sent as the operator's."""
 
     def __init__(self, dbc):
-        self.dbc, self.bus, self.heard = dbc, ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy), []
-        self._listener = ffi.callback("void(void *, const can_frame_t *, int64_t)", self._hear)
+        self.dbc, self.bus, self.received = dbc, ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy), []
+        self._listener = ffi.callback("void(void *, const can_frame_t *, int64_t)", self._on_frame)
         lib.bus_listen(self.bus, self._listener, ffi.NULL)
         self.node = lib.bus_attach(self.bus, ffi.NULL, ffi.NULL)
         self.sender = ffi.new("protocol_sender_t *")
 
-    def _hear(self, _context, frame, end_ns):
+    def _on_frame(self, _context, frame, end_ns):
         data = bytes(frame.data[0 : frame.length])
         message = self.dbc.get_message_by_frame_id(frame.id)
         assert p05.e2e_p05_check(data, 0xC000 | frame.id) or message.name == "GripperCommand"
         values = self.dbc.decode_message(frame.id, data, decode_choices=False)
-        self.heard.append((end_ns, message.name, values, data[2]))
+        self.received.append((end_ns, message.name, values, data[2]))
 
     def send_command(self, action: int, sequence: int, at_ns: int, spoil: bool) -> None:
         frame = ffi.new("can_frame_t *")
@@ -362,28 +366,28 @@ class Bus:
         assert lib.bus_send(self.bus, self.node, frame, at_ns)
 
     def states(self) -> list[dict]:
-        return [values for _, name, values, _ in self.heard if name == "GripperState"]
+        return [values for _, name, values, _ in self.received if name == "GripperState"]
 
 
 def test_clearance_every_4_ms(dbc):
     bus = Bus(dbc)
     node = ffi.gc(lib.proximity_node_create(bus.bus), lib.proximity_node_destroy)
-    told = []
+    reported = []
     for tick in range(100):
         person_pair, self_pair = tick % 65 - 1, 63 + tick % 17
         clearance = ffi.new("measured_clearance_t *", {"person_m": 0.9 * tick / 99, "self_m": 1.0 - 0.01 * tick})
         clearance.person_pair, clearance.self_pair = person_pair, self_pair if self_pair > 63 else -1
-        told.append(clearance)
+        reported.append(clearance)
         lib.proximity_node_step(node, clearance, tick * MS, (tick + 1) * MS)
         lib.bus_run_until(bus.bus, (tick + 1) * MS)
-    assert [name for _, name, _, _ in bus.heard] == ["Clearance"] * 25
-    lib.proximity_node_step(node, told[0], 100 * MS, 112 * MS)  # all that falls due in a longer step
+    assert [name for _, name, _, _ in bus.received] == ["Clearance"] * 25
+    lib.proximity_node_step(node, reported[0], 100 * MS, 112 * MS)  # everything due in a longer step
     lib.bus_run_until(bus.bus, 112 * MS)
-    assert len(bus.heard) == 28
-    told += [told[0]] * 12
-    assert np.all(np.diff([counter for *_, counter in bus.heard]) == 1)
-    for k, (end_ns, _, values, _) in enumerate(bus.heard):
-        clearance = told[4 * k]
+    assert len(bus.received) == 28
+    reported += [reported[0]] * 12
+    assert np.all(np.diff([counter for *_, counter in bus.received]) == 1)
+    for k, (end_ns, _, values, _) in enumerate(bus.received):
+        clearance = reported[4 * k]
         assert 4 * k * MS < end_ns < 4 * k * MS + 60_000
         assert values["person_m"] == pytest.approx(clearance.person_m, abs=0.5001e-4)
         assert values["self_m"] == pytest.approx(clearance.self_m, abs=0.5001e-4)
@@ -414,11 +418,11 @@ class Gripper:
         self.run(1)
 
 
-def test_gripper_tells_its_state_every_20_ms(dbc):
+def test_gripper_reports_its_state_every_20_ms(dbc):
     gripper = Gripper(dbc)
     gripper.scene.opening, gripper.scene.force_N = 0.3341, 12.34
     gripper.run(101)
-    ends = [end for end, *_ in gripper.bus.heard]
+    ends = [end for end, *_ in gripper.bus.received]
     assert len(ends) == 6 and all(0 < end - 20 * k * MS < 60_000 for k, end in enumerate(ends))
     for values in gripper.bus.states():
         assert values["opening_percent"] == pytest.approx(33.41, abs=0.2501)
@@ -426,17 +430,17 @@ def test_gripper_tells_its_state_every_20_ms(dbc):
         assert values["sequence"] == 0
     lib.gripper_node_step(gripper.node, 101 * MS, 160 * MS)
     lib.bus_run_until(gripper.bus.bus, 160 * MS)
-    assert len(gripper.bus.heard) == 8
+    assert len(gripper.bus.received) == 8
 
 
-def test_gripper_obeys_and_answers_at_once(dbc):
+def test_gripper_executes_and_answers_at_once(dbc):
     gripper = Gripper(dbc)
     gripper.run(5)
     for sequence, action in ((7, 1), (8, 0), (8, 0), (255, 1)):
-        before, commands, sent_ns = len(gripper.bus.heard), gripper.scene.commands, gripper.now_ns
+        before, commands, sent_ns = len(gripper.bus.received), gripper.scene.commands, gripper.now_ns
         gripper.command(action, sequence)
         assert (gripper.scene.commands, gripper.scene.close) == (commands + 1, bool(action))
-        (_, first, _, _), (end_ns, second, values, _) = gripper.bus.heard[before:]
+        (_, first, _, _), (end_ns, second, values, _) = gripper.bus.received[before:]
         assert (first, second, values["sequence"]) == ("GripperCommand", "GripperState", sequence)
         assert end_ns - sent_ns < 200_000
     gripper.run(40)
@@ -444,7 +448,7 @@ def test_gripper_obeys_and_answers_at_once(dbc):
     assert lib.gripper_node_rejected(gripper.node) == 0
 
 
-def test_gripper_refuses_what_is_damaged_or_unknown(dbc):
+def test_gripper_refuses_damaged_and_unknown_commands(dbc):
     gripper = Gripper(dbc)
     gripper.run(1)
     states = len(gripper.bus.states())
@@ -475,8 +479,8 @@ def test_states_of_the_gripper(dbc, action, opening, holds, state):
     assert gripper.bus.states()[-1]["state"] == state
 
 
-def test_the_firmware_takes_no_notice(dbc):
-    """The new frames are not its own: nothing refused, nothing in TickTrace, no command changed."""
+def test_the_firmware_ignores_the_simulators_frames(dbc):
+    """The new frames are not for the firmware: nothing is refused, nothing appears in TickTrace, no command changes."""
     benches = [controller_bench.Bench().until_ready().start(core.TASK_TELEOP) for _ in range(2)]
     for tick in range(200):
         for name, kind in (("clearance", "clearance_t"), ("gripper_state", "gripper_state_t"),

@@ -1,4 +1,5 @@
-"""Reach of the arm against brute force: what some posture does is in reach, and no sampled posture beats the search."""
+"""Reach of the arm against brute force: positions of actual postures are in reach, and no sampled posture beats the
+search."""
 
 from __future__ import annotations
 
@@ -19,8 +20,8 @@ def sim():
 
 @pytest.fixture(scope="module")
 def brute_force():
-    """Nearest of a million sampled hand positions. A quarter of the joints sit at an end of their range: the border of
-    the workspace is made of such postures."""
+    """Nearest of a million sampled end effector positions. A quarter of the joints are at a limit: such postures form
+    the workspace boundary."""
     rng = np.random.default_rng(3)
     q = rng.uniform(RANGE[:, 0], RANGE[:, 1], (1_000_000, 4))
     at_end = rng.random(q.shape) < 0.25
@@ -51,11 +52,11 @@ class Search:
 
 
 def random_targets(rng, count):
-    """In a box a little larger than the workspace, which has 0.282 m around the shoulder."""
+    """In a box slightly larger than the workspace, which extends 0.282 m around the shoulder."""
     return np.array([-0.035, -0.111, 0.125]) + rng.uniform(-0.33, 0.33, (count, 3))
 
 
-def test_what_a_posture_does_is_in_reach(sim, rng):
+def test_positions_of_postures_are_in_reach(sim, rng):
     search = Search(sim)
     postures = rng.uniform(RANGE[:, 0], RANGE[:, 1], (3000, 4))
     for target, measured in zip(hoap3.hands(postures), rng.permutation(postures), strict=True):
@@ -63,8 +64,8 @@ def test_what_a_posture_does_is_in_reach(sim, rng):
         assert search.distance(target, measured) <= TOLERANCE_M
 
 
-def test_found_posture_is_real(sim, rng):
-    """Within the range, and its hand is as far from the target as was said."""
+def test_found_posture_is_valid(sim, rng):
+    """Within the joint limits, and its end effector is at the reported distance from the target."""
     search = Search(sim)
     for target in random_targets(rng, 500):
         distance = search.distance(target, rng.uniform(RANGE[:, 0], RANGE[:, 1]))
@@ -84,11 +85,11 @@ def test_no_sampled_posture_is_better(sim, rng, brute_force):
         else:  # far out the search may end next to the best posture; reach_contains() allows for it
             assert distance <= 1.1 * nearest
         outside += distance > TOLERANCE_M
-    assert 300 < outside < 1400  # both cases are there
+    assert 300 < outside < 1400  # both cases occur
 
 
 def test_shortcut_along_a_path_changes_no_answer(sim, rng):
-    """reach_contains() skips searches; on a walk in and out of reach it says what a fresh search says."""
+    """reach_contains() skips searches; on a path in and out of reach it gives the same answers as a fresh search."""
     walking, fresh = Search(sim), Search(sim)
     target, velocity, answers = np.array([0.1, -0.15, 0.0]), np.zeros(3), set()
     for _ in range(4000):
@@ -98,7 +99,7 @@ def test_shortcut_along_a_path_changes_no_answer(sim, rng):
         fresh.forget()
         distance = fresh.distance(target, measured)
         answer = walking.contains(target, measured)
-        if abs(distance - TOLERANCE_M) > 2e-4:  # next to the border, where a search may end is a matter of rounding
+        if abs(distance - TOLERANCE_M) > 2e-4:  # at the boundary, rounding decides where a search ends
             assert answer == (distance <= TOLERANCE_M)
         answers.add(answer)
     assert answers == {True, False}

@@ -18,7 +18,7 @@ ROW = "{},0.1,0.2,0.3,1,0,0,0"
 
 
 def open_recording(path, axes: str | None = None):
-    """The motion, or the error's text."""
+    """The motion, or the error message."""
     error = ffi.new("char[]", 400)
     axes_text = ffi.NULL if axes is None else ffi.new("char[]", axes.encode())
     motion = lib.recorded_motion_create(str(path).encode(), axes_text, error, 400)
@@ -64,7 +64,7 @@ def write_text(path, *lines: str, end="\n"):
 @pytest.mark.parametrize("matrix", [False, True])
 def test_resampling_is_linear_and_spherical(tmp_path, rng, matrix):
     times_s, positions_m, rotations = random_motion(rng)
-    sign = rng.choice([-1.0, 1.0], len(times_s))  # a recorder's signs may be anything
+    sign = rng.choice([-1.0, 1.0], len(times_s))  # a recorder may use any signs
     motion = open_recording(write(tmp_path / "a.csv", times_s, positions_m, rotations, matrix, sign))
     assert lib.recorded_motion_duration_s(motion) == pytest.approx(times_s[-1] - times_s[0], abs=1e-12)
 
@@ -96,14 +96,14 @@ def test_first_and_last_pose_are_held(tmp_path, rng):
 
 
 def test_gap_is_an_interval_above_one_and_a_half_medians(tmp_path):
-    """Nothing inside, open at both ends."""
-    times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000  # 14 is within, 16 above 1.5 times 10
+    """No valid pose inside; the interval is open at both ends."""
+    times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000  # 14 is below, 16 above 1.5 times 10
     still = Rotation.identity(len(times_s))
     motion = open_recording(write(tmp_path / "a.csv", times_s, times_s[:, None] * [1, 0, 0], still))
     at_s = np.arange(0, 101) / 1000
     valid, position_m, _ = sample(motion, at_s)
     assert at_s[~valid].tolist() == pytest.approx(np.arange(55, 70) / 1000)
-    np.testing.assert_allclose(position_m[:, 0], at_s, atol=1e-12)  # a guess between its ends
+    np.testing.assert_allclose(position_m[:, 0], at_s, atol=1e-12)  # interpolated between its ends
     assert b"gaps 1 (longest 16 ms)" in ffi.string(lib.recorded_motion_description(motion))
 
 
@@ -130,7 +130,7 @@ def test_axes_are_mapped_by_a_rotation_or_refused(tmp_path, rng, axes, matrix):
 
 
 @pytest.mark.parametrize("axes", ["", "xy", "xxz", "xyzx", "xyw", "XYZ", "--xyz", "x y z", "yxz", "-x-y-z"])
-def test_nonsense_axes_are_refused(tmp_path, axes):
+def test_invalid_axes_are_refused(tmp_path, axes):
     path = write_text(tmp_path / "a.csv", QUATERNION_HEADER, ROW.format(0), ROW.format(1))
     assert open_recording(path, axes).startswith(f"axes '{axes}': expected ")
 
@@ -150,7 +150,7 @@ def test_default_axes_follow_the_name(tmp_path, name, expected_m):
     np.testing.assert_allclose(position_m, [expected_m], atol=1e-15)
 
 
-# ---- what is accepted and what is refused
+# ---- accepted and refused files
 
 
 def test_crlf_blank_end_and_unfinished_line_are_accepted(tmp_path):
@@ -224,7 +224,7 @@ def test_defects_are_named(tmp_path, lines, message):
     path = write_text(tmp_path / "hand.csv", *lines)
     error = open_recording(path)
     assert isinstance(error, str) and error.startswith(f"{path}{message}")
-    assert error.isprintable(), "one line, nothing for the terminal to obey"
+    assert error.isprintable(), "one line, without control characters"
 
 
 def test_unit_quaternion_within_tolerance_is_normalised(tmp_path):
@@ -241,12 +241,12 @@ def test_files_that_cannot_be_read(tmp_path):
     assert open_recording(tmp_path / "pipe") == f"{tmp_path / 'pipe'}: is not a regular file, expected a CSV file"
 
 
-# ---- played from where the hand is
+# ---- playback from the hand's pose
 
 
-def test_playback_moves_the_hand_as_the_recorded_one_moved(tmp_path, rng):
-    """From a pose that is not the recording's, scaled; the recorded hand turns by nearly a turn about a tilted axis,
-    played at half the angle: through pi, where a rotation vector of its own would jump."""
+def test_playback_repeats_the_recorded_motion(tmp_path, rng):
+    """From a pose that is not the recording's, scaled. The recorded hand turns by nearly a full turn about a tilted
+    axis, played at half the angle: through pi, where its rotation vector would jump."""
     times_s = np.arange(201) / 100
     positions_m = np.cumsum(rng.normal(scale=0.001, size=(201, 3)), axis=0)
     turns = Rotation.from_rotvec(np.outer(2.2 * np.pi * times_s / 2, [0.6, 0.0, 0.8])) * Rotation.random(rng=rng)

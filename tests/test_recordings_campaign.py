@@ -1,6 +1,6 @@
-"""Every recorded hand motion through the simulator. What the bus carried is judged in numpy: the robot's limits, from
-the manual and to the raw resolution; a hold for each gap of the recording, in time, and none elsewhere; finite numbers;
-and a second run that repeats the first byte for byte."""
+"""Every recorded hand motion through the simulator. The bus traffic is checked in numpy: the robot's limits by the
+manual at raw resolution; a hold for each gap of the recording, in time, and no others; finite numbers; and a second run
+that repeats the first byte for byte."""
 
 from __future__ import annotations
 
@@ -22,15 +22,16 @@ JOINTS = 4
 RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # the manual: one degree inside the stops
 VELOCITY_MAX_RAW = 4760  # mrad/s
 VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
-JERK_STEP_RAW = 10  # 10,000 rad/s^3: by which that step differs from the last tick's
-OVERSHOOT_RAD = 5 / PULSES_PER_RAD  # of the measured position past the usable range, a hundredth of the way to the stop
+JERK_STEP_RAW = 10  # 10,000 rad/s^3: largest change of that step from tick to tick
+# of the measured position past the usable range, a hundredth of the distance to the stop
+OVERSHOOT_RAD = 5 / PULSES_PER_RAD
 
 MOTION_START_S = 2.0
 LATENCY_S = 0.004
 PERIOD_S = 0.004  # of the tracker on the bus
 STALE_S = 2.5 * PERIOD_S
-# A pose is on the wire for up to 0.6 ms with what goes before it, a tick takes it up to 1 ms later, and every second
-# tick tells its mode, 0.1 ms after it.
+# A pose is on the wire for up to 0.6 ms including earlier frames, a tick reads it up to 1 ms later, and every second
+# tick reports its mode 0.1 ms after it.
 REACTION_S = 0.004
 
 
@@ -73,7 +74,7 @@ def assert_limits(frames: dict) -> None:
 
     drive_mode = raw_array(commands, "mode_{}")
     assert set(np.unique(drive_mode)) <= {0, 1}
-    assert not np.any(velocity[drive_mode == 0]), "a brake closes on a joint that is to move"
+    assert not np.any(velocity[drive_mode == 0]), "a brake closes on a moving joint"
     for joint in range(JOINTS, 8):
         for signal in ("mode_{}", "velocity_{}_radps", "torque_{}_Nm"):
             assert not np.any(commands.raw(signal.format(joint))), f"joint {joint}, which the arm does not have"
@@ -86,7 +87,7 @@ def assert_limits(frames: dict) -> None:
 
 
 def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) -> np.ndarray:
-    """Which samples of the bus must carry a pose. On a gap's very edge, where rounding decides, the log does."""
+    """The bus samples that must carry a pose. At the edges of a gap, where rounding decides, the log decides."""
     t_s = np.loadtxt(recording, delimiter=",", skiprows=1, usecols=0)
     t_s -= t_s[0]
     interval_s = np.diff(t_s)
@@ -102,18 +103,18 @@ def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) ->
 
 @dataclass(frozen=True)
 class Hold:
-    last_pose_s: float  # measured
+    last_pose_s: float  # measurement time
     next_pose_s: float
 
 
 def expected_holds(measured_s: np.ndarray, valid: np.ndarray) -> list[Hold]:
-    """Poses that reach the firmware further apart than the time after which they are stale."""
+    """Gaps between received poses that are longer than the stale timeout."""
     seen_s = measured_s[valid]
     return [Hold(a, b) for a, b in zip(seen_s[:-1], seen_s[1:], strict=True) if b - a > STALE_S + 1e-6]
 
 
 def mode_changes(frames: dict) -> list[tuple[float, str, str]]:
-    """(time, mode, reason) as FirmwareStatus tells them, by the names of the DBC."""
+    """(time, mode, reason) reported by FirmwareStatus, by the names of the DBC."""
     status = frames["FirmwareStatus"]
     names = {name: status.message.get_signal_by_name(name).choices for name in ("mode", "reason")}
     mode, reason = status.raw("mode"), status.raw("reason")
@@ -155,22 +156,20 @@ HOLD, RETURN = ("hold", "tracker_stale"), ("cooperating", "tracker_returned")
 
 
 def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
-    """In the hold each joint comes to rest within v / a + 2.5 a / j and two ticks, and stays there: when the deceleration has grown, by steps
-    that the jerk limit allows, each command takes the whole step that the acceleration limit allows, less one of rounding, until it
-    must shrink again. The arm itself then stands."""
+    """In the hold each joint comes to rest within v / a + 2.5 a / j and two ticks, and stays there. Once the
+    deceleration has grown in steps allowed by the jerk limit, each command changes by the acceleration limit's whole
+    step, less one of rounding, until the deceleration must shrink again. The arm then rests."""
     commands = frames["JointCmd"]
     first, end = np.searchsorted(commands.t_s, [from_s, until_s])
     speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])
     ramp_ticks = VELOCITY_STEP_RAW / JERK_STEP_RAW
     ticks = np.arange(len(speed))[:, None]
-    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it speeds up"
+    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it accelerates"
     assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
-    shrinks_below = VELOCITY_STEP_RAW * (
-        ramp_ticks + 1
-    )  # all that the steps of a shrinking deceleration add up to, and one more
+    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # the sum of the steps of a shrinking deceleration, plus one
     before, after = speed[:-1], speed[1:]
     steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
-    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes by less than the limit"
+    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes with less than the limit"
     at_rest = np.flatnonzero(~speed.any(axis=1))
     if len(at_rest) > 60:
         position = measured_positions_rad(frames)[first + at_rest[0] + 50 : end - 1]  # 50 ms for the drives to settle
@@ -179,7 +178,7 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
 
 # ---- numbers and repetition
 
-# What these scenes do not have: a second person, something to hold, water, a crank.
+# Not in these scenes: a second person, a held object, water, a crank.
 ABSENT_COLUMNS = re.compile(r"second_|object_|force_|water_|crank_turns")
 ABSENT_KEYS = re.compile(r"second_recording|people\[\d\]\.force_|gripper\.force_|water|object")
 
@@ -190,7 +189,7 @@ def assert_finite(trace: Path, ticks: int) -> None:
     columns = header.decode().split(",")
     nonsense = re.search(rb"nan|inf", body)
     assert nonsense is None, body[: nonsense.end()].rsplit(b"\n", 1)[-1]
-    for _ in range(2):  # an empty cell may have an empty one beside it
+    for _ in range(2):  # an empty cell may be followed by an empty one
         body = body.replace(b",,", b",nan,")
     body = body.replace(b",\n", b",nan\n")
     numeric = [i for i, name in enumerate(columns) if name != "mode"]
@@ -201,11 +200,11 @@ def assert_finite(trace: Path, ticks: int) -> None:
 
     target = np.array([value.pop(name) for name in columns if name.startswith("target_")])
     empty = np.isnan(target)
-    assert np.array_equal(empty.all(axis=0), empty.any(axis=0)), "half a target"
+    assert np.array_equal(empty.all(axis=0), empty.any(axis=0)), "incomplete target"
     for name, column in value.items():
         missing = np.flatnonzero(np.isnan(column))
         if ABSENT_COLUMNS.match(name):
-            assert len(missing) == ticks, f"{name}: filled, and there is none"
+            assert len(missing) == ticks, f"{name}: a value without its object"
             continue
         assert len(missing) == 0 or (name.startswith("dq") and list(missing) == [0]), f"{name}: empty at {missing[:3]}"
         largest = 1000.0 if name.startswith("clearance_") else 10.0
@@ -219,17 +218,17 @@ def assert_finite(trace: Path, ticks: int) -> None:
 
 def assert_finite_summary(value: object, path: str = "summary") -> None:
     if isinstance(value, dict):
-        told = value.get("not_measured")  # why figures of this group are not there; null if all are
-        assert told is None or told.strip(), f"{path}.not_measured is {told!r}"
+        reason = value.get("not_measured")  # reason for missing figures in this group; null if none is missing
+        assert reason is None or reason.strip(), f"{path}.not_measured is {reason!r}"
         for key, item in value.items():
-            if key != "not_measured" and not (told and item is None):
+            if key != "not_measured" and not (reason and item is None):
                 assert_finite_summary(item, f"{path}.{key}")
     elif isinstance(value, list):
         for i, item in enumerate(value):
             assert_finite_summary(item, f"{path}[{i}]")
     else:
         if ABSENT_KEYS.match(path.removeprefix("summary.")):
-            assert value is None, f"{path} is {value}, and there is none"
+            assert value is None, f"{path} is {value}, without its object"
             return
         assert value is not None, f"{path} is null"
         assert isinstance(value, str) or np.isfinite(value), f"{path} is {value}"
@@ -260,7 +259,7 @@ def test_recording(tmp_path, scenario, recording):
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_built_in_motion(tmp_path, scenario):
-    """Within the limits; the seed repeats it, another seed is another run."""
+    """Within the limits; the seed repeats the run, another seed gives another run."""
     first = run(tmp_path / "first", "--scenario", scenario, "--seed", 7).require_pass()
     assert_equal_runs(first, run(tmp_path / "second", "--scenario", scenario, "--seed", 7).require_pass())
     other = run(tmp_path / "other", "--scenario", scenario, "--seed", 8).require_pass()

@@ -1,5 +1,5 @@
-"""`comanip replay`: the C core, fed with a log, sends what was recorded, whatever clock the log has; and the first frame that is
-not so is named. The logs come from the simulator and from a bench around the core; what is wrong with them is made here."""
+"""`comanip replay`: the C core, fed with a log, sends the recorded frames for any clock of the log, and the first
+difference is named. The logs come from the simulator and from a bench around the core; their defects are added here."""
 
 from __future__ import annotations
 
@@ -59,13 +59,13 @@ def test_all_experiments_replay_byte_for_byte(scenario):
     assert replayed.returncode == EQUAL, replayed.stdout + replayed.stderr
     lines = done.log.read_text().splitlines()
     sent = sum(int(line.split()[2][:3], 16) in BY_FIRMWARE for line in lines)
-    told = re.search(r"EQUAL: (\d+) ticks: fed with (\d+) frames, the firmware sent (\d+);", replayed.stdout)
-    assert int(told[1]) >= done.summary["ticks"] - 1, "the last tick's frames may be too late for the log"
-    assert abs(int(told[3]) - sent) <= 5, "the log may end within a tick"
+    counts = re.search(r"EQUAL: (\d+) ticks: fed with (\d+) frames, the firmware sent (\d+);", replayed.stdout)
+    assert int(counts[1]) >= done.summary["ticks"] - 1, "the last tick's frames may be too late for the log"
+    assert abs(int(counts[3]) - sent) <= 5, "the log may end within a tick"
 
 
-def test_times_of_the_log_do_not_matter(eventful, rng):
-    """As of another machine's candump: another clock, drift, jitter."""
+def test_log_times_do_not_matter(eventful, rng):
+    """Like another machine's candump: another clock, drift, jitter."""
     jitter_us = rng.integers(0, 400, len(eventful))
     moved = [
         frame._replace(t_us=1_700_000_000_000_000 + int(1.0002 * frame.t_us) + int(late))
@@ -77,7 +77,7 @@ def test_times_of_the_log_do_not_matter(eventful, rng):
 
 
 @pytest.mark.parametrize("suffix", [".blf", ".asc", ".log"])
-def test_logs_that_python_can_wrote(tmp_path, short, suffix):
+def test_logs_written_by_python_can(tmp_path, short, suffix):
     path = tmp_path / f"bus{suffix}"
     begin_s = 1_700_000_000
     with can.Logger(path) as logger:
@@ -96,11 +96,11 @@ def test_a_log_may_end_anywhere(short):
 
 
 class RecordingBench(Bench):
-    """A bench whose frames, in and out, are a log; its clock is that of the firmware, which the log does not know."""
+    """A bench whose frames, in and out, form a log; its clock is the firmware's, which is not in the log."""
 
     def __init__(self, **options):
         super().__init__(now_us=2**32 - 150_000, **options)  # wraps within the run
-        self.by_id = False  # the order in which the bus has what a tick sends
+        self.by_id = False  # bus order of the frames sent in one tick
         self.log: list[Frame] = []
 
     def tick(self, count: int = 1) -> None:
@@ -116,7 +116,7 @@ class RecordingBench(Bench):
         self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in sent]
 
     def lose(self, ticks: int) -> None:
-        """So many ticks of a paused firmware: what was on the bus is lost to it."""
+        """Ticks of a paused firmware: it does not receive the frames on the bus meanwhile."""
         for _ in range(ticks):
             self.now_us += 1000
             self.ticks += 1
@@ -153,7 +153,7 @@ def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500
 
 @pytest.mark.parametrize("seed", range(8))
 def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
-    """When a drive counts as silent hangs on times of reception that are in no log."""
+    """Whether a drive counts as silent depends on reception times, which are in no log."""
     bench = run_bench(RecordingBench(), np.random.default_rng(seed))
     report = replay(bench.log)
     assert report.difference is None, report.difference
@@ -165,7 +165,8 @@ def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_damaged_frames_on_a_bus_without_filters(seed):
-    """For the firmware and past it: all that it sent comes out, and what is left to tell is the first that went past it."""
+    """For the firmware and for other nodes: all sent frames are reproduced; the first unread frame is the reported
+    difference."""
     rng = np.random.default_rng(seed)
     bench = RecordingBench().until_ready().start(lib.TASK_TELEOP)
     past = 0
@@ -186,8 +187,8 @@ def test_damaged_frames_on_a_bus_without_filters(seed):
 
 
 @pytest.mark.parametrize("age_us", [1500, 2500, 2999, 3000, 3001, 5000])
-def test_frames_that_waited_long_before_they_were_read(age_us):
-    """As after a pause of the process: they count from when they came, which the log does not tell."""
+def test_frames_that_were_read_late(age_us):
+    """As after a pause of the process: their age counts from their reception, which is not in the log."""
     bench = RecordingBench()
     bench.tick(60)
     bench.start(lib.TASK_TELEOP)
@@ -205,7 +206,7 @@ def test_frames_that_waited_long_before_they_were_read(age_us):
 
 @pytest.mark.parametrize("lost_ticks", [1, 2, 3, 9, 10, 40, 100])
 def test_frames_that_the_firmware_lost(lost_ticks):
-    """As after a pause in which its queue ran over: the log has frames that it never read."""
+    """As after a pause in which its queue overflowed: the log has frames that the firmware never read."""
     bench = RecordingBench()
     bench.tick(60)
     bench.start(lib.TASK_TELEOP)
@@ -218,7 +219,7 @@ def test_frames_that_the_firmware_lost(lost_ticks):
     assert replay(bench.log).difference is None
 
 
-def test_a_firmware_that_was_restarted():
+def test_a_restarted_firmware():
     first, second = RecordingBench(), RecordingBench()
     first.tick(777)
     second.ticks, second.now_us, second.sender = 5 * 777 // 4 * 4, 10**9, first.sender
@@ -229,10 +230,10 @@ def test_a_firmware_that_was_restarted():
 
 
 def stored_parameters(rng: np.random.Generator):
-    """Other ones than the defaults, all but `trace` and what would leave no time to cooperate."""
+    """Different from the defaults, except `trace` and values that would leave no time to cooperate."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
-    share = 0.3 * rng.uniform(0, 1, lib.PARAMETER_COUNT)  # of the way to the maximum
+    share = 0.3 * rng.uniform(0, 1, lib.PARAMETER_COUNT)  # of the distance to the maximum
     unstable = True
     while unstable:
         for i, part in enumerate(share):
@@ -265,7 +266,7 @@ def test_each_boot_has_its_own_parameters(rng):
     assert (report.difference, report.boots) == (None, 2)
 
 
-def test_a_boot_whose_store_was_not_valid():
+def test_a_boot_with_an_invalid_store():
     defaults = ffi.new("parameters_t *")
     lib.parameters_set_defaults(defaults)
     bench = RecordingBench(parameters=defaults, boot_result=lib.RESULT_STORE_FAILED)
@@ -275,7 +276,7 @@ def test_a_boot_whose_store_was_not_valid():
 
 @pytest.mark.parametrize("early_ticks", range(0, 45, 4))
 def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
-    """Before or after it was announced: the speed fraction is in each status, so that it cannot be guessed wrong."""
+    """Before or after its announcement: the speed fraction is in each status, so that a wrong guess shows."""
     bench = RecordingBench(parameters=stored_parameters(rng))
     bench.tick(early_ticks)
     bench.write(lib.PARAMETER_SPEED_FRACTION, 0.5)
@@ -284,8 +285,8 @@ def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
 
 
 @pytest.mark.parametrize("result", [lib.RESULT_ACCEPTED, lib.RESULT_STORE_FAILED, lib.RESULT_NOT_SUPPORTED])
-def test_savings_end_as_they_had_ended(result, rng):
-    """With other answers about the same parameter, with the same number, meanwhile."""
+def test_saves_end_with_the_recorded_result(result, rng):
+    """With other answers about the same parameter, with the same number, in between."""
     bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
     assert (
         bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED
@@ -304,14 +305,14 @@ def test_savings_end_as_they_had_ended(result, rng):
         for f in bench.log
         if f.frame_id == ID["ParameterValue"]
     ]
-    assert sum(told["result"] == result and told["sequence"] > 0 for told in results) >= 4
+    assert sum(counts["result"] == result and counts["sequence"] > 0 for counts in results) >= 4
     report = replay(bench.log)
     assert report.difference is None, report.difference
 
 
 @pytest.mark.parametrize("order", ["sent", "by id"])
-def test_a_saving_while_parameters_are_announced(order):
-    """Through a queue they are on the bus as they were sent, else the lowest id comes first."""
+def test_a_save_while_parameters_are_announced(order):
+    """Sent through a queue, they are on the bus in the order of sending; otherwise the lowest id comes first."""
     bench = RecordingBench()
     bench.by_id = order == "by id"
     bench.store_result = lib.RESULT_ACCEPTED
@@ -334,7 +335,7 @@ def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
     assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the store may never have ended"
     bench.tick(2)
     assert bench.save() == lib.RESULT_ACCEPTED
-    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "but not when there is a next one"
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "it ended before the next one"
 
 
 def test_at_recorded_pace(tmp_path, short):
@@ -346,10 +347,10 @@ def test_at_recorded_pace(tmp_path, short):
     assert took_s >= 0.9
 
 
-# ---- different
+# ---- differences
 
 
-LATEST_FRAMES = 2000  # 0.3 s: by then the firmware has read a frame, and told of it
+LATEST_FRAMES = 2000  # 0.3 s: by then the firmware has read a frame and reported it
 
 
 def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
@@ -359,7 +360,7 @@ def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
 
 
 def test_one_flipped_bit_is_reported_at_its_frame(eventful, rng):
-    """In a frame of each id, and each part of it."""
+    """In a frame of each id, and in each part of it."""
     places = {frame_id: [i for i, frame in enumerate(eventful) if frame.frame_id == frame_id] for frame_id in NAME}
     tried = 0
     for frame_id, where in places.items():
@@ -372,7 +373,7 @@ def test_one_flipped_bit_is_reported_at_its_frame(eventful, rng):
     assert tried > 80
 
 
-def test_the_first_difference_is_told_with_time_id_and_signals(tmp_path, short):
+def test_the_first_difference_is_reported_with_time_id_and_signals(tmp_path, short):
     message = DBC.get_message_by_name("JointCmd")
     place = [i for i, frame in enumerate(short) if frame.frame_id == message.frame_id][2000]
     frame = short[place]
@@ -392,15 +393,16 @@ def test_the_first_difference_is_told_with_time_id_and_signals(tmp_path, short):
 
 @pytest.mark.parametrize(
     ("name", "what"),
-    [("JointState1", "JointState1 with counter"), ("HandPose", "HandPose with counter"), ("OperatorCommand", "OperatorCommand with counter"),
+    [("JointState1", "JointState1 with counter"), ("HandPose", "HandPose with counter"),
+     ("OperatorCommand", "OperatorCommand with counter"),
      ("JointCmd", "other bytes"), ("FirmwareStatus", "other bytes"), ("TickTrace", "")],
 )  # fmt: skip
-def test_a_frame_that_the_log_has_lost(short, name, what):
+def test_a_frame_missing_from_the_log(short, name, what):
     place = [i for i, frame in enumerate(short) if frame.frame_id == ID[name]][-1 if name == "OperatorCommand" else 200]
     difference = replay([*short[:place], *short[place + 1 :]]).difference
     assert difference is not None
     assert what in difference.what
-    assert place - 40 <= difference.place <= place + 80, "near it"
+    assert place - 40 <= difference.place <= place + 80, "close to it"
 
 
 def test_a_frame_that_the_firmware_never_sent(short):
@@ -410,7 +412,7 @@ def test_a_frame_that_the_firmware_never_sent(short):
     assert (difference.place, difference.recorded) == (place, alien)
 
 
-def test_a_frame_that_the_drives_never_sent_is_no_matter_if_it_is_foreign(short):
+def test_an_additional_frame_with_a_foreign_id_does_not_matter(short):
     foreign = [
         Frame(0, 0x555, b"\1\2"),
         Frame(0, ID["JointCmd"], bytes(8), extended=True),
@@ -456,6 +458,6 @@ def test_logs_that_cannot_be_replayed(tmp_path, short):
     require_refusal(call("replay", tmp_path / "log.xyz"), "log.xyz", ".blf")
 
 
-def test_layout_that_python_packs_is_the_compilers():
+def test_packed_layout_matches_the_compilers():
     offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "fd", "data")]
     assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7, 8], 72)

@@ -1,4 +1,4 @@
-"""Worst-case response times: against the published example, and against a plain model of the bus."""
+"""Worst-case response times: against the published example, and against a simple bus model."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def stream(name: str, identifier: int, length: int, period: int, **more: object)
 
 
 def test_the_example_in_which_the_earlier_analysis_was_wrong():
-    """The counterexample of Davis et al. 2007: three frames of 125 bits at 125 kbit/s. C's second instance is the late one,
-    3.5 ms; the analysis of 1994 looked at the first only, which takes 3 ms. The model plays both."""
+    """The counterexample of Davis et al. 2007: three frames of 125 bits at 125 kbit/s. C's second instance is the late
+    one, 3.5 ms; the analysis of 1994 considered only the first, which takes 3 ms. The model plays both."""
     streams = [stream("A", 1, MS, 2_500_000), stream("B", 2, MS, 3_500_000), stream("C", 3, MS, 3_500_000)]
     found = analyse(streams, bit_ns=8_000)
     assert {name: response.queued_ns / MS for name, response in found.items()} == {"A": 2.0, "B": 3.0, "C": 3.5}
@@ -37,7 +37,7 @@ def test_the_example_in_which_the_earlier_analysis_was_wrong():
 
 @st.composite
 def stream_sets(draw, jitter: bool):
-    """Two to five streams, times in units; of a load below one."""
+    """Two to five streams, times in units, with a load below one."""
     count = draw(st.integers(2, 5))
     streams = []
     for i in range(count):
@@ -59,7 +59,7 @@ def releases(streams, phases, until: int, jitter):
 
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(stream_sets(jitter=False))
-def test_the_lowest_priority_is_met_exactly(streams):
+def test_the_lowest_priority_reaches_its_bound_exactly(streams):
     """Nothing blocks it, so its worst case is that all are queued at once."""
     lowest = streams[-1]
     played = PriorityBus(streams).play(list(releases(streams, [0] * len(streams), 3000, lambda _: 0)))
@@ -88,12 +88,12 @@ def test_no_response_is_longer_than_computed(streams, chance: random.Random):
 
 @st.composite
 def answered_sets(draw):
-    """A batch of one to three with one that is asking, its answers, and others of their own phase."""
+    """A batch of one to three with one request, its answers, and others with their own phase."""
     computing = draw(st.integers(0, 20))
     delay = draw(st.integers(0, 25))
     batch, answers, others = draw(st.integers(1, 3)), draw(st.integers(1, 4)), draw(st.integers(0, 3))
     asking = draw(st.integers(0, batch - 1))
-    between = draw(st.booleans())  # one of the others has its place among the answers
+    between = draw(st.booleans())  # one of the others has a priority among the answers
     lengths = draw(st.lists(st.integers(5, 40), min_size=batch + answers, max_size=batch + answers))
     tick = int(sum(lengths) / draw(st.floats(0.3, 0.95))) + computing
     streams = []
@@ -114,7 +114,8 @@ def answered_sets(draw):
 
 
 def answered_releases(tick, computing, streams, chance: random.Random):
-    """The batch of each tick at one instant; whether a frame with twice the period comes in even or odd ticks is chance."""
+    """The batch of each tick at one instant; whether a frame with twice the period comes in even or odd ticks is
+    random."""
     odd = {item.name: chance.randrange(2) for item in streams}
     for number, event in enumerate(range(0, 30 * tick, tick)):
         at = event + chance.choice([0, computing, chance.randint(0, computing)])
@@ -142,7 +143,7 @@ def test_no_answer_takes_longer_than_computed(answered, chance: random.Random):
 
 
 def test_answers_are_not_charged_twice():
-    """One command, its two answers, nothing else but a long frame that blocks: by hand."""
+    """One command, its two answers and a long blocking frame, computed by hand."""
     streams = [
         stream("command", 1, 100, 1000, batch="tick"),
         stream("trace", 2, 80, 1000, batch="tick"),
@@ -157,7 +158,7 @@ def test_answers_are_not_charged_twice():
     )
     without_trace = analyse([item for item in streams if item.name != "trace"], BIT)
     assert without_trace["other answer"].event_ns == (120 + 100) + 10 + (120 + 40 + 40), (
-        "the long frame comes between as well"
+        "the long frame is sent in between as well"
     )
 
 
@@ -165,7 +166,7 @@ def test_one_of_several_is_charged_once():
     alike = {"one_of": "request", "jitter_ns": 950}
     streams = [stream("short", 1, 50, 1000, **alike), stream("long", 2, 70, 1000, **alike), stream("low", 3, 40, 1000)]
     assert load(streams) == pytest.approx(0.07 + 0.04)
-    assert analyse(streams, BIT)["low"].queued_ns == 70 + 70 + 40, "by their jitter two come in a row"
+    assert analyse(streams, BIT)["low"].queued_ns == 70 + 70 + 40, "due to their jitter, two come in a row"
     assert analyse(streams, BIT)["long"].queued_ns == 40 + 70 + 70 - 50
 
 
@@ -175,7 +176,7 @@ def test_streams_with_one_identifier_delay_each_other():
     assert found["A"].queued_ns == found["B"].queued_ns == 5 + 20 + 10
 
 
-# ---- what has no bound
+# ---- unbounded streams
 
 
 def test_an_overloaded_bus_has_no_bound_for_the_lowest():
@@ -185,7 +186,7 @@ def test_an_overloaded_bus_has_no_bound_for_the_lowest():
     assert [found[f"S{i}"].queued_ns is None for i in range(4)] == [False, False, False, True]
 
 
-def test_answers_to_what_has_no_bound_have_none():
+def test_answers_to_an_unbounded_request_have_no_bound():
     streams = [stream("A", 1, 60, 100), stream("B", 2, 60, 100), stream("C", 3, 10, 1000, answers="B")]
     found = analyse(streams, BIT)
     assert found["B"].event_ns is None and found["C"].event_ns is None

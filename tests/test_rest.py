@@ -1,4 +1,4 @@
-"""`make rest`: its cases, its arithmetic, and that what it checks fails on the law that swings."""
+"""`make rest`: its cases, its arithmetic, and that its checks fail on the former law, which oscillates."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ def loop() -> rest_loop.Loop:
 # ---- the arm in double
 
 
-def test_the_hand_is_where_the_manuals_table_has_it(rng):
+def test_the_end_effector_position_matches_the_manuals_table(rng):
     for q in rng.uniform(*rest_arm.RANGE_RAD.T, size=(100, 4)):
         assert np.abs(rest_arm.hand_m(q) - hoap3.frames(q)[4][:3, 3]).max() < 1e-12
 
 
-def test_postures_that_reach_a_position_have_the_hand_there(rng):
+def test_postures_found_for_a_position_reach_it(rng):
     for q in rng.uniform(*rest_arm.RANGE_RAD.T, size=(100, 4)):
         found = rest_arm.reaching(rest_arm.hand_m(q))
         assert len(found) > 0
         assert np.abs(rest_arm.hand_m(found) - rest_arm.hand_m(q)).max() < 1e-9
 
 
-def test_nothing_reaches_what_a_search_does_not_reach_either(rng):
-    """Positions about the shoulder, against a bounded least-squares search from six postures."""
+def test_a_position_without_posture_is_not_found_by_a_search_either(rng):
+    """Positions around the shoulder, against a bounded least-squares search from six postures."""
     for position in rest_arm.SHOULDER_M + rng.uniform(-0.35, 0.35, size=(25, 3)):
         best_m = min(
             np.sqrt(2 * least_squares(lambda q: rest_arm.hand_m(q) - position, start, bounds=rest_arm.RANGE_RAD.T).cost)
@@ -55,10 +55,10 @@ def test_nothing_reaches_what_a_search_does_not_reach_either(rng):
         if len(rest_arm.reaching(position)) == 0:
             assert best_m > 1e-4, position
         else:
-            assert best_m < 1e-2, position  # the search ends where a joint does, now and then
+            assert best_m < 1e-2, position  # now and then the search stops at a joint limit
 
 
-def test_the_valley_is_that_of_half_the_squared_distance(rng):
+def test_the_valley_matches_half_the_squared_distance(rng):
     """Against differences of the distance itself, twice."""
     inside = rest_arm.RANGE_RAD.T + np.outer([1, -1], np.full(4, 0.05))
     for q in rng.uniform(*inside, size=(20, 4)):
@@ -69,16 +69,23 @@ def test_the_valley_is_that_of_half_the_squared_distance(rng):
 
         unit = h * np.eye(4)
         slope = [(half_square(q + u) - half_square(q - u)) / (2 * h) for u in unit]
-        bend = [[(half_square(q + u + v) - half_square(q + u - v) - half_square(q - u + v) + half_square(q - u - v)) / (4 * h * h)
-                 for v in unit] for u in unit]  # fmt: skip
+        bend = [
+            [
+                (half_square(q + u + v) - half_square(q + u - v) - half_square(q - u + v) + half_square(q - u - v))
+                / (4 * h * h)
+                for v in unit
+            ]
+            for u in unit
+        ]
         valley = rest_arm.valley(q, position)
-        assert valley.ends == ()
+        assert valley.limits == ()
         assert valley.slope_m2 == pytest.approx(np.linalg.norm(slope), rel=1e-4)
         assert valley.curvature_m2 == pytest.approx(np.linalg.eigvalsh(bend), abs=1e-5)
 
 
-def test_the_position_alone_leads_to_where_a_bounded_search_from_there_ends_too(rng):
-    """It stays within the ranges, never gets further away, and where it stops scipy's least squares find no better posture nearby."""
+def test_the_descent_by_position_ends_in_a_local_minimum(rng):
+    """It stays within the joint limits, never moves away, and scipy's least squares find no better posture near its
+    end."""
     starts = rng.uniform(*rest_arm.RANGE_RAD.T, size=(40, 4))
     positions = rest_arm.hand_m(rng.uniform(*rest_arm.RANGE_RAD.T, size=(40, 4)))
     ends = rest_arm.descend(starts, positions)
@@ -94,19 +101,19 @@ def test_the_position_alone_leads_to_where_a_bounded_search_from_there_ends_too(
 # ---- cases and their judgement
 
 
-def test_the_seeds_of_choice_and_proof_differ():
+def test_the_seeds_for_choice_and_proof_differ():
     choice, proof = (rest_cases.random_cases(seeds, range(50)) for seeds in rest_cases.SEEDS)
     assert not np.isin(choice["start_rad"], proof["start_rad"]).any()
     assert (choice == rest_cases.random_cases("choice", range(50))).all()
 
 
-def test_the_target_is_where_algorithm_1_has_it(loop):
+def test_the_target_matches_algorithm_1(loop):
     cases = rest_cases.random_cases("choice", range(20))
     cases["end_s"] = 4.0
     outcomes = loop.run(cases, {})
     assert (outcomes["start"] == rest_loop.ACCEPTED).all() and not outcomes["interrupted"].any()
     expected = [rest_cases.target_m(case) for case in cases]
-    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # an encoder's pulse at the start
+    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # an encoder pulse at the start
 
 
 def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
@@ -117,16 +124,16 @@ def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("peak_radps", "sign_changes", "expected"),
-    [(0.0199, 50, "rests"), (0.0201, 2, "creeps"), (0.0201, 3, "swings"), (4.0, 0, "creeps"), (0.0, 0, "rests")],
+    [(0.0199, 50, "rests"), (0.0201, 2, "creeps"), (0.0201, 3, "oscillates"), (4.0, 0, "creeps"), (0.0, 0, "rests")],
 )
-def test_what_swings_and_what_creeps(peak_radps, sign_changes, expected):
+def test_oscillating_and_creeping_are_told_apart(peak_radps, sign_changes, expected):
     one = outcome(peak_radps, sign_changes)
     for window in (rest_judgement.EARLY, rest_judgement.LATE):
-        swings, creeps = rest_judgement.swings(one, window)[0], rest_judgement.creeps(one, window)[0]
-        assert ("swings" if swings else "creeps" if creeps else "rests") == expected
+        oscillates, creeps = rest_judgement.oscillates(one, window)[0], rest_judgement.creeps(one, window)[0]
+        assert ("oscillates" if oscillates else "creeps" if creeps else "rests") == expected
 
 
-def test_the_checks_are_these():
+def test_the_checks_and_their_limits():
     """Each misses by one case, and holds without it."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
@@ -146,15 +153,16 @@ def test_the_checks_are_these():
 
 
 def test_the_drive_is_a_dead_time_and_a_lag(loop):
-    """The joint follows the whole number of milliradians that was commanded: a hand that rests from the start on moves nothing."""
+    """The joint follows the commanded whole milliradians: a hand that rests from the start on moves nothing."""
     cases = rest_cases.random_cases("choice", range(5))
     cases["way_m"], cases["turn_rad"], cases["end_s"] = 0.0, 0.0, 3.0
     outcomes = loop.run(cases, {})
     assert np.abs(outcomes["position_rad"][:, 0] - cases["start_rad"]).max() < 1e-3
 
 
-def test_a_reversal_counts_only_between_speeds_above_what_is_rest(tmp_path):
-    """In the simulator's trace: 0.03 and -0.03 in turn, with 0.01 of the other sign between; then 0.019 and -0.019 in turn."""
+def test_a_reversal_counts_only_between_speeds_above_rest(tmp_path):
+    """In the simulator's trace: 0.03 and -0.03 alternating with 0.01 of the other sign in between, then 0.019 and
+    -0.019."""
     case = rest_cases.random_case("choice", 0)
     case["end_s"] = (2.0, 4.0)
     rates = np.zeros(4300)
@@ -176,14 +184,15 @@ def test_a_reversal_counts_only_between_speeds_above_what_is_rest(tmp_path):
 
 
 def test_all_pairs_are_counted(loop):
-    """Both ends of each parameter and of each of six groups, less pairs that would set a parameter twice."""
+    """Both ends of each parameter and of each of six groups, minus pairs that would set a parameter twice."""
     n = len(loop.names)
     assert {end.name: len(end.parameters) for end in rest_pairs.ends(loop) if len(end.parameters) > 1} == {
         f"{vector}_{group}": size
         for vector in ("gain", "weight")
         for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
     }
-    # within a vector, of 8 components and 3 groups, two are apart: 28 of components, 4 + 4 of one and a group of the other half, and the two halves
+    # within a vector of 8 components and 3 groups, two are disjoint: 28 of components, 4 + 4 of one component and a
+    # group of the other half, and the two halves
     within = 28 + 8 + 1
     apart = (n + 6) * (n + 5) // 2 - 2 * (11 * 10 // 2) + 2 * within
     found = rest_pairs.pairs(loop)
@@ -196,7 +205,7 @@ def test_all_pairs_are_counted(loop):
     [
         (1.0, 0.47, 2, "rests"),
         (1.0, 0.48, 2, "moves"),
-        (1.0, 0.021, 3, "swings"),
+        (1.0, 0.021, 3, "oscillates"),
         (0.01, 0.0199, 9, "rests"),
         (0.01, 0.021, 0, "moves"),
     ],
@@ -224,7 +233,7 @@ def test_a_refused_set_is_not_run(loop):
 
 
 def test_the_simulator_runs_the_same_case(loop, tmp_path):
-    """A short way in reach with drives as ODE's: the same target, and the joints come to the same posture."""
+    """A short motion in reach with drives like ODE's: the same target, and the joints reach the same posture."""
     case = rest_cases.random_case("choice", 0)
     case["start_rad"], case["way_m"], case["turn_rad"] = (
         np.radians([60, -30, -10, -80]),
@@ -250,17 +259,17 @@ FORMER_LAW = ("--parameter", "prediction=0")
 
 
 def test_the_checks_fail_on_the_former_law(tmp_path):
-    """A quarter of the cases swing, 8 % creep, and half of the positions are missed."""
+    """A quarter of the cases oscillate, 8 % creep, and half of the positions are missed."""
     status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60", "--ode", "0", "--pairs", "0", *FORMER_LAW)
     assert status == 1
     assert [check["name"] for check in report["checks"] if check["passed"]] == ["rest: not in cooperation"]
     assert all(entry["cause"] for entries in report["exceptions"].values() for entry in entries)
 
 
-def test_the_law_of_now_rests_in_a_small_campaign(tmp_path):
-    """`make rest` runs 5,000; with so few, no exception is allowed but one that creeps at 8 s. Positions: it misses what was asked, 95 %."""
+def test_the_present_law_rests_in_a_small_campaign(tmp_path):
+    """`make rest` runs 5,000; with so few, only creeping at 8 s is allowed. Positions: it misses the required 95 %."""
     _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
     values = {check["name"]: check["value"] for check in report["checks"]}
     assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025
-    assert values.pop("position: share within 1 mm where it can be reached, with posture_change") >= 0.9
+    assert values.pop("position: share within 1 mm where reachable, with posture_change") >= 0.9
     assert set(values.values()) == {0}

@@ -1,4 +1,5 @@
-"""The Python packages in rooms: which may use which, nothing of the developers' in what is installed, and the former names."""
+"""The folders of the Python packages: which may use which, no developer tools in the installed package, and former
+names."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ MODULES = {name: path for package in PACKAGES for name, path in modules(package)
 
 
 def imported(path: Path) -> set[str]:
-    """The modules of ours that it names, also within functions. `from package import module` is of the module."""
+    """Our modules that it imports, also within functions. `from package import module` imports the module."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
@@ -48,14 +49,14 @@ def imported(path: Path) -> set[str]:
     return {name for name in found if name.split(".")[0] in PACKAGES}
 
 
-def test_what_is_installed_uses_no_developers_tool():
+def test_the_installed_package_uses_no_developer_tools():
     users = [name for name in modules("comanip") if any(m.startswith("comanip_dev") for m in imported(MODULES[name]))]
     assert users == []
 
 
-def test_rooms_use_only_those_before_them():
+def test_folders_use_only_those_before_them():
     users = {name: path for name, path in modules("comanip").items() if name not in ("comanip", "comanip.__main__")}
-    assert {name.split(".")[1] for name in users} <= set(ROOMS), "a new room: give it its place in ROOMS"
+    assert {name.split(".")[1] for name in users} <= set(ROOMS), "a new folder: add it to ROOMS"
     wrong = []
     for name, path in users.items():
         within = ("comanip", *(f"comanip.{room}" for room in ROOMS[: ROOMS.index(name.split(".")[1]) + 1]))
@@ -64,7 +65,7 @@ def test_rooms_use_only_those_before_them():
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_no_module_uses_itself_by_way_of_others(package):
+def test_no_module_imports_itself_through_others(package):
     graphlib.TopologicalSorter({name: imported(MODULES[name]) - {package} for name in modules(package)}).prepare()
 
 
@@ -107,7 +108,7 @@ def test_new_names_do_not_warn():
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_former_program_runs_and_tells_its_new_name():
+def test_former_program_runs_and_names_its_successor():
     done = subprocess.run(
         [sys.executable, "-m", "comanip.following", "--help"], capture_output=True, text=True, check=False
     )

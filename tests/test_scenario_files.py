@@ -1,5 +1,5 @@
-"""Scenario files: what is wrong costs one line that names file, line, key, value and what was expected, before anything
-runs; what is right arrives as it was written. Lines and numbers in the messages are worked out here, from the text."""
+"""Scenario files: an error costs one line with file, line, key, value and expectation before anything runs; valid files
+are read as written. Lines and numbers in the messages are computed here from the text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from simulation import EXIT_WRONG_USE, EXPERIMENTS, FILES, REPOSITORY, SCENARIOS
 
 ffi, lib = scenario_binding.load()
 
-# Everything that a file can hold, nothing near anything else.
+# Every key that a file can contain, with all bodies far apart.
 SCENE = """\
 name: scene
 summary: everything that a file can hold
@@ -69,7 +69,8 @@ operator:
   - {do: gripper, action: close, after: [person.there, helper.done]}
 variation: {start_m: 0.01, move_m: 0.02, object_m: [0.01, 0.02, 0], duration_percent: 10}
 checks:
-  - {name: way, measure: displacement, from: 1, until: {event: person.there, plus_s: 0.1}, expected_m: [0, 0, 0], at_most: 2}
+  - {name: way, measure: displacement, from: 1, until: {event: person.there, plus_s: 0.1},
+     expected_m: [0, 0, 0], at_most: 2}
   - {name: pipe_held, measure: held, object: pipe, by: helper, at_least: 1}
   - {name: caught, measure: water_caught, at_least: 95}
 """
@@ -82,14 +83,14 @@ def written(tmp_path: Path, text: str | bytes) -> Path:
 
 
 def changed(old: str, new: str, text: str = SCENE) -> tuple[str, int]:
-    """The scene with one place of it changed, and the line of that place."""
+    """The scene with one place changed, and the line of the change."""
     assert text.count(old) >= 1, old
     place = text.index(old)
     return text[:place] + new + text[place + len(old) :], text.count("\n", 0, place) + 1
 
 
 def assert_refused(tmp_path: Path, file: Path, start: str, *words: str) -> None:
-    """The simulator's own answer: status, one line that starts so and holds these words, and nothing written."""
+    """The simulator's answer: status, one line with this start and these words, and no files written."""
     done = run(tmp_path / "out", "--scenario", file)
     assert done.status == EXIT_WRONG_USE, done.stderr
     assert done.stdout == ""
@@ -101,10 +102,10 @@ def assert_refused(tmp_path: Path, file: Path, start: str, *words: str) -> None:
     assert not (tmp_path / "out").exists()
 
 
-# ---- what is right
+# ---- valid files
 
 
-def test_the_scene_of_these_tests_is_right(tmp_path):
+def test_the_scene_of_these_tests_is_valid(tmp_path):
     scenario_binding.read(written(tmp_path, SCENE))
 
 
@@ -125,7 +126,7 @@ def test_list_shows_each_file_with_its_summary():
         assert f"\nsummary: {summary}\n" in experiment(name).read_text()
 
 
-def test_what_is_written_arrives(tmp_path):
+def test_values_are_read_as_written(tmp_path):
     scene = scenario_binding.read(written(tmp_path, SCENE))
     pipe, winch, person, helper = scene.object[0], scene.object[2], scene.person[0], scene.person[1]
     assert [list(point) for point in (pipe.pose.position_m, scene.cup.mount.position_m)] == [
@@ -156,7 +157,7 @@ def test_what_is_written_arrives(tmp_path):
 
 
 def quaternion(*factors: tuple[str, float]) -> np.ndarray:
-    """w x y z of a product from left to right, as Table I writes it."""
+    """w x y z of a product from left to right, as in Table I."""
     product = Rotation.identity()
     for axis, angle_deg in factors:
         product = product * Rotation.from_euler(axis, angle_deg, degrees=True)
@@ -167,12 +168,12 @@ def quaternion(*factors: tuple[str, float]) -> np.ndarray:
 def test_rotations_are_products_from_left_to_right(tmp_path):
     define = scenario_binding.read(written(tmp_path, SCENE)).own_task[0].define
     got = np.array([define.q_task.w, define.q_task.x, define.q_task.y, define.q_task.z])
-    wanted = quaternion(("x", 180), ("z", 45))
-    assert abs(got @ wanted) == pytest.approx(1, abs=1e-6)
+    expected = quaternion(("x", 180), ("z", 45))
+    assert abs(got @ expected) == pytest.approx(1, abs=1e-6)
     assert abs(got @ quaternion(("z", 45), ("x", 180))) < 0.8, "the other order is another rotation"
 
 
-# ---- what is wrong: where it stands, what stands there, the keys that lead there, the value shown, words of the answer
+# ---- invalid values: text and replacement, path of keys, the value shown, words of the answer
 
 WRONG = [
     ("radius_m: 0.01", "radius_m: 8 mm", "objects.pipe.radius_m", "8 mm", "a plain number in m, without a unit, from "),
@@ -223,8 +224,10 @@ WRONG = [
     ("after: operator.started", "after: operator.startd", "people.person.program[0].after", "operator.startd",
      "did you mean operator.started?"),
     ("after: operator.started", "after: nothing", "people.person.program[0].after", "nothing", "events robot.holds, "),
-    ("{do: grip, object: pipe", "{do: grip, object: pip", "people.person.program[5].object", "pip", "did you mean pipe?"),
-    ("{do: grip, object: pipe", "{do: grip, object: post", "people.person.program[5].object", "post", "a rod or a crank"),
+    ("{do: grip, object: pipe", "{do: grip, object: pip", "people.person.program[5].object", "pip",
+     "did you mean pipe?"),
+    ("{do: grip, object: pipe", "{do: grip, object: post", "people.person.program[5].object", "post",
+     "a rod or a crank"),
     ("object: winch, turns", "object: pipe, turns", "people.person.program[6].object", "pipe", "a crank"),
     ("to: pipe.near", "to: pipe.middle", "people.helper.program[0].to", "pipe.middle", "points robot.gripper, "),
     ("until_s: 2", "until_s: 1", "people.person.program_with_recording[0].until_s", "1", "more than from_s"),
@@ -242,7 +245,7 @@ WRONG = [
     ("operator:\n", "operater: 1\noperator:\n", "", "operater", "did you mean operator?"),
 ]  # fmt: skip
 
-# The change, where the mapping begins then, its path, and what is missing in it.
+# The change, the first line of its mapping after it, the path, and the missing key.
 MISSING = [
     ("radius_m: 0.01, ", "", "pipe: {", "objects.pipe", "radius_m"),
     ("position_m: [0.6, 0.2, 0.2]", "tremor_mm: 0", "tremor_mm: 0", "people.helper", "position_m"),
@@ -255,11 +258,12 @@ MISSING = [
     ("expected_m: [0, 0, 0], ", "", "{name: way", "checks[0]", "expected_m"),
     (", at_least: 1}", "}", "{name: pipe_held", "checks[1]", "at_least or at_most"),
     ("to_m: [0, 0, 0], ", "", "{do: move, duration_s", "people.person.program[3]", "to_m, by_m or turn_deg"),
-    ("by_m: [0,", "to_m: [0, 0, 0], by_m: [0,", "{do: move, to_m: [0, 0, 0], by_m", "people.person.program[4]", "not both"),
+    ("by_m: [0,", "to_m: [0, 0, 0], by_m: [0,", "{do: move, to_m: [0, 0, 0], by_m", "people.person.program[4]",
+     "not both"),
     ("name: scene", "tracking: {}", "tracking: {}", "the scenario", "name"),
 ]  # fmt: skip
 
-# A bad form of the file as a whole: the text, the line that is complained of, and words of the answer.
+# Files that are malformed as a whole: the text, the reported line, and words of the answer.
 SPOILT = {
     "empty": ("", 1, "the file is empty"),
     "comment": ("# nothing\n", 1, "the file is empty"),
@@ -308,7 +312,7 @@ def test_missing_key(tmp_path, old, new, mapping, keys, missing):
 
 
 @pytest.mark.parametrize("name", SPOILT)
-def test_spoilt_file(tmp_path, name):
+def test_malformed_file(tmp_path, name):
     text, line, words = SPOILT[name]
     file = written(tmp_path, text)
     assert_refused(tmp_path, file, f"{file}:" if line is None else f"{file}:{line}: ", words)
@@ -332,7 +336,8 @@ def many(count: int, line: str) -> str:
 
 
 TOO_MANY = {
-    "steps": ("    program:\n", "    program:\n" + many(34, "      - {{do: rest, duration_s: 1}}"), "people.person.program",
+    "steps": ("    program:\n", "    program:\n" + many(34, "      - {{do: rest, duration_s: 1}}"),
+              "people.person.program",
               "40 items; there are 41"),
     "commands": ("operator:\n", "operator:\n" + many(38, "  - {{do: clutch}}"), "operator", "40 items; there are 41"),
     "checks": ("checks:\n", "checks:\n" + many(22, "  - {{name: c{}, measure: clearance, at_least: 0}}"), "checks",
@@ -351,7 +356,7 @@ def test_too_many(tmp_path, name):
     old, new, keys, words = TOO_MANY[name]
     text, line = changed(old, new)
     file = written(tmp_path, text)
-    line += 1 if new.count("\n") else 0  # the list begins in the line after its key
+    line += 1 if new.count("\n") else 0  # the list starts in the line after its key
     assert_refused(tmp_path, file, f"{file}:{line}: {keys}: expected at most ", words)
 
 
@@ -365,7 +370,7 @@ def test_too_many(tmp_path, name):
         ("    cup: {radius_m: 0.04", "    elbow: {radius_m: 0.04", "people.person 'elbow'", "did you mean elbow_m?"),
     ],
 )
-def test_what_belongs_together(tmp_path, old, new, keys, words):
+def test_keys_that_need_each_other(tmp_path, old, new, keys, words):
     text, _ = changed(old, new)
     text = text.replace("after: operator.started", "at_s: 1") if "do: start" in words else text
     file = written(tmp_path, text)
@@ -375,11 +380,11 @@ def test_what_belongs_together(tmp_path, old, new, keys, words):
 
 
 def without(section: str) -> str:
-    """The scene without a section of its top level."""
+    """The scene without one of its top-level sections."""
     return re.sub(rf"^{section}:.*\n(?:[ ].*\n)*", "", SCENE, flags=re.MULTILINE)
 
 
-def test_what_a_check_is_about_must_be_there(tmp_path):
+def test_a_checks_subject_must_exist(tmp_path):
     with pytest.raises(ValueError, match=r"checks\[2\].measure 'water_caught': expected water in the scenario"):
         scenario_binding.read(written(tmp_path, without("water")))
     with pytest.raises(ValueError, match=r": water: expected a cup that holds it"):
@@ -391,7 +396,7 @@ def test_what_a_check_is_about_must_be_there(tmp_path):
 
 
 @pytest.mark.parametrize("section", ["arm", "people", "operator"])
-def test_a_section_that_must_be_there(tmp_path, section):
+def test_a_missing_section(tmp_path, section):
     text = without(section).replace("after: operator.started", "at_s: 1")
     with pytest.raises(ValueError, match=rf":1: the scenario: expected a key {section} in it"):
         scenario_binding.read(written(tmp_path, text))
@@ -409,7 +414,7 @@ def test_a_section_of_the_wrong_form(tmp_path, section):
     max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(data=st.data())
-def test_any_damage_is_taken_or_refused_in_one_line(tmp_path, data):
+def test_any_damage_is_accepted_or_refused_with_one_line(tmp_path, data):
     """The sanitiser ends the process at the first fault of the C code."""
     text = without("water").replace("  - {name: caught, measure: water_caught, at_least: 95}\n", "")
     for _ in range(data.draw(st.integers(1, 3))):
@@ -426,11 +431,11 @@ def test_any_damage_is_taken_or_refused_in_one_line(tmp_path, data):
         assert re.fullmatch(re.escape(str(file)) + r":[^\x00-\x1f]*expected [^\x00-\x1f]+", str(refusal))
 
 
-# ---- what cannot be, though each value could
+# ---- impossible combinations of valid values
 
 
 def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
-    """What the reader says of the scene with these changes; "": nothing."""
+    """The reader's message about the scene with these changes; "" if it is accepted."""
     text = SCENE
     for old, new in changes:
         text, _ = changed(old, new, text)
@@ -442,7 +447,8 @@ def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
 
 
 def test_an_object_inside_another(tmp_path):
-    """The rod, of radius 10 mm at z = 30 mm, lies on the stand, whose top is at 20 mm: raised, the stand is inside."""
+    """The rod, of radius 10 mm at z = 30 mm, lies on the stand, whose top is at 20 mm; raised, the stand overlaps the
+    rod."""
     for raised_m in (0.0005, 0.0009):
         assert refusal_of(tmp_path, ("[0.5, -0.5, 0]", f"[0.5, -0.5, {raised_m}]")) == ""
     for raised_m in (0.0015, 0.004):
@@ -451,8 +457,8 @@ def test_an_object_inside_another(tmp_path):
         assert 1e3 * raised_m - 0.06 <= float(found.group(1)) <= 1e3 * raised_m + 0.36
 
 
-# The robot's hand is at (0.136, -0.121, 0.014) m and points forward, its cup stands 50 mm above. The person's hand points
-# backward, and its cup lies 100 mm in front of it, open to the robot.
+# The end effector is at (0.136, -0.121, 0.014) m and points forward, its cup is 50 mm above. The person's hand points
+# backward, and its cup is 100 mm in front of it, open to the robot.
 OVERLAPS = [
     ("[0.5, 0.5, 0]", "[0.45, -0.5, 0.03]", "objects.winch.position_m", "winch", "pipe"),
     ("[0.5, -0.5, 0.03]", "[0.15, -0.12, 0.07]", "objects.pipe.position_m", "pipe", "the robot's cup"),
@@ -461,18 +467,19 @@ OVERLAPS = [
     ("[0.6, -0.1, 0.2]", "[0.25, -0.12, 0.08]", "robot.cup.mount_m", "the robot's cup", "person's cup"),
     ("[0.6, -0.1, 0.2]", "[0.1, -0.1, 0]", "people.person.position_m", "person's hand", "the robot's forearm"),
     ("[0.6, -0.1, 0.2]", "[0, 0, 0.3]", "people.person.position_m", "person's hand", "the robot's head"),
-    ("mount_m: [0.05, 0, 0]", "mount_m: [0, 0, -0.15]", "robot.cup.mount_m", "the robot's cup", "the robot's upper_arm"),
+    ("mount_m: [0.05, 0, 0]", "mount_m: [0, 0, -0.15]", "robot.cup.mount_m", "the robot's cup",
+     "the robot's upper_arm"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("old", "new", "key", "what", "inside"), OVERLAPS, ids=[f"{r[3]} in {r[4]}" for r in OVERLAPS])
-def test_a_thing_inside_another(tmp_path, old, new, key, what, inside):
+def test_overlapping_bodies(tmp_path, old, new, key, what, inside):
     pattern = rf"scene.yaml: {re.escape(key)} '\[.*\]': expected .*; {what} is [0-9.]+ mm inside {inside}"
     assert re.search(pattern, refusal_of(tmp_path, (old, new)))
 
 
 def test_cups_of_two_people(tmp_path):
-    """Side by side, outside 42 mm wide each."""
+    """Side by side, each 42 mm wide outside."""
     cup = "{radius_m: 0.04, height_m: 0.05, mount_m: [0, 0, 0.1]}"
     for z_m, is_apart in ((0.2 + 2 * 0.042 + 0.001, True), (0.2 + 2 * 0.042 - 0.003, False)):
         other = f"  helper:\n    cup: {cup}\n    rotation: [{{axis: y, angle_deg: -90}}]\n"
@@ -481,8 +488,8 @@ def test_cups_of_two_people(tmp_path):
         assert is_apart or "people.helper.cup.mount_m" in text and "helper's cup is" in text
 
 
-def test_what_the_robot_holds_is_in_its_gripper(tmp_path):
-    """The gripper's middle is 20 mm in front of the hand; it captures within 15 mm."""
+def test_an_object_held_by_the_robot_is_in_its_gripper(tmp_path):
+    """The gripper's middle is 20 mm in front of the end effector; it captures within 15 mm."""
     hand_m = np.array([0.136, -0.1206743, 0.0144224])
     for offset_mm, is_held in ((0, True), (14.9, True), (15.1, False)):
         x, y, z = hand_m + [0.02, 0, -1e-3 * offset_mm]
@@ -495,14 +502,15 @@ def test_what_the_robot_holds_is_in_its_gripper(tmp_path):
 
 @pytest.mark.parametrize("program", ["program", "program_with_recording"])
 def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
-    """A minimum-jerk move has its peak speed at 15/8 of the mean speed (Flash, Hogan 1985). After a rest the hand is where
-    it was; after a move by_m it is that much further."""
+    """A minimum-jerk move has its peak speed at 15/8 of the mean speed (Flash, Hogan 1985). A rest keeps the hand's
+    position; a move by_m adds to it."""
     way_m = 0.3 - 0.03 + 0.1
     least_s = 15 / 8 * way_m / 5
     place = "      - {do: rest, name: ready" if program == "program" else "      - {do: play"
     for duration_s, is_slow in ((1.001 * least_s, True), (0.999 * least_s, False)):
         steps = (
-            "      - {do: move, to_m: [0.03, 0, 0], duration_s: 1}\n      - {do: move, by_m: [-0.1, 0, 0], duration_s: 1}\n"
+            "      - {do: move, to_m: [0.03, 0, 0], duration_s: 1}\n"
+            "      - {do: move, by_m: [-0.1, 0, 0], duration_s: 1}\n"
             f"      - {{do: rest, duration_s: 1}}\n      - {{do: move, to_m: [0.3, 0, 0], duration_s: {duration_s}}}\n"
         )
         text = refusal_of(tmp_path, (place, steps + place))
@@ -514,7 +522,7 @@ def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
 
 
 def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
-    """duration_s is of one turn, of a handle at 50 mm."""
+    """duration_s is for one turn, with the handle at 50 mm."""
     least_s = 2 * math.pi * 0.05 / 5
     for duration_s, is_slow in ((1.001 * least_s, True), (0.999 * least_s, False)):
         text = refusal_of(tmp_path, ("turns: 2, duration_s: 2", f"turns: 2, duration_s: {duration_s}"))
@@ -538,7 +546,10 @@ def test_a_hand_is_stable_at_two_milliseconds(tmp_path, key, gyration_m, damping
         low, high = (middle, high) if radius(middle := math.sqrt(low * high)) < 1 else (low, middle)
     other = "stiffness_Nmprad: 0.02" if key == "stiffness_Npm" else "stiffness_Npm: 20"
     for stiffness, is_stable in ((0.99 * low, True), (1.01 * low, False)):
-        hand = f"tracked: true\n    mass_kg: 0.1\n    damping_ratio: {damping_ratio}\n    {other}\n    {key}: {stiffness:.6g}"
+        hand = (
+            f"tracked: true\n    mass_kg: 0.1\n    damping_ratio: {damping_ratio}\n"
+            f"    {other}\n    {key}: {stiffness:.6g}"
+        )
         text = refusal_of(tmp_path, ("tracked: true", hand))
         assert (text == "") == is_stable, text
         assert is_stable or f"people.person.{key} '{stiffness:.6g}': expected {key} below" in text
@@ -559,8 +570,8 @@ def test_people_start_near_the_torso(tmp_path):
 
 
 def test_water_fits_its_cup(tmp_path):
-    """Spheres fill at most 64 % of the volume (random close packing). Fewer may heap up and fall over the rim, and so do
-    all from a cup that stands on its head."""
+    """Spheres fill at most 64 % of the volume (random close packing). Fewer may pile up and fall over the rim, and all
+    fall from a cup that is upside down."""
     most = math.floor(0.64 * math.pi * 0.03**2 * 0.03 / (4 / 3 * math.pi * 0.005**3))
     text = refusal_of(tmp_path, ("particles: 10", f"particles: {most + 1}"))
     assert f"water.particles '{most + 1}': expected at most {most}," in text
@@ -572,11 +583,11 @@ def test_water_fits_its_cup(tmp_path):
     assert re.search("water.particles '10': expected fewer, or an upright cup", text)
 
 
-# ---- what a seed varies
+# ---- variation by seed
 
 
 def varied(scene: object, seed: int) -> object:
-    """A copy of the scenario as this seed varies it."""
+    """A copy of the scenario with this seed's variation."""
     copy = ffi.new("scenario_t *", scene[0])
     lib.scenario_vary(copy, seed)
     return copy
@@ -594,7 +605,7 @@ def scene(tmp_path) -> object:
     return scenario_binding.read(written(tmp_path, DRY))
 
 
-def test_seed_0_varies_nothing_and_each_other_always_the_same(scene):
+def test_seed_0_varies_nothing_and_other_seeds_repeat(scene):
     assert bytes_of(varied(scene, 0)) == bytes_of(scene)
     assert bytes_of(varied(scene, 1)) == bytes_of(varied(scene, 1))
     assert len({bytes_of(varied(scene, seed)) for seed in (0, 1, 2, 2**32 + 1, 2**63)}) == 5
@@ -605,14 +616,14 @@ def test_without_a_variation_nothing_varies(tmp_path):
     assert bytes_of(varied(scene, 5)) == bytes_of(scene)
 
 
-def test_moves_to_one_place_stay_moves_to_one_place(scene):
+def test_moves_to_one_position_share_its_variation(scene):
     was = scene.person[0]
     for seed in range(1, 20):
         now = varied(scene, seed).person[0]
         there, again, home = (np.array(list(now.step[i].displacement_m)) for i in (1, 2, 3))
         assert (there == again).all()
-        assert (home != 0).all(), "a draw moves home as well"
-        assert not np.isclose(there - [0.03, 0, 0], home).any(), "each place has a draw of its own"
+        assert (home != 0).all(), "the variation moves home as well"
+        assert not np.isclose(there - [0.03, 0, 0], home).any(), "each position has its own draw"
         assert list(now.step[4].displacement_m) == [0, 0.02, 0], "a move by_m follows the step before it"
         assert list(now.step[2].rotation_vector_rad) == list(was.step[2].rotation_vector_rad)
         assert now.recorded_step[0].position_scale == 0.1
@@ -631,7 +642,7 @@ def test_objects_stay_together_and_with_the_gripper(tmp_path):
 
 
 def test_draws_are_uniform_and_within_bounds(scene):
-    """Against the uniform distribution: Kolmogorov and Smirnov's distance of n draws is below 1.95 / sqrt(n) but for one
+    """Kolmogorov-Smirnov distance from the uniform distribution: for n draws below 1.95 / sqrt(n) in all but one case
     in a thousand; the seeds are fixed."""
     count, before = 400, scene.person[0]
     draws = {name: [] for name in ("start", "elbow", "move", "recorded", "duration", "turn")}
@@ -655,7 +666,7 @@ def test_draws_are_uniform_and_within_bounds(scene):
         assert abs(np.corrcoef(draws[one], draws[other])[0, 1]) < 4 / math.sqrt(count), (one, other)
 
 
-def test_one_more_step_shifts_no_other_draws(scene, tmp_path):
+def test_an_additional_step_does_not_change_other_draws(scene, tmp_path):
     step = "      - {do: rest, name: ready"
     longer = scenario_binding.read(written(tmp_path, DRY.replace(step, "      - {do: rest, duration_s: 1}\n" + step)))
     one, other = varied(scene, 7), varied(longer, 7)
@@ -668,7 +679,7 @@ def test_one_more_step_shifts_no_other_draws(scene, tmp_path):
     assert bytes_of(one.object[0].pose) == bytes_of(other.object[0].pose)
 
 
-# ---- what is documented
+# ---- documentation
 
 MAPPINGS = [
     ("name: scene", "qqqqqqqqqqqq: 1\nname: scene"),
@@ -679,7 +690,8 @@ MAPPINGS = [
     ("water: {", "water: {qqqqqqqqqqqq: 1, "),
     *((f"{kind},", f"{kind}, qqqqqqqqqqqq: 1,") for kind in ("kind: rod", "kind: crank", "kind: stand")),
     ("    tracked", "    qqqqqqqqqqqq: 1\n    tracked"),
-    *((f"{{do: {do}", f"{{qqqqqqqqqqqq: 1, do: {do}") for do in ("rest", "move", "play", "reach", "guide", "grip", "turn",
+    *((f"{{do: {do}", f"{{qqqqqqqqqqqq: 1, do: {do}") for do in ("rest", "move", "play", "reach", "guide", "grip",
+                                                                 "turn",
                                                                "select", "start", "gripper")),
     ("variation: {", "variation: {qqqqqqqqqqqq: 1, "),
     ("variation: {", "tracking: {qqqqqqqqqqqq: 1}\nvariation: {"),
@@ -695,7 +707,7 @@ MAPPINGS = [
 
 @pytest.mark.parametrize(("old", "new"), MAPPINGS, ids=[new.strip()[:40] for _, new in MAPPINGS])
 def test_each_key_and_word_is_documented(tmp_path, old, new):
-    """What the reader says that it knows stands in docs/scenario-files.md."""
+    """The keys and words that the reader accepts are in docs/scenario-files.md."""
     text = (REPOSITORY / "docs" / "scenario-files.md").read_text()
     known = re.search(r"'qqqqqqqqqqqq': expected one of the (?:keys|words) (.*)", refusal_of(tmp_path, (old, new)))
     for word in known.group(1).split(", "):

@@ -1,5 +1,5 @@
-"""What the monitors make of hand-made ticks, against numpy: each measure of a scenario's checks, its window, what is
-not measured; forces and clearances of a run; what is read of the scene, and how the trace shows it."""
+"""The monitors on synthetic ticks, against numpy: each measure of a scenario's checks, its window, missing
+measurements; forces and clearances of a run; the scene's state and its columns in the trace."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 TICK_S = 0.001
-READY, COOPERATING, HOLD = 1, 2, 3  # of FirmwareStatus.mode
+READY, COOPERATING, HOLD = 1, 2, 3  # as FirmwareStatus.mode
 PERSON, SECOND, ROBOT = 0, 1, 2  # holders
 NO_EVENT = -1
 
@@ -34,7 +34,7 @@ class Check:
 
 @dataclass
 class Tick:
-    """What one tick shows; lengths in m, rotations as scipy's."""
+    """The state in one tick; lengths in m, rotations as scipy's."""
 
     mode: int = COOPERATING
     hand_m: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -45,11 +45,11 @@ class Tick:
     force_N: np.ndarray = field(default_factory=lambda: np.zeros(3))
     holds: tuple[tuple[int, int], ...] = ()  # (holder, object)
     cup: Rotation = field(default_factory=Rotation.identity)
-    water: tuple[int, int, int, int] = (50, 0, 0, 0)  # robot's cup, person's cup, elsewhere, left
+    water: tuple[int, int, int, int] = (50, 0, 0, 0)  # in the robot's cup, in the person's cup, elsewhere, left
     turns: float = 0
     clearance_m: tuple[float, float] = (1, 1)
     raises: tuple[str, ...] = ()  # events in this tick
-    raised_after_s: float = 0  # so long after its begin
+    raised_after_s: float = 0  # time of the events after the tick's start
 
 
 def wxyz(rotation: Rotation) -> list[float]:
@@ -128,19 +128,22 @@ class Watch:
 
     def value(self, check: int = 0) -> float | None:
         """None: not measured."""
-        measurement, asked = ffi.addressof(self.monitor.measurement[check]), ffi.addressof(self.scenario.check[check])
-        if not lib.measurement_is_valid(measurement, asked):
+        measurement, definition = (
+            ffi.addressof(self.monitor.measurement[check]),
+            ffi.addressof(self.scenario.check[check]),
+        )
+        if not lib.measurement_is_valid(measurement, definition):
             return None
-        return lib.measurement_value(measurement, asked)
+        return lib.measurement_value(measurement, definition)
 
-    def is_whole(self, check: int = 0) -> bool:
+    def is_complete(self, check: int = 0) -> bool:
         window = ffi.addressof(self.monitor.measurement[check].window)
         return lib.check_window_is_whole(window, ffi.addressof(self.scenario.check[check]))
 
     def missing(self, check: int = 0) -> str | None:
-        asked = ffi.addressof(self.scenario.check[check])
+        definition = ffi.addressof(self.scenario.check[check])
         window = ffi.addressof(self.monitor.measurement[check].window)
-        number = lib.check_window_missing_event(window, asked, self.events)
+        number = lib.check_window_missing_event(window, definition, self.events)
         return None if number == NO_EVENT else ffi.string(self.events.event[number].name).decode()
 
 
@@ -148,7 +151,7 @@ def random_walk(rng, count):
     return np.cumsum(rng.normal(0, 1e-3, (count, 3)), axis=0)
 
 
-# ---- the robot's hand
+# ---- the end effector
 
 
 def test_distance_from_the_target(rng):
@@ -162,8 +165,8 @@ def test_distance_from_the_target(rng):
 
 
 @pytest.mark.parametrize("motion_scale", [1.0, 0.5])
-def test_relation_is_of_the_two_hands_ways(rng, motion_scale):
-    """Since the window's begin, whatever target the firmware tells."""
+def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
+    """Since the window's start, independent of the target that the firmware reports."""
     robot, person = random_walk(rng, 400), random_walk(rng, 400)
     watch = Watch(Check("relation_rms", 0.1, 0.3), motion_scale=motion_scale)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -172,8 +175,8 @@ def test_relation_is_of_the_two_hands_ways(rng, motion_scale):
     assert watch.value() == pytest.approx(np.sqrt(np.mean((error_mm**2).sum(axis=1))), rel=1e-12)
 
 
-def test_aim_is_of_the_mean_place(rng):
-    """Not of the way since the window's begin, as the relation is; and what averages out is no wrong aim."""
+def test_aim_uses_the_mean_position(rng):
+    """Not relative to the window's start, as the relation is; an error that averages to zero is no aiming error."""
     robot, person, expected_m = random_walk(rng, 400), random_walk(rng, 400), (0.1, -0.2, 0.3)
     watch = Watch(Check("aim", 0.1, 0.3, expected_m=expected_m), motion_scale=0.5)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -202,7 +205,7 @@ def test_half_of_the_window_needs_a_target(with_target, measured):
 
 
 @pytest.mark.parametrize("motion_scale", [1.0, 0.4])
-def test_displacement_and_ways(rng, motion_scale):
+def test_displacements_and_paths(rng, motion_scale):
     hand = random_walk(rng, 300)
     expected = np.array([0.03, -0.02, 0.01])
     whole, part = (None, 0.2), (("operator.latched", 0.05), "person.done")  # from tick 0; from tick 90 to 240
@@ -226,8 +229,8 @@ def test_displacement_counts_from_the_start_command():
     assert [watch.value(0), watch.value(1)] == pytest.approx([10, 10])
 
 
-def test_tilt_of_the_axis_that_pointed_up_at_the_start(rng):
-    """About a horizontal axis the tilt is the angle; about the vertical there is none. The least one counts."""
+def test_tilt_of_the_initially_vertical_axis(rng):
+    """About a horizontal axis the tilt is the angle; about the vertical there is none. The smaller one counts."""
     start = Rotation.random(random_state=7)
     angles_deg = rng.uniform(5, 175, 60)
     heading = rng.uniform(0, 2 * np.pi, 60)
@@ -269,19 +272,19 @@ def test_water_poured_and_caught():
     assert [watch.value(i) for i in range(3)] == pytest.approx([40, 95, 20])
 
 
-def test_nothing_poured_is_no_catch():
+def test_nothing_poured_counts_as_nothing_caught():
     watch = Watch(Check("water_poured"), Check("water_caught")).sample(*[Tick()] * 50)
     assert (watch.value(0), watch.value(1)) == (0, None)
 
 
 @pytest.mark.parametrize(("speed_mps", "expected"), [(0.0045, 0), (0.0055, 12)])
 def test_flow_while_moving(speed_mps, expected):
-    """The hand trembles, 0.1 mm at 9 Hz, which is as fast as 5 mm/s and leads nowhere."""
+    """The hand trembles by 0.1 mm at 9 Hz: as fast as 5 mm/s, but without displacement."""
     t_s = TICK_S * np.arange(1000)
     person = np.full((1000, 3), 0.5)
     person[:, 1] += speed_mps * t_s
     person[:, 2] += 0.1e-3 * np.sin(2 * np.pi * 9 * t_s)
-    left = np.where(t_s < 0.6, 7, 19)  # seven at once, before anybody can tell; twelve on the way
+    left = np.where(t_s < 0.6, 7, 19)  # seven at once, before a motion can be detected; twelve while moving
     assert np.abs(np.diff(person[:, 2])).max() / TICK_S > 0.005
     ticks = [Tick(person_m=p, water=(50 - int(n), int(n), 0, int(n))) for p, n in zip(person, left, strict=True)]
     assert Watch(Check("flow_while_moving")).sample(*ticks).value() == expected
@@ -293,7 +296,7 @@ BOTH, ALONE, OTHER = ((PERSON, 0), (ROBOT, 0)), ((PERSON, 0),), ((ROBOT, 1),)
 
 
 def test_each_drop_of_the_object_counts_in_its_window():
-    """What a drop is, the scene says (test_scene.py)."""
+    """The scene defines what counts as a drop (test_scene.py)."""
     watch = Watch(Check("drops"), Check("drops", object=1), Check("drops", object=2), Check("drops", until=0.009))
     watch.sample(
         *[Tick()] * 5, Tick(raises=("object0.dropped",)), *[Tick()] * 5, Tick(raises=("object0.dropped",)), Tick()
@@ -303,8 +306,8 @@ def test_each_drop_of_the_object_counts_in_its_window():
     assert [watch.value(i) for i in range(4)] == [2, 1, 0, 1]
 
 
-def test_object_that_slips_out_is_lost_by_who_held_it():
-    """robot.lost comes in the tick whose state still shows the grip, or in the next; it is object 1 that slips."""
+def test_an_object_that_slips_is_lost_by_its_holder():
+    """robot.lost is raised in the last tick that shows the grip, or in the next; object 1 slips."""
     held = Tick(holds=(*ALONE, *OTHER))
     watch = Watch(Check("drops", object=0), Check("drops", object=1))
     watch.sample(held, Tick(holds=held.holds, raises=("robot.lost",)), Tick(holds=ALONE))
@@ -331,7 +334,7 @@ def test_dropped_after_the_stop_is_dropped():
     ("holds", "held"),
     [(ALONE, 1), ((), 0), (BOTH, 0), (((SECOND, 0),), 0), ((*ALONE, (SECOND, 0)), 0), ((*ALONE, *OTHER), 1)],
 )
-def test_held_by_the_person_and_nobody_else(holds, held):
+def test_held_by_the_person_alone(holds, held):
     ticks = [*[Tick(holds=ALONE if not held else ())] * 3, Tick(holds=holds)]
     assert Watch(Check("held")).sample(*ticks).value() == held
 
@@ -349,11 +352,11 @@ def test_force_counts_while_the_person_holds_the_object(rng):
     for check, part in ((0, size_N[100:350]), (2, size_N[200:350])):
         assert watch.value(check) == pytest.approx(np.sqrt(np.mean(part**2)), rel=1e-12)
         assert watch.value(check + 1) == pytest.approx(part.max(), rel=1e-12)
-    assert watch.value(4) is None, "who held nothing felt no force"
+    assert watch.value(4) is None, "without an object there is no force"
 
 
 @pytest.mark.parametrize("measure", ["force_rms", "force_peak"])
-def test_force_that_is_no_number_shows(measure):
+def test_a_force_that_is_not_a_number_is_reported(measure):
     force = ([1, 0, 0], [np.nan, 0, 0], [2, 0, 0])
     watch = Watch(Check(measure)).sample(*(Tick(force_N=np.array(f), holds=ALONE) for f in force))
     assert np.isnan(watch.value())
@@ -365,7 +368,7 @@ def test_turns_of_the_crank():
     assert [watch.value(0), watch.value(1)] == pytest.approx([3.1, 1.0])
 
 
-def test_carried_for_adds_up_what_both_hold():
+def test_carried_for_adds_up_the_time_held_by_both():
     ticks = [*[Tick(holds=BOTH)] * 30, *[Tick(holds=ALONE)] * 40, *[Tick(holds=BOTH)] * 25, *[Tick(holds=OTHER)] * 9]
     watch = Watch(Check("carried_for"), Check("carried_for", 0.02, 0.08), Check("carried_for", person=1)).sample(*ticks)
     assert [watch.value(i) for i in range(3)] == pytest.approx([0.055, 0.021, 0])
@@ -384,7 +387,7 @@ def test_least_clearances(rng):
 
 
 def peak_ticks(count=100, mode=COOPERATING, **at):
-    """The person's force at tick i is i newtons: a peak tells the last tick of a window."""
+    """The person's force at tick i is i newtons: the peak shows the last tick of a window."""
     raises = {tick: (name,) for name, tick in at.items()}
     names = {"latched": "operator.latched", "done": "person.done"}
     return [
@@ -393,40 +396,40 @@ def peak_ticks(count=100, mode=COOPERATING, **at):
     ]
 
 
-def test_event_that_never_happened_measures_nothing():
+def test_a_window_whose_event_never_happened_is_not_measured():
     for check in (Check("force_peak", "operator.latched"), Check("force_peak", None, "operator.latched")):
         watch = Watch(check).sample(*peak_ticks())
-        assert (watch.value(), watch.missing(), watch.is_whole()) == (None, "operator.latched", False)
+        assert (watch.value(), watch.missing(), watch.is_complete()) == (None, "operator.latched", False)
         watch.sample(Tick(raises=("operator.latched",), holds=ALONE))
-        assert watch.value() is not None and watch.missing() is None and watch.is_whole()
+        assert watch.value() is not None and watch.missing() is None and watch.is_complete()
 
 
-def test_end_that_did_not_come_measures_nothing():
+def test_a_window_without_its_end_is_not_measured():
     watch = Watch(Check("force_peak", None, 0.1)).sample(*peak_ticks(100))
     assert (watch.value(), watch.missing()) == (None, None)
     assert watch.sample(Tick()).value() == 99
 
 
-def test_end_before_the_begin_measures_nothing():
+def test_a_window_that_ends_before_its_start_is_not_measured():
     ticks = peak_ticks(latched=50, done=20)
     assert Watch(Check("force_peak", "operator.latched", "person.done")).sample(*ticks).value() is None
 
 
 @pytest.mark.parametrize(("after_s", "last"), [(0, 50), (0.0004, 50), (0.0006, 51), (0.001, 51)])
-def test_window_ends_with_the_tick_nearest_to_its_moment(after_s, last):
+def test_window_ends_with_the_tick_nearest_to_its_end_time(after_s, last):
     ticks = peak_ticks(latched=50)
     ticks[50].raised_after_s = after_s
     assert Watch(Check("force_peak", None, "operator.latched")).sample(*ticks).value() == last
 
 
 @pytest.mark.parametrize(("after_s", "first"), [(0, 50), (0.0004, 50), (0.0006, 51), (0.001, 51)])
-def test_window_begins_with_the_tick_nearest_to_its_moment(after_s, first):
+def test_window_starts_with_the_tick_nearest_to_its_start_time(after_s, first):
     ticks = [Tick(clearance_m=(0.001 * i, 1), raises=("operator.latched",) if i == 50 else ()) for i in range(100)]
     ticks[50].raised_after_s = after_s
     assert Watch(Check("clearance", "operator.latched")).sample(*ticks).value() == pytest.approx(first)
 
 
-def test_events_first_happening_counts():
+def test_the_first_occurrence_of_an_event_counts():
     ticks = peak_ticks(latched=30)
     ticks[60].raises = ("operator.latched",)
     assert Watch(Check("force_peak", None, ("operator.latched", 0.01))).sample(*ticks).value() == 40
@@ -442,7 +445,7 @@ def test_window_of_the_cooperation_ends_with_the_stop():
     assert watch.value(2) == pytest.approx(np.sqrt(np.mean(np.arange(10, 50) ** 2)))
 
 
-def test_no_cooperation_measures_no_hand():
+def test_without_cooperation_the_hand_is_not_measured():
     checks = ("settled_position", "displacement", "way_y", "tilt", "turn", "force_rms", "clearance")
     watch = Watch(*map(Check, checks)).sample(*peak_ticks(mode=READY))
     assert [watch.value(i) for i in range(len(checks))] == [None] * len(checks)
@@ -488,7 +491,7 @@ def test_contacts_of_a_run(rng):
         assert least.t_s == pytest.approx(when * TICK_S)
 
 
-# ---- what is read of the scene, and how the trace shows it
+# ---- the scene's state and its columns in the trace
 
 
 def read_scene(people=2, tracked=0, kinds=("STAND", "ROD", "CRANK"), water=True):
@@ -537,7 +540,7 @@ def test_trace_shows_the_scene(tmp_path):
     assert {name: float(full[name]) for name in shown} == shown
     empty = {name for name in names if bare[name] == ""}
     assert {name for name in shown if name.startswith(("second", "object", "water", "crank"))} <= empty
-    assert float(bare["person_x_m"]) == 10 and "force_z_N" in empty, "nothing is there to be held"
+    assert float(bare["person_x_m"]) == 10 and "force_z_N" in empty, "no object to hold"
     assert names[:25] == [
         "t_s", "mode", *(f"{who}_{part}" for who in ("target", "hand") for part in
                          ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")),

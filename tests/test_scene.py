@@ -1,4 +1,4 @@
-"""Hands, grips, gripper and objects of the physical scene against what statics and dynamics say on paper."""
+"""Hands, grips, gripper and objects of the physical scene against statics and dynamics computed by hand."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def person_at(position_m, **fields) -> dict:
 
 
 def rod_on_stand(middle_m, axis=ALONG_Y, **fields) -> list[dict]:
-    """The rod first; the stand's top touches it."""
+    """The rod is first; the stand's top touches it."""
     below_m = 0.5 * STAND["size_m"][2] + ROD["radius_m"]
     stand = {"kind": lib.OBJECT_STAND, "pose": (list(np.array(middle_m) - below_m * UP), [1, 0, 0, 0])}
     return [rod_at(middle_m, axis, **fields), stand]
@@ -36,11 +36,11 @@ def rod_on_stand(middle_m, axis=ALONG_Y, **fields) -> list[dict]:
 
 @pytest.fixture
 def ode_messages():
-    """What ODE has to complain about."""
-    heard = []
-    listener = ffi.callback("dMessageFunction", lambda _number, text, _arguments: heard.append(ffi.string(text)))
+    """ODE's messages."""
+    messages = []
+    listener = ffi.callback("dMessageFunction", lambda _number, text, _arguments: messages.append(ffi.string(text)))
     lib.dSetMessageHandler(listener)
-    yield heard
+    yield messages
     lib.dSetMessageHandler(ffi.NULL)
 
 
@@ -89,8 +89,8 @@ def solve_angle(excess, low=0.0, high=1.0):
 
 
 @pytest.mark.parametrize("damping_ratio", [0.1, 0.7])
-def test_arm_swings_as_a_damped_oscillator(damping_ratio):
-    """The rod's weight vanishes, and the hand with the rod swings back to where it is aimed."""
+def test_arm_moves_as_a_damped_oscillator(damping_ratio):
+    """The rod's weight vanishes, and the hand with the rod oscillates about its aim."""
     rod_kg = 0.4
     with Scene([{"damping_ratio": damping_ratio}], [{"kind": lib.OBJECT_ROD, "mass_kg": rod_kg}]) as scene:
         assert scene.grip()
@@ -118,16 +118,16 @@ def test_hand_closes_on_what_is_within_25_mm():
             assert scene.times("person0.holds") == int(closes)
             assert lib.scene_holds(scene.scene, 0, 0) is closes
             scene.step()
-            assert np.linalg.norm(scene.hand_force()) < 2 * WEIGHT_N  # nothing snaps
+            assert np.linalg.norm(scene.hand_force()) < 2 * WEIGHT_N  # no sudden pull
 
 
-def test_two_people_share_a_rods_weight_as_levers_say():
+def test_two_people_share_a_rods_weight_by_the_lever_rule():
     a, b = 0.14, 0.06  # from the rod's middle
     people = [person_at(HAND_M - [0, a, 0]), person_at(HAND_M + [0, b, 0])]
     with Scene(people, [rod_at(HAND_M)]) as scene:
         assert scene.grip(0) and scene.grip(1)
         scene.step(8000)
-        # Sagging unequally tilts the rod by 0.2 degrees: arms and heights change in the second order only.
+        # Unequal sag tilts the rod by 0.2 degrees: arms and heights change only to second order.
         assert scene.hand_force(0)[2] == pytest.approx(-WEIGHT_N * b / (a + b), rel=1e-3)
         assert scene.hand_force(1)[2] == pytest.approx(-WEIGHT_N * a / (a + b), rel=1e-3)
 
@@ -165,7 +165,7 @@ def test_persons_grip_slips_at_its_limit(limit_N):
         assert not lib.scene_holds(scene.scene, 1, 0) and scene.times("person0.lost") == 0
 
 
-def test_a_grip_beside_the_axis_snaps_nothing_together():
+def test_a_grip_beside_the_axis_causes_no_sudden_pull():
     with Scene([person_at(HAND_M + [0.01, 0, 0])], [rod_at(HAND_M)]) as scene:
         scene.set_gravity(0.0)
         assert scene.grip()
@@ -203,8 +203,8 @@ def test_gripper_holds_what_lies_between_its_jaws(share_of_capture, holds):
         assert (lib.scene_gripper_opening(scene.scene) > 0.0) is holds
 
 
-def test_pads_give_way_by_force_over_stiffness():
-    """The rod hangs below its place by what the pads give way; the arm itself holds still."""
+def test_pads_deflect_by_force_over_stiffness():
+    """The rod hangs below its position by the pads' deflection; the arm itself holds still."""
     with Scene([], [rod_at(gripper_at(), held_by_robot=True)], gripper={"stiffness_Npm": 400.0}) as scene:
         scene.step(2000)
         sag_m = scene.thing()[0] - scene.point("POINT_ROBOT_GRIPPER")
@@ -213,7 +213,7 @@ def test_pads_give_way_by_force_over_stiffness():
         assert scene.times("robot.lost") == 0
 
 
-@pytest.mark.parametrize("limit_N", [5.0, 12.0])  # more, and the arm's motors give way before
+@pytest.mark.parametrize("limit_N", [5.0, 12.0])  # with more, the arm's motors would yield first
 def test_robots_grip_slips_at_its_limit_and_not_before(limit_N):
     at = gripper_at()
     hand = at + [0, 0.1, 0]
@@ -231,7 +231,7 @@ def test_robots_grip_slips_at_its_limit_and_not_before(limit_N):
 
 
 def test_robots_fixed_grip_slips_at_its_torque_limit():
-    """A person's hand lifts one end of the rod; the grip feels force times lever about itself, less the weight's."""
+    """A person's hand lifts one end of the rod; the grip's torque is force times lever arm, minus the weight's."""
     at, lever_m, limit_Nm = gripper_at(), 0.12, 0.3
     hand = at + [0, lever_m, 0]
     rod = rod_at(at, held_by_robot=True, robot_grip=lib.GRIP_FIXED)
@@ -245,7 +245,7 @@ def test_robots_fixed_grip_slips_at_its_torque_limit():
         assert lift_N * lever_m == pytest.approx(limit_Nm, rel=0.02)
 
 
-def test_one_steps_shock_does_not_open_the_jaws():
+def test_a_shock_of_one_step_does_not_open_the_jaws():
     """A fall of 1 mm onto the stretched grip: far above the limit for a step or two, never for 5 ms."""
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True)
@@ -265,7 +265,7 @@ def test_one_steps_shock_does_not_open_the_jaws():
 # ---- objects
 
 
-def test_handed_over_is_not_dropped_and_let_go_is():
+def test_a_handed_over_object_is_not_dropped_and_a_released_one_is():
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True, person_grip=lib.GRIP_FIXED)
     with Scene([person_at(at + [0, 0.1, 0])], [rod]) as scene:
@@ -274,7 +274,7 @@ def test_handed_over_is_not_dropped_and_let_go_is():
         scene.step(100)
         lib.scene_command_gripper(scene.scene, False)
         scene.step(1)
-        assert not lib.scene_robot_holds(scene.scene)  # as the jaws begin to open
+        assert not lib.scene_robot_holds(scene.scene)  # as the jaws start to open
         scene.step(400)
         assert scene.times("object0.dropped") == 0
         scene.step(2000)  # until it hangs still
@@ -285,7 +285,7 @@ def test_handed_over_is_not_dropped_and_let_go_is():
         assert scene.times("object0.dropped") == 1 and scene.thing()[0][2] < height_m - 0.03
 
 
-def test_never_held_is_not_dropped():
+def test_an_object_never_held_is_not_dropped():
     with Scene([], [rod_at([0.5, 0.5, 0.0])]) as scene:
         scene.step(100)
         assert scene.times("object0.dropped") == 0
@@ -294,7 +294,7 @@ def test_never_held_is_not_dropped():
 @pytest.mark.parametrize("axis", [ALONG_X, ALONG_Y])
 @pytest.mark.parametrize("along_m", [0.0, 0.05])
 def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
-    """With its middle above the stand, but not above the stand's: it neither creeps nor sinks in nor tips."""
+    """Its middle is above the stand but off the stand's middle: it neither creeps, nor sinks in, nor tips."""
     middle = np.array([0.4, 0.2, 0.0])
     thing = rod_on_stand(middle, axis)
     direction = Rotation.from_quat(axis, scalar_first=True).apply(UP)
@@ -314,8 +314,9 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
 
 @pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
 def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
-    """Friction of 0.6 on the two sides of a V of 90 degrees is 0.6 sqrt(2) of what presses the rod into it; less while
-    it settles, as friction across bears part of the weight. Held, each of four contacts creeps by 1 mm/s per N."""
+    """Friction of 0.6 on the two sides of a V of 90 degrees gives 0.6 sqrt(2) of the force that presses the rod into
+    it; less while it settles, as lateral friction carries part of the weight. Held, each of four contacts creeps by 1
+    mm/s per N."""
     slope = Rotation.from_euler("x", slope_deg, degrees=True)
     rod, stand = rod_on_stand(HAND_M)
     stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))
@@ -351,13 +352,13 @@ def test_rod_is_lifted_off_its_stand_with_its_weight_alone(ode_messages):
         lib.scene_open_hand(scene.scene, 0)
         scene.step(30)
         assert scene.times("object0.dropped") == 1
-    push_N = ROD["mass_kg"] * 5.8 * lift_m / lift_s**2  # peak of minimum jerk's acceleration
+    push_N = ROD["mass_kg"] * 5.8 * lift_m / lift_s**2  # peak acceleration of a minimum-jerk move
     assert largest_N < WEIGHT_N + push_N + 0.05
     assert ode_messages == []
 
 
 def test_rod_in_its_groove_taken_by_both(ode_messages):
-    """Robot and person grip it where it lies, hold it for a while, and take it up together."""
+    """Robot and person grip it where it lies, hold it for a while, and lift it together."""
     at = gripper_at()
     hand = at + [0.2, 0, 0]
     with Scene([person_at(hand)], rod_on_stand(at + [0.1, 0, 0], ALONG_X, length_m=0.32)) as scene:
@@ -383,7 +384,7 @@ def test_dropped_rod_ends_flat_on_the_ground(ode_messages):
     assert ode_messages == []
 
 
-def test_points_are_where_geometry_says():
+def test_points_match_the_geometry():
     turn = Rotation.from_rotvec([0.4, -0.2, 0.3])
     person = {"start": (list(HAND_M), list(turn.as_quat(scalar_first=True))), "grip_m": [0.01, -0.02, 0.06]}
     crank = {"kind": lib.OBJECT_CRANK, "pose": ([0.5, 0.1, 0.1], ALONG_X), "radius_m": 0.04}
@@ -392,7 +393,7 @@ def test_points_are_where_geometry_says():
             scene.scenario.object[thing].point[1].along_m = 0.07
         assert scene.point("POINT_PERSON_GRIP") == pytest.approx(HAND_M + turn.apply([0.01, -0.02, 0.06]), abs=1e-12)
         assert scene.point("POINT_OBJECT", 0, 1) == pytest.approx([0.3, 0.1 + 0.07, 0.2], abs=1e-12)
-        # ALONG_X turns z to x and x to -z: the handle lies below the hinge.
+        # ALONG_X turns z to x and x to -z: the handle is below the hinge.
         assert scene.point("POINT_OBJECT", 1, 1) == pytest.approx([0.5 + 0.07, 0.1, 0.1 - 0.04], abs=1e-12)
 
 

@@ -1,4 +1,5 @@
-"""What a run is judged by: no check vanishes, no law escapes its judge, and the last line says what the checks do not."""
+"""The verdict on a run: no check vanishes, no control law avoids being judged, and the last line names unjudged
+parts."""
 
 from __future__ import annotations
 
@@ -42,27 +43,27 @@ def still_hand(tmp_path, *, x_m=0.0):
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_a_whole_script_has_all_its_checks(tmp_path, scenario):
+def test_a_complete_script_has_all_its_checks(tmp_path, scenario):
     done = run(tmp_path / "out", "--scenario", scenario).require_pass()
     assert {*OF_THE_SCRIPT[scenario], *JUDGES} <= checks(done).keys()
     assert "left out" not in done.summary["reason"]
 
 
-@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # all of the second at the spot, and all but a tenth
+@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the whole second at the spot, and all but a tenth of it
 def test_check_that_could_not_be_measured_fails(tmp_path, gap_s):
-    """In hold there is no target to be settled at."""
+    """In hold there is no target to settle at."""
     gap = ("--gap", f"2.4:{gap_s}")
     done = run(tmp_path / "out", "--scenario", "pour", *gap)
     assert done.status == EXIT_CHECK_FAILED
     spot = checks(done)["settled_at_spot_1"]
     assert (spot["value"], spot["pass"]) == (None, False)
     assert "settled_at_spot_1 could not be measured" in done.summary["reason"]
-    told = call("--scenario", "pour", *gap, "--out", tmp_path / "told").stdout
-    (row,) = (line for line in told.splitlines() if line.startswith("settled_at_spot_1"))
+    output = call("--scenario", "pour", *gap, "--out", tmp_path / "output").stdout
+    (row,) = (line for line in output.splitlines() if line.startswith("settled_at_spot_1"))
     assert "not measured" in row and row.endswith("FAIL")
 
 
-def test_a_shortened_run_says_what_it_left_out(tmp_path):
+def test_a_shortened_run_reports_what_it_left_out(tmp_path):
     done = run(tmp_path / "out", "--scenario", "teleop", "--duration", 6).require_pass()
     left_out = set(OF_THE_SCRIPT["teleop"]) - {"forward", "forward_and_left"} | {"followable_share"}
     assert not left_out & checks(done).keys()
@@ -70,7 +71,7 @@ def test_a_shortened_run_says_what_it_left_out(tmp_path):
     assert f"{len(left_out)} left out: they lie beyond the end" in done.summary["reason"]
 
 
-def test_without_the_trace_only_what_needs_it_is_left_out(tmp_path):
+def test_without_the_trace_only_checks_that_need_it_are_left_out(tmp_path):
     done = run(tmp_path / "out", "--scenario", "pour", "--param", "trace=0").require_pass()
     assert "glass_tilt_at_spot_1" in checks(done)
     assert "6 left out: they need the target" in done.summary["reason"]
@@ -88,13 +89,13 @@ def test_without_the_trace_only_what_needs_it_is_left_out(tmp_path):
 def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
     done = run(tmp_path / "out", "--scenario", "pour", *arguments)
     assert done.status == EXIT_CHECK_FAILED
-    judged = checks(done)  # too little could be followed, or what could was not
+    judged = checks(done)  # too little could be followed, or the followable part was not
     assert not (judged["followable_share"]["pass"] and judged["followable_rms_position"]["pass"])
 
 
 @pytest.mark.parametrize(("gain", "pass_"), [(2, False), (100, True)])
 def test_followable_share_does_not_depend_on_the_gain(tmp_path, gain, pass_):
-    """A slow law misses the target; neither it nor a fast one chooses how much of the run is judged."""
+    """A slow law misses the target; no law's gain changes how much of the run is judged."""
     axes = [f"gain_{part}{axis}_per_s" for part in ("", "dual_") for axis in "wxyz"]
     changed = checks(
         run(
@@ -115,18 +116,18 @@ def test_followable_share_does_not_depend_on_the_gain(tmp_path, gain, pass_):
 # ---- recordings
 
 
-def test_recording_that_was_not_judged_says_so(tmp_path):
+def test_an_unjudged_recording_is_reported(tmp_path):
     recording = still_hand(tmp_path)
     arguments = ("--scenario", "teleop", "--tracker", recording, "--duration", 2)
     done = run(tmp_path / "out", *arguments).require_pass()
     assert "tracking was not judged: " in done.summary["reason"] and "needs 1 s" in done.summary["reason"]
-    told = call(*arguments, "--out", tmp_path / "told").stdout
-    (row,) = (line for line in told.splitlines() if line.startswith("followable_rms_position"))
+    output = call(*arguments, "--out", tmp_path / "output").stdout
+    (row,) = (line for line in output.splitlines() if line.startswith("followable_rms_position"))
     assert "not judged" in row
 
 
 def moving_hand(folder: Path, *way_m: np.ndarray) -> Path:
-    """A recording of 5 s at 100 Hz that moves along x, y, z so far."""
+    """A recording of 5 s at 100 Hz that moves along x, y, z by these displacements."""
     path = folder / "hand.csv"
     rows = zip(np.arange(500) / 100, *np.broadcast_arrays(*way_m), strict=True)
     path.write_text(recording_csv(*(f"{t:.2f},{x:.4f},{y:.4f},{z:.4f},1,0,0,0" for t, x, y, z in rows)))
@@ -139,8 +140,8 @@ ROUND_A_LOOP = (0.8 - 0.8 * np.cos(2.5 * T_S), 0.5 * np.sin(2.5 * T_S), 0.6 * np
 
 
 @pytest.mark.parametrize(("way_m", "scale"), [(AWAY_AND_STAYING, 1), (AWAY_AND_STAYING, 0.08), (ROUND_A_LOOP, 1)])
-def test_recording_out_of_reach_is_told_the_largest_scale_that_is_not(tmp_path, way_m, scale):
-    """At it the target is never out of reach; at the next larger number of two digits it is."""
+def test_recording_out_of_reach_reports_the_largest_scale_in_reach(tmp_path, way_m, scale):
+    """At this scale the target is never out of reach; at the next larger two-digit scale it is."""
     recording = moving_hand(tmp_path, *way_m)
 
     def scaled(by: float) -> Run:
@@ -157,13 +158,13 @@ def test_recording_out_of_reach_is_told_the_largest_scale_that_is_not(tmp_path, 
 
 
 def test_recording_out_of_reach_at_every_scale_gets_no_advice(tmp_path):
-    """8 m away are beyond the arm's 0.28 m at the least scale, 0.01, too."""
+    """8 m away is beyond the arm's 0.28 m even at the smallest scale, 0.01."""
     recording = moving_hand(tmp_path, 8.0 * np.clip(T_S, 0, 1), 0, 0)
     reason = run(tmp_path / "out", "--scenario", "teleop", "--tracker", recording).summary["reason"]
     assert "target out of reach" in reason and "--scale" not in reason
 
 
-def test_holds_are_told(tmp_path):
+def test_holds_are_reported(tmp_path):
     done = run(tmp_path / "out", "--scenario", "teleop", "--tracker", still_hand(tmp_path), "--gap", "3:100")
     assert ("hold", "tracker_stale") in modes(done)
     assert "1 hold, " in done.summary["reason"] and "the last one to the end" in done.summary["reason"]
@@ -177,7 +178,7 @@ def test_holds_are_told(tmp_path):
         (0.0, ["--dropout", "1"], "the tracker lost all 751 samples"),
     ],
 )
-def test_tracker_that_never_tells_a_pose_says_why(tmp_path, x_m, arguments, words):
+def test_tracker_that_never_sends_a_pose_reports_why(tmp_path, x_m, arguments, words):
     recording = still_hand(tmp_path, x_m=x_m)
     done = run(tmp_path / "out", "--scenario", "pour", "--tracker", recording, "--latency-ms", 0, *arguments)
     assert done.status == EXIT_CHECK_FAILED
@@ -200,7 +201,7 @@ def test_first_row_shows_the_start_posture(tmp_path):
     assert q_rad == pytest.approx(np.radians([60, -30, -10, -80]), abs=0.5 / PULSES_PER_RAD + 1e-6)
 
 
-def test_one_folder_takes_one_run_at_a_time(tmp_path):
+def test_one_folder_serves_one_run_at_a_time(tmp_path):
     out = tmp_path / "out"
     first = subprocess.Popen([SIMULATOR, "--duration", "3600", "--quiet", "--out", out])
     try:
@@ -214,7 +215,7 @@ def test_one_folder_takes_one_run_at_a_time(tmp_path):
     finally:
         first.kill()
         first.wait()
-    assert run(out, "--duration", 2).status == EXIT_PASS, "the lock went with its run"
+    assert run(out, "--duration", 2).status == EXIT_PASS, "the lock ends with its run"
 
 
 def test_folder_is_named_after_the_scenario(tmp_path):
@@ -222,7 +223,7 @@ def test_folder_is_named_after_the_scenario(tmp_path):
     assert (tmp_path / "out" / "mirror" / "summary.json").exists()
 
 
-# ---- what the operator can be told to do
+# ---- operator options
 
 
 def test_paper_law_reaches_the_bus_and_param_overrides_it(tmp_path):
@@ -240,7 +241,7 @@ def test_paper_law_reaches_the_bus_and_param_overrides_it(tmp_path):
 TASK = "constant:0.01,0.02,-0.03:0.8,0.6,0,0:0,0,-0.6,0.8:0.25"
 
 
-def test_defined_task_reaches_the_bus_in_place_of_the_scenarios(tmp_path):
+def test_defined_task_replaces_the_scenarios_on_the_bus(tmp_path):
     done = run(tmp_path / "out", "--scenario", "teleop", "--define", TASK).require_pass()
     log = bus_log.read(done.log)
     define = log["TaskDefine"]
@@ -259,8 +260,9 @@ def test_defined_task_reaches_the_bus_in_place_of_the_scenarios(tmp_path):
 
 
 @pytest.mark.parametrize(("scenario", "clutch_s"), [("teleop", 4.0), ("mirror", 6.5)])
-def test_clutch_takes_the_arm_as_it_stands(tmp_path, scenario, clutch_s):
-    """In the middle of a move the hand is behind its target, without prediction; the clutch puts the target where the hand is."""
+def test_clutch_takes_the_arms_current_pose(tmp_path, scenario, clutch_s):
+    """In the middle of a move the end effector lags behind its target, without prediction; the clutch sets the target
+    to its pose."""
     done = run(tmp_path / "out", "--scenario", scenario, "--clutch", clutch_s, "--param", "prediction=0")
     log = bus_log.read(done.log)
     command, ack = log["OperatorCommand"], log["CommandAck"]
@@ -288,11 +290,12 @@ def test_clutch_takes_the_arm_as_it_stands(tmp_path, scenario, clutch_s):
         *((["--define", wrong], [f"--define '{wrong}'", "expected FORM:TX,TY,TZ:"]) for wrong in (
             "", "constant", "constant:0,0,0", "round:0,0,0:1,0,0,0:1,0,0,0:1", "constant:0,0:1,0,0,0:1,0,0,0:1",
             "constant:0,0,9:1,0,0,0:1,0,0,0:1", "constant:0,0,0:2,0,0,0:1,0,0,0:1", "constant:0,0,0:1,0,0,0:0,0,0,0:1",
-            "constant:0,0,0:1,0,0,0:1,0,0,0:66", "constant:0,0,0:1,0,0,0:1,0,0,0:1:1", "constant:0,0,nan:1,0,0,0:1,0,0,0:1",
+            "constant:0,0,0:1,0,0,0:1,0,0,0:66", "constant:0,0,0:1,0,0,0:1,0,0,0:1:1",
+            "constant:0,0,nan:1,0,0,0:1,0,0,0:1",
         )),
     ],
 )  # fmt: skip
-def test_wrong_wishes_cost_one_line(tmp_path, arguments, words):
+def test_wrong_operator_options_give_one_line(tmp_path, arguments, words):
     done = run(tmp_path / "out", *arguments)
     assert done.status == EXIT_WRONG_USE
     assert done.stderr.count("\n") == 1 and done.stderr.startswith("comanip-sim: ")

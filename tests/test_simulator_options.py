@@ -1,4 +1,4 @@
-"""The simulator's options do what they say; summary.json keeps its contract; both agree with the bus."""
+"""The simulator's options have their documented effect; summary.json keeps its format; both agree with the bus."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ CONTRACT = {
 }  # fmt: skip
 BEYOND_THE_CONTRACT = {
     "summary.tracker.range_errors", "summary.tracking.followable", "summary.bus.profile",
-    *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events", "law", "object", "cups", "rest", "latency")),
+    *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events",
+                                   "law", "object", "cups", "rest", "latency")),
     "summary.checks[].orientation_rms_deg",
 }  # fmt: skip
 
@@ -39,7 +40,7 @@ def assert_shape(value: object, shape: object, path: str) -> None:
         for item in value:
             assert_shape(item, shape[0], f"{path}[]")
     else:
-        accepted = (int, float) if shape is float else shape  # a whole number may be written without a point
+        accepted = (int, float) if shape is float else shape  # a whole number may be written without a decimal point
         assert isinstance(value, accepted) and isinstance(value, bool) == (shape is bool), f"{path} is {value!r}"
 
 
@@ -63,7 +64,7 @@ def test_summary_has_the_fields_of_the_contract(tmp_path, scenario):
 
 
 def poses_of(done: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Stamp of each HandPose, and whether it carried a pose."""
+    """Stamp of each HandPose, and whether it contains a pose."""
     poses = bus_log.read(done.log)["HandPose"]
     return poses.raw("t_us"), poses.raw("valid") == 1
 
@@ -72,7 +73,7 @@ def poses_of(done: Run) -> tuple[np.ndarray, np.ndarray]:
     "arguments",
     ["--dropout 0.1", "--gap 4:0.333", "--gap 5:0.2 --dropout 0.03", "--gap 9:100", "--gap 0:1"],
 )
-def test_lost_samples_are_those_of_the_bus(tmp_path, arguments):
+def test_lost_samples_match_the_bus(tmp_path, arguments):
     done = run(tmp_path / "out", "--scenario", "teleop", *arguments.split())
     stamp_us, valid = poses_of(done)
     seen_us = np.concatenate([stamp_us[:1], stamp_us[valid], stamp_us[-1:]])  # a gap may be at either end
@@ -82,7 +83,7 @@ def test_lost_samples_are_those_of_the_bus(tmp_path, arguments):
     assert tracker["longest_gap_ms"] == pytest.approx(1e-3 * np.diff(seen_us).max())
 
 
-def test_gap_is_where_it_was_asked_for(tmp_path):
+def test_gap_is_at_the_requested_time(tmp_path):
     done = run(tmp_path / "out", "--scenario", "teleop", "--gap", "4:0.333").require_pass()
     stamp_us, valid = poses_of(done)
     in_gap = (stamp_us >= 4_000_000) & (stamp_us < 4_333_000)
@@ -93,7 +94,7 @@ def test_gap_is_where_it_was_asked_for(tmp_path):
 
 
 def test_dropout_is_a_probability(tmp_path):
-    """Within five standard deviations, and drawn anew by each seed."""
+    """Within five standard deviations, with new draws for each seed."""
     drawn = [poses_of(run(tmp_path / str(seed), "--dropout", 0.1, "--seed", seed))[1] for seed in (1, 2)]
     for valid in drawn:
         assert np.mean(~valid) == pytest.approx(0.1, abs=5 * np.sqrt(0.1 * 0.9 / len(valid)))
@@ -101,7 +102,7 @@ def test_dropout_is_a_probability(tmp_path):
 
 
 def hand_of(done: Run) -> np.ndarray:
-    """ODE's hand, (ticks, 7)."""
+    """ODE's end effector pose, (ticks, 7)."""
     names = done.trace.open().readline().rstrip().split(",")
     columns = [names.index(f"hand_{part}") for part in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")]
     return np.loadtxt(done.trace, delimiter=",", skiprows=1, usecols=columns)
@@ -117,7 +118,7 @@ PLACES = [
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_motion_does_not_depend_on_where_the_tracker_stands(tmp_path, scenario):
+def test_motion_does_not_depend_on_the_trackers_position(tmp_path, scenario):
     hands, markers = [], []
     for i, (translation, rotation, tracker_rotation) in enumerate(PLACES):
         turns = zip("xyz", tracker_rotation, strict=True)
@@ -130,14 +131,14 @@ def test_motion_does_not_depend_on_where_the_tracker_stands(tmp_path, scenario):
         seen_m = np.stack([seen_m[f"{axis}_m"] for axis in "xyz"], axis=1)
         markers.append(Rotation.from_quat([x, y, z, w]).apply(seen_m) + np.array(translation.split(","), float))
     for marker in markers[1:]:
-        assert np.abs(marker - markers[0]).max() < 5e-6, "the trackers do not stand where they should"
+        assert np.abs(marker - markers[0]).max() < 5e-6, "the trackers are not where they should be"
     assert np.ptp(hands[0][:, :3], axis=0).max() > 0.02, "the arm has moved"
     for hand in hands[1:]:
         assert np.linalg.norm(hand[:, :3] - hands[0][:, :3], axis=1).max() < 1e-4
         assert np.abs(np.sum(hand[:, 3:] * hands[0][:, 3:], axis=1)).min() > np.cos(0.5 * np.radians(0.1))
 
 
-def test_latency_delays_the_motion_and_nothing_else(tmp_path):  # where nothing predicts over it
+def test_latency_delays_the_motion_and_nothing_else(tmp_path):  # without prediction, which would compensate for it
     early, late = (
         hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--param", "prediction=0", "--latency-ms", ms))
         for ms in (4, 24)
@@ -179,8 +180,8 @@ def test_defined_task_reaches_the_firmware(tmp_path):
     assert not acks.raw("result").any(), "all accepted"
 
 
-def test_paper_law_is_told_to_the_firmware(tmp_path):
-    """Law (4) to the letter: no weights, one gain, the error in the torso frame; --param may override."""
+def test_paper_law_is_sent_to_the_firmware(tmp_path):
+    """The paper's law (4): no weights, one gain, the error in the torso frame; --param may override."""
     done = run(tmp_path / "out", "--scenario", "pour", "--duration", 4, "--paper-law", "--param", "gain_w_per_s=3")
     access = bus_log.read(done.log)["ParameterAccess"]
     names = access.message.get_signal_by_name("parameter").choices

@@ -1,4 +1,4 @@
-"""`make size`: its figures against the toolchain's own, and what it says of a budget that is exceeded."""
+"""`make size`: its figures against the toolchain's, and its message about an exceeded budget."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def report(maps, budget: Path, out: Path, *options: str) -> int:
     return size_report.main([str(budget), str(out), *options, *(f"{image}={path}" for image, path in maps.items())])
 
 
-def test_totals_are_those_of_the_toolchains_size(maps):
+def test_totals_match_the_toolchains_size(maps):
     for image, path in maps.items():
-        told = subprocess.run(
+        output = subprocess.run(
             [IMAGES[image].prefix + "size", path.with_suffix(".elf")], capture_output=True, text=True, check=True
         )
-        text, data, bss = map(int, told.stdout.splitlines()[1].split()[:3])
+        text, data, bss = map(int, output.stdout.splitlines()[1].split()[:3])
         found = size_report.read_map(path)
         assert (found.total.text, found.total.data, found.total.bss) == (text, data, bss), image
         for kind, total in zip(size_report.KINDS, (text, data, bss), strict=True):
@@ -42,7 +42,7 @@ def test_totals_are_those_of_the_toolchains_size(maps):
 
 
 def test_functions_are_counted_in_their_module(maps):
-    """What nm says of the symbols of one module is in its figure."""
+    """The sizes that nm gives for the symbols of one module are in its figure."""
     listing = subprocess.run(
         [IMAGES["cortex-m4f"].prefix + "nm", "-S", maps["cortex-m4f"].with_suffix(".elf")],
         capture_output=True,
@@ -70,19 +70,19 @@ def test_the_committed_budget_holds(maps, tmp_path, capsys):
     assert written["cortex-m4f"]["total_bytes"]["text"] > 10_000
 
 
-def test_what_is_beyond_its_budget_is_told_with_the_difference(maps, tmp_path, capsys):
+def test_an_exceeded_budget_is_reported_with_the_difference(maps, tmp_path, capsys):
     lower = tmp_path / "budget.toml"
     found = size_report.read_map(maps["cortex-m4f"]).modules["firmware/protocol/e2e"].text
     before, image, after = BUDGET.read_text().partition("[cortex-m4f]")
     after = after.replace(f'"firmware/protocol/e2e" = [{found}, ', f'"firmware/protocol/e2e" = [{found - 7}, ', 1)
     lower.write_text(before + image + after.replace('"firmware/control/task" = ', '"firmware/another" = ', 1))
     assert report(maps, lower, tmp_path / "size.json") == 1
-    told = capsys.readouterr().err
-    assert f"cortex-m4f: firmware/protocol/e2e: text {found} bytes, budget {found - 7}: 7 too many" in told
-    assert re.search(r"cortex-m4f: firmware/control/task: no budget", told)
+    output = capsys.readouterr().err
+    assert f"cortex-m4f: firmware/protocol/e2e: text {found} bytes, budget {found - 7}: 7 too many" in output
+    assert re.search(r"cortex-m4f: firmware/control/task: no budget", output)
 
 
-def test_a_new_budget_is_the_present_size(maps, tmp_path):
+def test_a_new_budget_is_the_current_size(maps, tmp_path):
     fresh = tmp_path / "budget.toml"
     assert report(maps, fresh, tmp_path / "size.json", "--update") == 0
     assert report(maps, fresh, tmp_path / "size.json") == 0

@@ -1,4 +1,5 @@
-"""SLCAN of the targets (hal/slcan): against python-can's implementation, against the dialect's grammar, and at its limits."""
+"""SLCAN of the targets (hal/slcan): against python-can's implementation, against the dialect's grammar, and at its
+limits."""
 
 from __future__ import annotations
 
@@ -17,14 +18,14 @@ from slcan_oracle import StockSlcan, read
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 SOURCES = ["hal/slcan/slcan.c", "hal/slcan/slcan_link.c"]
-RX_FRAMES = 15  # what the ring holds, one place being free
+RX_FRAMES = 15  # capacity of the ring, whose last place stays free
 TX_BYTES = 1023
 
 
 def link_declarations() -> str:
-    """Atomics as what they are made of."""
+    """Replaces atomics by their plain types."""
     text = declarations([REPOSITORY / "hal/slcan/slcan_link.h"], "-D_Atomic=")
-    text = re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)  # cffi computes no array sizes
+    text = re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)  # cffi does not evaluate array sizes
     return re.sub(r"\b(\d+)u\b", r"\1", text)
 
 
@@ -117,7 +118,7 @@ def test_classic_frames_are_written_as_python_can_does(slcan, stock, rng, length
     assert line == (stock.line(message(0x5AB, data, fd=False)) if length <= 8 else b"")
 
 
-def test_what_is_read_says_whether_it_is_fd(slcan, stock):
+def test_received_frames_keep_the_fd_flag(slcan, stock):
     link = Link(slcan)
     link.put(b"".join(stock.line(message(0x100, b"ab", fd=fd)) for fd in (False, True, False)))
     assert link.receive_fd() == [False, True, False]
@@ -135,7 +136,7 @@ def test_frames_without_bit_rate_switch_and_classic_ones_are_read_in_either_case
     assert link.counters.rx_malformed == 0
 
 
-def test_what_no_line_can_carry_is_refused_and_counted(slcan):
+def test_frames_that_no_line_can_carry_are_refused_and_counted(slcan):
     link = Link(slcan)
     no_such_lengths = [n for n in range(65) if n not in CAN_FD_DLC]
     for can_id, data in [(0x800, b""), (0xFFFF, b""), *((1, bytes(n)) for n in no_such_lengths)]:
@@ -145,7 +146,7 @@ def test_what_no_line_can_carry_is_refused_and_counted(slcan):
     assert link.take() == b""
 
 
-def test_the_lines_with_which_stock_tools_open_a_channel_are_not_errors(slcan, stock):
+def test_the_lines_that_open_a_channel_are_not_errors(slcan, stock):
     link = Link(slcan)
     link.put(b"\a\r\rC\rS8\rY5\rM0\rA1\rO\rV\rz\r")
     link.put(stock.line(can.Message(arbitration_id=0x12345678, data=b"ab", is_extended_id=True)))
@@ -206,7 +207,7 @@ mutated = st.tuples(lines, st.integers(0, 138), st.binary(max_size=2)).map(
 
 @settings(max_examples=2000, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(parts=st.lists(st.one_of(lines, digits, mutated, st.binary(max_size=20)), max_size=RX_FRAMES // 3))
-def test_any_bytes_give_what_the_grammar_says(slcan, parts):
+def test_any_bytes_are_read_by_the_grammar(slcan, parts):
     stream = b"".join(parts)
     expected, malformed = read(stream)
     link = Link(slcan)
@@ -240,7 +241,7 @@ def test_a_full_transmit_ring_drops_whole_lines_and_counts_them(slcan, stock):
     assert taken + link.take() == expected + stock.line(message(51, bytes(64)))
 
 
-def test_rings_go_round_without_loss_or_damage(slcan, stock, rng):
+def test_rings_wrap_without_loss_or_damage(slcan, stock, rng):
     link = Link(slcan)
     sent, taken, received = b"", b"", []
     for _ in range(2000):
@@ -261,7 +262,7 @@ def test_rings_go_round_without_loss_or_damage(slcan, stock, rng):
 
 
 @pytest.mark.parametrize("place", range(1, 8))
-def test_bytes_that_the_uart_lost_spoil_their_line_only(slcan, place):
+def test_bytes_lost_by_the_uart_damage_their_line_only(slcan, place):
     link = Link(slcan)
     line = b"b123200FF\r"
     link.put(line[:place])

@@ -1,4 +1,4 @@
-"""`make stack`: its bound against planted call graphs, and against what an image in QEMU has really used."""
+"""`make stack`: its bound against constructed call graphs, and against the stack use of an image in QEMU."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ CHAIN = """
 """
 
 
-def test_the_depth_is_the_sum_along_the_deepest_way(tmp_path):
+def test_the_depth_is_the_sum_along_the_deepest_path(tmp_path):
     graph = graph_of(tmp_path, CHAIN)
     frames = {}
     for line in (tmp_path / "planted.su").read_text().splitlines():
@@ -49,7 +49,7 @@ def test_the_depth_is_the_sum_along_the_deepest_way(tmp_path):
     assert depth == frames["a"] + frames["b"] + frames["c"] > 250
 
 
-def test_what_has_no_bound_is_refused(tmp_path):
+def test_code_without_a_bound_is_refused(tmp_path):
     recursive = (
         "int f(int n); int g(int n) { return n ? f(n - 1) + 1 : 0; } int f(int n) { return n ? g(n - 1) * 2 : 1; }"
     )
@@ -95,7 +95,7 @@ def symbol(image: str, folder: Path, name: str) -> int:
 
 @pytest.mark.parametrize("image", TESTED)
 def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
-    """The RAM begins as zeros: what is not zero was used."""
+    """The RAM starts as zeros: bytes that are not zero were used."""
     if shutil.which(IMAGES[image].emulator[0]) is None:
         pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0
@@ -107,11 +107,12 @@ def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
     )
     bottom, middle, top = (symbol(image, folders[image], f"link_{name}") for name in names)
     assert (middle - bottom, top - middle) == tuple(bound["budget_bytes"] for bound in bounds.values())
-    seen = bottom & 0x0FFFFFFF | 0x20000000 if image == "cortex-m33" else bottom  # the monitor sees what is not secure
-    _, told = run(image, folders[image] / "comanip.elf", tmp_path, lambda text: text.count("\rb050") > 200,
+    # the monitor sees the non-secure alias
+    seen = bottom & 0x0FFFFFFF | 0x20000000 if image == "cortex-m33" else bottom
+    _, dump = run(image, folders[image] / "comanip.elf", tmp_path, lambda text: text.count("\rb050") > 200,
                   monitor=f"xp /{(top - bottom) // 4}xw {seen:#x}\n")  # fmt: skip
     words = {}
-    for address, values in re.findall(r"^([0-9a-f]+): ((?:0x[0-9a-f]{8} ?)+)", told, re.MULTILINE):
+    for address, values in re.findall(r"^([0-9a-f]+): ((?:0x[0-9a-f]{8} ?)+)", dump, re.MULTILINE):
         for i, value in enumerate(values.split()):
             words[int(address, 16) + 4 * i - seen + bottom] = int(value, 16)
     assert len(words) == (top - bottom) // 4

@@ -1,4 +1,4 @@
-"""The stand's groove: it carries a rod as far as the stand reaches, and no further."""
+"""The stand's groove: it carries a rod over the stand's length, and no further."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def on_stand() -> list[dict]:
 
 
 def lead(scene: Scene, places_m) -> None:
-    """The hand goes from the rod's start to each place in turn, half a second each."""
+    """The hand moves from the rod's start to each position in turn, half a second each."""
     last = np.zeros(3)
     for place in np.array(places_m):
         for n in range(1, 501):
@@ -28,8 +28,8 @@ def lead(scene: Scene, places_m) -> None:
         last = place
 
 
-def test_no_groove_where_the_stand_is_not():
-    """Raised, drawn along its axis until all of it is past the stand, and lowered: the hand bears all its weight."""
+def test_no_groove_beyond_the_stand():
+    """Raised, drawn along its axis past the stand, and lowered: the hand carries its whole weight."""
     with Scene([HOLDER], on_stand()) as scene:
         scene.step(300)
         assert scene.grip()
@@ -41,7 +41,7 @@ def test_no_groove_where_the_stand_is_not():
 
 @pytest.mark.parametrize(("shift_m", "falls"), [(0.03, False), (0.05, True)])
 def test_a_rod_tips_over_the_stands_edge(shift_m, falls):
-    """Let go with its middle 10 mm before the edge, or 10 mm past it."""
+    """Released with its middle 10 mm before the edge, or 10 mm past it."""
     with Scene([HOLDER], on_stand()) as scene:
         scene.step(100)
         assert scene.grip()

@@ -1,6 +1,6 @@
-"""The results do not depend on the step of ODE's time: the five experiments at 0.5, 1 and 2 ms. The controller's tick
-stays 1 ms; at 2 ms every other tick moves nothing: paths are compared every 2 ms. How many particles leave the glass
-differs as from seed to seed (grains are chaotic); that they are caught does not."""
+"""The results do not depend on ODE's time step: the five experiments at 0.5, 1 and 2 ms. The controller's tick stays 1
+ms; at 2 ms every other tick moves nothing, so paths are compared every 2 ms. The number of particles that leave the
+glass varies as from seed to seed (grains are chaotic); that they are caught does not."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from simulation import EXPERIMENTS, Run, experiment, shared
 
-# Largest difference of a check's value: 1 % of the 5 N that are allowed, 2 degrees of three turns, 0.02 mm, 0.1 degree.
+# Largest difference of a check's value: 1 % of the allowed 5 N, 2 degrees of three turns, 0.02 mm, 0.1 degree.
 AGREE = {
     "crank": {"force_rms": 0.05, "turns": 0.005},
     "mirror": {"force_rms": 0.05, "following": 0.02},
@@ -22,7 +22,7 @@ FINEST_US = STEPS_US[0]
 HANDS = (("hand_x_m", "hand_y_m", "hand_z_m"), ("person_x_m", "person_y_m", "person_z_m"))
 JOINTS = ("q0_rad", "q1_rad", "q2_rad", "q3_rad")
 # Largest distance from the finest step's path, in m. People and operator wait for events, so that a grip comes up to
-# 2 ms later at 2 ms, and holds the pipe elsewhere by tenths of a millimetre: more than the integration itself does.
+# 2 ms later at 2 ms and holds the pipe tenths of a millimetre elsewhere: more than the integration's own error.
 LARGEST_M = {1000: 0.5e-3, 2000: 1.0e-3}
 LARGEST_RAD = {1000: 0.01, 2000: 0.02}  # of the four joints together
 
@@ -41,12 +41,12 @@ def value(done: Run, name: str) -> float:
     return check["value"]
 
 
-def test_every_step_passes_and_ode_has_nothing_to_say(runs):
+def test_every_step_passes_without_ode_messages(runs):
     for done in runs[1].values():
         assert done.require_pass().stderr == ""
 
 
-def test_the_checks_values_agree(runs):
+def test_the_values_of_the_checks_agree(runs):
     scenario, of = runs
     for name, difference in AGREE[scenario].items():
         finest = value(of[FINEST_US], name)
@@ -54,7 +54,7 @@ def test_the_checks_values_agree(runs):
             assert value(of[step_us], name) == pytest.approx(finest, abs=difference), (name, step_us)
 
 
-def test_things_happen_at_the_same_times(runs):
+def test_events_happen_at_the_same_times(runs):
     times = {us: {e["name"]: e["t_s"] for e in done.summary["events"]} for us, done in runs[1].items()}
     for step_us in STEPS_US[1:]:
         assert times[step_us] == pytest.approx(times[FINEST_US], abs=0.005)
@@ -73,7 +73,7 @@ def largest_distance(runs_: dict[int, Run], step_us: int, columns: tuple[str, ..
     return np.linalg.norm(a[:rows] - b[:rows], axis=1).max()
 
 
-def test_hands_and_drives_go_the_same_way(runs):
+def test_hands_and_drives_follow_the_same_path(runs):
     for step_us in STEPS_US[1:]:
         for columns in HANDS:
             assert largest_distance(runs[1], step_us, columns) < LARGEST_M[step_us]

@@ -1,4 +1,4 @@
-"""Modes and reasons: every transition the header allows, and no other."""
+"""Modes and reasons: every transition that the header allows, and no other."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ def inputs(**changes):
 
 
 def supervisor(mode: int):
-    made = ffi.new("supervisor_t *")
-    lib.supervisor_init(made)
-    made.mode = mode
-    return made
+    result = ffi.new("supervisor_t *")
+    lib.supervisor_init(result)
+    result.mode = mode
+    return result
 
 
 def updated(mode: int, **changes) -> tuple[int, int]:
-    made = supervisor(mode)
-    lib.supervisor_update(made, inputs(**changes))
-    return made.mode, made.reason
+    result = supervisor(mode)
+    lib.supervisor_update(result, inputs(**changes))
+    return result.mode, result.reason
 
 
-def test_starts_idle_for_the_reason_boot():
-    made = ffi.new("supervisor_t *")
-    lib.supervisor_init(made)
-    assert (made.mode, made.reason) == (lib.MODE_IDLE, lib.REASON_BOOT)
+def test_starts_idle_with_reason_boot():
+    result = ffi.new("supervisor_t *")
+    lib.supervisor_init(result)
+    assert (result.mode, result.reason) == (lib.MODE_IDLE, lib.REASON_BOOT)
 
 
 @pytest.mark.parametrize(
@@ -65,52 +65,52 @@ def test_only_the_start_command_leads_into_motion(mode, changes):
 
 @pytest.mark.parametrize("mode", [lib.MODE_COOPERATING, lib.MODE_HOLD])
 @pytest.mark.parametrize("changes", ALL_INPUTS, ids=str)
-def test_cooperation_goes_on_with_good_inputs_only(mode, changes):
+def test_cooperation_continues_with_good_inputs_only(mode, changes):
     bad = changes != GOOD
     assert (updated(mode, **changes)[0] == lib.MODE_COOPERATING) == (not bad)
 
 
 @pytest.mark.parametrize("changes", ALL_INPUTS, ids=str)
 def test_a_fault_is_latched(changes):
-    made = supervisor(lib.MODE_FAULT)
-    made.reason = lib.REASON_DRIVE_ERROR
-    lib.supervisor_update(made, inputs(**changes))
-    assert (made.mode, made.reason) == (lib.MODE_FAULT, lib.REASON_DRIVE_ERROR)
-    assert lib.supervisor_start(made) == lib.RESULT_WRONG_MODE
+    result = supervisor(lib.MODE_FAULT)
+    result.reason = lib.REASON_DRIVE_ERROR
+    lib.supervisor_update(result, inputs(**changes))
+    assert (result.mode, result.reason) == (lib.MODE_FAULT, lib.REASON_DRIVE_ERROR)
+    assert lib.supervisor_start(result) == lib.RESULT_WRONG_MODE
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_start_is_taken_in_ready_alone(mode):
-    made = supervisor(mode)
+def test_start_is_accepted_in_ready_only(mode):
+    result = supervisor(mode)
     if mode == lib.MODE_READY:
-        assert lib.supervisor_start(made) == lib.RESULT_ACCEPTED
-        assert (made.mode, made.reason) == (lib.MODE_COOPERATING, lib.REASON_OPERATOR_START)
+        assert lib.supervisor_start(result) == lib.RESULT_ACCEPTED
+        assert (result.mode, result.reason) == (lib.MODE_COOPERATING, lib.REASON_OPERATOR_START)
     else:
-        assert lib.supervisor_start(made) == lib.RESULT_WRONG_MODE
-        assert made.mode == mode
+        assert lib.supervisor_start(result) == lib.RESULT_WRONG_MODE
+        assert result.mode == mode
 
 
 @pytest.mark.parametrize("mode", [lib.MODE_COOPERATING, lib.MODE_HOLD])
 def test_stop_ends_cooperation(mode):
-    made = supervisor(mode)
-    assert lib.supervisor_stop(made, inputs()) == lib.RESULT_ACCEPTED
-    assert (made.mode, made.reason) == (lib.MODE_READY, lib.REASON_OPERATOR_STOP)
+    result = supervisor(mode)
+    assert lib.supervisor_stop(result, inputs()) == lib.RESULT_ACCEPTED
+    assert (result.mode, result.reason) == (lib.MODE_READY, lib.REASON_OPERATOR_STOP)
 
 
 @pytest.mark.parametrize("mode", [lib.MODE_IDLE, lib.MODE_READY])
 def test_stop_is_always_accepted_at_rest(mode):
-    made = supervisor(mode)
-    assert lib.supervisor_stop(made, inputs()) == lib.RESULT_ACCEPTED
-    assert made.mode == mode
+    result = supervisor(mode)
+    assert lib.supervisor_stop(result, inputs()) == lib.RESULT_ACCEPTED
+    assert result.mode == mode
 
 
 @pytest.mark.parametrize("changes", [{"drives_fresh": False}, {"drive_error": True}, {"finite": False}], ids=str)
-def test_stop_clears_a_fault_whose_cause_is_gone(changes):
-    made = supervisor(lib.MODE_FAULT)
-    assert lib.supervisor_stop(made, inputs(**changes)) == lib.RESULT_FAULT_PRESENT
-    assert made.mode == lib.MODE_FAULT
-    assert lib.supervisor_stop(made, inputs()) == lib.RESULT_ACCEPTED
-    assert (made.mode, made.reason) == (lib.MODE_IDLE, lib.REASON_FAULT_CLEARED)
+def test_stop_clears_a_fault_without_a_remaining_cause(changes):
+    result = supervisor(lib.MODE_FAULT)
+    assert lib.supervisor_stop(result, inputs(**changes)) == lib.RESULT_FAULT_PRESENT
+    assert result.mode == lib.MODE_FAULT
+    assert lib.supervisor_stop(result, inputs()) == lib.RESULT_ACCEPTED
+    assert (result.mode, result.reason) == (lib.MODE_IDLE, lib.REASON_FAULT_CLEARED)
 
 
 def test_stop_categories():

@@ -1,4 +1,5 @@
-"""`comanip tracker --stdin`: poses from text to protected frames; against scipy, cantools, autosar-e2e and the C core."""
+"""`comanip tracker --stdin`: poses from text to protected frames; against scipy, cantools, autosar-e2e and the C
+core."""
 
 from __future__ import annotations
 
@@ -100,7 +101,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("line", BAD)
-def test_bad_lines_say_what_is_wrong(line):
+def test_bad_lines_are_explained(line):
     with pytest.raises(ValueError) as error:
         pose_lines.parse(line)
     assert BAD[line] in str(error.value)
@@ -120,7 +121,7 @@ def test_any_line_is_a_pose_or_nothing_or_a_value_error(line):
 
 
 def publish(monkeypatch, capsys, lines: list[str], *options: str) -> tuple[int, str, list[can.Message]]:
-    """Exit status, standard error, and what was on the bus."""
+    """Exit status, standard error, and the messages on the bus."""
     monkeypatch.setattr(sys, "stdin", io.StringIO("".join(line + "\n" for line in lines)))
     with can.Bus(interface="virtual", channel="tracker-test", fd=True) as bus:
         status, out, err = call_here(
@@ -162,7 +163,7 @@ def test_each_pose_is_a_frame(monkeypatch, capsys, rng):
     assert statuses[-1]["period_us"] == 5000
 
 
-def test_bad_lines_are_told_and_go_out_as_lost_samples(monkeypatch, capsys):
+def test_bad_lines_are_reported_and_sent_as_lost_samples(monkeypatch, capsys):
     lines = [csv(0.0, *POSITION, *WXYZ), "nonsense,1", csv(0.01, 9, 0, 0, *WXYZ), csv(0.02, *POSITION, *WXYZ)]
     status, err, messages = publish(monkeypatch, capsys, lines)
     assert status == 1
@@ -177,12 +178,12 @@ def test_bad_lines_are_told_and_go_out_as_lost_samples(monkeypatch, capsys):
     assert (last["lost_samples"], last["range_errors"]) == (2, 1)
 
 
-def test_lines_without_times_are_stamped_as_they_come(monkeypatch, capsys):
+def test_lines_without_times_are_stamped_on_arrival(monkeypatch, capsys):
     status, _, messages = publish(monkeypatch, capsys, 20 * [csv(*POSITION, *WXYZ)], "--rate", "100")
     assert status == 0
     stamps = [pose["t_us"] for pose in signals(messages, "HandPose")]
     assert all(0 <= (after - before) % 2**32 < 10**7 for before, after in zip(stamps, stamps[1:]))
-    assert {told["period_us"] for told in signals(messages, "TrackerStatus")} <= {10_000}
+    assert {message["period_us"] for message in signals(messages, "TrackerStatus")} <= {10_000}
 
 
 def test_a_recording_at_its_own_pace(monkeypatch, capsys):
@@ -194,7 +195,7 @@ def test_a_recording_at_its_own_pace(monkeypatch, capsys):
     assert time.monotonic() - began_s >= 0.5
 
 
-def test_the_core_takes_the_poses(monkeypatch, capsys):
+def test_the_core_accepts_the_poses(monkeypatch, capsys):
     with firmware(has_tracker=False) as live:
         lines = [csv(0.004 * i, *POSITION, *WXYZ) for i in range(400)]
         monkeypatch.setattr(sys, "stdin", io.StringIO("".join(line + "\n" for line in lines)))

@@ -1,4 +1,4 @@
-"""The simulated tracker, seen from the bus: frames decoded with cantools and autosar-e2e, poses against scipy."""
+"""The simulated tracker on the bus: frames decoded with cantools and autosar-e2e, poses against scipy."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def quiet(**changes):
 
 
 def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
-    """All frames in their order: (kind, end_ns, decoded signals); and the statistics. The hand's pose is known at each
-    tick that has begun."""
+    """All frames in order: (kind, end_ns, decoded signals), and the statistics. The hand's pose is known at each tick
+    that has started."""
     frames = []
 
     @ffi.callback("bus_handler_t")
@@ -81,7 +81,7 @@ def vectors(poses):
     return position, np.array([[pose[f"q{axis}"] for axis in "wxyz"] for _, pose in poses])
 
 
-def test_marker_is_seen_from_the_mounted_tracker(dbc):
+def test_marker_is_measured_in_the_mounted_trackers_frame(dbc):
     mount_m, mount = np.array([1.0, -2.0, 0.5]), Rotation.from_rotvec([0.3, -1.1, 0.7])
     tracker_options = quiet(
         rate_hz=100,
@@ -103,7 +103,7 @@ def test_marker_is_seen_from_the_mounted_tracker(dbc):
 
 
 def test_default_mount_is_the_papers(dbc):
-    """(9): q_Tv^E = q(x, -pi/2) takes the tracker's axes back to the torso's."""
+    """(9): q_Tv^E = q(x, -pi/2) rotates the tracker's axes back to the torso's."""
     poses, *_ = play(dbc, legs(), quiet(), duration_s=2)
     position_m, _ = vectors(poses)
     moved_m = Rotation.from_euler("x", 90, degrees=True).apply(position_m[-1] - position_m[0])
@@ -116,8 +116,8 @@ def test_stamps_latency_and_status(dbc):
     measured_us = np.arange(len(poses)) * 8000
     assert [pose["t_us"] for _, pose in poses] == [(start_us + int(t)) % 2**32 for t in measured_us]
     after_ready_us = np.array([end_ns for end_ns, _ in poses]) / 1000 - (measured_us + 12_300)
-    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "own duration, at most one more frame before it"
-    assert [round((end_ns - 100_000) / 1e7) for end_ns, _ in status] == [2 * i for i in range(100)], "each 20 ms"
+    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "its duration, after at most one other frame"
+    assert [round((end_ns - 100_000) / 1e7) for end_ns, _ in status] == [2 * i for i in range(100)], "every 20 ms"
     assert {(s["period_us"], s["latency_us"], s["fault"]) for _, s in status} == {(8000, 12300, 0)}
 
 
@@ -140,15 +140,15 @@ def test_hand_out_of_sight_is_invalid(dbc):
     poses, *_ = play(dbc, motion, quiet())
     invalid_us = [pose["t_us"] for _, pose in poses if not pose["valid"]]
     assert invalid_us == list(range(908_000, 1_094_000, 4000))
-    between, *_ = play(dbc, motion, quiet(rate_hz=160, latency_s=0.01))  # 6.25 ms: a neighbour out of sight is enough
+    between, *_ = play(dbc, motion, quiet(rate_hz=160, latency_s=0.01))  # 6.25 ms: one neighbour out of sight is enough
     invalid_us = [pose["t_us"] for _, pose in between if not pose["valid"]]
     assert invalid_us == [t for t in range(0, 1_990_000, 6250) if 906_000 < t < 1_094_000]
 
 
 @pytest.mark.parametrize("latency_s", [0.0, 0.0005, 0.5])
 def test_hand_is_measured_between_the_ticks(dbc, latency_s):
-    """333 Hz fall between ticks of 1 ms: interpolated, and with no latency continued for less than a tick. The error of
-    either is at most f'' h^2 of the way f: 5.8 m/s^2 times (1 ms)^2, plus half a micrometre of the frame."""
+    """333 Hz fall between ticks of 1 ms: interpolated, and without latency extrapolated for less than a tick. Either
+    error is at most f'' h^2 for a displacement f: 5.8 m/s^2 times (1 ms)^2, plus half a micrometre of the frame."""
     poses, *_ = play(
         dbc,
         legs(turn_rad=(0, 0, 0)),
@@ -158,31 +158,32 @@ def test_hand_is_measured_between_the_ticks(dbc, latency_s):
     t = np.round(np.arange(len(poses)) * 1e9 / 333) * 1e-9
     x = np.clip(t - 0.5, 0, 1)[:, None]
     expected_m = np.array([0.2, -0.1, 0.1]) + (10 * x**3 - 15 * x**4 + 6 * x**5) * np.array([0.1, -0.2, 0.3])
-    largest_m = 10 / np.sqrt(3) * np.array([0.1, 0.2, 0.3]) * 1e-6  # peak of f'': 10 / sqrt(3) per s^2 and way
+    # peak of f'': 10 / sqrt(3) per s^2 and unit of displacement
+    largest_m = 10 / np.sqrt(3) * np.array([0.1, 0.2, 0.3]) * 1e-6
     assert (np.abs(position_m - expected_m) < largest_m + 0.6e-6).all()
     assert len(poses) == len([k for k in range(700) if k / 333 + latency_s < 2])
 
 
-def test_history_keeps_what_the_longest_latency_needs_and_no_more():
+def test_history_covers_the_longest_latency_and_no_more():
     history = ffi.gc(lib.hand_history_create(), lib.hand_history_destroy)
     pose = ffi.new("rigid_pose_t *", {"position_m": [0, 0, 0], "rotation": [1, 0, 0, 0]})
-    assert not lib.hand_history_sample(history, 0, pose), "it is empty"
+    assert not lib.hand_history_sample(history, 0, pose), "the history is empty"
     for tick in range(100, 3000):
         pose.position_m = [tick, 0, 0]
         sign, half_rad = (-1.0) ** tick, 0.0005 * tick
-        pose.rotation = [sign * np.cos(half_rad), 0, 0, sign * np.sin(half_rad)]  # 1 mrad per tick, whatever the sign
+        pose.rotation = [sign * np.cos(half_rad), 0, 0, sign * np.sin(half_rad)]  # 1 mrad per tick, with any sign
         lib.hand_history_push(history, tick * TICK_NS, pose, True)
 
     def at(time_ms):
         return lib.hand_history_sample(history, round(time_ms * TICK_NS), pose) and pose.position_m[0]
 
     assert [at(t) for t in (2400, 2500.25, 2999, 2999.5, 3000)] == pytest.approx([2400, 2500.25, 2999, 2999.5, 3000])
-    assert at(3500) == pytest.approx(3000), "continued for one tick at most"
+    assert at(3500) == pytest.approx(3000), "extrapolated for one tick at most"
     assert at(2500.25) and (rotation(list(pose.rotation)) * Rotation.from_rotvec([0, 0, -2.50025])).magnitude() < 1e-9
     assert at(2000) is False and at(99) is False
 
 
-def test_dropouts_come_at_their_rate_and_change_no_other_sample(dbc):
+def test_dropouts_have_their_rate_and_change_no_other_sample(dbc):
     complete, *_ = play(dbc, legs(), options(seed=5), duration_s=8)
     poses, _, statistics = play(dbc, legs(), options(seed=5, dropout_probability=0.2), duration_s=8)
     assert statistics.lost == sum(not pose["valid"] for _, pose in poses)

@@ -1,4 +1,4 @@
-"""Firmware and plant as two processes on one bus: they work together as in the simulator, lose each other, and find each
+"""Firmware and plant as two processes on one bus: they cooperate as in the simulator, lose each other and find each
 other again, but move only after an explicit re-arm."""
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ NAMES_A_LOSS = {"drive_silent", "drive_error"}
 
 @pytest.fixture(scope="module")
 def waving(tmp_path_factory) -> str:
-    """A scenario in which the hand moves all the time. Its operator would start so late that the test is the one who does."""
+    """A scenario in which the hand moves all the time. Its operator starts so late that the test operates instead."""
     text = PLAIN.read_text()
     to_and_fro = [f"      - {{do: move, to_m: [{0.03 * (i % 2)}, 0, 0], duration_s: 0.5}}\n" for i in range(38)]
     before, rest = text.split("    program:\n")
@@ -60,14 +60,14 @@ def either_bus(tmp_path, request):
 
 
 def begin(bus: Bus, scenario: str, *options: object) -> tuple[subprocess.Popen, subprocess.Popen]:
-    """Plant, then firmware, so that the plant's log begins with the firmware's boot."""
+    """Plant first, then firmware, so that the plant's log begins with the firmware's boot."""
     plant = bus.plant("--scenario", scenario, *options)
-    bus.wait(lambda: "waits for the firmware" in bus.told("plant.out") or plant.poll() is not None, "the plant")
+    bus.wait(lambda: "waits for the firmware" in bus.output("plant.out") or plant.poll() is not None, "the plant")
     return plant, bus.firmware()
 
 
 def cooperate(bus: Bus) -> None:
-    """Until the arm cooperates, and moves. A start that a busy machine spoils is repeated."""
+    """Until the arm cooperates and moves. A start spoilt by a busy machine is repeated."""
     bus.wait_mode("ready", "fault", start=len(bus.frames))
     while True:
         rearm(bus)
@@ -82,7 +82,7 @@ def moves(bus: Bus, start: int) -> bool:
 
 
 def rearm(bus: Bus) -> None:
-    """What a person does: stop, which clears a fault, and start."""
+    """The user's action: stop, which clears a fault, then start."""
     result = ""
     while result != "accepted":
         bus.wait(lambda: bus.command("stop") == "accepted", "the fault's cause is gone")
@@ -92,7 +92,7 @@ def rearm(bus: Bus) -> None:
 
 
 def require_standstill(bus: Bus, start: int) -> None:
-    """From there on: the brakes are closed, and no joint turns by more than the encoder's noise."""
+    """From there on the brakes are closed, and no joint turns by more than the encoder's noise."""
     for joint in range(JOINTS):
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         assert states
@@ -106,21 +106,22 @@ def require_standstill(bus: Bus, start: int) -> None:
 
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def together(tmp_path_factory, request):
-    """A run to its end: its folder, what the tap saw, and what the processes told."""
+    """A complete run: its folder, the frames seen by the tap, and the processes' output."""
     for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("together")
         with Bus(folder, SLOW << attempt, request.param) as bus_:
             if run_to_end(bus_, 4) == 0:
                 break
-    return folder, bus_.frames, bus_.told("firmware.out"), bus_.told("plant.out")
+    return folder, bus_.frames, bus_.output("firmware.out"), bus_.output("plant.out")
 
 
 def run_to_end(bus: Bus, duration_s: float) -> int:
-    """A run on a bus that the firmware joins and leaves. Gives the plant's exit status, with the firmware's found to be 0."""
+    """A run on a bus that the firmware joins and leaves. Checks that the firmware's exit status is 0; returns the
+    plant's."""
     plant, firmware = begin(bus, str(PLAIN), "--duration", duration_s)
     bus.wait(lambda: plant.poll() is not None, "the plant's end")
     firmware.send_signal(signal.SIGTERM)
-    assert firmware.wait() == 0, bus.told("firmware.err")
+    assert firmware.wait() == 0, bus.output("firmware.err")
     return plant.returncode
 
 
@@ -132,12 +133,12 @@ def test_the_arm_follows_as_in_the_simulator(together):
     assert summary["real_time"]["slow"] in [SLOW << attempt for attempt in range(ATTEMPTS)]
     modes = [change["mode"] for change in summary["modes"]]
     after = modes[modes.index("cooperating") + 1 :]
-    # told again with another reason where a machine that is busy for a moment has made the drives seem silent
+    # a new reason is logged if a busy machine makes the drives appear silent for a moment
     assert set(after) == {"ready"}
     assert "forward" in {check["name"] for check in summary["checks"]}, "the hand's displacement is judged"
 
 
-def test_each_says_which_bus_it_is_on(together):
+def test_each_process_names_its_bus(together):
     _, _, firmware, plant = together
     kind = "the kernel's interface" if has_kernel_can() else "the hub "
     assert f"comanip-firmware: {INTERFACE} is {kind}" in firmware
@@ -150,12 +151,12 @@ def test_each_says_which_bus_it_is_on(together):
     assert (
         firmware.count(f"comanip-firmware: times of reception: {stamps}\n") == firmware.count("times of reception") == 1
     )
-    for told in (firmware, plant):
-        assert ("real-time priority" in told) != ("not real-time" in told)
+    for output in (firmware, plant):
+        assert ("real-time priority" in output) != ("not real-time" in output)
 
 
-def test_the_plants_log_is_what_was_on_the_bus(together):
-    """In the bus's order where the kernel sends the plant its own frames back; else each sender's are in their order."""
+def test_the_plants_log_matches_the_bus(together):
+    """In bus order where the kernel sends the plant its own frames back; otherwise each sender's are in order."""
     folder, seen, _, _ = together
     logged = [(frame.frame_id, frame.data) for frame in logged_frames(folder / "plant" / "bus.log")]
     tapped = [(frame.frame_id, frame.data) for frame in seen]
@@ -194,7 +195,7 @@ def test_the_plants_log_replays_byte_for_byte(together):
 
 
 def test_firmware_paused(either_bus, waving):
-    """The drives brake by themselves; the firmware that comes back says what happened and moves nothing."""
+    """The drives brake on their own; the resumed firmware reports the cause and moves nothing."""
     bus = either_bus
     _, firmware = begin(bus, waving, "--duration", 110)
     cooperate(bus)
@@ -220,7 +221,7 @@ def test_firmware_killed_and_started_again(either_bus, waving):
     bus.wait(lambda: is_timed_out(bus, start), "the drives notice")
     require_brake_after_timeout(bus, start)
     stopped = len(bus.frames)
-    bus.wait(lambda: len(bus.since(stopped, "JointState0")) > 50, "the drives go on to tell")
+    bus.wait(lambda: len(bus.since(stopped, "JointState0")) > 50, "the drives keep reporting")
     require_standstill(bus, stopped + len(bus.frames[stopped:]) // 2)
     again = len(bus.frames)
     bus.firmware("firmware_again")
@@ -250,7 +251,8 @@ def test_plant_killed_and_started_again(either_bus, waving):
     plant.kill()
     plant.wait()
     require_stop_of_the_commands(bus, start)
-    assert {mode for mode, _ in bus.statuses_for(1.2)} == {"fault"}  # its tracker's clock is forgotten
+    # the fault remains while the new tracker clock is learnt
+    assert {mode for mode, _ in bus.statuses_for(1.2)} == {"fault"}
     bus.plant("--scenario", waving, "--duration", 110, name="plant_again")
     bus.wait(lambda: is_answered(bus), "the drives answer again")
     assert bus.status()[0] == "fault", "it stays latched"
@@ -258,7 +260,7 @@ def test_plant_killed_and_started_again(either_bus, waving):
 
 
 def require_latched_fault(bus: Bus) -> None:
-    """The fault stays, the arm stands, and the operator can begin anew."""
+    """The fault stays latched, the arm rests, and the operator can start again."""
     assert set(bus.statuses_for(0.1)) == {("fault", bus.status()[1])}
     start = len(bus.frames)
     bus.statuses_for(0.05)
@@ -267,7 +269,7 @@ def require_latched_fault(bus: Bus) -> None:
 
 
 def pause_frames(bus: Bus) -> float:
-    """Of a frame that each tick brings."""
+    """Count of a frame that is sent in each tick."""
     return 1000 * PAUSE_S / bus.message("JointState0").cycle_time
 
 
@@ -281,21 +283,24 @@ def is_answered(bus: Bus) -> bool:
 
 
 def require_brake_after_timeout(bus: Bus, start: int) -> None:
-    """Each drive says that its commands stay away, with its brake closed."""
+    """Each drive reports the missing commands, with its brake closed."""
     for joint in range(JOINTS):
         bus.wait(lambda joint=joint: len(bus.since(start, f"JointState{joint}")) > 15, "JointState")
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         late = [state for state in states if str(state["error"]) == "command_timeout"]
         assert len(late) > 1
-        assert {str(state["mode"]) for state in late[1:]} == {"brake"}  # the first one tells what was found
+        assert {str(state["mode"]) for state in late[1:]} == {"brake"}  # the first one reports the state found
 
 
 def require_stop_of_the_commands(bus: Bus, start: int) -> None:
-    """The firmware names the cause; its commands run out at the allowed deceleration, and then say brake."""
+    """The firmware names the cause; its commands ramp down at the allowed deceleration and then command the brake."""
     bus.wait_mode("fault", start=start)
     assert bus.status()[1] in NAMES_A_LOSS
-    faulted = next(i for i, f in enumerate(bus.frames[start:], start) if f.name == bus.message("FirmwareStatus").name and
-                   str(f.decode()["mode"]) == "fault")  # fmt: skip
+    faulted = next(
+        i
+        for i, f in enumerate(bus.frames[start:], start)
+        if f.name == bus.message("FirmwareStatus").name and str(f.decode()["mode"]) == "fault"
+    )
     bus.wait(
         lambda: any(str(command["mode_0"]) == "brake" for command in bus.commands(faulted, JOINTS)[-1:]),
         "the brake command",
@@ -311,25 +316,25 @@ def require_stop_of_the_commands(bus: Bus, start: int) -> None:
 
 
 @pytest.mark.skipif(has_kernel_can(), reason="the kernel's bus has no hub")
-def test_a_hub_that_ends_and_comes_back(bus, tmp_path):
+def test_a_hub_that_ends_and_returns(bus, tmp_path):
     process = bus.firmware()
     bus.wait_mode("idle")
     bus.hub.kill()
     bus.hub.wait()
-    bus.wait(lambda: f"comanip-firmware: {INTERFACE}: lost: " in bus.told("firmware.err"), "the report")
+    bus.wait(lambda: f"comanip-firmware: {INTERFACE}: lost: " in bus.output("firmware.err"), "the report")
     with Bus(tmp_path) as again:
         again.wait(lambda: again.since(0, "JointCmd"), "commands again")
         assert again.command("select") == "accepted"
         process.send_signal(signal.SIGTERM)
         assert process.wait() == 0
-    told = bus.told("firmware.err")
-    assert told.count("lost: ") == 1
-    assert f"comanip-firmware: {INTERFACE}: back\n" in told
-    assert f"comanip-firmware: {INTERFACE}: 1 times without the bus\n" in told
+    output = bus.output("firmware.err")
+    assert output.count("lost: ") == 1
+    assert f"comanip-firmware: {INTERFACE}: back\n" in output
+    assert f"comanip-firmware: {INTERFACE}: 1 times without the bus\n" in output
 
 
 @pytest.mark.skipif(has_kernel_can(), reason="the kernel lets no such packets through")
-def test_malformed_packets_are_left_alone(bus):
+def test_malformed_packets_are_ignored(bus):
     process = bus.firmware()
     bus.wait_mode("idle")
     command_id = DBC.get_message_by_name("OperatorCommand").frame_id
@@ -338,8 +343,8 @@ def test_malformed_packets_are_left_alone(bus):
     assert bus.command("select") == "accepted"
     process.send_signal(signal.SIGTERM)
     assert process.wait() == 0
-    assert "foreign" not in bus.told("firmware.err"), "the hub passes none of them on"
-    assert bus.told("hub.err"), "and says so"
+    assert "foreign" not in bus.output("firmware.err"), "the hub passes none of them on"
+    assert bus.output("hub.err"), "and reports it"
 
 
 @pytest.mark.parametrize("program", [FIRMWARE, PLANT])
@@ -348,15 +353,21 @@ def test_a_hub_in_a_folder_that_others_may_write_to_is_not_trusted(tmp_path, pro
         listener.bind(str(tmp_path / "theirs"))
         listener.listen()
         tmp_path.chmod(0o777)
-        done = subprocess.run([program, "--can", "theirs"], capture_output=True, text=True, check=False, timeout=PATIENCE_S,
-                              env={"COMANIP_HUB_DIR": str(tmp_path)})  # fmt: skip
+        done = subprocess.run(
+            [program, "--can", "theirs"],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE_S,
+            env={"COMANIP_HUB_DIR": str(tmp_path)},
+        )
     assert done.returncode == 2
     expected = f"{tmp_path}: expected a folder that only its owner, you or root, may write to\n"
     assert done.stderr == f"{program.name}: {expected}"
 
 
 def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
-    """The port around a firmware of the test's that stops coming round: the process ends, and says why."""
+    """The port with a test firmware that stops looping: the process ends and reports why."""
     main = tmp_path / "hanging.c"
     main.write_text(
         '#include "hal/hal.h"\n#include "firmware/main.h"\n'
@@ -382,12 +393,13 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
         main,
     ]
     subprocess.run(
-        ["gcc", "-std=c11", "-O1", "-D_DEFAULT_SOURCE", "-pthread", f"-I{REPOSITORY}", f"-I{REPOSITORY}/build/generated",
+        ["gcc", "-std=c11", "-O1", "-D_DEFAULT_SOURCE", "-pthread", f"-I{REPOSITORY}",
+         f"-I{REPOSITORY}/build/generated",
          *map(str, sources), "-lm", "-o", str(program)], check=True,
     )  # fmt: skip
     process = bus.firmware("hanging", program)
     assert process.wait(timeout=PATIENCE_S) == 1
-    assert bus.told("hanging.err") == "comanip-firmware: panic: watchdog: not fed by the firmware for 10 ms\n"
+    assert bus.output("hanging.err") == "comanip-firmware: panic: watchdog: not fed by the firmware for 10 ms\n"
 
 
 @pytest.mark.parametrize("program", [FIRMWARE, PLANT])
@@ -405,9 +417,16 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
         (["--can", "vcan0", "x\x1b[2Jy"], "x?[2Jy"),
     ],
 )
-def test_wrong_use_is_one_clear_line(program, arguments, expected, tmp_path):
-    done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False, timeout=PATIENCE_S, cwd=tmp_path,
-                          env={"COMANIP_HUB_DIR": "/nowhere"})  # fmt: skip
+def test_wrong_use_gives_one_clear_line(program, arguments, expected, tmp_path):
+    done = subprocess.run(
+        [program, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+        cwd=tmp_path,
+        env={"COMANIP_HUB_DIR": "/nowhere"},
+    )
     assert done.returncode == 2
     assert expected in done.stderr
     assert done.stderr.count("\n") == 1

@@ -75,7 +75,7 @@ def water_in(cup, particles, glass=None, glass_m=(0.0, 0.0, 0.0), radius_m=RADIU
 
 
 def tilt(degrees, direction_rad=0.0):
-    """Opening towards (cos, sin) of the direction."""
+    """Opens towards (cos, sin) of the direction."""
     axis = np.array([-np.sin(direction_rad), np.cos(direction_rad), 0.0])
     return Rotation.from_rotvec(np.radians(degrees) * axis)
 
@@ -101,8 +101,8 @@ def shell_distance(cup, points) -> np.ndarray:
     return np.array([np.hypot(*(line - p).T).min() for p in profile]) - half
 
 
-def test_contacts_with_the_shell():
-    """Deepest contact = sampled distance; the point lies on the shell, the normal leads from it to the centre."""
+def test_contacts_with_the_cups_shell():
+    """Deepest contact = sampled distance; the point lies on the shell, the normal points from it to the centre."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     points = np.random.default_rng(1).uniform([-0.035, -0.035, -0.012], [0.035, 0.035, 0.055], (250, 3))
@@ -121,8 +121,9 @@ def test_contacts_with_the_shell():
     assert touched > 30
 
 
-def test_inner_size_is_the_cups():
-    """A sphere that just fits between axis and wall, and one on the bottom, touch with depth 0; corner: both."""
+def test_inner_size_matches_the_cup():
+    """A sphere that just fits between axis and wall, and one on the bottom, touch with depth 0; in the corner both
+    do."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     assert lib.cup_touch(cup, [0.0199, 0.0, 0.0051], RADIUS_M, contact) == 0
@@ -134,12 +135,12 @@ def test_inner_size_is_the_cups():
     ("rho_mm", "z_mm", "inside", "left"),
     [
         (0, 20, True, False), (25, 45, True, False), (25.1, 20, False, False),  # in the wall, still in
-        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # beyond the wall: below the rim, on it
+        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: below the rim, and on it
         (0, 56.9, False, False), (0, 57.1, False, True), (0, -11.9, False, False), (0, -12.1, False, True),
         (33, 53, False, False), (34, 54, False, True),  # 11.3 and 12.7 mm from the edge of the opening
     ],
 )  # fmt: skip
-def test_when_a_particle_is_in_and_when_it_has_left(rho_mm, z_mm, inside, left):
+def test_particle_inside_and_left(rho_mm, z_mm, inside, left):
     """Diameter and wall are 12 mm."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", CUP)
@@ -166,7 +167,7 @@ def test_filled_and_at_rest(cup, particles):
         assert water.radius_m.mean() == pytest.approx(RADIUS_M, rel=0.2)
 
 
-def test_what_does_not_fit_is_refused():
+def test_too_many_particles_are_refused():
     with water_in(CUP, 150) as water:  # 79 cm3 of spheres in 88 cm3: denser than any packing
         assert water is None
     with water_in(CUP, 3, radius_m=0.03) as water:
@@ -180,8 +181,8 @@ def centre_of_mass(water):
     return np.average(water.positions(), axis=0, weights=water.mass_kg)
 
 
-def test_particles_keep_their_momentum():
-    """The cup is gone, the packed heap bursts apart: the centre of mass keeps to the parabola, whatever pushes whom."""
+def test_particles_conserve_momentum():
+    """The cup disappears and the packed heap bursts apart: the centre of mass follows the parabola."""
     with water_in(CUP, 72) as water:
         away = START_M - [0.0, 0.0, 0.3]
         path = [centre_of_mass(water)]
@@ -194,7 +195,7 @@ def test_particles_keep_their_momentum():
         assert np.abs(acceleration - [0.0, 0.0, -G]).max() < 1e-6
 
 
-def test_one_particle_falls_as_galilei_says():
+def test_one_particle_falls_as_galileo_predicts():
     with water_in(CUP, 1) as water:
         away = START_M - [0.0, 0.0, 0.3]
         start = water.positions()[0]
@@ -206,7 +207,7 @@ def test_one_particle_falls_as_galilei_says():
 
 
 def test_nothing_bounces():
-    """A particle falls by 40 mm onto the bottom, at 0.89 m/s: no rebound beyond 2 % of that, and no passing through."""
+    """A particle falls by 40 mm onto the bottom, at 0.89 m/s: it rebounds by at most 2 %, and does not pass through."""
     with water_in(CUP, 1) as water:
         lower = START_M - [0.0, 0.0, 0.040]
         height_m = []
@@ -221,7 +222,7 @@ def test_nothing_bounces():
 
 
 def test_energy_never_grows_in_a_still_cup():
-    """It stops dead from 0.16 m/s. What contacts store and give back: 1 % of the heap's potential energy is allowed."""
+    """It stops abruptly from 0.16 m/s. Contacts may store and return 1 % of the heap's potential energy."""
     with water_in(CUP, 72) as water:
         for i in range(1, 101):
             water.step(START_M + [0.005 * np.sin(np.pi * i / 100), 0.0, 0.0])
@@ -255,8 +256,8 @@ def test_nothing_leaks_from_a_shaken_cup():
         assert water.counts().in_robot_cup == 50
 
 
-def test_walls_carry_what_they_push():
-    """The cup rises at 0.5 m/s, reached within 50 ms: the bottom takes all particles along."""
+def test_walls_carry_the_particles():
+    """The cup rises at 0.5 m/s, reached within 50 ms: the bottom lifts all particles."""
     with water_in(CUP, 60) as water:
         for i in range(1, 401):
             t = i * TICK_S
@@ -273,7 +274,7 @@ def test_walls_carry_what_they_push():
 
 @functools.cache
 def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
-    """Share of a liquid of level fill_m that a tilted cylinder keeps: what is below the lip."""
+    """Share of a liquid of level fill_m that stays in a tilted cylinder: the part below the lip."""
     rho, angle = np.meshgrid(np.linspace(0, radius_m, 400), np.linspace(0, 2 * np.pi, 360, endpoint=False))
     x = rho * np.cos(angle)
     t = np.radians(degrees)
@@ -284,8 +285,8 @@ def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
 
 
 def require_kept_as_a_liquid(water, cup, degrees, fill_m):
-    """Never less than a liquid of level fill_m; at most what one keeps whose surface stands 15 degrees steep behind a rim
-    that is a particle's diameter higher. Tolerance: six particles."""
+    """At least as much as a liquid of level fill_m; at most as much as one whose surface is 15 degrees steep behind a
+    rim that is a particle's diameter higher. Tolerance: six particles."""
     radius_m, height_m = cup["radius_m"], cup["height_m"]
     kept = water.counts().in_robot_cup / water.count
     least = liquid_left(radius_m, height_m, fill_m, degrees)
@@ -298,7 +299,7 @@ def level_m(water) -> float:
 
 
 @pytest.mark.parametrize(("cup", "particles", "degrees"), [(CUP, 72, 39), (CUP, 72, 55), (CUP, 72, 70), (BOWL, 84, 39)])
-def test_tilted_cup_keeps_what_a_liquid_would(cup, particles, degrees):
+def test_tilted_cup_keeps_as_much_as_a_liquid(cup, particles, degrees):
     with water_in(cup, particles) as water:
         fill_m = level_m(water)
         pour(water, degrees, direction_rad=0.3)
@@ -306,8 +307,9 @@ def test_tilted_cup_keeps_what_a_liquid_would(cup, particles, degrees):
 
 
 @pytest.mark.parametrize(("cup", "particles", "degrees"), [(CUP, 72, 70), (BOWL, 84, 39)])
-def test_what_rests_stays_at_rest_and_pours_when_tilted(cup, particles, degrees):
-    """Once settled, within a thousandth of its radius over a second; then it flows as any."""
+def test_settled_water_stays_at_rest_and_pours_when_tilted(cup, particles, degrees):
+    """Once settled, particles move less than a thousandth of their radius in a second; when tilted, they flow
+    normally."""
     with water_in(cup, particles) as water:
         for _ in range(1000):
             water.step()
@@ -320,14 +322,14 @@ def test_what_rests_stays_at_rest_and_pours_when_tilted(cup, particles, degrees)
         assert water.counts().left_robot_cup > 0.2 * particles
 
 
-def test_upside_down_nothing_is_kept():
+def test_an_upside_down_cup_empties():
     with water_in(CUP, 72) as water:
         pour(water, 120, hold_s=0.5)
         count = water.counts()
         assert (count.in_robot_cup, count.in_person_cup, count.elsewhere) == (0, 0, 72)
 
 
-def test_spilt_water_lies_where_it_fell():
+def test_spilt_water_stays_where_it_fell():
     with water_in(CUP, 30) as water:
         pour(water, 180, tilt_s=0.5, hold_s=1.0)
         lying = water.positions()
@@ -352,7 +354,7 @@ def test_step_size_does_not_matter():
 
 @pytest.mark.parametrize("direction", [0.0, 1.0, 2.5])
 def test_poured_into_a_wider_cup(direction):
-    """Its rim 30 mm below the lip, its axis 16 mm beyond: all that leaves lands in it."""
+    """Its rim 30 mm below the lip, its axis 16 mm beyond: all leaving particles land in it."""
     lip_m = 0.0398  # of the bowl at 39 degrees, beside its frame; the frame stays, so the lip sinks to -0.0065
     beyond = (lip_m + 0.016) * np.array([np.cos(direction), np.sin(direction)])
     glass_m = [*(START_M[:2] + beyond), START_M[2] - 0.0065 - 0.030 - GLASS["height_m"]]
@@ -374,7 +376,7 @@ def poured_bytes(disturb):
         return water.positions().tobytes()
 
 
-def test_same_bits_whatever_else_pours():
+def test_other_water_does_not_change_the_bits():
     def other_water():
         with water_in(CUP, 20) as other:
             pour(other, 50, tilt_s=0.2, hold_s=0.0)

@@ -1,18 +1,21 @@
-# `make bench`: the program that runs the ticks. Included by the Makefile, which defines BUILD, GENERATED and CORE_CFLAGS.
+# `make bench`: the program that runs the ticks. Included by the Makefile, which defines BUILD, GENERATED and
+# CORE_CFLAGS.
 
 BENCH := $(BUILD)/bench
-# For the shell, since it does not exist before the installation.
+# A shell pattern, since the folder does not exist before the installation.
 BENCH_SITE := $(VENV)/lib/python3*/site-packages
 BENCH_ARMS := six seven
 
-# For the same processor in all; ours else as the product is compiled. EIGEN_MAX_ALIGN_BYTES as in Debian's KDL; BOOST_MPL as in Pinocchio's CMake files.
+# The same processor for all contenders; ours is otherwise compiled as the product is. EIGEN_MAX_ALIGN_BYTES as in
+# Debian's KDL; BOOST_MPL as in Pinocchio's CMake files.
 BENCH_PROCESSOR := -march=x86-64-v3
 BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG $(BENCH_PROCESSOR) -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
-    -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS -isystem $(BENCH_SITE)/cmeel.prefix/include \
+    -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
+    -isystem $(BENCH_SITE)/cmeel.prefix/include \
     -isystem $(BENCH_SITE)/mujoco/include -isystem /usr/include/eigen3
 BENCH_C := $(wildcard firmware/maths/*.c firmware/arms/*.c firmware/control/arms/*.c) tests/bench/tick.c \
-    $(addprefix firmware/control/,arm_ik.c cooperation.c differential_ik.c differential_ik_general.c differential_ik_isotropic.c \
-    joints_at_limit.c position_priority.c task.c)
+    $(addprefix firmware/control/,arm_ik.c cooperation.c differential_ik.c differential_ik_general.c \
+    differential_ik_isotropic.c joints_at_limit.c position_priority.c task.c)
 BENCH_WRITTEN := $(BENCH_ARMS:%=$(BENCH)/arms/%.c) $(BENCH_ARMS:%=$(BENCH)/control/arms/%_ik.c)
 BENCH_OBJECTS := $(BENCH_C:%.c=$(BENCH)/%.o) $(BENCH_WRITTEN:.c=.o) \
     $(patsubst tests/bench/%.cpp,$(BENCH)/%.cpp.o,$(wildcard tests/bench/*.cpp))
@@ -20,7 +23,7 @@ BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind
 
 $(VENV)/.installed-bench: tests/bench/requirements.txt | deps
 	@host_tools/apt-install.sh "make bench" $(BENCH_PACKAGES)
-	@echo "comanip: installing the programs that make bench compares with into $(VENV)/"
+	@echo "comanip: installing the libraries for the comparison of make bench into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
@@ -29,18 +32,20 @@ $(BENCH)/arms/%.c $(BENCH)/control/arms/%_ik.c: tests/bench/arms/%.toml $(wildca
 	@cp $< $(BENCH)/arms
 	$(Q)$(PYTHON) -m comanip_dev.arms.codegen $(BENCH)/arms/$*.toml >/dev/null
 
-.SECONDARY: $(BENCH_WRITTEN) # kept after they have been compiled
+.SECONDARY: $(BENCH_WRITTEN) # kept after compilation
 BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH)/control/arms -Ifirmware/arms -Ifirmware/control/arms
 $(BENCH)/%.o: $(BENCH)/%.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES)
 	@echo "  CC $<"
 	$(Q)$(BENCH_CC) -c $< -o $@
 
-$(BENCH)/%.o: %.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_WRITTEN) tests/bench/tick.h
+$(BENCH)/%.o: %.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES) $(GENERATED)/.generated $(BENCH_WRITTEN) \
+    tests/bench/tick.h
 	@mkdir -p $(@D)
 	@echo "  CC $<"
 	$(Q)$(BENCH_CC) -c $< -o $@
 
-$(BENCH)/%.cpp.o: tests/bench/%.cpp tests/bench/bench.mk $(wildcard tests/bench/*.h tests/bench/*.hpp) $(VENV)/.installed-bench
+$(BENCH)/%.cpp.o: tests/bench/%.cpp tests/bench/bench.mk $(wildcard tests/bench/*.h tests/bench/*.hpp) \
+    $(VENV)/.installed-bench
 	@mkdir -p $(@D)
 	@echo "  CXX $<"
 	$(Q)g++ $(BENCH_CXXFLAGS) -c $< -o $@

@@ -1,10 +1,12 @@
-"""``make bench``: our tick beside those of Pinocchio, Orocos KDL, MuJoCo and dqrobotics, and the simulator's speed.
+"""``make bench``: compares our tick with those of Pinocchio, Orocos KDL, MuJoCo and dqrobotics; measures the simulator.
 
-``bench.py BUILD``. One tick: Algorithm 1's loop body, kinematics, Jacobian and law (4); contender.hpp. First the contenders must agree
-with the paper's equations in double (dqrobotics, numpy) on the joints' velocity. Then they run in turn, round after round, each with
-its own angles fed back; medians of the rounds, with the tenth and the ninetieth percentile. Instructions are callgrind's, the
-difference of two runs. Prints a table, draws BUILD/reports/bench.png, writes BUILD/reports/bench.json. Exit status 1 if contenders
-disagree, ours takes from the heap, or a ratio that was asked for is missed. The host's figures say nothing of a microcontroller.
+``bench.py BUILD``. One tick is Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4); see
+contender.hpp. First the joint velocities of all contenders are checked against the paper's equations in double
+(dqrobotics, numpy). Then the contenders run in turn, round after round, each feeding back its own angles. The table
+gives the median of the rounds and the 10th and 90th percentiles. Instructions are counted by callgrind, as the
+difference of two runs. Prints a table, draws BUILD/reports/bench.png and writes BUILD/reports/bench.json. Exit status 1
+if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do
+not apply to a microcontroller.
 """
 
 from __future__ import annotations
@@ -45,21 +47,24 @@ CALLGRIND_TICKS = 1000
 DQROBOTICS_TICKS = 200
 OURS = ("comanip, specialised", "comanip, table")
 OWN_LAW = "KDL, wdls"
-ASKED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # times as long as ours, specialised
-WORK = """The same in all: the inputs; Algorithm 1; law (4) as (J^T W J + lambda I)^-1 J^T W K e with the default K, W and lambda;
--march=x86-64-v3. Different:
-- comanip is float32 and compiled as the product is (-O2, no contraction), the peers double (Pinocchio float, too) with -O3. Its table
-  is read at run time, as the peers' models; specialised is the C that `make arms` writes for one arm.
-- Pinocchio, KDL and MuJoCo give their 6 x n Jacobian; law (4) on it is written in Eigen, with n known at compile time.
-- KDL's wdls has a law of its own on the twist, by SVD. It aborts below 6 joints: n = 4 has two locked joints more.
-- MuJoCo also computes the bodies' centres of mass, which its Jacobian wants.
-- dqrobotics is called from Python, with numpy for the solution; what its calls cost by themselves is told below each table.
-- KDL and MuJoCo are libraries as Debian and PyPI ship them; Pinocchio's templates are compiled here."""
+REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # required: times as long as our specialised tick
+WORK = """All contenders: the same inputs; Algorithm 1; control law (4) as (J^T W J + lambda I)^-1 J^T W K e with the
+default K, W and lambda; -march=x86-64-v3. Differences:
+- comanip is float32 and compiled as the product is (-O2, no contraction). The peers use double (Pinocchio float as
+  well) and -O3. "table" reads the arm's table at run time, as the peers read their models; "specialised" is the C that
+  `make arms` generates for one arm.
+- Pinocchio, KDL and MuJoCo compute their 6 x n Jacobian; control law (4) on top of it is written in Eigen, with n known
+  at compile time.
+- KDL's wdls applies its own control law to the twist, by SVD. It aborts below 6 joints, so n = 4 has two extra locked
+  joints.
+- MuJoCo also computes the centres of mass of the bodies, which its Jacobian needs.
+- dqrobotics is called from Python, with numpy for the solution; the cost of the calls alone is below each table.
+- KDL and MuJoCo are the libraries shipped by Debian and PyPI; Pinocchio's templates are compiled here."""
 
 
 @dataclass
 class Case:
-    """An arm, and the inputs for it; `model`: the file for the program."""
+    """An arm and its inputs. `model` is the file for the program."""
 
     n: int
     arm: arm_description.Arm
@@ -73,7 +78,7 @@ class Case:
 
 
 def kinematics(arm: arm_description.Arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The hand's pose (8,) and its Jacobian (8, n), by the product of the joints' poses in double."""
+    """Pose (8,) and Jacobian (8, n) of the end effector: the product of the joint poses in double."""
     left = [oracle.pose([1.0, 0, 0, 0], np.zeros(3))]
     for fixed, angle in zip(arm.fixed, q, strict=True):
         joint = oracle.multiply(left[-1], oracle.pose(fixed.rotation, fixed.translation_m))
@@ -85,7 +90,10 @@ def kinematics(arm: arm_description.Arm, q: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def single(values: np.ndarray) -> np.ndarray:
-    """Rounded to float32, so that all get the same. (A rotation is unit in double: in float32 the peers would disagree about it.)"""
+    """Rounds to float32, so that all contenders get the same input.
+
+    A rotation that is unit in double is not unit in float32, and the peers treat that differently.
+    """
     return np.asarray(values, np.float32).astype(float)
 
 
@@ -95,7 +103,7 @@ def row(rotation: np.ndarray, translation: np.ndarray) -> str:
 
 def make_case(n: int, folder: Path, rng: np.random.Generator) -> Case:
     arm = arm_description.read(ARMS[n])
-    turn = 2 * np.pi * np.arange(HANDS) / HANDS  # a second of one closed movement of the hand
+    turn = 2 * np.pi * np.arange(HANDS) / HANDS  # one closed hand movement lasts a second
     rotations = oracle.rotation(np.stack([np.sin(turn), np.cos(turn), 0 * turn + 0.5], axis=1), 0.4 * np.sin(2 * turn))
     places = single(
         np.stack([0.06 * np.sin(turn), 0.05 * np.sin(2 * turn), 0.04 - 0.04 * np.cos(turn)], axis=1) + [0.4, -0.2, 0.9]
@@ -123,7 +131,7 @@ def make_case(n: int, folder: Path, rng: np.random.Generator) -> Case:
 
 
 def law_in_double(case: Case) -> np.ndarray:
-    """(STATES, n): the joints' velocity by the paper's equations."""
+    """Joint velocities (STATES, n) by the paper's equations."""
     targets = np.array([case.algorithm.target(oracle.unit(hand)) for hand in case.hands[:STATES]])
     poses, jacobians = zip(*(kinematics(case.arm, q) for q in case.states), strict=True)
     weight = np.repeat(WEIGHT, 4)
@@ -143,7 +151,7 @@ def run(command: list[object]) -> str:
 
 
 def rows(output: str) -> dict[str, list[list[float]]]:
-    """Of the program's lines, those of each contender."""
+    """Groups the program's output lines by contender."""
     found: dict[str, list[list[float]]] = {}
     for line in output.splitlines():
         name, *values = line.split("\t")
@@ -152,24 +160,27 @@ def rows(output: str) -> dict[str, list[list[float]]]:
 
 
 def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str]]:
-    """Of each contender the largest difference from double, relative to max(1, |u|, K / 10); and what is beyond its bound."""
+    """The largest difference from double of each contender, relative to max(1, |u|, K / 10), and the differences beyond
+    the bound."""
     expected = law_in_double(case)
     scale = np.maximum(np.maximum(1.0, GAIN / 10), np.linalg.norm(expected, axis=1, keepdims=True))
-    found, told = {}, []
+    found, complaints = {}, []
     peer = Dqrobotics(case)
     answers = rows(run([program, case.model, "check"]))
     answers[peer.name] = [list(peer.velocity(q, hand)) for q, hand in zip(case.states, peer.hands)]
     for name, values in answers.items():
         found[name] = float((np.abs(np.array(values) - expected) / scale).max())
-        single_precision = name in OURS or name.endswith("float")  # then as tests/test_differential_ik.py
+        single_precision = name in OURS or name.endswith("float")  # bound of tests/test_differential_ik.py
         bound = max(5e-5, 5e-8 * max(4, *WEIGHT) / DAMPING) if single_precision else 1e-9
         if name != OWN_LAW and not found[name] <= bound:
-            told.append(f"n = {case.n}: {name} is {found[name]:.2g} from the equations in double, bound {bound:.2g}")
-    return found, told
+            complaints.append(
+                f"n = {case.n}: {name} is {found[name]:.2g} from the equations in double, bound {bound:.2g}"
+            )
+    return found, complaints
 
 
 def instructions(case: Case, program: Path, name: str) -> float:
-    """Per tick, by callgrind: what so many ticks more cost."""
+    """Instructions per tick, counted by callgrind: the cost of CALLGRIND_TICKS further ticks."""
     counts = []
     for ticks in (CALLGRIND_TICKS, 2 * CALLGRIND_TICKS):
         out = case.model.with_suffix(f".{name.replace(' ', '').replace(',', '-')}.{ticks}")
@@ -184,7 +195,7 @@ def instructions(case: Case, program: Path, name: str) -> float:
 
 
 class Dqrobotics:
-    """The same tick in DQ and numpy, n x n."""
+    """The same tick in DQ and numpy, with n x n matrices."""
 
     name = "dqrobotics, from Python"
 
@@ -197,7 +208,7 @@ class Dqrobotics:
         self.axis = DQ([0, 0, 0, 0.5, 0, 0, 0, 0])
         self.hands = [DQ(oracle.unit(hand)) for hand in case.hands]
         self.weight = np.repeat(WEIGHT, 4)
-        self.calls = 11 + 9 * case.n  # of the library, per tick
+        self.calls = 11 + 9 * case.n  # library calls per tick
 
     def velocity(self, q: np.ndarray, hand: DQ) -> np.ndarray:
         motion = self.algorithm.hand_start.conj() * hand
@@ -225,7 +236,7 @@ class Dqrobotics:
         return (time.perf_counter_ns() - begin_ns) / ticks
 
     def call_ns(self, calls: int = 20_000) -> float:
-        """A call of the library that computes next to nothing: what Python and the binding take for each."""
+        """Duration of a library call that computes next to nothing: the overhead of Python and the binding per call."""
         begin_ns = time.perf_counter_ns()
         for _ in range(calls):
             self.axis.conj()
@@ -236,7 +247,7 @@ class Dqrobotics:
 
 
 def times_ours(times: dict[str, list[float]], name: str) -> float:
-    """The median of the rounds' ratios: what disturbs a round disturbs both."""
+    """The median of the ratios per round: a disturbance of a round affects both sides."""
     return float(np.median(np.array(times[name]) / np.array(times[OURS[0]])))
 
 
@@ -246,7 +257,7 @@ def summary(values: list[float]) -> dict[str, float]:
 
 
 def measure(case: Case, program: Path) -> dict[str, dict]:
-    """Of each contender: ns and heap allocations per tick, instructions per tick."""
+    """For each contender: ns, heap allocations and instructions per tick."""
     peer = Dqrobotics(case)
     times: dict[str, list[float]] = {}
     heap: dict[str, float] = {}
@@ -264,21 +275,21 @@ def measure(case: Case, program: Path) -> dict[str, dict]:
 
 
 def missed(n: int, found: dict[str, dict]) -> list[str]:
-    """A line for each ratio that is less than was asked for, and for what takes from the heap."""
-    told = []
-    for name, asked in ASKED.items():
+    """A line for each ratio below its required value, and for each of our contenders that allocates from the heap."""
+    complaints = []
+    for name, required in REQUIRED.items():
         ratio = found[name]["times_ours"]
-        if ratio < asked:
-            told.append(f"n = {n}: {name} takes {ratio:.1f} times as long as ours, asked {asked:g}")
-    told += [
-        f"n = {n}: {name} takes {found[name]['heap_allocations']:g} times a tick from the heap"
+        if ratio < required:
+            complaints.append(f"n = {n}: {name} takes {ratio:.1f} times as long as ours, required {required:g}")
+    complaints += [
+        f"n = {n}: {name}: {found[name]['heap_allocations']:g} heap allocations per tick"
         for name in OURS
         if found[name]["heap_allocations"]
     ]
-    return told
+    return complaints
 
 
-# ---- what is printed and drawn
+# ---- output
 
 
 def show(results: dict[int, dict[str, dict]], console: Console) -> None:
@@ -301,9 +312,7 @@ def show(results: dict[int, dict[str, dict]], console: Console) -> None:
             )
         console.print(table)
         overhead = found[Dqrobotics.name]["calls_overhead_ns"]
-        print(
-            f"Of dqrobotics' time, about {overhead:.0f} ns are what as many calls from Python take that do nothing.\n"
-        )
+        print(f"Of dqrobotics' time, about {overhead:.0f} ns are the overhead of the calls from Python.\n")
     print(WORK)
 
 
@@ -321,9 +330,9 @@ def draw(results: dict[int, dict[str, dict]], path: Path) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.grid(axis="x", alpha=0.3)
     axes.set_axisbelow(True)
-    axes.set_title("Algorithm 1, kinematics and law (4): our tick and its peers'")
+    axes.set_title("Algorithm 1, kinematics and control law (4): our tick and its peers")
     axes.invert_yaxis()
-    axes.set_xlabel("one tick on this machine [ns], median, 10 % to 90 % of the rounds")
+    axes.set_xlabel("one tick on this machine [ns], median, 10th to 90th percentile")
     axes.legend()
     figure.savefig(path, dpi=150)
     plt.close(figure)
@@ -335,26 +344,26 @@ def main(argv: list[str]) -> int:
     reports.mkdir(parents=True, exist_ok=True)
     program = folder / "ticks"
     cases = [make_case(n, folder, np.random.default_rng(n)) for n in ARMS]
-    differences, told = {}, []
+    differences, complaints = {}, []
     for case in cases:
         differences[case.n], beyond = disagreements(case, program)
-        told += beyond
-    if told:  # figures of something else than was meant
-        print("\n".join(f"make bench: {line}" for line in told), file=sys.stderr)
+        complaints += beyond
+    if complaints:  # the contenders do not compute the same thing
+        print("\n".join(f"make bench: {line}" for line in complaints), file=sys.stderr)
         return 1
     results = {case.n: measure(case, program) for case in cases}
     for case in cases:
         for name, figures in results[case.n].items():
             figures["from_double"] = differences[case.n][name]
-        told += missed(case.n, results[case.n])
+        complaints += missed(case.n, results[case.n])
     show(results, Console(width=120))
     draw(results, reports / "bench.png")
     speeds, slow = simulator_speed.measure()
     report = {"ticks": {f"n_{n}": found for n, found in results.items()}, "simulated_over_wall_time": speeds}
     (reports / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
-    for line in told:
+    for line in complaints:
         print(f"make bench: {line}", file=sys.stderr)
-    return bool(told) or slow
+    return bool(complaints) or slow
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// Orocos KDL: forward kinematics and Jacobian with law (4) by LDL^T; and with its own law, damped least squares by SVD.
+// Orocos KDL: forward kinematics and Jacobian, with control law (4) by LDL^T, and with KDL's damped least squares.
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainiksolvervel_wdls.hpp>
@@ -18,7 +18,8 @@ KDL::Chain chain_of(const Model &model, int joints) {
     KDL::Chain chain;
     chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), frame(model.fixed[0])));
     for (int i = 0; i < model.n; i++) {
-        chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ), frame(i + 1 < model.n ? model.fixed[i + 1] : model.effector)));
+        chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ),
+                                      frame(i + 1 < model.n ? model.fixed[i + 1] : model.effector)));
     }
     for (int i = model.n; i < joints; i++) {
         chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ)));
@@ -27,7 +28,8 @@ KDL::Chain chain_of(const Model &model, int joints) {
 }
 
 template <int N> struct Kinematics {
-    explicit Kinematics(const Model &model) : chain_(chain_of(model, N)), fk_(chain_), jac_(chain_), q_(N), jacobian_(N) {}
+    explicit Kinematics(const Model &model)
+        : chain_(chain_of(model, N)), fk_(chain_), jac_(chain_), q_(N), jacobian_(N) {}
 
     void update(const double q[]) {
         q_.data = Eigen::Map<const Eigen::Matrix<double, N, 1>>(q);
@@ -59,13 +61,14 @@ template <int N> struct SameLaw {
     }
 };
 
-// The twist that closes the error, scaled by gain and weights, through ChainIkSolverVel_wdls: what a KDL user does. That solver takes
-// a block of 6 x 6 of its matrix of 6 x n, and aborts below 6 joints: a shorter arm gets joints at its hand that are locked.
+// The twist that closes the error, scaled by gain and weights, through ChainIkSolverVel_wdls, as a KDL user would do.
+// That solver takes a 6 x 6 block of its 6 x n matrix and aborts below 6 joints: a shorter arm gets locked joints at
+// its end effector.
 class DampedLeastSquares : public Contender {
   public:
     explicit DampedLeastSquares(const Model &model)
-        : model_(model), joints_(std::max(model.n, 6)), chain_(chain_of(model, joints_)), fk_(chain_), solver_(chain_), q_(joints_),
-          u_(joints_) {
+        : model_(model), joints_(std::max(model.n, 6)), chain_(chain_of(model, joints_)), fk_(chain_), solver_(chain_),
+          q_(joints_), u_(joints_) {
         solver_.setLambda(std::sqrt(model.damping));
         Eigen::MatrixXd unlocked = Eigen::MatrixXd::Zero(joints_, joints_);
         unlocked.topLeftCorner(model.n, model.n).setIdentity();

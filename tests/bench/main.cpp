@@ -1,6 +1,6 @@
-// ticks MODEL check            velocities of each contender in each of the model's states, a line each
+// ticks MODEL check            velocities of each contender in each of the model's states, one line each
 // ticks MODEL time TICKS       ns and heap allocations per tick of each contender, one after the other
-// ticks MODEL run TICKS NAME   only that: for callgrind
+// ticks MODEL run TICKS NAME   only the named contender, for callgrind
 #include <time.h>
 
 #include <cstdio>
@@ -10,7 +10,7 @@
 
 #include "contender.hpp"
 
-// Every way to the heap in this process passes here.
+// Counts all heap allocations of this process.
 static long allocations;
 
 extern "C" {
@@ -107,7 +107,7 @@ double now_ns() {
 
 void time(Contender &contender, const Model &model, int count) {
     contender.set(model.start_rad.data());
-    contender.ticks(count / 10); // caches
+    contender.ticks(count / 10); // warms the caches
     const long before = allocations;
     const double start_ns = now_ns();
     contender.ticks(count);
@@ -121,7 +121,8 @@ void time(Contender &contender, const Model &model, int count) {
 int main(int argc, char **argv) {
     const std::string mode = argc > 2 ? argv[2] : "";
     const int count = argc > 3 ? std::atoi(argv[3]) : 0;
-    if (!((mode == "check" && argc == 3) || (mode == "time" && argc == 4 && count > 0) || (mode == "run" && argc == 5 && count > 0))) {
+    if (!((mode == "check" && argc == 3) || (mode == "time" && argc == 4 && count > 0) ||
+          (mode == "run" && argc == 5 && count > 0))) {
         std::fprintf(stderr, "usage: ticks MODEL check | ticks MODEL time TICKS | ticks MODEL run TICKS NAME\n");
         return 2;
     }

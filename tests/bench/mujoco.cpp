@@ -13,7 +13,8 @@ std::string numbers(const Pose &pose) {
     char text[300];
     const Eigen::Quaterniond &r = pose.rotation;
     const Eigen::Vector3d &t = pose.translation_m;
-    std::snprintf(text, sizeof text, "pos=\"%.17g %.17g %.17g\" quat=\"%.17g %.17g %.17g %.17g\"", t.x(), t.y(), t.z(), r.w(), r.x(),
+    std::snprintf(text, sizeof text, "pos=\"%.17g %.17g %.17g\" quat=\"%.17g %.17g %.17g %.17g\"", t.x(), t.y(), t.z(),
+                  r.w(), r.x(),
                   r.y(), r.z());
     return text;
 }
@@ -21,7 +22,8 @@ std::string numbers(const Pose &pose) {
 std::string mjcf(const Model &model) {
     std::string text = "<mujoco><compiler angle=\"radian\"/><worldbody>", end;
     for (int i = 0; i < model.n; i++) {
-        text += "<body " + numbers(model.fixed[i]) + "><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint axis=\"0 0 1\"/>";
+        text += "<body " + numbers(model.fixed[i]) +
+                "><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint axis=\"0 0 1\"/>";
         end += "</body>";
     }
     return text + "<site name=\"hand\" " + numbers(model.effector) + "/>" + end + "</worldbody></mujoco>";
@@ -56,7 +58,8 @@ template <int N> struct Kinematics {
     }
 
     Eigen::Quaterniond rotation() const {
-        return Eigen::Quaterniond(Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_->site_xmat + 9 * hand_)));
+        return Eigen::Quaterniond(Eigen::Matrix3d(
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_->site_xmat + 9 * hand_)));
     }
     Eigen::Vector3d translation_m() const { return Eigen::Map<const Eigen::Vector3d>(data_->site_xpos + 3 * hand_); }
     const Eigen::Matrix<double, 6, N> &jacobian() const { return jacobian_; }

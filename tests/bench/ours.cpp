@@ -1,3 +1,4 @@
+// comanip's own tick as two contenders: specialised for one arm, and with the arm's table.
 #include "contender.hpp"
 #include "tick.h"
 
@@ -7,7 +8,8 @@ std::vector<double> flat(const std::vector<Pose> &poses) {
     std::vector<double> result;
     for (const Pose &pose : poses) {
         const Eigen::Quaterniond &r = pose.rotation;
-        result.insert(result.end(), {r.w(), r.x(), r.y(), r.z(), pose.translation_m.x(), pose.translation_m.y(), pose.translation_m.z()});
+        const Eigen::Vector3d &t = pose.translation_m;
+        result.insert(result.end(), {r.w(), r.x(), r.y(), r.z(), t.x(), t.y(), t.z()});
     }
     return result;
 }

@@ -1,4 +1,4 @@
-// Pinocchio: joint placements and Jacobians, then the hand's.
+// Pinocchio: placements and Jacobians of the joints, then of the end effector.
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/multibody.hpp>
@@ -15,7 +15,8 @@ pinocchio::Model model_of(const Model &model) {
     pinocchio::Model result;
     pinocchio::JointIndex joint = 0;
     for (int i = 0; i < model.n; i++) {
-        joint = result.addJoint(joint, pinocchio::JointModelRZ(), placement(model.fixed[i]), "joint" + std::to_string(i));
+        joint = result.addJoint(joint, pinocchio::JointModelRZ(), placement(model.fixed[i]),
+                                "joint" + std::to_string(i));
         result.addJointFrame(joint);
     }
     result.addFrame(pinocchio::Frame("hand", joint, result.getFrameId("joint" + std::to_string(model.n - 1)),

@@ -1,5 +1,5 @@
-"""Simulated time over wall time, a part of `make bench`: the plain motions, and the experiments with all that is in them. The
-whole process counts, with its start and the files it writes."""
+"""Simulated time over wall time, a part of `make bench`: the plain motions and the complete experiments. The time is
+that of the whole process, including its start and its output files."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pathlib import Path
 from simulation import EXPERIMENTS, SCENARIOS, experiment, run
 
 RUNS = 9
-DURATION_S = 60  # of the plain motions; an experiment takes as long as it takes
+DURATION_S = 60  # of the plain motions; an experiment runs to its own end
 LEAST_PLAIN, LEAST_POUR, LEAST_EXPERIMENT = 25.0, 7.0, 15.0
 
 
 def ratios(*arguments: object) -> list[float]:
-    """The first run, which warms the caches, is left out."""
+    """The first run warms the caches and is left out."""
     result = []
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(1 + RUNS):
@@ -29,7 +29,7 @@ def ratios(*arguments: object) -> list[float]:
 
 
 def contenders() -> list[tuple[str, float, tuple[object, ...]]]:
-    """Name, least ratio, the simulator's options."""
+    """Name, required ratio and simulator options of each run."""
     plain = [(f"{name} (moves)", LEAST_PLAIN, ("--scenario", name, "--duration", DURATION_S)) for name in SCENARIOS]
     return plain + [
         (name, LEAST_POUR if name == "pour" else LEAST_EXPERIMENT, ("--scenario", experiment(name)))
@@ -38,15 +38,15 @@ def contenders() -> list[tuple[str, float, tuple[object, ...]]]:
 
 
 def measure() -> tuple[dict[str, dict[str, float]], bool]:
-    """Prints a table; of each scenario the median, least and most, and whether one is below what was asked for."""
+    """Prints a table. Returns median, least and most of each scenario, and whether one misses its required ratio."""
     print(f"simulated time over wall time: {RUNS} runs each, {os.cpu_count()} cores")
-    print(f"{'scenario':<16} {'asked':>6} {'median':>8} {'least':>8} {'most':>8}")
+    print(f"{'scenario':<16} {'required':>8} {'median':>8} {'least':>8} {'most':>8}")
     found, slow = {}, False
-    for name, asked, arguments in contenders():
+    for name, required, arguments in contenders():
         measured = ratios(*arguments)
         median = statistics.median(measured)
-        found[name] = {"asked": asked, "median": median, "least": min(measured), "most": max(measured)}
-        slow = slow or median < asked
-        verdict = "" if median >= asked else "  too slow"
-        print(f"{name:<16} {asked:6g} {median:8.1f} {min(measured):8.1f} {max(measured):8.1f}{verdict}")
+        found[name] = {"required": required, "median": median, "least": min(measured), "most": max(measured)}
+        slow = slow or median < required
+        verdict = "" if median >= required else "  too slow"
+        print(f"{name:<16} {required:8g} {median:8.1f} {min(measured):8.1f} {max(measured):8.1f}{verdict}")
     return found, slow

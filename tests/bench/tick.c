@@ -1,3 +1,4 @@
+/* Our tick for the benchmark: Algorithm 1, kinematics and control law (4). */
 #include "tick.h"
 
 #include <stdlib.h>
@@ -12,7 +13,7 @@
 
 struct tick {
     arm_ik_t ik;
-    arm_t arm; /* if it is none of those that are written out */
+    arm_t arm; /* used unless the arm is a generated one */
     arm_joint_t joints[ARM_MAX_JOINTS];
     cooperation_t cooperation;
     differential_ik_config_t config;
@@ -26,15 +27,15 @@ static pose_t pose(const double *p) {
 }
 
 static void choose_arm(tick_t *self, const tick_model_t *model) {
-    const arm_ik_t *written_out[] = {&arm_ik_hoap3_right, &arm_ik_six, &arm_ik_seven};
+    const arm_ik_t *generated[] = {&arm_ik_hoap3_right, &arm_ik_six, &arm_ik_seven};
     for (int i = 0; model->name != NULL && i < 3; i++) {
-        if (strcmp(written_out[i]->arm->name, model->name) == 0) {
-            self->ik = *written_out[i];
+        if (strcmp(generated[i]->arm->name, model->name) == 0) {
+            self->ik = *generated[i];
             return;
         }
     }
     if (model->name != NULL) {
-        abort(); /* its figures would be the table's */
+        abort(); /* otherwise the table's figures would be reported */
     }
     for (int i = 0; i < model->joint_count; i++) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};

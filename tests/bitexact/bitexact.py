@@ -1,8 +1,8 @@
-"""``make bitexact``: one input, fed into controller_step() as each compiler made it for each processor, must give the same bytes.
+"""``make bitexact``: all compilers and all processors must give the same bytes of controller_step() for the same input.
 
-``bitexact.py BUILD [--smoke]``. The host's builds run here, the images in QEMU; the first host build is the reference, and every
-other one is compared with it tick by tick. Prints a table and writes BUILD/reports/bitexact.json. Exit status: 1 if any differs.
-What QEMU computes is what the instructions say; no silicon was asked.
+``bitexact.py BUILD [--smoke]``. The host builds run here, the images in QEMU. The first host build is the reference,
+and every other build is compared with it tick by tick. Prints a table and writes BUILD/reports/bitexact.json. Exit
+status 1 if any build differs. QEMU executes the instructions as specified; nothing was run on silicon.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ SEMIHOSTING = [
     "enable=on,target=native",
 ]
 HASH_BYTES = 4
-TIMEOUT_S = 1800  # an image that panics stands still
+TIMEOUT_S = 1800  # an image that panics hangs
 
 
 @dataclass(frozen=True)
 class Result:
-    """`differs_at_tick`: the first, from 0; None: all are equal."""
+    """`differs_at_tick` counts from 0; None: all ticks are equal."""
 
     build: str
     ticks: int
@@ -64,7 +64,7 @@ def make_input(folder: Path, smoke: bool) -> None:
     for number, (scenario, profile, options) in enumerate(runs):
         out = folder / "runs" / str(number)
         command = [SIMULATOR, "--scenario", scenario, "--profile", profile, "--quiet", "--out", out, *options]
-        (out / "bus.log").unlink(missing_ok=True)  # so that a run that does not start is not taken for its forerunner
+        (out / "bus.log").unlink(missing_ok=True)  # a failed start must not leave an old log
         subprocess.run([str(part) for part in command], check=False, stderr=subprocess.DEVNULL)
         paths.append(out / "bus.log")
     ticks = SMOKE_VECTOR_TICKS if smoke else VECTOR_TICKS
@@ -152,8 +152,8 @@ def run(folder: Path, smoke: bool) -> list[Result]:
 
 
 def show(results: list[Result]) -> None:
-    table = Table(title="controller_step(): the same input, the bytes that it sends", title_justify="left")
-    for header in ("build", "ticks", "against the first"):
+    table = Table(title="controller_step(): the bytes sent for the same input", title_justify="left")
+    for header in ("build", "ticks", "compared with the first"):
         table.add_column(header, justify="right" if header == "ticks" else "left")
     for result in results:
         verdict = "equal" if result.differs_at_tick is None else f"[red]differs at tick {result.differs_at_tick}[/]"
@@ -169,7 +169,7 @@ def main(argv: list[str]) -> int:
     report.write_text(json.dumps({"smoke": smoke, "builds": [asdict(result) for result in results]}, indent=1) + "\n")
     show(results)
     differs = any(result.differs_at_tick is not None for result in results)
-    print("make bitexact: not all are equal" if differs else "make bitexact: all that ran are equal")
+    print("make bitexact: builds differ" if differs else "make bitexact: all builds that ran are equal")
     return differs
 
 

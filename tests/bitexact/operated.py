@@ -1,4 +1,4 @@
-"""A run in which an operator changes something every few ticks, as whoever waits for each answer does: what the firmware reads."""
+"""Firmware input of a run in which an operator changes something every few ticks and waits for each answer."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ HAND_M, SWING_M, SWING_RADPS = np.array([0.4, 0.2, 0.1]), 0.12, np.array([2.0, 3
 TURN_RAD, TURN_RADPS = 0.3, 3.0
 STATUS_TICKS = 100
 PAUSE_TICKS = (3, 60)
-GAP_TICKS = 80  # no samples: longer than the tracker may be silent
+GAP_TICKS = 80  # no samples, for longer than the tracker timeout
 
 
 class Operated(Bench):
-    """A bench whose hand goes to and fro. ticks_read: the inbox of each tick, for the runner; seen: how many ticks were of a kind."""
+    """A bench whose hand moves to and fro.
+
+    ticks_read: the inbox of each tick, for the runner. seen: the number of ticks of each kind.
+    """
 
     def __init__(self, rng: np.random.Generator):
         super().__init__(prediction=True)
@@ -51,13 +54,13 @@ class Operated(Bench):
             self.controller.arm, self.controller.joint_limits_config.at_limit_rad, self.controller.joints.position_rad
         )
         cooperates = self.mode == lib.MODE_COOPERATING
-        self.seen["the law waits"] += self.controller.demand_deferred
+        self.seen["demand deferred"] += self.controller.demand_deferred
         self.seen["hold"] += self.mode == lib.MODE_HOLD
         self.seen["a joint at its limit"] += cooperates and lib.joints_at_limit_any(at_limit)
 
     def _stop(self) -> None:
         assert self.command(lib.COMMAND_STOP) == lib.RESULT_ACCEPTED
-        self.tick(250)  # to rest, from any speed
+        self.tick(250)  # comes to rest from any speed
         measured = self.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED]
         assert self.write(lib.PARAMETER_LATCH_MEASURED, 1 - measured) == lib.RESULT_ACCEPTED
 
@@ -66,7 +69,7 @@ class Operated(Bench):
         self.define(q_task=q_task / np.linalg.norm(q_task), blend_s=float(self._rng.choice([0, 0.1])))
 
     def operate(self) -> None:
-        """One thing of the operator's, or the tracker's silence."""
+        """One operator action, or a gap in the tracker samples."""
         if self.mode == lib.MODE_READY:
             self.seen["start"] += self.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
             return

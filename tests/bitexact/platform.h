@@ -1,6 +1,6 @@
-/* Where the runner reads and writes: files input.bin and output.bin of the folder that it, or the emulator, runs in. On
- * a target through semihosting (ARM IHI 0100, RISC-V's is the same), which lets an image in an emulator use its host's
- * files. */
+/* Input and output of the runner: the files input.bin and output.bin in the working directory of the runner or the
+ * emulator. A target uses semihosting (ARM IHI 0100; RISC-V's is the same), which gives an image in an emulator access
+ * to the host's files. */
 #ifndef COMANIP_BITEXACT_PLATFORM_H
 #define COMANIP_BITEXACT_PLATFORM_H
 

@@ -1,4 +1,4 @@
-/* The records of input.bin, as stimulus.py writes them: a head, and for a tick its frames. */
+/* The records of input.bin written by stimulus.py: a header, followed by the frames of a tick. */
 #ifndef COMANIP_BITEXACT_RECORDS_H
 #define COMANIP_BITEXACT_RECORDS_H
 
@@ -10,13 +10,13 @@ typedef enum {
     RECORD_TICK = 0,
     RECORD_BOOT_FD = 1,
     RECORD_BOOT_CLASSIC = 2,
-    RECORD_STATE = 3, /* of tests/cycles: joints' positions and the hand */
+    RECORD_STATE = 3, /* for tests/cycles: joint positions and the hand */
 } record_kind_t;
 
 typedef struct {
     uint32_t now_us;
     uint8_t kind;  /* record_kind_t */
-    uint8_t count; /* of frames */
+    uint8_t count; /* number of frames */
 } record_t;
 
 static inline uint32_t record_word(const uint8_t bytes[4]) {

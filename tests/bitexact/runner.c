@@ -1,5 +1,5 @@
-/* Feeds a recorded input into controller_step() and writes a hash of what it sends, tick by tick: the same file on the
- * host and, in the place of firmware/main.c, on a target. Input and output: bitexact.py. */
+/* Feeds a recorded input into controller_step() and writes a hash of the frames sent in each tick. The same file runs
+ * on the host and, instead of firmware/main.c, on a target. bitexact.py writes the input and compares the output. */
 #include "../../firmware/main.h"
 #include "records.h"
 

@@ -1,4 +1,4 @@
-"""What controller_step() is fed with: recorded runs, tick by tick as the firmware had read them, and made-up vectors."""
+"""Inputs of controller_step(): recorded runs, tick by tick as the firmware read them, and generated vectors."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from comanip.bus import logs
 from comanip.bus.frame import Frame
 from comanip.replay import Replay
 
-TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # runner.c
+TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # as in runner.c
 HEAD, FRAME = struct.Struct("<IBB"), struct.Struct("<IHBB")
 VECTOR_TICKS_PER_BOOT = 500
-SPECIAL_BITS = (  # of a float32
+SPECIAL_BITS = (  # float32 bit patterns
     0x00000000, 0x80000000, 0x00000001, 0x807FFFFF, 0x00800000, 0x3F800000, 0xBF800000, 0x7F7FFFFF,
     0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC12345, 0x7F800001, 0x501502F9, 0x322BCC77,
 )  # fmt: skip
@@ -39,7 +39,7 @@ def now_us(trace: Frame) -> int:
 
 
 def recorded(log: Path) -> Iterator[bytes]:
-    """A run's ticks, from its boot on: as the replay finds that the firmware had read them."""
+    """The ticks of a run from its boot on, with the frames that the firmware read in each as found by the replay."""
     frames = list(logs.read(log))
     replaying = Replay(frames)
     state = replaying._state
@@ -48,12 +48,12 @@ def recorded(log: Path) -> Iterator[bytes]:
         place = state.tick_place
         replaying.run_to(place + 1)
         if state.result != lib.REPLAY_EQUAL:
-            raise AssertionError(f"{log}: does not replay: {replaying.report().difference}")
+            raise AssertionError(f"{log}: replay failed: {replaying.report().difference}")
         yield tick(now_us(frames[place]), [state.inbox.frame[i] for i in range(state.inbox.count)])
 
 
 class Vectors:
-    """Frames that are authentic, with contents of every kind: at rest, in motion, at limits, nonsense."""
+    """Authentic frames with all kinds of contents: at rest, in motion, at limits, nonsense."""
 
     def __init__(self, rng: np.random.Generator, profile: int):
         self._rng, self._profile = rng, profile
@@ -110,7 +110,8 @@ class Vectors:
                 {"form": int(self._rng.integers(3)), "blend_s": float(self._rng.choice([0, 0.1, 60]))},
             )
             define.t_task_m, define.q_task, define.q_inv = (
-                dict(zip("xyz", self._rng.uniform(-1, 1, 3))), dict(zip("wxyz", q[0])), dict(zip("wxyz", q[1])))  # fmt: skip
+                dict(zip("xyz", self._rng.uniform(-1, 1, 3))), dict(zip("wxyz", q[0])),
+                dict(zip("wxyz", q[1])))  # fmt: skip
             lib.task_define_pack(define, frame)
         else:
             command = ffi.new(

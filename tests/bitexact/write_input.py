@@ -1,4 +1,4 @@
-"""``write_input.py OUT TICKS LOG...``: recorded runs, TICKS of made-up vectors, and half as many that an operator changes."""
+"""``write_input.py OUT TICKS LOG...``: writes recorded runs, TICKS generated vectors and TICKS / 2 operated ticks."""
 
 from __future__ import annotations
 

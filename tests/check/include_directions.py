@@ -1,7 +1,8 @@
-"""Which folder may include which: sim -> hal -> firmware, host_tools -> hal, firmware, and the rooms within each; no circles.
+"""Checks the include directions: sim -> hal -> firmware, host_tools -> hal, firmware, and the folders within each.
 
-``include_directions.py [ROOT]``, part of ``make check``. Reads every #include of the C sources under ROOT. One line for each that goes
-against MAY_USE, and for each circle; exit status 1 if there is any. tests/test_rooms.py does the same for the Python packages.
+``include_directions.py [ROOT]``, part of ``make check``. Reads every #include of the C sources under ROOT. Prints one
+line for each include that MAY_USE forbids and for each circle; exit status 1 if there is any. tests/test_rooms.py does
+the same for the Python packages.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-# What a folder, or a file of it, may include beside itself: folders and files that stand above it, so that there can be no circle.
-# A port that is not listed is a board: it may use what BOARD says.
+# What a folder, or one of its files, may include besides itself. Entries refer to earlier ones only, so there can be no
+# circle. A port that is not listed is a board: it may use what BOARD lists.
 MAY_USE = {
     "firmware/maths": [],
     "firmware/arms": ["firmware/maths"],
@@ -41,8 +42,8 @@ MAY_USE = {
     "sim/feasibility": ["sim/common", "sim/robot", "sim/scenario", "sim/scene", "sim/proximity"],
     "sim/people": ["sim/common", "sim/hand", "sim/scenario", "sim/scene"],
     "sim/nodes": [
-        "firmware/protocol", "firmware/parameters",
-        "sim/common", "sim/hand", "sim/robot", "sim/bus", "sim/scenario", "sim/scene", "sim/proximity",
+        "firmware/protocol", "firmware/parameters", "sim/common", "sim/hand", "sim/robot", "sim/bus", "sim/scenario",
+        "sim/scene", "sim/proximity",
     ],
     "sim/monitors": [
         "firmware/arms/arm.h", "firmware/protocol", "firmware/parameters",
@@ -60,25 +61,26 @@ MAY_USE = {
     ],
     "sim/programs": ["firmware/protocol", "hal/linux", "sim/bus", "sim/options", "sim/port", "sim/run"],
     "host_tools/comanip/_binding": [
-        "firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control", "firmware/parameters", "firmware", "hal/common",
+        "firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control", "firmware/parameters", "firmware",
+        "hal/common",
     ],
     "host_tools/hub": ["hal/linux/hub_path.h"],
     "host_tools/shim": ["hal/linux/hub_path.h"],
 }  # fmt: skip
 BOARD = ["firmware/main.h", "hal", "hal/common", "hal/cortex_m", "hal/slcan"]
 
-# Libraries beside those of the language, and where they may be used.
+# Third-party libraries and the folders that may use them.
 LIBRARIES = {"ode/": ["sim/scene"], "ccd/": ["sim/proximity"], "yaml.h": ["sim/scenario"]}
-# Of the language's own, the firmware and hal.h need these alone: it has no files, no heap, no clock.
+# Standard headers allowed in the firmware and hal.h: no files, no heap, no clock.
 FIRMWARE_HEADERS = {"float.h", "math.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 
 FOLDERS = ("firmware", "hal", "sim", "host_tools")
-GENERATED = re.compile(r"comanip_\w+\.(h|inc)")  # found by -I: from firmware/schema, for everybody
+GENERATED = re.compile(r"comanip_\w+\.(h|inc)")  # found by -I, allowed everywhere: generated from firmware/schema
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 
 
 class Include(NamedTuple):
-    """`file` includes `target`, both from ROOT; a header in <> stays as it is written."""
+    """`file` includes `target`, both relative to ROOT; a header in <> stays as written."""
 
     file: str
     line: int
@@ -102,7 +104,7 @@ def folder_of(file: str) -> str:
 
 
 def allowed(file: str) -> list[str] | None:
-    """None: the table does not know the file's folder."""
+    """The names that the file may include, or None if the table does not list its folder."""
     folder = folder_of(file)
     found = MAY_USE.get(file, MAY_USE.get(folder))
     return BOARD if found is None and re.fullmatch(r"hal/\w+", folder) else found
@@ -113,7 +115,7 @@ def only(names: Iterable[str]) -> str:
 
 
 def wrong_include(include: Include) -> str | None:
-    """What is wrong with it, or None."""
+    """The rule that the include violates, or None."""
     file, target, folder = include.file, include.target, folder_of(include.file)
     may_use = allowed(file)
     if may_use is None:
@@ -125,12 +127,12 @@ def wrong_include(include: Include) -> str | None:
         if target.startswith(library):
             return None if folder in users else f"{only(users)} may use it"
     if folder.startswith("firmware") and not GENERATED.fullmatch(target) and target not in FIRMWARE_HEADERS:
-        return f"firmware may use {only(sorted(FIRMWARE_HEADERS))} of the language"
+        return f"firmware may use {only(sorted(FIRMWARE_HEADERS))} of the standard library"
     return None
 
 
 def circle(graph: dict[str, set[str]]) -> list[str] | None:
-    """A way from a node back to itself, which then stands at both ends; None: there is none."""
+    """A path from a node back to itself, with this node at both ends; None if there is no circle."""
     done: set[str] = set()
 
     def search(node: str, way: list[str]) -> list[str] | None:
@@ -148,7 +150,7 @@ def circle(graph: dict[str, set[str]]) -> list[str] | None:
 
 
 def module_of(file: str, files: set[str]) -> str:
-    """x.h and x.c are one, and so are the parts x_part.h and x_part.c of what x.h declares."""
+    """x.h and x.c are one module, together with x_part.h and x_part.c if x.h declares x_part's functions."""
     folder, name = folder_of(file), Path(file).stem
     words = name.split("_")
     for count in range(1, len(words)):

@@ -1,9 +1,9 @@
-"""Cycles of the instructions of Cortex-M4F, M3 and M0+, from ARM's tables: Cortex-M4 Technical Reference Manual (ARM DDI 0439), tables
-3-1 and 7-1; Cortex-M3's (ARM DDI 0337), table 3-1, which differs in multiplications only; Cortex-M0+'s (ARM DDI 0484), table 3-1,
-with the multiplier of one cycle.
+"""Instruction cycles of Cortex-M4F, M3 and M0+ from ARM's tables.
 
-Where a table gives a range the upper end is taken: a pipeline refill is 3, a division 12. Two neighbouring loads count as if they did
-not overlap. The wait states of a flash are not in it. Never checked on silicon.
+Cortex-M4 Technical Reference Manual (ARM DDI 0439), tables 3-1 and 7-1; Cortex-M3's (ARM DDI 0337), table 3-1, which
+differs only in multiplications; Cortex-M0+'s (ARM DDI 0484), table 3-1, with the single-cycle multiplier. Where a table
+gives a range, the upper end is taken: a pipeline refill is 3, a division 12. Two neighbouring loads count as not
+overlapping. Flash wait states are not included. Never checked on silicon.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-# What a branch that is taken costs more than one that is not.
+# Extra cycles of a taken branch.
 TAKEN = {"cortex-m0plus": 1}
 REFILL = 3  # P: "1 to 3, depending on the alignment and width of the target"
 CONDITIONS = "(?:eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)"
 LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
-# In arithmetic, the result is there one cycle later for the instruction that follows (table 7-1, note).
+# An arithmetic result is available one cycle later to the next instruction (table 7-1, note).
 LATE = re.compile(r"^v(add|sub|mul|nmul|mla|mls|nmla|nmls|fma|fms|div|sqrt|cvt)")
 
 
@@ -32,7 +32,7 @@ class Instruction:
 
 
 def registers(operands: str) -> int:
-    """How many a list like {r4, r5, s16-s31} has."""
+    """The number of registers in a list like {r4, r5, s16-s31}."""
     found = re.search(r"\{(.*)\}", operands)
     count = 0
     for part in found.group(1).split(",") if found else []:
@@ -61,7 +61,7 @@ def cycles_m0plus(instruction: Instruction) -> int:
 
 
 def own_cycles(instruction: Instruction, image: str) -> int:
-    """Without what it costs more when a conditional branch is taken, or when the result is needed at once."""
+    """Cycles without the extra ones of a taken conditional branch or of a result that is needed at once."""
     if image == "cortex-m0plus":
         return cycles_m0plus(instruction)
     name = re.sub(r"\.(n|w)$", "", instruction.name)
@@ -115,7 +115,7 @@ def waits(before: Instruction, after: Instruction) -> bool:
 
 
 def costs(disassembly: str, image: str) -> list[tuple[int, bool, int]]:
-    """(address, whether it is a conditional branch, cycles) of each instruction in objdump's text, in order."""
+    """(address, is a conditional branch, cycles) of each instruction in objdump's text, in order."""
     result = []
     before: Instruction | None = None
     for line in disassembly.splitlines():

@@ -1,16 +1,19 @@
-"""``make cycles``: instructions, and modelled cycles, of one tick in each image, over recorded, operated and adversarial states.
+"""``make cycles``: instructions and modelled cycles of one tick in each image, over recorded, operated and adversarial
+states.
 
-``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c; cycles are those of ARM's tables
-(arm_costs.py) for Cortex-M4F, M3 and M0+, never of silicon. Prints a table, writes BUILD/reports/cycles.json, and compares the maxima with
-BUDGET.toml: exit status 1 beyond it, with the differences, and where what was asked is missed. --update writes the budget anew.
+``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c. Cycles come from ARM's tables
+(arm_costs.py) for Cortex-M4F, M3 and M0+, never from silicon. Prints a table, writes BUILD/reports/cycles.json and
+compares the maxima with BUDGET.toml. Exit status 1 if a budget or a requirement is exceeded, with the differences.
+--update rewrites the budget.
 
-``step`` is the whole controller_step(). What prediction is made of: ``estimate``, a sample of the hand taken; ``prediction``, the hand's pose
-and motion at the command's instant and the target's motion; ``law`` and ``law_ends``, Algorithm 1 and the law, position first, with no joint
-at an end of its range, where it would be solved again, and with all. Without prediction: ``tick`` is Algorithm 1, kinematics and law (4)
-with the default parameters, ``tick_torso`` the same in the torso's error frame, ``tick_general`` with a weight that makes the law take the
-general way; all these with no joint at an end, and with a task that is in force. ``tick_ends`` and ``tick_general_ends`` are with all joints
-at ends, ``tick_blend`` while a task comes into force; ``step_not_predicted`` the whole of the recorded ticks from when prediction is switched
-off.
+``step`` is the whole controller_step(). With prediction: ``estimate`` is the processing of one hand sample;
+``prediction`` the hand's pose and motion at the time of the command and the target's motion; ``law`` and ``law_ends``
+Algorithm 1 and the control law with position priority, with no joint at a limit and with all joints at limits, where it
+is solved again. Without prediction: ``tick`` is Algorithm 1, kinematics and control law (4) with the default
+parameters, ``tick_torso`` the same in the torso's error frame, ``tick_general`` with a weight that needs the general
+solution; all these with no joint at a limit and with a task in force. ``tick_ends`` and ``tick_general_ends`` have all
+joints at limits, ``tick_blend`` a task that is coming into force. ``step_not_predicted`` is controller_step() of the
+recorded ticks after prediction is switched off.
 """
 
 from __future__ import annotations
@@ -40,40 +43,47 @@ import stimulus  # noqa: E402
 from images import IMAGES, make  # noqa: E402
 
 STATES = 10_000
-OPERATED_TICKS = 18_000  # in which the law is counted STATES times
-TIMEOUT_S = 900  # an image that panics stands still
-STATE = 3  # records.h
-NOTHING = 0  # program.c, as the next
+OPERATED_TICKS = 18_000  # in which the control law is counted STATES times
+TIMEOUT_S = 900  # an image that panics hangs
+STATE = 3  # as in records.h
+NOTHING = 0  # as in program.c, like the marks below
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
-QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends", 7: "tick_blend",
+QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
+              7: "tick_blend",
               8: "estimate", 9: "prediction", 10: "law", 11: "law_ends", 12: "step_not_predicted"}  # fmt: skip
-LABELS = {"step": "controller_step()", "tick": "law (4)", "tick_torso": "(4), torso frame", "tick_general": "(4), general",
-          "tick_ends": "(4), joints at ends", "tick_general_ends": "(4) general, at ends", "tick_blend": "(4), a task comes into force",
-          "step_not_predicted": "prediction off", "estimate": "takes a sample", "prediction": "hand's and target's motion", "law": "position first", "law_ends": "joints at ends"}  # fmt: skip
+LABELS = {"step": "controller_step()", "tick": "law (4)", "tick_torso": "(4), torso frame",
+          "tick_general": "(4), general", "tick_ends": "(4), joints at limits",
+          "tick_general_ends": "(4) general, at limits", "tick_blend": "(4), a task comes into force",
+          "step_not_predicted": "prediction off", "estimate": "takes a sample",
+          "prediction": "hand's and target's motion", "law": "position first",
+          "law_ends": "joints at limits"}  # fmt: skip
 MODELLED = ("cortex-m3", "cortex-m4f", "cortex-m0plus")
-NOT_PREDICTED = {"step_not_predicted"}  # counted where prediction is off, and nothing else there
+NOT_PREDICTED = {"step_not_predicted"}  # the only quantity counted with prediction off
 INPUTS = ("recorded", "not_predicted", "operated", "adversarial")
-# What is asked of the product.
-ASKED = (("cortex-m4f", "recorded", "tick", "instructions", "maximum", 800), ("cortex-m4f", "recorded", "tick", "cycles", "maximum", 850),
+# Requirements of the product.
+REQUIRED = (("cortex-m4f", "recorded", "tick", "instructions", "maximum", 800),
+            ("cortex-m4f", "recorded", "tick", "cycles", "maximum", 850),
          ("cortex-m4f", "recorded", "step", "instructions", "maximum", 8000),
-         ("cortex-m3", "recorded", "step", "cycles", "maximum", 120_000), ("cortex-m3", "not_predicted", "step_not_predicted", "cycles", "maximum", 72_000))  # fmt: skip
+         ("cortex-m3", "recorded", "step", "cycles", "maximum", 120_000),
+         ("cortex-m3", "not_predicted", "step_not_predicted", "cycles", "maximum", 72_000))  # fmt: skip
 COSTS = struct.Struct("<II")
 
 
 def recorded(folder: Path, *options: str) -> bytes:
-    """Ticks of three scenarios, as many of each: so many that the law is counted STATES times or more, though not all cooperate."""
+    """The same number of ticks of three scenarios: enough to count the control law at least STATES times, although not
+    all ticks cooperate."""
     parts = []
     for scenario in ("pour", "teleop", "mirror"):
         out = folder / "runs" / "-".join([scenario, *options])
         command = [str(bitexact.SIMULATOR), "--scenario", scenario, "--quiet", "--out", str(out), *options]
-        (out / "bus.log").unlink(missing_ok=True)  # so that a run that does not start is not taken for its forerunner
+        (out / "bus.log").unlink(missing_ok=True)  # a failed start must not leave an old log
         subprocess.run(command, check=False, stderr=subprocess.DEVNULL)
         parts += islice(stimulus.recorded(out / "bus.log"), 1 + STATES // 2)
     return b"".join(parts)
 
 
 def adversarial(rng: np.random.Generator) -> bytes:
-    """Frames with contents of every kind; and states at limits, singular, beyond every range, with targets near and far."""
+    """Frames with all kinds of contents, and states at limits, singular or out of range, with targets near and far."""
     parts = list(stimulus.vectors(STATES, 1))
     parts.append(stimulus.boot(0))
     low, high = np.radians([-90, -95, -90, -114]), np.radians([150, 0, 90, 0])
@@ -124,7 +134,7 @@ def symbol(image: str, elf: Path, name: str) -> int:
 
 
 def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict[str, np.ndarray]]:
-    """Of each quantity: instructions and cycles, one for each time that it was counted."""
+    """For each quantity: instructions and cycles, one value for each time it was counted."""
     elf = folder / "target" / image / "comanip.elf"
     place = folder / f"{image}-{states}"
     place.mkdir(exist_ok=True)
@@ -135,17 +145,17 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
     argument = ",".join([str(plugin), *(f"{name}={value}" for name, value in options.items())])
     command = [*IMAGES[image].emulator, *bitexact.SEMIHOSTING, "-plugin", argument, "-kernel", str(elf)]
     subprocess.run(command, cwd=place, check=True, stdin=subprocess.DEVNULL, timeout=TIMEOUT_S)
-    told = np.frombuffer((place / "output.bin").read_bytes(), np.uint8)
+    marks = np.frombuffer((place / "output.bin").read_bytes(), np.uint8)
     counts = np.fromfile(place / "counts.bin", "<u4").reshape(-1, 2)
-    if len(counts) != len(told) or told[0] != NOTHING:
-        raise SystemExit(f"make cycles: {image}: {len(counts)} counts for {len(told)} marks")
-    counts = counts.astype(np.int64) - counts[0]  # without the marks themselves
+    if len(counts) != len(marks) or marks[0] != NOTHING:
+        raise SystemExit(f"make cycles: {image}: {len(counts)} counts for {len(marks)} marks")
+    counts = counts.astype(np.int64) - counts[0]  # without the cost of the marks themselves
     quantities = NOT_PREDICTED if states == "not_predicted" else set(QUANTITIES.values()) - NOT_PREDICTED
     if (
-        fewest := min(np.count_nonzero(told == mark) for mark, name in QUANTITIES.items() if name in quantities)
+        fewest := min(np.count_nonzero(marks == mark) for mark, name in QUANTITIES.items() if name in quantities)
     ) < STATES:
         raise SystemExit(f"make cycles: {image}, {states}: {fewest} states, expected {STATES} or more")
-    return {name: {"instructions": counts[told == mark, 0], "cycles": counts[told == mark, 1]}
+    return {name: {"instructions": counts[marks == mark, 0], "cycles": counts[marks == mark, 1]}
             for mark, name in QUANTITIES.items() if name in quantities}  # fmt: skip
 
 
@@ -165,20 +175,24 @@ def report(results: dict[str, dict]) -> None:
         title="Instructions per tick (QEMU), and cycles by ARM's tables: minimum / median / 99.9 % / maximum",
         title_justify="left",
     )
-    for header in ("image", "states", "of what", "n", "instructions", "cycles (modelled)"):
-        table.add_column(header, justify="left" if header in ("image", "states", "of what") else "right")
+    for header in ("image", "states", "quantity", "n", "instructions", "cycles (modelled)"):
+        table.add_column(header, justify="left" if header in ("image", "states", "quantity") else "right")
     for image, of_image in results.items():
         table.add_section()
         for states, of_states in of_image.items():
             for name, units in of_states.items():
-                cells = [" / ".join(str(units[unit][key]) for key in ("minimum", "median", "percentile_99_9", "maximum")) if unit in units else "-"
-                         for unit in ("instructions", "cycles")]  # fmt: skip
+                cells = [
+                    " / ".join(str(units[unit][key]) for key in ("minimum", "median", "percentile_99_9", "maximum"))
+                    if unit in units
+                    else "-"
+                    for unit in ("instructions", "cycles")
+                ]
                 table.add_row(image, states, f"{name}: {LABELS[name]}", str(units["instructions"]["n"]), *cells)
     Console(width=165).print(table)
 
 
 def maxima(results: dict[str, dict]) -> dict[str, dict[str, dict[str, int]]]:
-    """image: quantity: unit: the largest maximum of all states."""
+    """image: quantity: unit: the largest maximum over all states."""
     return {
         image: {
             name: {
@@ -204,15 +218,15 @@ def exceeded(found: dict[str, dict], budget: dict[str, dict]) -> list[str]:
     return lines
 
 
-def asked(results: dict[str, dict]) -> list[tuple[str, int, int]]:
-    """What, how much it is, and how much it may be."""
+def requirements(results: dict[str, dict]) -> list[tuple[str, int, int]]:
+    """Description, value and upper limit of each requirement."""
     return [(f"{image}, {states}: {name}: {which} of {unit}", results[image][states][name][unit][which], limit)
-            for image, states, name, unit, which, limit in ASKED]  # fmt: skip
+            for image, states, name, unit, which, limit in REQUIRED]  # fmt: skip
 
 
 def missed(results: dict[str, dict]) -> list[str]:
-    """A line for each figure that is beyond what was asked."""
-    return [f"{what} {value}, asked {limit}" for what, value, limit in asked(results) if value > limit]
+    """A line for each value above its requirement."""
+    return [f"{what} {value}, required {limit}" for what, value, limit in requirements(results) if value > limit]
 
 
 def main(argv: list[str]) -> int:
@@ -224,8 +238,21 @@ def main(argv: list[str]) -> int:
     folder = build / "cycles"
     folder.mkdir(parents=True, exist_ok=True)
     plugin = folder / "plugin.so"
-    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", str(Path(__file__).with_name("plugin.c")), "-o", str(plugin)],
-                   check=True)  # fmt: skip
+    subprocess.run(
+        [
+            "gcc",
+            "-O2",
+            "-shared",
+            "-fPIC",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            str(Path(__file__).with_name("plugin.c")),
+            "-o",
+            str(plugin),
+        ],
+        check=True,
+    )
     (folder / "recorded.bin").write_bytes(recorded(folder))
     (folder / "not_predicted.bin").write_bytes(recorded(folder, "--param", "prediction=0"))
     (folder / "operated.bin").write_bytes(b"".join(operated.operated(OPERATED_TICKS, seed=3)))
@@ -249,11 +276,11 @@ def main(argv: list[str]) -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(results, indent=1) + "\n")
     report(results)
-    for what, value, limit in asked(results):
-        print(f"asked of {what}: at most {limit}; it is {value}")
+    for what, value, limit in requirements(results):
+        print(f"required of {what}: at most {limit}; measured {value}")
     found = maxima(results)
     if "--update" in argv:
-        lines = ["# What a tick may cost at most, by `make cycles`: written by `make cycles UPDATE=1`.\n"]
+        lines = ["# Budget of a tick, checked by `make cycles`, written by `make cycles UPDATE=1`.\n"]
         for image, quantities in found.items():
             lines.append(f"\n[{image}]\n")
             lines += [
@@ -266,9 +293,9 @@ def main(argv: list[str]) -> int:
     for line in over:
         print(f"make cycles: {line}", file=sys.stderr)
     print(
-        f"make cycles: beyond {budget}; UPDATE=1 writes it anew"
+        f"make cycles: above {budget} or a requirement; UPDATE=1 rewrites the budget"
         if over
-        else f"make cycles: within {budget}, and what was asked"
+        else f"make cycles: within {budget} and all requirements"
     )
     return bool(over)
 

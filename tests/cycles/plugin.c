@@ -1,9 +1,9 @@
-/* A plugin of QEMU that counts the instructions between two addresses of an image, and adds up what each costs by a
- * table that cycles.py makes.
+/* A QEMU plugin that counts the instructions between two addresses of an image and adds up their costs from a table
+ * made by cycles.py.
  *
  * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE. costs: pairs of 32-bit words, address (bit 0 set: a
- * conditional branch) and cost; the first word is what a conditional branch costs more when it is taken. out: a pair,
- * instructions and cost, for each way from begin to end. Debian ships QEMU without qemu-plugin.h: what is used of its
+ * conditional branch) and cost; the first word is the extra cost of a taken conditional branch. out: a pair,
+ * instructions and cost, for each pass from begin to end. Debian ships QEMU without qemu-plugin.h: the used part of its
  * interface, version 1, is declared here. */
 #include <stdbool.h>
 #include <stddef.h>
@@ -42,7 +42,7 @@ typedef struct {
     uint32_t address, cost;
 } cost_t;
 
-/* A block of instructions that run one after the other. */
+/* A block of consecutively executed instructions. */
 typedef struct {
     uint64_t begin, end;
     bool conditional; /* its last instruction is a conditional branch */
@@ -95,7 +95,7 @@ static void on_end(unsigned int cpu, void *argument) {
 static void on_translated(qemu_plugin_id_t id, struct qemu_plugin_tb *translated) {
     (void)id;
     const size_t count = qemu_plugin_tb_n_insns(translated);
-    block_t *block = calloc(1, sizeof *block); /* lives as long as QEMU may run the block: to the end */
+    block_t *block = calloc(1, sizeof *block); /* never freed: QEMU may run the block until the end */
     for (size_t i = 0; i < count; i++) {
         struct qemu_plugin_insn *instruction = qemu_plugin_tb_get_insn(translated, i);
         const uint64_t address = qemu_plugin_insn_vaddr(instruction);

@@ -1,5 +1,5 @@
-/* In the place of firmware/main.c: runs what cycles.py has written to input.bin, and marks what is to be counted. After
- * each mark output.bin gets a byte that says what it was. */
+/* Replaces firmware/main.c: runs the input.bin written by cycles.py and marks the code to be counted. After each mark
+ * output.bin gets a byte with the kind of the count. */
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"
@@ -10,17 +10,17 @@ typedef enum {
     COUNTED_TICK,
     COUNTED_TICK_TORSO,
     COUNTED_TICK_GENERAL,
-    COUNTED_TICK_ENDS,
-    COUNTED_TICK_GENERAL_ENDS,
+    COUNTED_TICK_LIMITS,
+    COUNTED_TICK_GENERAL_LIMITS,
     COUNTED_TICK_BLEND,
     COUNTED_ESTIMATE,
     COUNTED_PREDICTION,
     COUNTED_LAW,
-    COUNTED_LAW_ENDS,
+    COUNTED_LAW_LIMITS,
     COUNTED_STEP_NOT_PREDICTED
 } counted_t;
 
-/* A way from a call of count_begin() to the next of count_end() is counted: see plugin.c. */
+/* plugin.c counts the instructions from each call of count_begin() to the next call of count_end(). */
 void count_begin(void);
 void count_end(void);
 
@@ -32,18 +32,18 @@ __attribute__((noinline)) void count_end(void) {
     __asm__ volatile("" ::: "memory");
 }
 
-static void told(counted_t what) {
+static void report(counted_t what) {
     const uint8_t byte = (uint8_t)what;
     platform_write(&byte, 1);
 }
 
-/* Copies, which are not on the stack: it is as large as the product needs it. */
+/* Copies, which must not be on the stack: it has the size that the product needs. */
 static cooperation_t cooperation;
 static differential_ik_config_t config;
 static hand_motion_t motion;
 static position_priority_config_t position_priority_config;
 
-/* Algorithm 1, kinematics and law (4), as the controller calls them. */
+/* Algorithm 1, kinematics and control law (4), as the controller calls them. */
 static void tick(const float position_rad[], const pose_t *hand, joints_at_limit_t at_limit, float blend,
                  counted_t what) {
     float velocity_radps[ARM_MAX_JOINTS];
@@ -53,42 +53,42 @@ static void tick(const float position_rad[], const pose_t *hand, joints_at_limit
     cooperation_update(&cooperation, hand, blend);
     arm_ik_differential(&arm_ik_hoap3_right, &config, &request, velocity_radps);
     count_end();
-    told(what);
+    report(what);
 }
 
 static void ticks(const float position_rad[], const pose_t *hand) {
     const joints_at_limit_t none = {0, 0}, all = {0x5, 0xA};
     cooperation.settled = cooperation.latched = false;
     tick(position_rad, hand, none, 0.5f, COUNTED_TICK_BLEND);
-    cooperation_update(&cooperation, hand, 1.0f); /* what changed the task has been folded in */
+    cooperation_update(&cooperation, hand, 1.0f); /* the change of task is complete */
     tick(position_rad, hand, none, 1.0f, COUNTED_TICK);
-    tick(position_rad, hand, all, 1.0f, COUNTED_TICK_ENDS);
+    tick(position_rad, hand, all, 1.0f, COUNTED_TICK_LIMITS);
     config.error_frame = ERROR_FRAME_TORSO;
     tick(position_rad, hand, none, 1.0f, COUNTED_TICK_TORSO);
     config.error_frame = ERROR_FRAME_TARGET;
     config.weight[1] *= 2.0f;
     differential_ik_prepare(&config);
     tick(position_rad, hand, none, 1.0f, COUNTED_TICK_GENERAL);
-    tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_ENDS);
+    tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_LIMITS);
 }
 
-/* What prediction is made of, as the controller calls it: a sample, 4 ms after the last and just taken; the motion at
- * the command's instant, and the target's; the law. */
+/* The parts of prediction, as the controller calls them: a new sample 4 ms after the last one; the hand's motion at the
+ * time of the command, and the target's motion; the control law. */
 static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     const float ahead_s = 0.003f;
     const uint32_t captured_us = motion.captured_us + 4000u, now_us = captured_us + 4000u;
     count_begin();
     hand_motion_sample(&motion, sample, captured_us, now_us);
     count_end();
-    told(COUNTED_ESTIMATE);
+    report(COUNTED_ESTIMATE);
     count_begin();
     const pose_t hand = hand_motion_pose(&motion, now_us, -0.001f);
     const twist_t hand_moves = hand_motion_twist(&motion, now_us, ahead_s);
     const twist_t target_moves = cooperation_target_motion(&cooperation, &hand_moves);
     count_end();
-    told(COUNTED_PREDICTION);
-    for (int at_ends = 0; at_ends < 2; at_ends++) {
-        const joints_at_limit_t at_limit = {at_ends ? 0x5 : 0, at_ends ? 0xA : 0};
+    report(COUNTED_PREDICTION);
+    for (int at_limits = 0; at_limits < 2; at_limits++) {
+        const joints_at_limit_t at_limit = {at_limits ? 0x5 : 0, at_limits ? 0xA : 0};
         const position_priority_request_t request = {position_rad, &cooperation.target, &target_moves, at_limit};
         float feedback_radps[ARM_MAX_JOINTS], feedforward_radps[ARM_MAX_JOINTS];
         count_begin();
@@ -96,11 +96,11 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
         (void)arm_ik_position_priority(&arm_ik_hoap3_right, &position_priority_config, &request, feedback_radps,
                                        feedforward_radps);
         count_end();
-        told(at_ends ? COUNTED_LAW_ENDS : COUNTED_LAW);
+        report(at_limits ? COUNTED_LAW_LIMITS : COUNTED_LAW);
     }
 }
 
-/* A made-up state: the robot's hand at the start is where its joints say. */
+/* A generated state: the end effector's initial pose follows from the joint positions. */
 static void run_state(const record_t *record, const controller_t *controller) {
     struct {
         float position_rad[4];
@@ -131,7 +131,7 @@ void firmware_main(void) {
     platform_open();
     count_begin();
     count_end();
-    told(COUNTED_NOTHING);
+    report(COUNTED_NOTHING);
     while (record_read(&record)) {
         if (record.kind == RECORD_STATE) {
             run_state(&record, &controller);
@@ -140,7 +140,7 @@ void firmware_main(void) {
             count_begin();
             controller_step(&controller, record.now_us, &inbox, &outbox);
             count_end();
-            told(controller.predicts ? COUNTED_STEP : COUNTED_STEP_NOT_PREDICTED);
+            report(controller.predicts ? COUNTED_STEP : COUNTED_STEP_NOT_PREDICTED);
             if (controller.supervisor.mode == MODE_COOPERATING && controller.differential_ik_config.isotropic.applies) {
                 cooperation = controller.cooperation;
                 config = controller.differential_ik_config;

@@ -1,7 +1,7 @@
-/* Prints a digest of all joint velocities that the laws without prediction ask for, over a made-up input: samples of a
- * hand that wanders and turns, interpolated, mapped by Algorithm 1, and law (4) at joints that wander, some of them at
- * an end. The same source compiles with the firmware of before the prediction: tests/test_former_law.py has what that
- * one printed. */
+/* Prints a digest of the joint velocities of the control laws without prediction over a generated input: random samples
+ * of a moving and turning hand, interpolated and mapped by Algorithm 1, and control law (4) at random joint positions,
+ * some of them at a limit. The source also compiles with the firmware before prediction; before_prediction.txt, used by
+ * tests/test_former_law.py, is that firmware's output. */
 #include <stdio.h>
 #include <string.h>
 
@@ -15,8 +15,8 @@
 
 static uint32_t state = 1;
 
-/* Within -1..1. */
-static float made_up(void) {
+/* A pseudo-random number in -1..1. */
+static float random_number(void) {
     state = state * 1664525u + 1013904223u;
     return (float)(int32_t)state * (1.0f / 2147483648.0f);
 }
@@ -56,19 +56,19 @@ static void run(const char *name, const parameters_t *parameters, task_id_t task
         const uint32_t now_us = 1000u * tick;
         if (tick % TRACKER_TICKS == 1u) {
             quaternion_t turned = sample.rotation;
-            turned.x += 0.02f * made_up();
-            turned.y += 0.02f * made_up();
-            turned.z += 0.02f * made_up();
+            turned.x += 0.02f * random_number();
+            turned.y += 0.02f * random_number();
+            turned.z += 0.02f * random_number();
             sample.rotation = quaternion_normalise(turned);
-            sample.position_m.x = 0.99f * sample.position_m.x + 0.01f * made_up();
-            sample.position_m.y = 0.99f * sample.position_m.y + 0.01f * made_up();
-            sample.position_m.z = 0.99f * sample.position_m.z + 0.01f * made_up();
+            sample.position_m.x = 0.99f * sample.position_m.x + 0.01f * random_number();
+            sample.position_m.y = 0.99f * sample.position_m.y + 0.01f * random_number();
+            sample.position_m.z = 0.99f * sample.position_m.z + 0.01f * random_number();
             sample.t_us = now_us;
             (void)hand_tracker_receive(&tracker, &sample, now_us, now_us);
         }
         for (int i = 0; i < arm->joint_count; i++) {
             const float middle = 0.5f * (arm->joints[i].position_min_rad + arm->joints[i].position_max_rad);
-            joint[i] += 0.01f * made_up() + 0.001f * (middle - joint[i]);
+            joint[i] += 0.01f * random_number() + 0.001f * (middle - joint[i]);
         }
         const pose_t hand = hand_tracker_pose(&tracker, now_us);
         if (tick == 1u) {

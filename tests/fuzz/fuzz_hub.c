@@ -9,7 +9,7 @@
 
 #define BUFFER_BYTES 4096
 
-/* By the definition of SocketCAN, without the hub's own check. */
+/* Checks a frame by the definition of SocketCAN, independently of the hub's own check. */
 static void require_frame(const uint8_t *packet, ssize_t bytes) {
     canid_t id;
     memcpy(&id, packet, sizeof id);
@@ -40,8 +40,8 @@ void fuzz_hub(const endpoint_t *endpoint, int socket_type, const uint8_t *data, 
     hub.settle_ms = 0;
     size_t part = 0;
     for (size_t at = 0; at + 1 < size; at += part + 1) {
-        const size_t wanted = data[at] < 64 ? 16 : data[at] < 128 ? 72 : (size_t)data[at] - 127;
-        part = size - at - 1 < wanted ? size - at - 1 : wanted;
+        const size_t requested = data[at] < 64 ? 16 : data[at] < 128 ? 72 : (size_t)data[at] - 127;
+        part = size - at - 1 < requested ? size - at - 1 : requested;
         (void)send(sender, data + at + 1, part, MSG_NOSIGNAL);
         const struct can_frame reply = {.can_id = 0x123, .len = 2};
         (void)send(listener, &reply, sizeof reply, MSG_NOSIGNAL);

@@ -1,8 +1,8 @@
-"""The golden logs: what the firmware received and what it sent, from its boot over start, latch or clutch to the stop, in
-shortened versions of the five experiments, on both profiles. tests/test_golden.py replays them.
+"""The golden logs: the frames that the firmware received and sent, from boot through start, latch or clutch to the
+stop, in shortened versions of the five experiments, on both profiles. tests/test_golden.py replays them.
 
-``make golden`` records them anew, after a change of behaviour: with the reason in the commit, ``REVISION`` raised, and a
-line "Golden logs, revision N: WHAT CHANGED" in CHANGELOG.md.
+``make golden`` records new ones after a change of behaviour. The commit gives the reason, ``REVISION`` is raised, and
+CHANGELOG.md gets a line "Golden logs, revision N: WHAT CHANGED".
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MAX_BYTES = 12_000_000  # of all golden logs
 
 @dataclass(frozen=True)
 class Run:
-    """A golden log is NAME-PROFILE.log.xz. shows: what it has beside start and stop."""
+    """A golden log is NAME-PROFILE.log.xz. shows: its contents besides start and stop."""
 
     name: str
     scenario: Path
@@ -41,12 +41,14 @@ class Run:
 
 
 RUNS = (
-    Run("pour", SCENES / "pour.yaml", ("--clutch", "4"), "a task of the operator's own, a blend, a clutch"),
+    Run("pour", SCENES / "pour.yaml", ("--clutch", "4"), "a custom task, a blend, a clutch"),
     Run("teleop", EXPERIMENTS / "teleop.yaml", (), "a recorded kind of motion, guided"),
-    Run("teleop_gaps", EXPERIMENTS / "teleop.yaml", ("--gap", "4:0.3", "--dropout", "0.03", "--duration", "9"), "gaps: hold and return"),
+    Run("teleop_gaps", EXPERIMENTS / "teleop.yaml", ("--gap", "4:0.3", "--dropout", "0.03", "--duration", "9"),
+        "gaps: hold and return"),
     Run("mirror", SCENES / "mirror.yaml", (), "a latch, forces"),
     Run("handover", EXPERIMENTS / "handover.yaml", (), "a stop in motion"),
-    Run("handover_without_prediction", EXPERIMENTS / "handover.yaml", ("--param", "prediction=0"), "parameters, the paper's loop"),
+    Run("handover_without_prediction", EXPERIMENTS / "handover.yaml", ("--param", "prediction=0"),
+        "parameters, the paper's loop"),
     Run("crank", SCENES / "crank.yaml", ("--clutch", "5"), "a closed chain, a clutch"),
 )  # fmt: skip
 
@@ -56,13 +58,13 @@ def path_of(run: Run, profile: str) -> Path:
 
 
 def of_the_firmware(path: Path) -> Iterator[str]:
-    """The lines of a log whose frames the firmware receives or sends."""
+    """The log lines of the frames that the firmware receives or sends."""
     ids = {m.frame_id for m in messages().values() if "Firmware" in (*m.senders, *m.receivers)}
     return (logs.candump_line(frame) + "\n" for frame in logs.read(path) if frame.frame_id in ids)
 
 
 def record(run: Run, profile: str, simulator: Path) -> None:
-    """Exit status 1, a failed check, is no error: what counts here is what the firmware did."""
+    """Exit status 1, a failed check, is accepted: only the firmware's behaviour matters here."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
             simulator,
@@ -93,7 +95,8 @@ def main() -> int:
         list(pool.map(lambda job: record(*job, simulator), jobs))
     total = sum(path_of(*job).stat().st_size for job in jobs)
     print(
-        f"{len(jobs)} golden logs, {total / 1e6:.1f} MB of {MAX_BYTES / 1e6:.0f} MB in {FOLDER.relative_to(REPOSITORY)}/"
+        f"{len(jobs)} golden logs, {total / 1e6:.1f} MB of {MAX_BYTES / 1e6:.0f} MB "
+        f"in {FOLDER.relative_to(REPOSITORY)}/"
     )
     return 0 if total < MAX_BYTES else 1
 

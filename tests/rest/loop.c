@@ -1,3 +1,4 @@
+/* The loop of loop.h: frames to and from the firmware, the drives, and the recorded figures. */
 #include "loop.h"
 
 #include <math.h>
@@ -10,14 +11,14 @@
 #define TICK_S 1e-3
 #define PULSE_RAD (PI / 180.0 / 209.0)
 #define HAND_PERIOD_TICKS 4
-#define SELECT_TICK 60 /* all drives and the tracker have been heard */
+#define SELECT_TICK 60 /* frames of all drives and the tracker have been received */
 #define START_TICK (SELECT_TICK + 1)
 #define MOVE_TICK (START_TICK + 100)
 #define DELAY_TICKS 8 /* more than the longest dead time */
 
 typedef struct {
     double position_rad, velocity_radps;
-    double read_rad;             /* by the encoder, at the last command */
+    double read_rad;             /* encoder reading at the last command */
     double command[DELAY_TICKS]; /* [rad/s], a ring */
 } drive_t;
 
@@ -28,8 +29,7 @@ typedef struct {
     controller_inbox_t inbox;
     protocol_sender_t drives, tracker, operator;
     drive_t drive[REST_JOINTS];
-    double window_last[REST_JOINTS]; /* a joint's velocity when it was last above REST_CREEP_RADPS, in this window; 0:
-                                        not yet */
+    double window_last[REST_JOINTS]; /* last velocity above REST_CREEP_RADPS in this window; 0: none yet */
     joint_cmd_t command;
 } loop_t;
 
@@ -116,8 +116,8 @@ static void take(void *context, const can_frame_t *frame) {
 
 /* ---- plant */
 
-/* The exact answer of a first-order lag to a constant command. */
-static void drive_on(drive_t *self, double command_radps, double for_s, double lag_s) {
+/* Exact response of a first-order lag to a constant command. */
+static void drive_advance(drive_t *self, double command_radps, double for_s, double lag_s) {
     const double left = exp(-for_s / lag_s);
     self->position_rad += command_radps * for_s + (self->velocity_radps - command_radps) * lag_s * (1.0 - left);
     self->velocity_radps = command_radps + (self->velocity_radps - command_radps) * left;
@@ -126,15 +126,15 @@ static void drive_on(drive_t *self, double command_radps, double for_s, double l
 static void move_joints(loop_t *self, int tick) {
     const double dead_ticks = self->work->dead_time_s / TICK_S;
     const int whole = (int)dead_ticks;
-    const double part_s = (dead_ticks - whole) * TICK_S; /* of the tick, the older command still acts */
+    const double part_s = (dead_ticks - whole) * TICK_S; /* part of the tick in which the older command still acts */
     for (int i = 0; i < REST_JOINTS; i++) {
         drive_t *drive = &self->drive[i];
         drive->command[tick % DELAY_TICKS] =
             self->command.mode[i] == DRIVE_MODE_VELOCITY ? (double)self->command.velocity_radps[i] : 0.0;
         drive->read_rad = drive->position_rad;
         const int acting = tick - whole + DELAY_TICKS;
-        drive_on(drive, drive->command[(acting - 1) % DELAY_TICKS], part_s, self->work->lag_s);
-        drive_on(drive, drive->command[acting % DELAY_TICKS], TICK_S - part_s, self->work->lag_s);
+        drive_advance(drive, drive->command[(acting - 1) % DELAY_TICKS], part_s, self->work->lag_s);
+        drive_advance(drive, drive->command[acting % DELAY_TICKS], TICK_S - part_s, self->work->lag_s);
     }
 }
 

@@ -1,5 +1,5 @@
-/* The firmware's controller_step() on CAN FD with drives and a hand that moves once and then rests: over frames,
- * without ODE. */
+/* The firmware's controller_step() on CAN FD in a loop with drives and a hand that moves once and then rests. It
+ * exchanges frames, without ODE. */
 #ifndef COMANIP_REST_LOOP_H
 #define COMANIP_REST_LOOP_H
 
@@ -12,29 +12,29 @@
 #define REST_WINDOW_S 2.0
 #define REST_CREEP_RADPS 0.02
 
-/* The plant of a drive: its joint's speed follows what was commanded dead_time_s ago with a first-order lag; the
- * encoder counts whole pulses of 1/209 degree, and is read one tick before the firmware has it. */
+/* Model of a drive: the joint's speed follows the command of dead_time_s ago with a first-order lag. The encoder counts
+ * whole pulses of 1/209 degree; the firmware receives its reading one tick later. */
 typedef struct {
     double start_rad[REST_JOINTS];
-    double hand_rotation[4]; /* of the hand in the tracker frame before it moves: w x y z, unit */
-    double way_m[3];         /* along which it moves, with minimum jerk, */
-    double turn_rad[3];      /* and the rotation vector by which it turns meanwhile, in tracker axes */
-    double move_s;           /* so long, from 0.1 s after the start on */
+    double hand_rotation[4]; /* in the tracker frame before the move: w x y z, unit */
+    double way_m[3];         /* displacement of the minimum-jerk move */
+    double turn_rad[3];      /* rotation vector of the move, in tracker axes */
+    double move_s;           /* duration of the move, which begins 0.1 s after the start */
     double dead_time_s, lag_s;
-    double end_s[REST_WINDOWS]; /* ends of two windows, after the begin of the move; not decreasing */
+    double end_s[REST_WINDOWS]; /* ends of two windows after the start of the move; not decreasing */
 } rest_case_t;
 
 typedef struct {
-    parameter_set_verdict_t verdict; /* of the parameters */
-    result_t start;                  /* how the start was answered; if not accepted, nothing that follows is set */
+    parameter_set_verdict_t verdict; /* on the parameters */
+    result_t start;                  /* answer to the start; if not accepted, the members below are not set */
     control_mode_t mode;             /* at the end */
-    int interrupted[REST_WINDOWS];   /* ticks of a window that were no cooperation */
+    int interrupted[REST_WINDOWS];   /* ticks of a window without cooperation */
     double peak_radps[REST_WINDOWS][REST_JOINTS]; /* largest commanded speed in a window */
     int sign_changes[REST_WINDOWS]
-                    [REST_JOINTS]; /* of the commanded velocity where it is above REST_CREEP_RADPS: a pulse of the
-                                      encoder times the gain also changes the sign, at rest, for ever */
-    double position_rad[REST_WINDOWS][REST_JOINTS];   /* the joints at a window's end, */
-    double velocity_radps[REST_WINDOWS][REST_JOINTS]; /* and what was commanded last */
+                    [REST_JOINTS]; /* of the commanded velocity above REST_CREEP_RADPS. Below it, one encoder
+                                      pulse times the gain keeps changing the sign at rest */
+    double position_rad[REST_WINDOWS][REST_JOINTS];   /* joint positions at a window's end */
+    double velocity_radps[REST_WINDOWS][REST_JOINTS]; /* last command in the window */
     double target[7];                                 /* at the end: w x y z, x y z */
 } rest_outcome_t;
 

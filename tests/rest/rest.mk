@@ -1,5 +1,5 @@
-# `make rest`: the firmware's tick in a loop with drives, for thousands of cases. Included by the Makefile, which defines BUILD,
-# GENERATED, CORE_CFLAGS and CORE_SOURCES.
+# `make rest`: the firmware's tick in a loop with drives, for thousands of cases. Included by the Makefile, which
+# defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
 
 REST := $(BUILD)/rest
 REST_SOURCES := $(CORE_SOURCES) tests/rest/loop.c
@@ -14,5 +14,5 @@ $(REST)/loop.so: $(REST_SOURCES:%.c=$(REST)/%.o)
 	$(Q)$(CC) -shared -Wl,-z,defs $^ -lm -o $@
 
 .PHONY: rest
-rest: build $(VENV)/.installed-tests $(REST)/loop.so ## check that the arm comes to rest when the hand does; build/reports/rest.json (minutes)
+rest: build $(VENV)/.installed-tests $(REST)/loop.so ## check that the arm comes to rest (minutes)
 	@$(PYTHON) tests/rest/rest.py $(BUILD) $(ARGS)

@@ -1,17 +1,20 @@
-"""``make rest``: when the hand rests, the arm comes to rest, with position first.
+"""``make rest``: when the hand rests, the arm comes to rest, with position priority.
 
-``rest.py BUILD [--seeds choice|proof] [--cases N] [--reachable N] [--ode N] [--pairs N] [--parameter NAME=VALUE ...] [--out FILE]``. Random cases
-(rest_cases.py) go through the firmware's own controller_step() in a loop with drives (loop.c), for 20 s each, and a part of them through the
-simulator (rest_ode.py):
+``rest.py BUILD [--seeds choice|proof] [--cases N] [--reachable N] [--ode N] [--pairs N] [--parameter NAME=VALUE ...]
+[--out FILE]``. Random cases (rest_cases.py) run for 20 s each through the firmware's controller_step() in a loop with
+drives (loop.c), and some of them in the simulator (rest_ode.py):
 
-    rest      in the last 2 s of 8 s no case swings, at most 1.5 % creep, and in the last 2 s of 20 s at most 0.2 % do (rest_judgement.py)
-    ode       the same of a hundred cases there
-    position  of cases whose target's position can be reached (rest_arm.py), 95 % have it within 1 mm after 8 s
-    pairs     parameters at the ends of their ranges, two at a time, groups of K and W among them: refused, or after 8 s and the travel at the
-              allowed speed no joint is above 0.02 rad/s or 10 % of that speed, and none swings (rest_pairs.py)
+    rest      in the last 2 s of 8 s no case oscillates and at most 1.5 % creep; in the last 2 s of 20 s at most 0.2 %
+              creep (rest_judgement.py)
+    ode       the same for a hundred cases in the simulator
+    position  of the cases with a reachable target position (rest_arm.py), 95 % are within 1 mm after 8 s
+    pairs     two parameters at a time at the ends of their ranges, including groups of K and W: the set is rejected, or
+              after 8 s and the travel time at the allowed speed no joint is faster than 0.02 rad/s or 10 % of that
+              speed, and none oscillates (rest_pairs.py)
 
-Each exception is listed with what the arm's own geometry says of where it ended. Outcomes are kept in BUILD/rest by the firmware's fingerprint: a
-campaign that was stopped goes on where it was. Prints the figures and writes FILE. Exit status 1 if something asked for is missed.
+Each exception is listed with its cause by the arm's geometry at the end. Outcomes are stored in BUILD/rest by the
+firmware's fingerprint, so that an interrupted campaign continues. Prints the figures and writes FILE. Exit status 1 if
+a requirement is missed.
 """
 
 from __future__ import annotations
@@ -41,13 +44,13 @@ from rest_loop import ACCEPTED, OUTCOME, Loop  # noqa: E402
 
 CASES, REACHABLE, ODE, PAIR_CASES = 5000, 2000, 100, 4
 PAIRS_BATCH = 50
-BATCH = 250  # cases that are kept at once
+BATCH = 250  # cases stored at a time
 WITHIN_M, WITHIN_SHARE = 1e-3, 0.95
-FLAT_M2 = 5e-4  # a curvature that is small beside the square of a link, 0.01 m2 and more
+FLAT_M2 = 5e-4  # a curvature is small below this, compared with a link's length squared of at least 0.01 m2
 
 
 class Campaign:
-    """Outcomes of cases, run or taken from what is kept."""
+    """Outcomes of cases, computed or read from the stored ones."""
 
     def __init__(self, build: Path, seeds: str, parameters: dict[str, float]) -> None:
         self.loop = Loop(build)
@@ -61,7 +64,7 @@ class Campaign:
         return np.concatenate(parts) if parts else np.zeros(0, OUTCOME)
 
     def in_ode(self, count: int) -> np.ndarray:
-        """Of the first `count` cases that do not begin with the arm inside the robot's body."""
+        """Of the first `count` cases that do not start with the arm inside the robot's body."""
         cases = (generated.random_case(self.seeds, number) for number in itertools.count())
         outcomes = (self._kept(self._ode_fingerprint, case, self._simulate) for case in cases)
         return np.array(
@@ -111,11 +114,11 @@ class Campaign:
         return outcomes
 
 
-# ---- why
+# ---- causes
 
 
 def position_cause(left_m: float) -> str:
-    """Of an error that is left; `left_m`: of it, where the position alone would have led from there."""
+    """Cause of a remaining error; `left_m`: the error that remains after descending by position alone from there."""
     return (
         "a local minimum of the distance"
         if left_m >= WITHIN_M
@@ -124,22 +127,24 @@ def position_cause(left_m: float) -> str:
 
 
 def motion_cause(valley: arm.Valley) -> str:
-    """Of a motion that goes on."""
+    """Cause of a motion that continues."""
     if not valley.curvature_m2.size:
-        return "all joints at their ends, and hardly pulled there"
+        return "all joints at their limits with a small pull"
     least = valley.curvature_m2[0]
     if least < -FLAT_M2:
         return "near a saddle of the distance"
     if least < FLAT_M2:
-        return f"a flat valley of the distance, {'at joint ends' if valley.ends else 'at a singularity'}"
-    return "still on its way"
+        return f"a flat valley of the distance, {'at joint limits' if valley.limits else 'at a singularity'}"
+    return "still moving to the target"
 
 
 def geometry(valley: arm.Valley) -> str:
-    ends = f"joint {' '.join(map(str, valley.ends))} at an end" if valley.ends else "no joint at an end"
+    limits = f"joint {' '.join(map(str, valley.limits))} at a limit" if valley.limits else "no joint at a limit"
     return (
-        f"{'in' if valley.reachable else 'out of'} reach, {1e3 * valley.error_m:.2f} mm off, {ends}, slope {1e4 * valley.slope_m2:.3f} cm2/rad, "
-        f"curvature {' '.join(f'{1e4 * c:.2f}' for c in valley.curvature_m2)} cm2, singular value {1e3 * valley.singular_m:.1f} mm/rad"
+        f"{'in' if valley.reachable else 'out of'} reach, {1e3 * valley.error_m:.2f} mm off, {limits}, "
+        f"slope {1e4 * valley.slope_m2:.3f} cm2/rad, "
+        f"curvature {' '.join(f'{1e4 * c:.2f}' for c in valley.curvature_m2)} cm2, "
+        f"singular value {1e3 * valley.singular_m:.1f} mm/rad"
     )
 
 
@@ -169,14 +174,14 @@ def print_causes(name: str, entries: list[dict]) -> None:
         print(f"      {name}: {count} times {cause}")
 
 
-# ---- what is asked
+# ---- requirements
 
 
 @dataclasses.dataclass
 class Check:
     name: str
     value: float
-    limit: float  # at most; of a share that is within, at least
+    limit: float  # upper limit; for a share within tolerance, the lower limit
     passed: bool
 
 
@@ -190,7 +195,7 @@ def at_least(name: str, value: float, limit: float) -> Check:
 
 def rest(outcomes: np.ndarray, where: str = "rest") -> tuple[list[Check], dict]:
     early, late = judgement.EARLY, judgement.LATE
-    swinging = [judgement.swings(outcomes, w) for w in (early, late)]
+    oscillating = [judgement.oscillates(outcomes, w) for w in (early, late)]
     creeping = [judgement.creeps(outcomes, w) for w in (early, late)]
     checks = [
         at_most(
@@ -198,13 +203,13 @@ def rest(outcomes: np.ndarray, where: str = "rest") -> tuple[list[Check], dict]:
             float((outcomes["interrupted"].any(axis=1) | (outcomes["start"] != ACCEPTED)).sum()),
             0,
         ),
-        at_most(f"{where}: swinging in the last 2 s of 8 s", float(swinging[early].sum()), 0),
+        at_most(f"{where}: oscillating in the last 2 s of 8 s", float(oscillating[early].sum()), 0),
         at_most(
             f"{where}: share creeping in the last 2 s of 8 s",
             float(creeping[early].mean()),
             judgement.CREEPING_SHARE[early],
         ),
-        at_most(f"{where}: swinging in the last 2 s of 20 s", float(swinging[late].sum()), 0),
+        at_most(f"{where}: oscillating in the last 2 s of 20 s", float(oscillating[late].sum()), 0),
         at_most(
             f"{where}: share creeping in the last 2 s of 20 s",
             float(creeping[late].mean()),
@@ -212,8 +217,8 @@ def rest(outcomes: np.ndarray, where: str = "rest") -> tuple[list[Check], dict]:
         ),
     ]
     exceptions = {
-        f"{where}_of_8_s": listed(np.flatnonzero(swinging[early] | creeping[early]), outcomes, early),
-        f"{where}_of_20_s": listed(np.flatnonzero(swinging[late] | creeping[late]), outcomes, late),
+        f"{where}_of_8_s": listed(np.flatnonzero(oscillating[early] | creeping[early]), outcomes, early),
+        f"{where}_of_20_s": listed(np.flatnonzero(oscillating[late] | creeping[late]), outcomes, late),
     }
     return checks, exceptions
 
@@ -225,7 +230,7 @@ def position(outcomes: np.ndarray) -> tuple[list[Check], dict]:
     within = error_m < WITHIN_M
     checks = [
         at_least(
-            "position: share within 1 mm where it can be reached, with posture_change",
+            "position: share within 1 mm where reachable, with posture_change",
             float(within.mean()),
             WITHIN_SHARE,
         )
@@ -237,9 +242,10 @@ def pairs(verdicts: list[rest_pairs.Verdict]) -> tuple[list[Check], dict]:
     wrong = [v for v in verdicts if v.what not in ("refused", "rests") and not v.warned]
     by_what = {what: sum(v.what == what for v in verdicts) for what in sorted({v.what for v in verdicts})}
     print(
-        f"pairs: {len(verdicts)}: {', '.join(f'{count} {what}' for what, count in by_what.items())}; warned of: {sum(v.warned for v in verdicts)}"
+        f"pairs: {len(verdicts)}: {', '.join(f'{count} {what}' for what, count in by_what.items())}; "
+        f"with a warning: {sum(v.warned for v in verdicts)}"
     )
-    checks = [at_most("pairs: neither refused, nor at rest, nor warned of", len(wrong), 0)]
+    checks = [at_most("pairs: neither rejected, nor at rest, nor with a warning", len(wrong), 0)]
     return checks, {
         "pairs": by_what | {"of": len(verdicts)},
         "pairs_wrong": [dataclasses.asdict(v) for v in wrong],
@@ -271,7 +277,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     campaign = Campaign(options.build, options.seeds, dict(options.parameter))
     reaching = Campaign(
         options.build, options.seeds, {"posture_change": 1.0, **dict(options.parameter)}
-    )  # by default it is off
+    )  # off by default
     checks, exceptions = [], {}
     stages = (
         (options.cases, rest, lambda: campaign.outcomes(generated.random_cases(options.seeds, range(options.cases)))),
@@ -289,12 +295,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             checks += found
             exceptions |= listed_here
     for check in checks:
-        print(f"{'pass' if check.passed else 'FAIL'}  {check.name}: {check.value:.4g}, asked {check.limit:g}")
+        print(f"{'pass' if check.passed else 'FAIL'}  {check.name}: {check.value:.4g}, required {check.limit:g}")
     for name, entries in exceptions.items():
         if isinstance(entries, list):
             print_causes(name, [entry for entry in entries if "cause" in entry])
     report = {
-        "seeds": options.seeds, "cases": options.cases, "reachable": options.reachable, "ode": options.ode, "pair_cases": options.pairs,
+        "seeds": options.seeds, "cases": options.cases, "reachable": options.reachable, "ode": options.ode,
+        "pair_cases": options.pairs,
         "parameters": campaign.parameters,
         "checks": [dataclasses.asdict(check) for check in checks], "exceptions": exceptions,
     }  # fmt: skip

@@ -1,5 +1,5 @@
-"""HOAP-3's right arm in double precision, from the manual's table and without a line of the firmware's: where the hand is, which
-positions it can reach, and how the position's error lies about a posture."""
+"""HOAP-3's right arm in double precision, from the manual's table and independent of the firmware: the end effector's
+position, the positions that it can reach, and the shape of the position error around a posture."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 SHOULDER_M = np.array([-0.035, -0.111, 0.125])
 UPPER_M, FORE_M = 0.111, 0.171
 RANGE_RAD = np.radians([[-90.0, 150.0], [-95.0, 0.0], [-90.0, 90.0], [-114.0, 0.0]])
-SWIVELS = 1801  # of the upper arm's torsion, tried for a position: every 0.1 degree
-STEP_RAD = 1e-4  # of the differences
+SWIVELS = 1801  # torsion angles of the upper arm tried for a position: every 0.1 degree
+STEP_RAD = 1e-4  # of the finite differences
 
 
 def hand_m(q: np.ndarray) -> np.ndarray:
-    """Position (..., 3) of the hand in the torso frame at angles (..., 4)."""
+    """Position (..., 3) of the end effector in the torso frame at angles (..., 4)."""
     (s1, s2, s3, s4), (c1, c2, c3, c4) = np.sin(np.moveaxis(q, -1, 0)), np.cos(np.moveaxis(q, -1, 0))
-    side, along = -FORE_M * s4, UPPER_M + FORE_M * c4  # of the upper arm
+    side, along = -FORE_M * s4, UPPER_M + FORE_M * c4  # relative to the upper arm
     x, y = -side * s3, side * c3
     up = x * c2 + along * s2
     out, across = -x * s2 + along * c2, -y
@@ -25,8 +25,9 @@ def hand_m(q: np.ndarray) -> np.ndarray:
 
 
 def reaching(position_m: np.ndarray) -> np.ndarray:
-    """Postures (n, 4) within the ranges that have the hand there, at most one every 0.1 degree of torsion and side; none: it is out of
-    reach. The elbow's angle follows from the distance, the first two joints' from each torsion."""
+    """Postures (n, 4) within the joint limits that put the end effector there, at most one per 0.1 degree of torsion
+    and per side; none if the position is out of reach. The elbow angle follows from the distance, the first two joints
+    from each torsion."""
     w = np.asarray(position_m, float) - SHOULDER_M
     cosine = (w @ w - UPPER_M**2 - FORE_M**2) / (2 * UPPER_M * FORE_M)
     if abs(cosine) > 1:
@@ -52,18 +53,18 @@ def reaching(position_m: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Valley:
-    """How half the squared distance to a position lies about a posture. Joints at an end that the slope would push beyond are left out of
-    slope, curvature and singular value, as they are of the law."""
+    """Half the squared distance to a position around a posture. Joints at a limit that the slope would push further are
+    left out of slope, curvature and singular value, as in the control law."""
 
     error_m: float
-    ends: tuple[int, ...]  # these joints, counted from 1
-    slope_m2: float  # of the steepest descent that is left [m^2/rad]
-    curvature_m2: np.ndarray  # eigenvalues of the Hessian [m^2/rad^2], rising
+    limits: tuple[int, ...]  # joints at a limit, counted from 1
+    slope_m2: float  # of the steepest descent of the remaining joints [m^2/rad]
+    curvature_m2: np.ndarray  # eigenvalues of the Hessian [m^2/rad^2], ascending
     singular_m: float  # the Jacobian's smallest singular value [m/rad]
     reachable: bool
 
 
-AT_END_RAD = 5e-3  # the limits let a joint come so near
+AT_LIMIT_RAD = 5e-3  # how close to a limit the joint limits let a joint come
 
 
 def jacobian_m(q: np.ndarray) -> np.ndarray:
@@ -85,7 +86,7 @@ def valley(q: np.ndarray, position_m: np.ndarray) -> Valley:
     error = np.asarray(position_m, float) - hand_m(q)
     jacobian = jacobian_m(q)
     downhill = jacobian.T @ error
-    low, high = q - RANGE_RAD[:, 0] < AT_END_RAD, RANGE_RAD[:, 1] - q < AT_END_RAD
+    low, high = q - RANGE_RAD[:, 0] < AT_LIMIT_RAD, RANGE_RAD[:, 1] - q < AT_LIMIT_RAD
     out = (low & (downhill < 0)) | (high & (downhill > 0))
     free = ~out
     singular = np.linalg.svd(jacobian[:, free], compute_uv=False) if free.any() else np.zeros(1)
@@ -100,8 +101,8 @@ CAP_M, STEP_SHARE, STEP_MAX_RAD, DESCENT_STEPS, DAMPING_M2 = 0.015, 0.2, 0.02, 1
 
 
 def descend(q: np.ndarray, position_m: np.ndarray) -> np.ndarray:
-    """Where the position alone leads from postures (n, 4), by small steps of Gauss-Newton within the ranges, with nothing said of the
-    orientation: what is still off there is a local minimum of the distance."""
+    """Where descending by position alone ends from postures (n, 4): small Gauss-Newton steps within the joint limits,
+    ignoring orientation. The error that remains is a local minimum of the distance."""
     low, high = RANGE_RAD.T
     q = np.clip(q, low, high)
     for _ in range(DESCENT_STEPS):

@@ -1,5 +1,5 @@
-"""Random cases of a hand that moves once and then rests. A case is made from the seeds' name and its own number alone, so that any of them
-can be run again by itself."""
+"""Random cases of a hand that moves once and then rests. A case depends only on the name of the seeds and its number,
+so that each can be repeated on its own."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 import rest_arm as arm
 from rest_loop import CASE
 
-SEEDS = ("choice", "proof")  # what is tuned by the first is to be proved by the second
+SEEDS = ("choice", "proof")  # parameters are tuned with the first and validated with the second
 END_S = (8.0, 20.0)
-REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # numbers of further cases
+REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # first numbers of further cases
 
 
 def direction(rng: np.random.Generator) -> np.ndarray:
@@ -46,12 +46,12 @@ def in_torso_axes(vector: np.ndarray) -> np.ndarray:
 
 
 def target_m(case: np.ndarray) -> np.ndarray:
-    """Where teleop has the robot's hand at the end: the person's way from where it was."""
+    """Where teleop puts the end effector at the end: its start plus the person's displacement."""
     return arm.hand_m(case["start_rad"]) + in_torso_axes(case["way_m"])
 
 
 def reachable_cases(seeds: str, count: int) -> np.ndarray:
-    """The first `count` of further ones whose target's position can be reached. They last 8 s."""
+    """The first `count` further cases with a reachable target position. They last 8 s."""
     further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
     return np.array(
         list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE
@@ -59,7 +59,7 @@ def reachable_cases(seeds: str, count: int) -> np.ndarray:
 
 
 def pair_cases(seeds: str, count: int, travel_s: float) -> np.ndarray:
-    """For sets of parameters: the simulator's drives, and so much longer."""
+    """For sets of parameters: with the simulator's drives, and longer by `travel_s`."""
     end_s = END_S[0] + travel_s
     cases = np.array([random_case(seeds, PAIRS_FIRST + number, (end_s, end_s)) for number in range(count)], CASE)
     cases["lag_s"], cases["dead_time_s"] = 3e-3, 0.0

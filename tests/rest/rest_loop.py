@@ -17,14 +17,16 @@ from c_declarations import declarations  # noqa: E402
 
 CASE = np.dtype(
     [
-        ("start_rad", float, 4), ("hand_rotation", float, 4), ("way_m", float, 3), ("turn_rad", float, 3), ("move_s", float),
+        ("start_rad", float, 4), ("hand_rotation", float, 4), ("way_m", float, 3), ("turn_rad", float, 3),
+        ("move_s", float),
         ("dead_time_s", float), ("lag_s", float), ("end_s", float, 2),
     ],
     align=True,
 )  # fmt: skip
 OUTCOME = np.dtype(
     [
-        ("verdict", np.int32), ("start", np.int32), ("mode", np.int32), ("interrupted", np.int32, 2), ("peak_radps", float, (2, 4)),
+        ("verdict", np.int32), ("start", np.int32), ("mode", np.int32), ("interrupted", np.int32, 2),
+        ("peak_radps", float, (2, 4)),
         ("sign_changes", np.int32, (2, 4)), ("position_rad", float, (2, 4)),
         ("velocity_radps", float, (2, 4)), ("target", float, 7),
     ],
@@ -52,12 +54,12 @@ class Loop:
 
     @functools.cached_property
     def fingerprint(self) -> str:
-        """Of the firmware and the loop: outcomes of another one are of no use."""
+        """Of the firmware and the loop: outcomes of another version cannot be reused."""
         return hashlib.sha256(self.library.read_bytes()).hexdigest()[:16]
 
     def run(self, cases: np.ndarray, parameters: dict[str, float]) -> np.ndarray:
-        """Outcomes of cases, with these parameters in place of the defaults. KeyError: no such parameter; ValueError: the
-        firmware does not take a value."""
+        """Outcomes of cases, with these parameters instead of the defaults. KeyError: no such parameter; ValueError:
+        the firmware rejects a value."""
         values = self._ffi.new("parameters_t *")
         self._lib.parameters_set_defaults(values)
         for name, value in parameters.items():

@@ -1,4 +1,4 @@
-"""Parameters at the ends of their ranges, two at a time: refused, or the arm comes to rest."""
+"""Two parameters at a time at the ends of their ranges: the set is rejected, or the arm comes to rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ GROUPS = {
     "rotation": range(4),
     "translation": range(4, 8),
     "all": range(8),
-}  # components of K and of W that are moved as one
+}  # components of K and of W that are changed together
 VECTORS = {"gain": "gain_w_per_s", "weight": "weight_w"}  # their first components
 SPEED_RADPS = 4.76  # of HOAP-3's joints
 OF_SPEED = 0.1
@@ -32,7 +32,8 @@ class End:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Of a pair: `what` is refused, rests, swings or moves; `warned`: the firmware tells that rest is not assured."""
+    """Of a pair: `what` is refused, rests, oscillates or moves; `warned`: the firmware reports that rest is not
+    assured."""
 
     pair: str
     what: str
@@ -41,7 +42,7 @@ class Verdict:
 
 
 def ends(loop: Loop) -> list[End]:
-    """Of all parameters of the firmware's table, and of the groups."""
+    """Of all parameters in the firmware's table, and of the groups."""
     single = [
         End(name, frozenset([name]), value)
         for name, both in zip(loop.names, loop.ranges, strict=True)
@@ -57,7 +58,7 @@ def ends(loop: Loop) -> list[End]:
 
 
 def pairs(loop: Loop) -> list[tuple[End, End]]:
-    """Of different parameters: none is at two ends."""
+    """Pairs of different parameters: none is at both ends of its range."""
     return [(a, b) for a, b in itertools.combinations(ends(loop), 2) if not a.parameters & b.parameters]
 
 
@@ -70,7 +71,8 @@ def speed_radps(parameters: dict[str, float]) -> float:
 
 
 def travel_s(parameters: dict[str, float]) -> float:
-    """Of all joints across their ranges, one after the other, at the allowed speed; beyond what the 8 s have room for at full speed."""
+    """Time for all joints to cross their ranges one after the other at the allowed speed, beyond what 8 s at full speed
+    allow."""
     way_rad = float(np.ptp(arm.RANGE_RAD, axis=1).sum())
     return way_rad / speed_radps(parameters) - way_rad / SPEED_RADPS
 
@@ -84,6 +86,6 @@ def judge(pair: tuple[End, End], outcomes: np.ndarray) -> Verdict:
     allowed_radps = max(judgement.CREEP_RADPS, OF_SPEED * speed_radps(written(pair)))
     if (outcomes["start"] != ACCEPTED).any() or outcomes["interrupted"].any():
         return Verdict(name, "was interrupted", warned, peak_radps)
-    if judgement.swings(outcomes, judgement.LATE).any():
-        return Verdict(name, "swings", warned, peak_radps)
+    if judgement.oscillates(outcomes, judgement.LATE).any():
+        return Verdict(name, "oscillates", warned, peak_radps)
     return Verdict(name, "rests" if peak_radps <= allowed_radps else "moves", warned, peak_radps)

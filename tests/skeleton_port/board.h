@@ -1,4 +1,4 @@
-/* A board with a CAN controller: what hal/cortex_m asks of it. */
+/* A board with a CAN controller: the definitions that hal/cortex_m needs. */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 

@@ -1,5 +1,5 @@
-/* A stub in the place of the driver of a CAN controller, which no emulated board has: it sends each frame at once, and
- * receives as many frames as it has sent JointCmd. After a thousand of these the emulator is told to exit. */
+/* A stub for the driver of a CAN controller, which no emulated board has. It sends each frame at once and receives one
+ * frame per frame sent. After a thousand JointCmd frames it ends the emulator. */
 #include "can.h"
 
 #include "../cortex_m/drivers.h"
@@ -12,7 +12,7 @@
 #define QUEUE_FRAMES 16u
 
 static struct {
-    uint32_t received_us[QUEUE_FRAMES]; /* ring: when the interrupt came */
+    uint32_t received_us[QUEUE_FRAMES]; /* ring of interrupt times */
     volatile uint32_t head, tail;
     uint32_t commands;
 } can;

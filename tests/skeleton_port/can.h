@@ -1,4 +1,4 @@
-/* Within the port. */
+/* The CAN driver's function used within the port. */
 #ifndef COMANIP_SKELETON_CAN_H
 #define COMANIP_SKELETON_CAN_H
 

@@ -1,4 +1,4 @@
-/* The least that a port has: here without a watchdog and an enable line, whose functions do nothing. */
+/* A minimal port: it has no watchdog and no enable line, so their functions do nothing. */
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
 #include "can.h"

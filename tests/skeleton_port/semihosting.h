@@ -1,4 +1,4 @@
-/* ARM IHI 0100: how the image ends the emulator. */
+/* Ends the emulator by semihosting (ARM IHI 0100). */
 #ifndef COMANIP_SKELETON_SEMIHOSTING_H
 #define COMANIP_SKELETON_SEMIHOSTING_H
 

@@ -1,4 +1,4 @@
-"""The modules of the other tests."""
+"""Makes the modules of the other tests importable."""
 
 import sys
 from pathlib import Path

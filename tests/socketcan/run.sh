@@ -1,7 +1,7 @@
 #!/bin/sh
-# The two processes on the kernel's own SocketCAN, on machines whose kernel has none: boots user-mode Linux from the running
-# file system and runs the tests there, as init.sh says. Usage: tests/socketcan/run.sh PYTHON [pytest's arguments]
-# Exit status: 0 passed, or skipped with the reason (REQUIRED=1: a failure, too), 1 failed.
+# Tests firmware and plant on the kernel's SocketCAN, on machines whose kernel has none: boots user-mode Linux from the
+# running file system and runs init.sh there. Usage: tests/socketcan/run.sh PYTHON [pytest's arguments]
+# Exit status: 0 passed, or skipped with the reason (REQUIRED=1: skipping is a failure), 1 failed.
 set -eu
 repository=$(cd "$(dirname "$0")/../.." && pwd)
 packages="user-mode-linux busybox-static iproute2 can-utils"
@@ -26,10 +26,10 @@ if ! is_complete; then
     $sudo apt-get update -qq
     # shellcheck disable=SC2086
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >/dev/null ||
-        skip "apt-get cannot install $packages here ($(dpkg --print-architecture): user-mode-linux is for amd64 and i386)"
+        skip "apt-get cannot install $packages on $(dpkg --print-architecture); user-mode-linux is for amd64 and i386"
 fi
 
-# No spaces in what goes through the kernel's command line.
+# The kernel's command line must not contain spaces.
 folder=$(mktemp -d /tmp/comanip-socketcan.XXXXXX)
 trap 'rm -rf "$folder"' EXIT
 ln -s "$repository" "$folder/repository"
@@ -43,5 +43,8 @@ kernel=$!
 tail -f -n +1 --pid=$kernel "$folder/console"
 wait $kernel || true
 [ -e "$folder/booted" ] || skip "user-mode Linux does not boot here: $(tail -n 1 "$folder/console")"
-[ -e "$folder/status" ] || { echo "make test-socketcan: the guest ended, or was stopped after $boot_s s, without a result" >&2; exit 1; }
+[ -e "$folder/status" ] || {
+    echo "make test-socketcan: the guest ended without a result, or was stopped after $boot_s s" >&2
+    exit 1
+}
 exit "$(cat "$folder/status")"

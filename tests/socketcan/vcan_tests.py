@@ -1,5 +1,5 @@
-"""Firmware and plant on the kernel's SocketCAN, seen by the tools that people have, all unmodified: candump, canplayer,
-cansniffer, cangen, python-can. Runs in user-mode Linux: make test-socketcan."""
+"""Firmware and plant on the kernel's SocketCAN, observed by unmodified standard tools: candump, canplayer, cansniffer,
+cangen, python-can. Runs in user-mode Linux: make test-socketcan."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def payload(frames: list[LoggedFrame]) -> list[tuple[int, bytes]]:
 
 
 def listeners(interface: str) -> int:
-    """So many sockets take all frames of it."""
+    """The number of sockets that receive all frames of the interface."""
     lines = Path("/proc/net/can/rcvlist_all").read_text().splitlines()
     return sum(line.split()[0] == interface for line in lines if line.strip())
 
@@ -69,7 +69,7 @@ def wait_for_listeners(interface: str, count: int) -> None:
 
 @contextlib.contextmanager
 def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
-    """Its screen, which grows meanwhile. cansniffer of can-utils 2020 knows classic frames only."""
+    """Its growing screen output. cansniffer of can-utils 2020 supports classic frames only."""
     master, slave = pty.openpty()
     others = listeners(interface)
     sniffer = subprocess.Popen(["cansniffer", interface], stdin=slave, stdout=slave, stderr=slave)
@@ -95,11 +95,10 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
 
 
 def wait_until_written(*files: Path) -> None:
-    """What is still on its way to the listeners' files is there when they have not grown for two seconds: on a busy machine a slow listener
-    is many frames behind."""
+    """Waits until the files have not grown for two seconds: on a busy machine a slow listener is many frames behind."""
     sizes, since_s, deadline_s = None, time.monotonic(), time.monotonic() + 120
     while time.monotonic() - since_s < 2:
-        assert time.monotonic() < deadline_s, f"{files} go on growing: {sizes}"
+        assert time.monotonic() < deadline_s, f"{files} keep growing: {sizes}"
         time.sleep(0.2)
         now = [file.stat().st_size for file in files]
         if now != sizes:
@@ -107,8 +106,8 @@ def wait_until_written(*files: Path) -> None:
 
 
 def record_run(bus: Bus, *logger_options: str) -> int:
-    """candump and python-can's logger listen from before the firmware's boot to after the plant's end. Gives the plant's
-    status."""
+    """candump and python-can's logger listen from before the firmware's boot until after the plant's end. Returns the
+    plant's exit status."""
     others = listeners(bus.interface)
     with open(bus.folder / "candump.log", "w") as log:
         candump = subprocess.Popen(["candump", "-L", bus.interface], stdout=log)
@@ -134,7 +133,7 @@ def session(tmp_path_factory) -> Path:
             status = record_run(bus, "--fd")
         if status == 0:
             break
-    assert status == 0, bus.told("plant.out") + bus.told("plant.err")
+    assert status == 0, bus.output("plant.out") + bus.output("plant.err")
     return folder
 
 
@@ -142,7 +141,7 @@ def session(tmp_path_factory) -> Path:
 
 
 def test_candump_and_the_plants_log_are_the_same(session):
-    """Frames, their order, and the kernel's time stamps, which the log has by the slowed clock."""
+    """Frames, their order, and the kernel's time stamps, which the log scales by the slowed clock."""
     dumped, logged = read_log(session / "candump.log"), read_log(session / "plant" / "bus.log")
     assert len(logged) > 15_000
     assert payload(dumped)[: len(logged)] == payload(logged)
@@ -184,7 +183,7 @@ def test_candumps_log_replays_byte_for_byte(session):
 
 
 def test_canplayer_plays_it_again(session):
-    """Onto a second bus, at its own pace, where candump sees the same frames."""
+    """Onto a second bus, at its own pace, where candump receives the same frames."""
     part = (session / "candump.log").read_text().splitlines(keepends=True)[:2000]
     recorded, again = session / "part.log", session / "again.log"
     recorded.write_text("".join(part))
@@ -214,24 +213,24 @@ def alone(tmp_path):
 def stop(bus: Bus, firmware: subprocess.Popen) -> str:
     firmware.send_signal(signal.SIGTERM)
     assert firmware.wait() == 0
-    return bus.told("firmware.out")
+    return bus.output("firmware.out")
 
 
 def test_the_kernel_filters_for_the_firmware(alone):
-    """Its list of filters has the ids that the DBC says, and other frames do not reach it."""
+    """Its filter list has the ids given in the DBC, and other frames do not reach it."""
     bus, firmware = alone
     lines = Path("/proc/net/can/rcvlist_sff").read_text().splitlines()
     ids = {int(line.split()[1], 16) for line in lines if line.split()[:1] == ["vcan0"]}
     assert ids == TO_FIRMWARE
     subprocess.run(["cangen", "vcan0", "-I", f"{FOREIGN_ID:x}", "-L", "8", "-n", "200", "-g", "1"], check=True)
     assert bus.command("select") == "accepted"
-    told = stop(bus, firmware)
-    assert re.search(r"(\d+) frames received", told)[1] == "1", told
+    output = stop(bus, firmware)
+    assert re.search(r"(\d+) frames received", output)[1] == "1", output
     bus.wait(lambda: sum(frame.frame_id == FOREIGN_ID for frame in bus.frames) == 200, "cangen's frames")
 
 
 def test_fd_and_classic_frames_are_received(alone):
-    """A command in a classic frame is as good as one in an FD frame: the protection is the data's."""
+    """A command in a classic frame is accepted like one in an FD frame: the protection covers the data only."""
     bus, firmware = alone
     assert bus.command("select") == "accepted"
     message = DBC.get_message_by_name("OperatorCommand")
@@ -249,7 +248,7 @@ def test_fd_and_classic_frames_are_received(alone):
     assert re.search(r"(\d+) frames received", stop(bus, firmware))[1] == "2"
 
 
-def test_remote_and_extended_frames_are_left_alone(alone):
+def test_remote_and_extended_frames_are_ignored(alone):
     bus, firmware = alone
     command_id = DBC.get_message_by_name("OperatorCommand").frame_id
     bus.send_packet(CAN_FRAME.pack(command_id | socket.CAN_RTR_FLAG, 8, 0, 0, 0, bytes(8)))
@@ -259,34 +258,34 @@ def test_remote_and_extended_frames_are_left_alone(alone):
 
 
 def test_error_frames_are_reported(alone):
-    """vcan has no errors of its own; a frame with the error flag comes back as one."""
+    """vcan has no errors of its own; a sent frame with the error flag is received as an error frame."""
     bus, firmware = alone
     for classes, controller in ((ERROR_CONTROLLER, TX_PASSIVE), (ERROR_BUS_OFF, 0), (ERROR_RESTARTED, 0)):
         bus.send_packet(CAN_FRAME.pack(ERROR_FLAG | classes, 8, 0, 0, 0, bytes([0, controller]) + bytes(6)))
-    bus.wait(lambda: "restarted" in bus.told("firmware.err"), "the report")
+    bus.wait(lambda: "restarted" in bus.output("firmware.err"), "the report")
     stop(bus, firmware)
-    told = bus.told("firmware.err")
+    output = bus.output("firmware.err")
     for line in (r"error-passive: .*", r"bus-off: .*", r"the controller was restarted", r"3 error frames",
                  r"1 times error-passive", r"1 times bus-off", r"1 restarts"):  # fmt: skip
-        assert len(re.findall(rf"^comanip-firmware: vcan0: {line}$", told, re.MULTILINE)) == 1, (line, told)
+        assert len(re.findall(rf"^comanip-firmware: vcan0: {line}$", output, re.MULTILINE)) == 1, (line, output)
 
 
 def test_an_interface_that_goes_down_and_comes_back(alone):
     bus, firmware = alone
     subprocess.run(["ip", "link", "set", "vcan0", "down"], check=True)
     try:
-        bus.wait(lambda: "vcan0: lost: Network is down" in bus.told("firmware.err"), "the report")
+        bus.wait(lambda: "vcan0: lost: Network is down" in bus.output("firmware.err"), "the report")
     finally:
         subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True)
     start = len(bus.frames)
-    bus.wait(lambda: "vcan0: back" in bus.told("firmware.err"), "the return")
+    bus.wait(lambda: "vcan0: back" in bus.output("firmware.err"), "the return")
     bus.wait(lambda: bus.since(start, "JointCmd"), "commands again")
     stop(bus, firmware)
-    assert "1 times without the bus" in bus.told("firmware.err")
+    assert "1 times without the bus" in bus.output("firmware.err")
 
 
 def test_the_systems_clock_is_set(tmp_path):
-    """Back by 1000 s: the firmware's clock goes on, and poses do not look 1000 s old."""
+    """Back by 1000 s: the firmware's clock continues, and poses do not appear 1000 s old."""
     step_s = 1000
     with Bus(tmp_path) as bus:
         begin(bus, str(PLAIN), "--duration", 20)
@@ -294,7 +293,7 @@ def test_the_systems_clock_is_set(tmp_path):
         before_us = bus.since(0, "TickTrace")[-1].decode()["now_us"]
         time.clock_settime(time.CLOCK_REALTIME, time.time() - step_s)
         try:
-            bus.wait(lambda: "the system's clock was set: -" in bus.told("firmware.err"), "the report")
+            bus.wait(lambda: "the system's clock was set: -" in bus.output("firmware.err"), "the report")
             bus.statuses_for(0.04)
             start = len(bus.frames)
             bus.statuses_for(0.04)
@@ -315,19 +314,19 @@ def test_a_bus_without_fd_is_refused():
     )
 
 
-# ---- classic CAN, on an interface that has no FD
+# ---- classic CAN, on an interface without FD
 
 
 @pytest.fixture(scope="module")
 def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
-    """And what cansniffer had on its screen meanwhile."""
+    """The session's folder and cansniffer's screen output meanwhile."""
     for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("classic")
         with Bus(folder, SLOW << attempt, "classic", "classic0") as bus, watched_by_cansniffer("classic0") as screen:
             status = record_run(bus)
         if status == 0:
             break
-    assert status == 0, bus.told("plant.out") + bus.told("plant.err")
+    assert status == 0, bus.output("plant.out") + bus.output("plant.err")
     return folder, bytes(screen)
 
 
@@ -356,7 +355,7 @@ def test_cansniffer_shows_the_firmwares_classic_frames(classic_session):
 
 
 def test_cansniffer_shows_what_changes(alone):
-    """cangen's classic frames beside the firmware's."""
+    """cangen's classic frames alongside the firmware's."""
     with watched_by_cansniffer("vcan0") as shown:
         cangen = subprocess.Popen(["cangen", "vcan0", "-I", f"{FOREIGN_ID:x}", "-L", "8", "-D", "i", "-g", "20"])
         deadline = time.monotonic() + 60
