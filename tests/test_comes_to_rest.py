@@ -110,7 +110,7 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *FORMER_LAW)
     assert_oscillates(done)
     assert re.search(
-        r"target out of reach 9\.\d+ of 10\.\d+ s, could be followed for 0\.\d+ of 10\.\d+ s", done.summary["reason"]
+        r"target out of reach 9\.\d+ of 10\.\d+ s, followable for 0\.\d+ of 10\.\d+ s", done.summary["reason"]
     )
 
 
@@ -202,7 +202,7 @@ def assert_not_measured(done, complaint: str, *words: str) -> None:
         ),
         ({}, ["--duration", 3], ["beyond the end of the run"]),
         ({}, ["--gap", "3:20"], ["needs 2.5 s"]),
-        ({"tremor_mm": 20}, [], ["noise and tremor hide it: ", "4.76 rad/s"]),
+        ({"tremor_mm": 20}, [], ["noise and tremor mask it: ", "4.76 rad/s"]),
         ({}, ["--param", "task_blend_s=6"], ["needs 2.5 s"]),
     ],
     ids=["too short", "cut", "in hold", "noise", "task not yet in force"],

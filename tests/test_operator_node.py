@@ -26,7 +26,7 @@ class Bench:
         for n, step in enumerate(steps):
             self.scenario.operate[n] = self._step(dict(step))
         self.scenario.operate_count = len(steps)
-        self.wishes = ffi.new("operator_wishes_t *", wishes or {})
+        self.wishes = ffi.new("operator_overrides_t *", wishes or {})
         script = ffi.new("operator_step_t[]", 100)
         self.count = lib.operator_script(self.scenario, self.wishes, script)
         self.events = ffi.new("events_t *", events[0])  # the run's own, as the world copies them
@@ -267,7 +267,7 @@ def test_a_timeout_names_the_event(dbc):
     bench = Bench(dbc, SELECT, command("start", awaited=["person.there"], patience_s=0.8))
     bench.run(3.0)
     assert bench.failure.startswith("operator: command start at 0.8")
-    assert bench.failure.endswith(" s: waited 0.8 s in vain for person.there")
+    assert bench.failure.endswith(" s: timed out after 0.8 s waiting for person.there")
 
 
 def test_refusal_and_timeout_are_reported(dbc):
@@ -282,7 +282,7 @@ def test_refusal_and_timeout_are_reported(dbc):
     bench.run(1.0)
     assert bench.times() == pytest.approx([0.5, 0.55, 0.6, 0.65], abs=0.0003)
     assert len({s["sequence"] for *_, s in bench.sent}) == 1, "each with the same sequence number"
-    what = "no answer from the gripper to 4 sendings, 50 ms each"
+    what = "no answer from the gripper to 4 attempts, 50 ms each"
     assert bench.failure == f"operator: gripper command close at 0.700 s: {what}"
 
 

@@ -208,7 +208,7 @@ def test_a_timeout_names_the_missing_event():
     person.run(0.7)
     assert person.failure is None
     person.run(0.71)
-    assert person.failure == "ann: waited 0.5 s in vain for robot.holds"
+    assert person.failure == "ann: timed out after 0.5 s waiting for robot.holds"
     assert not person.done
 
 
@@ -344,7 +344,10 @@ def test_a_fallen_object_is_not_fetched_unless_it_may_fall(step, way, is_forbidd
 def test_guide_refuses_a_robot_that_does_not_follow():
     person = Person({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001})
     _, position_m, _ = person.run(0.1, follows=(1, 0, 1))
-    assert person.failure == "ann: cannot guide: of a move along y the robot makes 0, expected at least 0.001"
+    assert (
+        person.failure
+        == "ann: cannot guide: along y the robot follows a move by a factor of 0, expected at least 0.001"
+    )
     np.testing.assert_array_equal(position_m, np.tile(START_M, (len(position_m), 1)))
 
 
@@ -460,8 +463,8 @@ def test_recording_of_the_step_itself(tmp_path):
     [
         (play(), "ann: step 1 plays a recording, expected the path of a CSV file"),
         (play(recording="/missing.csv"), "/missing.csv: cannot be read: No such file or directory"),
-        (play(from_s=5, recording="PATH"), "PATH: played from 5 s until 1 s, expected a part of its 1 s"),
-        (play(until_s=2, recording="PATH"), "PATH: played from 0 s until 2 s, expected a part of its 1 s"),
+        (play(from_s=5, recording="PATH"), "PATH: played from 5 s until 1 s, expected a section of its 1 s"),
+        (play(until_s=2, recording="PATH"), "PATH: played from 0 s until 2 s, expected a section of its 1 s"),
     ],
 )
 def test_recordings_that_cannot_be_played_are_named(tmp_path, step, error):
@@ -473,7 +476,7 @@ def test_recordings_that_cannot_be_played_are_named(tmp_path, step, error):
 def test_recording_without_steps_for_it(tmp_path):
     person = Person({"action": "rest"}, recording="hand.csv")
     assert person.program is None
-    assert person.error == "hand.csv: ann of scenario test has no program_with_recording that could play it"
+    assert person.error == "hand.csv: ann of scenario test has no program_with_recording to play it"
 
 
 def test_tremor_is_added_to_whatever_the_hand_does():

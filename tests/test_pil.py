@@ -124,6 +124,6 @@ def test_wrong_use(tmp_path):
         )
         assert missing.returncode != 0 and "none.elf" in missing.stderr
     alone = subprocess.run([PROGRAM, "--serial", tmp_path / "nothing"], capture_output=True, text=True, check=False)
-    assert alone.returncode == EXIT_WRONG_USE and "no serial line there" in alone.stderr
+    assert alone.returncode == EXIT_WRONG_USE and "cannot connect to the serial line" in alone.stderr
     no_board = make("pil", "BOARD=arduino")
     assert no_board.returncode != 0 and "BOARD='arduino': expected one of" in no_board.stderr

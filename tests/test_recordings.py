@@ -209,7 +209,7 @@ BAD_MATRIX = "{},0,0,0,1,0,0,0,1,0,0,0,{}"
         ([QUATERNION_HEADER, "0,0,0,0,0,0,0,0"], ":2: norm of qw,qx,qy,qz is 0, expected 1 within 0.001"),
         (
             [MATRIX_HEADER, BAD_MATRIX.format(0, 1), BAD_MATRIX.format(1, 1.01)],
-            ":3: r11..r33 is no rotation: columns 3 and 3 have the product 1.0201, expected 1 within 0.001",
+            ":3: r11..r33 is not a rotation: the product of columns 3 and 3 is 1.0201, expected 1 within 0.001",
         ),
         ([MATRIX_HEADER, BAD_MATRIX.format(0, -1)], ":2: r11..r33 is a reflection: determinant -1, expected 1"),
         ([QUATERNION_HEADER, ROW.format(0), "", ROW.format(1)], ":3: is empty but followed by samples"),

@@ -267,8 +267,8 @@ MISSING = [
 SPOILT = {
     "empty": ("", 1, "the file is empty"),
     "comment": ("# nothing\n", 1, "the file is empty"),
-    "word": ("pour\n", 1, "a mapping of keys at its top"),
-    "list": ("\n- a\n- b\n", 2, "a mapping of keys at its top"),
+    "word": ("pour\n", 1, "a mapping of keys at the top level"),
+    "list": ("\n- a\n- b\n", 2, "a mapping of keys at the top level"),
     "syntax": ("name: scene\narm: [\n", None, "expected YAML in UTF-8"),
     "tab": ("name: scene\n\tarm: 1\n", 2, "expected YAML in UTF-8"),
     "latin": (b"name: \xe4\n", 1, "expected YAML in UTF-8"),
@@ -277,7 +277,7 @@ SPOILT = {
     "anchor": (*changed("name: scene", "name: &a scene"), "'&a': expected the value alone"),
     "alias": (*changed("  person:\n", "  person: &p\n"), "'&p': expected the value alone"),
     "unknown alias": (*changed("name: scene", "name: *a"), "'*a'"),
-    "tag": (*changed("duration_s: 20", "duration_s: !!float 20"), "tags are not taken"),
+    "tag": (*changed("duration_s: 20", "duration_s: !!float 20"), "tags are not supported"),
     "own tag": (*changed("name: scene", "name: !scene scene"), "'!scene'"),
     "list as key": (*changed("name: scene", "? [a, b]\n: c\nname: scene"), "a name as key"),
     "escape": (*changed("summary: every", 'summary: "a\\e[31m" #'), "without control characters"),
@@ -289,8 +289,8 @@ SPOILT = {
     "long and wrong": (*changed("summary: every", 'summary: "' + 40 * "\N{EURO SIGN}" + '\\a" #'), "in one line"),
     "control in a tag": (*changed("name: scene", "name: !a%c2%9b scene"), "'!a': expected the value alone"),
     "control in a key": (*changed("name: scene", '"a\\rb": 1\nname: scene'), "without control characters"),
-    "twice": (*changed("duration_s: 20", "name: again"), "'name': expected each key once; it stands in line 1"),
-    "object twice": (*changed("post: {", "pipe: {"), "objects 'pipe': expected each key once; it stands in line 18"),
+    "twice": (*changed("duration_s: 20", "name: again"), "'name': expected each key once; line 1 has it already"),
+    "object twice": (*changed("post: {", "pipe: {"), "objects 'pipe': expected each key once; line 18 has it already"),
     "deep": ("a: " + 30 * "[" + 30 * "]" + "\n", 1, "at most 12 levels"),
     "crowded": ("name: scene\n" + "".join(f"a{i}: 1\n" for i in range(70)), 1, "at most 64 keys"),
 }  # fmt: skip
@@ -560,7 +560,7 @@ def test_nobody_goes_further_than_an_arm(tmp_path):
     for times, is_near in ((1, True), (2, False)):
         text = refusal_of(tmp_path, (step, times * step.replace("0.02", "0.8")))
         assert (text == "") == is_near, text
-        assert is_near or "people.person.program[5] '[0, 1.6, 0]': expected a place at most 1.5 m" in text
+        assert is_near or "people.person.program[5] '[0, 1.6, 0]': expected a position at most 1.5 m" in text
 
 
 def test_people_start_near_the_torso(tmp_path):

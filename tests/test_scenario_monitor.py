@@ -506,7 +506,7 @@ def read_scene(people=2, tracked=0, kinds=("STAND", "ROD", "CRANK"), water=True)
 
 def test_state_of_the_scene():
     state = read_scene(tracked=1)
-    assert (state.second, state.thing, state.crank) == (0, 1, 2)
+    assert (state.second, state.traced_object, state.crank) == (0, 1, 2)
     assert [state.hand[i].position_m[0] for i in range(2)] == [10, 11]
     assert [state.object[i].position_m[0] for i in range(3)] == [20, 21, 22]
     assert list(state.crank_turns) == [0, 0, 2.5, 0, 0, 0, 0, 0]
@@ -517,7 +517,13 @@ def test_state_of_the_scene():
     assert list(state.robot_cup.position_m) == [1, 2, 3]
     assert (state.gripper_opening, state.gripper_force_N, state.water.left_robot_cup) == (0.75, 8.5, 11)
     bare = read_scene(people=1, kinds=("STAND", "STAND"), water=False)
-    assert (bare.second, bare.thing, bare.crank, bare.has_water, bare.has_robot_cup) == (-1, -1, -1, False, False)
+    assert (bare.second, bare.traced_object, bare.crank, bare.has_water, bare.has_robot_cup) == (
+        -1,
+        -1,
+        -1,
+        False,
+        False,
+    )
 
 
 def test_trace_shows_the_scene(tmp_path):

@@ -149,7 +149,7 @@ def test_recording_out_of_reach_reports_the_largest_scale_in_reach(tmp_path, way
 
     reason = scaled(scale).summary["reason"]
     found = re.search(
-        r"; target out of reach [\d.]+ of [\d.]+ s, could be followed for [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$",
+        r"; target out of reach [\d.]+ of [\d.]+ s, followable for [\d.]+ of [\d.]+ s: try --scale (0\.0\d\d?)$",
         reason,
     )
     assert found, reason

@@ -1,5 +1,5 @@
-/* The bus in virtual time. Each node has a bounded queue, sorted by id, so that arbitration looks at the first ready
- * frame of each node. */
+/* The bus in virtual time. Each node has a bounded queue, sorted by id, so that arbitration only compares the first
+ * ready frame of each node. */
 #include "bus.h"
 
 #include <assert.h>
@@ -20,7 +20,7 @@ typedef struct {
     bus_handler_t handler;
     void *context;
     int count;
-    uint8_t order[BUS_QUEUE_FRAMES]; /* slots by id, then by the order of sending; behind `count` the free slots */
+    uint8_t order[BUS_QUEUE_FRAMES]; /* slots sorted by id, then by order of sending; from `count` on: free slots */
     pending_t slot[BUS_QUEUE_FRAMES];
 } node_t;
 
@@ -42,7 +42,7 @@ struct bus {
     int64_t start_ns, end_ns;
     can_frame_t frame; /* on the wire */
 
-    int64_t window; /* number of the load window that was counted last, and its busy time */
+    int64_t window; /* index of the current load window, and its busy time */
     int64_t window_busy_ns;
     int64_t window_busy_peak_ns;
     bus_statistics_t statistics;
@@ -83,25 +83,25 @@ void bus_listen(bus_t *self, bus_handler_t handler, void *context) {
 bool bus_send(bus_t *self, int node_number, const can_frame_t *frame, int64_t ready_ns) {
     assert(node_number >= 0 && node_number < self->node_count);
     const int64_t duration_ns = frame_time_ns(frame);
-    assert(duration_ns > 0); /* an id above 11 bits or a length without a DLC is a defect of the sender */
+    assert(duration_ns > 0); /* an id above 11 bits or a length without a DLC is a bug in the sender */
     node_t *node = &self->node[node_number];
     if (node->count == BUS_QUEUE_FRAMES) {
         self->statistics.dropped++;
         return false;
     }
     const uint8_t slot = node->order[node->count];
-    int place = node->count;
-    while (place > 0 && node->slot[node->order[place - 1]].frame.id > frame->id) {
-        node->order[place] = node->order[place - 1];
-        place--;
+    int index = node->count;
+    while (index > 0 && node->slot[node->order[index - 1]].frame.id > frame->id) {
+        node->order[index] = node->order[index - 1];
+        index--;
     }
-    if (place > 0) {
-        const pending_t *before = &node->slot[node->order[place - 1]];
+    if (index > 0) {
+        const pending_t *before = &node->slot[node->order[index - 1]];
         if (before->frame.id == frame->id && ready_ns < before->ready_ns) {
-            ready_ns = before->ready_ns; /* equal ids never overtake one another */
+            ready_ns = before->ready_ns; /* frames with equal ids keep their order */
         }
     }
-    node->order[place] = slot;
+    node->order[index] = slot;
     node->slot[slot] = (pending_t){.frame = *frame, .ready_ns = ready_ns, .duration_ns = duration_ns};
     node->count++;
     return true;
@@ -109,22 +109,23 @@ bool bus_send(bus_t *self, int node_number, const can_frame_t *frame, int64_t re
 
 typedef struct {
     int node;              /* negative: no frame is ready */
-    int place;             /* in the node's order */
-    int64_t next_ready_ns; /* if none is ready: when the next one will be, INT64_MAX for never */
+    int index;             /* in the node's `order` */
+    int64_t next_ready_ns; /* if none is ready: time of the next one, INT64_MAX for never */
 } arbitration_t;
 
-/* The lowest id among the frames that are ready; equal ids of two nodes, which a real bus cannot have, by node. */
+/* Selects the lowest id among the ready frames. Equal ids from two nodes, which a real bus forbids, go by node
+ * index. */
 static arbitration_t arbitrate(const bus_t *self) {
-    arbitration_t winner = {.node = -1, .place = 0, .next_ready_ns = INT64_MAX};
+    arbitration_t winner = {.node = -1, .index = 0, .next_ready_ns = INT64_MAX};
     uint16_t winner_id = UINT16_MAX;
     for (int n = 0; n < self->node_count; n++) {
         const node_t *node = &self->node[n];
-        for (int place = 0; place < node->count; place++) {
-            const pending_t *pending = &node->slot[node->order[place]];
+        for (int index = 0; index < node->count; index++) {
+            const pending_t *pending = &node->slot[node->order[index]];
             if (pending->ready_ns <= self->now_ns) {
                 if (pending->frame.id < winner_id) {
                     winner.node = n;
-                    winner.place = place;
+                    winner.index = index;
                     winner_id = pending->frame.id;
                 }
                 break;
@@ -137,7 +138,7 @@ static arbitration_t arbitrate(const bus_t *self) {
     return winner;
 }
 
-/* Puts the next frame on the wire. False: none will be ready before time_ns. */
+/* Puts the next frame on the wire. Returns false if no frame is ready before time_ns. */
 static bool start_frame(bus_t *self, int64_t time_ns) {
     if (self->now_ns >= time_ns) {
         return false;
@@ -151,9 +152,9 @@ static bool start_frame(bus_t *self, int64_t time_ns) {
         winner = arbitrate(self);
     }
     node_t *node = &self->node[winner.node];
-    const uint8_t slot = node->order[winner.place];
+    const uint8_t slot = node->order[winner.index];
     node->count--;
-    memmove(&node->order[winner.place], &node->order[winner.place + 1], (size_t)(node->count - winner.place));
+    memmove(&node->order[winner.index], &node->order[winner.index + 1], (size_t)(node->count - winner.index));
     node->order[node->count] = slot;
 
     self->frame = node->slot[slot].frame;

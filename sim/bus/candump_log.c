@@ -1,5 +1,5 @@
-/* Log in the format of `candump -L`. Lines are made by hand: at 7 frames per simulated ms printf would be the most
- * expensive part of the simulator. */
+/* Writes a log in the format of `candump -L`. Lines are formatted by hand because, at 7 frames per simulated ms, printf
+ * would be the most expensive part of the simulator. */
 #include "candump_log.h"
 
 #include <errno.h>
@@ -14,7 +14,7 @@
 struct candump_log {
     FILE *file;
     const char *path;
-    int error_number; /* of the first failed write, else 0 */
+    int error_number; /* errno of the first failed write, else 0 */
 };
 
 candump_log_t *candump_log_open(const char *path, char error[], size_t error_size) {

@@ -10,15 +10,15 @@
 
 typedef struct candump_log candump_log_t;
 
-/* Creates or empties the file; `path` must outlive the log. On failure NULL, and `error` holds one line that names the
- * file and the cause. */
+/* Creates or empties the file; `path` must outlive the log. Returns NULL on failure; `error` then holds one line that
+ * names the file and the cause. */
 candump_log_t *candump_log_open(const char *path, char error[], size_t error_size);
 
-/* Adds a frame that ended at end_ns since the start of the simulation. The log's interface is vcan0. An error of
- * writing is kept for candump_log_close(). */
+/* Adds a frame that ended at end_ns since the start of the simulation. The log's interface is vcan0. Write errors are
+ * reported by candump_log_close(). */
 void candump_log_write(candump_log_t *self, const can_frame_t *frame, int64_t end_ns);
 
-/* False, and one line in `error`, if any part of the log did not reach the file. Frees self in either case. */
+/* Closes the log and frees self. Returns false, with one line in `error`, if part of the log could not be written. */
 bool candump_log_close(candump_log_t *self, char error[], size_t error_size);
 
 #endif

@@ -15,11 +15,11 @@
 
 #include "../../hal/linux/hub_path.h"
 
-#define PATIENCE_MS 1000
+#define SEND_TIMEOUT_MS 1000
 #define START_TRIES 500
 #define START_TRY_NS 10000000
 #define PATH_BYTES 4096
-#define HUB_PROGRAM "/../host/comanip-hub" /* from the folder of this program */
+#define HUB_PROGRAM "/../host/comanip-hub" /* relative to the folder of this program */
 
 static bool connect_hub(hub_publisher_t *self, const char *bus, char error[], size_t error_size) {
     self->fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
@@ -37,12 +37,12 @@ static bool connect_hub(hub_publisher_t *self, const char *bus, char error[], si
     return true;
 }
 
-/* In the child. Not in our process group: Ctrl-C is ours, and the hub ends after us. */
+/* Runs in the child process. The hub gets its own process group, so that Ctrl-C does not end it before this program. */
 static void become_hub(const char *program, const char *bus) {
-    const int nothing = open("/dev/null", O_WRONLY);
+    const int null_fd = open("/dev/null", O_WRONLY);
     (void)setpgid(0, 0);
     (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
-    (void)dup2(nothing, STDOUT_FILENO);
+    (void)dup2(null_fd, STDOUT_FILENO);
     (void)execl(program, program, "--bus", bus, "--listen-only", (char *)NULL);
     _exit(127);
 }
@@ -78,10 +78,10 @@ bool hub_publisher_open(hub_publisher_t *self, const char *bus, char error[], si
     return connect_hub(self, bus, error, error_size) || start_hub(self, bus, error, error_size);
 }
 
-static bool send_patiently(int fd, const struct canfd_frame *packet, size_t bytes) {
+static bool send_with_timeout(int fd, const struct canfd_frame *packet, size_t bytes) {
     struct pollfd room = {.fd = fd, .events = POLLOUT};
     while (send(fd, packet, bytes, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
-        if (errno != EAGAIN || poll(&room, 1, PATIENCE_MS) == 0) {
+        if (errno != EAGAIN || poll(&room, 1, SEND_TIMEOUT_MS) == 0) {
             return false;
         }
     }
@@ -96,8 +96,10 @@ void hub_publisher_send(void *context, const can_frame_t *frame, int64_t end_ns)
     }
     struct canfd_frame packet = {.can_id = frame->id, .len = frame->length, .flags = frame->fd ? CANFD_BRS : 0};
     memcpy(packet.data, frame->data, frame->length);
-    if (!send_patiently(self->fd, &packet, frame->fd ? CANFD_MTU : CAN_MTU)) {
-        (void)fprintf(stderr, "comanip-sim: the hub went away or hangs, at %.3f simulated s; the run goes on unheard\n",
+    if (!send_with_timeout(self->fd, &packet, frame->fd ? CANFD_MTU : CAN_MTU)) {
+        (void)fprintf(stderr,
+                      "comanip-sim: at %.3f simulated s the hub closed the connection or did not respond; "
+                      "the run continues without it\n",
                       (double)end_ns * 1e-9);
         (void)close(self->fd);
         self->fd = -1;
@@ -112,7 +114,7 @@ void hub_publisher_close(hub_publisher_t *self) {
     }
     if (self->hub > 0) {
         (void)kill(self->hub, SIGTERM);
-        (void)kill(self->hub, SIGCONT); /* a stopped one would never end */
+        (void)kill(self->hub, SIGCONT); /* a stopped process would not handle SIGTERM */
         (void)waitpid(self->hub, NULL, 0);
         self->hub = 0;
     }

@@ -11,10 +11,10 @@
 #include "../../hal/linux/pace.h"
 
 #define LOAD_WINDOW_NS INT64_C(10000000)
-#define LET_GO_NS INT64_C(200000000)
+#define SET_BACK_NS INT64_C(200000000)
 #define QUEUE_FRAMES (BUS_MAX_NODES * BUS_QUEUE_FRAMES)
 #define IDS 0x800
-#define NOBODY (-1)
+#define NO_NODE (-1)
 
 typedef struct {
     bus_handler_t handler;
@@ -30,15 +30,15 @@ struct bus {
     can_profile_t profile;
     can_socket_t can;
     pace_t pace;
-    int64_t start_unix_ns; /* of time 0; a whole tick of the pace */
+    int64_t start_unix_ns; /* of time 0; a multiple of the pace's tick */
     int node_count, listener_count;
     receiver_t node[BUS_MAX_NODES], listener[BUS_MAX_NODES];
-    int sender[IDS]; /* which node sends it */
+    int sender[IDS]; /* index of the node that sends this id */
 
     int pending_count;
-    pending_t pending[QUEUE_FRAMES]; /* by the time, then by id */
+    pending_t pending[QUEUE_FRAMES]; /* sorted by ready_ns, then by id */
 
-    bool has_next; /* received, and not yet handed over */
+    bool has_next; /* received, not yet delivered */
     can_frame_t next;
     can_reception_t next_reception;
 
@@ -61,7 +61,7 @@ int64_t bus_epoch_ns(const bus_t *self) {
     return self->start_unix_ns / self->pace.slow;
 }
 
-/* Before the tick that ends at time_ns. */
+/* Called before the tick that ends at time_ns. */
 static void note_lateness(bus_t *self, int64_t time_ns) {
     (void)pace_find_step(&self->pace);
     const int64_t late_ns = now_ns(self) - time_ns;
@@ -71,10 +71,10 @@ static void note_lateness(bus_t *self, int64_t time_ns) {
     if (late_ns > PACE_TICK_NS) {
         self->timing.overruns++;
     }
-    if (late_ns > LET_GO_NS) {
+    if (late_ns > SET_BACK_NS) {
         const int64_t ticks = late_ns / PACE_TICK_NS;
         self->start_unix_ns += ticks * PACE_TICK_NS * self->pace.slow;
-        self->timing.let_go_ns += ticks * PACE_TICK_NS;
+        self->timing.set_back_ns += ticks * PACE_TICK_NS;
     }
 }
 
@@ -87,7 +87,7 @@ static void wait_until(bus_t *self, int64_t time_ns) {
     if (self->can.fd >= 0) {
         FD_SET(self->can.fd, &readable);
     }
-    (void)pselect(self->can.fd + 1, &readable, NULL, NULL, &timeout, NULL); /* a signal ends it early, no harm */
+    (void)pselect(self->can.fd + 1, &readable, NULL, NULL, &timeout, NULL); /* a signal may end it early */
 }
 
 /* ---- frames */
@@ -97,7 +97,7 @@ static void count_load(bus_t *self, const can_frame_t *frame, int64_t end_ns) {
     const int64_t window = end_ns / LOAD_WINDOW_NS;
     self->statistics.frames++;
     if (duration_ns < 0) {
-        return; /* a foreign frame of a length that FD does not have */
+        return; /* a foreign frame with a length that CAN FD does not have */
     }
     self->window_busy_ns = window == self->window ? self->window_busy_ns + duration_ns : duration_ns;
     self->window = window;
@@ -107,7 +107,7 @@ static void count_load(bus_t *self, const can_frame_t *frame, int64_t end_ns) {
     }
 }
 
-static void hand_over(bus_t *self, can_frame_t *frame, int64_t unix_ns, int sender) {
+static void deliver(bus_t *self, can_frame_t *frame, int64_t unix_ns, int sender) {
     const int64_t end_ns = time_of(self, unix_ns);
     frame->timestamp_us = (uint32_t)(end_ns / 1000);
     count_load(self, frame, end_ns);
@@ -121,7 +121,7 @@ static void hand_over(bus_t *self, can_frame_t *frame, int64_t unix_ns, int send
     }
 }
 
-/* Fills `next`. False: nothing has come. */
+/* Fills `next`. Returns false if no frame has arrived. */
 static bool fetch(bus_t *self) {
     if (!self->has_next && can_socket_receive(&self->can, &self->next, &self->next_reception)) {
         can_reception_t *reception = &self->next_reception;
@@ -132,12 +132,12 @@ static bool fetch(bus_t *self) {
     return self->has_next;
 }
 
-/* A run that is late finds frames of later ticks: they wait. */
+/* A late run finds frames of later ticks, which are left for those ticks. */
 static void receive_until(bus_t *self, int64_t time_ns) {
     while (fetch(self) && time_of(self, self->next_reception.unix_ns) <= time_ns) {
         self->has_next = false;
-        hand_over(self, &self->next, self->next_reception.unix_ns,
-                  self->next_reception.own ? self->sender[self->next.id] : NOBODY);
+        deliver(self, &self->next, self->next_reception.unix_ns,
+                self->next_reception.own ? self->sender[self->next.id] : NO_NODE);
     }
 }
 
@@ -146,9 +146,9 @@ static void send_until(bus_t *self, int64_t time_ns) {
         pending_t pending = self->pending[0];
         self->pending_count--;
         memmove(&self->pending[0], &self->pending[1], (size_t)self->pending_count * sizeof pending);
-        const bool comes_back = self->can.hub_path[0] == '\0';
-        if (can_socket_send(&self->can, &pending.frame) && !comes_back) {
-            hand_over(self, &pending.frame, pace_now_unix_ns(&self->pace), self->sender[pending.frame.id]);
+        const bool is_echoed = self->can.hub_path[0] == '\0';
+        if (can_socket_send(&self->can, &pending.frame) && !is_echoed) {
+            deliver(self, &pending.frame, pace_now_unix_ns(&self->pace), self->sender[pending.frame.id]);
         }
     }
 }
@@ -174,7 +174,7 @@ bus_t *live_bus_create(const char *program, const char *can, can_profile_t profi
 }
 
 bool live_bus_start(bus_t *self, uint16_t id, const volatile sig_atomic_t *interrupted) {
-    while (fetch(self)) { /* what came while the world was built */
+    while (fetch(self)) { /* frames that arrived while the world was built */
         self->has_next = false;
     }
     while (!(fetch(self) && self->next.id == id)) {
@@ -224,15 +224,15 @@ bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns)
         self->statistics.dropped++;
         return false;
     }
-    int place = self->pending_count++;
-    for (; place > 0; place--) {
-        const pending_t *before = &self->pending[place - 1];
+    int index = self->pending_count++;
+    for (; index > 0; index--) {
+        const pending_t *before = &self->pending[index - 1];
         if (before->ready_ns < ready_ns || (before->ready_ns == ready_ns && before->frame.id <= frame->id)) {
             break;
         }
-        self->pending[place] = *before;
+        self->pending[index] = *before;
     }
-    self->pending[place] = (pending_t){.frame = *frame, .ready_ns = ready_ns};
+    self->pending[index] = (pending_t){.frame = *frame, .ready_ns = ready_ns};
     self->sender[frame->id] = node;
     return true;
 }

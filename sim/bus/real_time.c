@@ -16,7 +16,7 @@ void real_time_wait(void *context, const can_frame_t *frame, int64_t end_ns) {
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
     const int64_t late_ns = (now.tv_sec - due.tv_sec) * NS_PER_S + (now.tv_nsec - due.tv_nsec);
     if (late_ns < 0) {
-        (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL); /* a signal ends it, and soon the run */
+        (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL); /* a signal ends the wait and then the run */
     } else if (late_ns > self->latest_ns) {
         self->latest_ns = late_ns;
     }

@@ -1,4 +1,4 @@
-/* Lets simulated time go no faster than real time: a listener on the bus that waits until a frame's end has come. */
+/* Limits simulated time to real time: a listener on the bus that waits until a frame's end in wall time. */
 #ifndef COMANIP_SIM_REAL_TIME_H
 #define COMANIP_SIM_REAL_TIME_H
 
@@ -9,7 +9,7 @@
 
 typedef struct {
     struct timespec start; /* CLOCK_MONOTONIC at time 0 */
-    int64_t latest_ns;     /* how late a frame was at worst */
+    int64_t latest_ns;     /* largest lateness of a frame */
 } real_time_t;
 
 void real_time_start(real_time_t *self);

@@ -1,5 +1,5 @@
-/* What has happened in a run, by name: steps of the people and of the operator done, grips made and lost. Scripts wait
- * for events, checks are measured between them, plots label them. Names are "ACTOR.WHAT", as in "person.at_spot_1". */
+/* Named events of a run: finished steps of the people and the operator, grips made and lost. Scripts wait for events,
+ * checks are evaluated between them, and plots label them. A name is "ACTOR.WHAT", for example "person.at_spot_1". */
 #ifndef COMANIP_SIM_EVENTS_H
 #define COMANIP_SIM_EVENTS_H
 
@@ -12,25 +12,25 @@
 
 typedef struct {
     char name[EVENT_NAME_BYTES];
-    int times; /* raised so often */
+    int times; /* how often the event was raised */
     double first_s, last_s;
 } event_t;
 
 typedef struct {
-    event_t event[EVENTS_MAX]; /* in the order of their declaration */
+    event_t event[EVENTS_MAX]; /* in order of declaration */
     size_t count;
 } events_t;
 
 void events_init(events_t *self);
 
-/* "actor.what", once. Gives its number, also if it is declared already; EVENT_NONE: there are EVENTS_MAX already, or
- * the name is too long. */
+/* Declares the event "actor.what" and returns its index. Declaring it again returns the same index. Returns EVENT_NONE
+ * if EVENTS_MAX events exist already or the name is too long. */
 int events_declare(events_t *self, const char *actor, const char *what);
 
-/* EVENT_NONE: there is none of this name. */
+/* Returns the index of the event, or EVENT_NONE if no event has this name. */
 int events_find(const events_t *self, const char *name);
 
-/* EVENT_NONE is ignored. */
+/* Records that the event happened at now_s. EVENT_NONE is ignored. */
 void events_raise(events_t *self, int event, double now_s);
 
 bool events_happened(const events_t *self, int event);

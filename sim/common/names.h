@@ -1,4 +1,4 @@
-/* The DBC's names of modes, reasons, results, commands and tasks. "unknown" for a number the DBC does not name. */
+/* Names of modes, reasons, results, commands and tasks as in the DBC; "unknown" for a number without a name there. */
 #ifndef COMANIP_SIM_NAMES_H
 #define COMANIP_SIM_NAMES_H
 

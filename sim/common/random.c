@@ -1,9 +1,9 @@
-/* SFC64 (C. Doty-Humphrey, PractRand) and Box and Muller's transform. */
+/* The SFC64 generator (C. Doty-Humphrey, PractRand) and the Box-Muller transform. */
 #include "random.h"
 
 #include <math.h>
 
-#define WARM_UP_ROUNDS 12 /* as PractRand's own seeding: the seed's words are mixed by then */
+#define WARM_UP_ROUNDS 12 /* as in PractRand's seeding; mixes the words of the seed */
 
 void random_init(random_t *self, uint64_t seed, const char *stream) {
     uint64_t name_hash = 0xCBF29CE484222325U; /* FNV-1a */

@@ -1,4 +1,5 @@
-/* Seeded random numbers: each user has a stream of its own, so that one more user changes nobody else's numbers. */
+/* Seeded random numbers. Each user draws from its own stream, so adding a user leaves the numbers of the others
+ * unchanged. */
 #ifndef COMANIP_SIM_RANDOM_H
 #define COMANIP_SIM_RANDOM_H
 
@@ -6,9 +7,9 @@
 #include <stdint.h>
 
 typedef struct {
-    uint64_t word[4]; /* SFC64: three of state, one counter */
+    uint64_t word[4]; /* SFC64: three words of state and a counter */
     bool has_spare;
-    double spare; /* the Gaussian pair's second number */
+    double spare; /* second number of the last Gaussian pair */
 } random_t;
 
 /* The same seed and stream name give the same numbers. */

@@ -53,7 +53,7 @@ void rotation_from_vector(const double v_rad[3], double rotation[4]) {
     }
 }
 
-/* Shepperd's method: from the largest component, which loses no digits, to the others. */
+/* Shepperd's method: computes the largest component first, which avoids cancellation, then the others from it. */
 void rotation_from_matrix(const double matrix[3][3], double rotation[4]) {
     const double trace = matrix[0][0] + matrix[1][1] + matrix[2][2];
     int largest = 0;
@@ -88,7 +88,7 @@ void rotation_interpolate(const double a[4], const double b[4], double fraction,
     const double angle = acos(cosine);
     double weight_a = 1.0 - fraction;
     double weight_b = fraction;
-    if (angle > 1e-6) { /* below, the great circle is a straight line within 1e-13 */
+    if (angle > 1e-6) { /* below this angle, linear interpolation is exact within 1e-13 */
         weight_a = sin(weight_a * angle) / sin(angle);
         weight_b = sin(weight_b * angle) / sin(angle);
     }

@@ -1,6 +1,6 @@
 #include "solve_3x3.h"
 
-/* By cofactors. */
+/* Cramer's rule with cofactors. */
 void solve_3x3(double a[3][3], double damping, const double b[3], double x[3]) {
     const double a00 = a[0][0] + damping, a11 = a[1][1] + damping, a22 = a[2][2] + damping;
     const double a01 = a[0][1], a02 = a[0][2], a12 = a[1][2];

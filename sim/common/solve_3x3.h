@@ -1,8 +1,8 @@
-/* Three linear equations whose matrix is symmetric. */
+/* Solves three linear equations with a symmetric matrix. */
 #ifndef COMANIP_SIM_SOLVE_3X3_H
 #define COMANIP_SIM_SOLVE_3X3_H
 
-/* x = (A + damping 1)^-1 b for a symmetric positive semidefinite A; damping must keep it regular. */
+/* x = (A + damping I)^-1 b for a symmetric positive semidefinite A. A + damping I must be regular. */
 void solve_3x3(double a[3][3], double damping, const double b[3], double x[3]);
 
 #endif

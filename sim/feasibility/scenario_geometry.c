@@ -20,7 +20,7 @@ static bool check_people(const scenario_t *self, char error[], size_t error_size
     return true;
 }
 
-/* Of the gripper's middle from the axis of what it is said to hold. */
+/* Distance of the gripper's centre from the axis of the object that it should hold. */
 static double distance_from_gripper_m(const scenario_t *self, const object_t *object) {
     double start_rad[ROBOT_JOINTS], axis[3], along_m = 0.0, square_m2 = 0.0;
     const double z[3] = {0.0, 0.0, 1.0};
@@ -30,16 +30,16 @@ static double distance_from_gripper_m(const scenario_t *self, const object_t *ob
     }
     robot_model_forward(start_rad, NULL, &hand);
     rotation_apply(object->pose.rotation, z, axis);
-    double way_m[3];
+    double from_object_m[3];
     for (int k = 0; k < 3; k++) {
         const double *row = &hand.rotation[3 * k], *offset = self->gripper.offset_m;
-        way_m[k] = hand.position_m[k] + row[0] * offset[0] + row[1] * offset[1] + row[2] * offset[2] -
-                   object->pose.position_m[k];
-        along_m += way_m[k] * axis[k];
+        from_object_m[k] = hand.position_m[k] + row[0] * offset[0] + row[1] * offset[1] + row[2] * offset[2] -
+                           object->pose.position_m[k];
+        along_m += from_object_m[k] * axis[k];
     }
     along_m = fmax(-0.5 * object->length_m, fmin(0.5 * object->length_m, along_m));
     for (int k = 0; k < 3; k++) {
-        square_m2 += (way_m[k] - along_m * axis[k]) * (way_m[k] - along_m * axis[k]);
+        square_m2 += (from_object_m[k] - along_m * axis[k]) * (from_object_m[k] - along_m * axis[k]);
     }
     return sqrt(square_m2);
 }
@@ -60,7 +60,7 @@ static bool check_held(const scenario_t *self, char error[], size_t error_size) 
         const double distance_m = distance_from_gripper_m(self, object);
         if (distance_m > self->gripper.capture_m) {
             (void)snprintf(error, error_size,
-                           "%s: objects.%s.held_by 'robot': expected its axis within %g mm of the gripper's middle; it "
+                           "%s: objects.%s.held_by 'robot': expected its axis within %g mm of the gripper's centre; it "
                            "is %.1f mm away",
                            self->path, object->name, 1e3 * self->gripper.capture_m, 1e3 * distance_m);
             return false;

@@ -1,3 +1,4 @@
+/* Checks that no program moves a hand faster or farther than a person can. */
 #include <math.h>
 #include <stdio.h>
 
@@ -7,11 +8,11 @@
 #define DISTANCE_MAX_M 1.5
 #define PEAK_OF_MINIMUM_JERK 1.875 /* peak speed over mean speed */
 
-/* Of the hand, from its start. */
+/* Position of the hand relative to its start. */
 typedef struct {
     bool is_known;
     double m[3];
-} place_t;
+} hand_position_t;
 
 typedef struct {
     const scenario_t *scenario;
@@ -24,61 +25,62 @@ static double length_m(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* The hand's speed is at most `peak` times the mean. */
-static bool check_speed(const motion_t *self, size_t number, const person_step_t *step, double way_m, double peak) {
-    const double speed_mps = peak * way_m / step->duration_s;
+/* peak: ratio of the peak speed to the mean speed. */
+static bool check_speed(const motion_t *self, size_t step_index, const person_step_t *step, double path_m,
+                        double peak) {
+    const double speed_mps = peak * path_m / step->duration_s;
     if (speed_mps > SPEED_MAX_MPS) {
         (void)snprintf(self->error, self->error_size,
                        "%s: people.%s.%s[%zu].duration_s '%g': expected more time: over %.3g m the hand reaches %.3g "
                        "m/s, above %g m/s",
-                       self->scenario->path, self->person, self->program, number, step->duration_s, way_m, speed_mps,
-                       SPEED_MAX_MPS);
+                       self->scenario->path, self->person, self->program, step_index, step->duration_s, path_m,
+                       speed_mps, SPEED_MAX_MPS);
         return false;
     }
     return true;
 }
 
-static bool check_distance(const motion_t *self, size_t number, const place_t *place) {
-    if (place->is_known && length_m(place->m) > DISTANCE_MAX_M) {
+static bool check_distance(const motion_t *self, size_t step_index, const hand_position_t *position) {
+    if (position->is_known && length_m(position->m) > DISTANCE_MAX_M) {
         (void)snprintf(self->error, self->error_size,
-                       "%s: people.%s.%s[%zu] '[%g, %g, %g]': expected a place at most %g m from the start",
-                       self->scenario->path, self->person, self->program, number, place->m[0], place->m[1], place->m[2],
-                       DISTANCE_MAX_M);
+                       "%s: people.%s.%s[%zu] '[%g, %g, %g]': expected a position at most %g m from the start",
+                       self->scenario->path, self->person, self->program, step_index, position->m[0], position->m[1],
+                       position->m[2], DISTANCE_MAX_M);
         return false;
     }
     return true;
 }
 
-static bool check_move(const motion_t *self, size_t number, const person_step_t *step, place_t *place) {
-    double way_m[3];
+static bool check_move(const motion_t *self, size_t step_index, const person_step_t *step, hand_position_t *position) {
+    double path_m[3];
     for (int k = 0; k < 3; k++) {
-        way_m[k] = step->displacement_m[k] - (step->from_here ? 0.0 : place->m[k]);
-        place->m[k] = step->displacement_m[k] + (step->from_here ? place->m[k] : 0.0);
+        path_m[k] = step->displacement_m[k] - (step->from_here ? 0.0 : position->m[k]);
+        position->m[k] = step->displacement_m[k] + (step->from_here ? position->m[k] : 0.0);
     }
-    const bool is_way_known = step->from_here || place->is_known;
-    place->is_known = place->is_known || !step->from_here;
-    return (!is_way_known || check_speed(self, number, step, length_m(way_m), PEAK_OF_MINIMUM_JERK)) &&
-           check_distance(self, number, place);
+    const bool is_path_known = step->from_here || position->is_known;
+    position->is_known = position->is_known || !step->from_here;
+    return (!is_path_known || check_speed(self, step_index, step, length_m(path_m), PEAK_OF_MINIMUM_JERK)) &&
+           check_distance(self, step_index, position);
 }
 
 static bool check_program(const motion_t *self, const person_step_t steps[], size_t count) {
-    place_t place = {.is_known = true};
+    hand_position_t position = {.is_known = true};
     for (size_t i = 0; i < count; i++) {
         switch (steps[i].action) {
         case PERSON_MOVE:
-            if (!check_move(self, i, &steps[i], &place)) {
+            if (!check_move(self, i, &steps[i], &position)) {
                 return false;
             }
             break;
         case PERSON_REACH:
         case PERSON_GUIDE:
-        case PERSON_PLAY: place.is_known = false; break;
+        case PERSON_PLAY: position.is_known = false; break;
         case PERSON_TURN: {
             const double around_m = 2.0 * ROBOT_PI * self->scenario->object[steps[i].object].radius_m;
-            if (!check_speed(self, i, &steps[i], around_m, 1.0)) { /* duration_s is per turn, at an even speed */
+            if (!check_speed(self, i, &steps[i], around_m, 1.0)) { /* duration_s is per turn, at constant speed */
                 return false;
             }
-            place.is_known = false;
+            position.is_known = false;
             break;
         }
         case PERSON_REST:

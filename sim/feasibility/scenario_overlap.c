@@ -1,3 +1,4 @@
+/* Checks that no two bodies overlap at the start. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +8,7 @@
 #include "comanip_schema.h"
 #include "scenario_geometry.h"
 
-#define CONTACT_M 0.001 /* what rests on something may overlap it by so much */
+#define CONTACT_M 0.001 /* allowed overlap of an object with what it rests on */
 #define SOLIDS_MAX (SCENARIO_MAX_OBJECTS + BODIES_ROBOT_PARTS + SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS)
 #define NAME_BYTES 80
 #define KEY_BYTES 100
@@ -17,7 +18,7 @@ typedef enum {
     SOLID_ROBOT_CUP,
     SOLID_PERSON_CUP,
     SOLID_PERSON,    /* hand and forearm */
-    SOLID_FOREARM,   /* and gripper, of the robot: where it carries things, and what it grips at once may lie */
+    SOLID_FOREARM,   /* and gripper of the robot; an object to be gripped may overlap them */
     SOLID_UPPER_ARM, /* and shoulder */
     SOLID_BODY,      /* torso and head */
 } solid_kind_t;
@@ -25,8 +26,9 @@ typedef enum {
 #define BIT(kind) (1u << (kind))
 #define ROBOT (BIT(SOLID_FOREARM) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY))
 
-/* Whom each kind must not overlap; each pair stands once. A person's hand may be where it will hold an object. */
-static const unsigned apart_from[] = {
+/* Kinds that each kind must not overlap; each pair is listed once. A person's hand may overlap an object that it will
+ * hold. */
+static const unsigned must_not_overlap[] = {
     [SOLID_OBJECT] =
         BIT(SOLID_OBJECT) | BIT(SOLID_ROBOT_CUP) | BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY),
     [SOLID_ROBOT_CUP] = BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY),
@@ -41,8 +43,8 @@ typedef struct {
     convex_shape_t shape;
     solid_kind_t kind;
     char name[NAME_BYTES];
-    char key[KEY_BYTES]; /* of the file, that places it */
-    const double *value; /* of this key */
+    char key[KEY_BYTES]; /* key of the file that sets its position */
+    const double *value; /* value of this key */
     size_t value_count;
 } solid_t;
 
@@ -87,7 +89,7 @@ static solid_kind_t robot_kind(robot_part_t part) {
     }
 }
 
-/* What the robot holds is among the objects. */
+/* Skips the object that the robot holds, because add_object() adds it. */
 static void add_robot(solids_t *self, const scenario_t *scenario, const bodies_t *bodies) {
     static const char *const names[] = {COMANIP_CLEARANCE_ROBOT_PART_NAMES};
     for (int i = 0; i < BODIES_ROBOT_PARTS; i++) {
@@ -131,15 +133,15 @@ static void refuse(const scenario_t *scenario, const solid_t *a, const solid_t *
         const size_t used = strlen(value);
         (void)snprintf(value + used, sizeof value - used, "%s%g", i > 0 ? ", " : "", a->value[i]);
     }
-    (void)snprintf(error, error_size, "%s: %s '[%s]': expected a place of its own; %s is %.1f mm inside %s",
-                   scenario->path, a->key, value, a->name, 1e3 * overlap, b->name);
+    (void)snprintf(error, error_size, "%s: %s '[%s]': expected no overlap; %s is %.1f mm inside %s", scenario->path,
+                   a->key, value, a->name, 1e3 * overlap, b->name);
 }
 
 static bool check_pairs(const solids_t *self, const scenario_t *scenario, char error[], size_t error_size) {
     for (size_t i = 0; i < self->count; i++) {
         for (size_t j = 0; j < self->count; j++) {
             const solid_t *a = &self->solid[i], *b = &self->solid[j];
-            if ((apart_from[a->kind] & BIT(b->kind)) == 0 || (a->kind == b->kind && i <= j)) {
+            if ((must_not_overlap[a->kind] & BIT(b->kind)) == 0 || (a->kind == b->kind && i <= j)) {
                 continue;
             }
             const double overlap = overlap_m(a, b);
@@ -152,7 +154,7 @@ static bool check_pairs(const solids_t *self, const scenario_t *scenario, char e
     return true;
 }
 
-/* As they are at the start. The water lies within its cup; letting it settle there takes time. */
+/* Places the bodies as at the start. The water is left out: it is inside its cup, and settling it takes time. */
 static bool place_bodies(bodies_t *bodies, const scenario_t *scenario) {
     scenario_t *dry = malloc(sizeof *dry);
     scene_t *scene = NULL;
@@ -174,7 +176,7 @@ static bool place_bodies(bodies_t *bodies, const scenario_t *scenario) {
 bool scenario_check_overlap(const scenario_t *self, char error[], size_t error_size) {
     bodies_t bodies;
     if (!place_bodies(&bodies, self)) {
-        (void)snprintf(error, error_size, "%s: no memory for its scene", self->path);
+        (void)snprintf(error, error_size, "%s: not enough memory for its scene", self->path);
         return false;
     }
     solids_t solids = {.count = 0};

@@ -1,10 +1,11 @@
+/* Checks that the water fits the robot's cup. */
 #include <math.h>
 #include <stdio.h>
 
 #include "../scene/scene.h"
 #include "scenario_geometry.h"
 
-#define PACKING_MAX 0.64 /* volume of spheres over the cup's: random close packing */
+#define PACKING_MAX 0.64 /* volume of the spheres over that of the cup: random close packing */
 
 static bool check_volume(const scenario_t *self, char error[], size_t error_size) {
     const double r = self->water.particle_radius_m, radius_m = self->cup.radius_m;
@@ -24,7 +25,7 @@ static bool check_volume(const scenario_t *self, char error[], size_t error_size
     return true;
 }
 
-/* Less may be too much: water heaps up, and the cup may stand askew. */
+/* A smaller volume may overflow, too: the particles heap up, and the cup may be tilted. */
 static bool check_settled(const scenario_t *self, char error[], size_t error_size) {
     events_t events = self->events;
     scene_t *scene = scene_create(self, &events);

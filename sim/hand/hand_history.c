@@ -6,13 +6,13 @@
 
 typedef struct {
     int64_t time_ns;
-    rigid_pose_t pose; /* its quaternion on the side of the one before */
+    rigid_pose_t pose; /* quaternion sign nearest to that of the previous entry */
     bool visible;
 } entry_t;
 
 struct hand_history {
     entry_t ring[HAND_HISTORY_POSES];
-    size_t first; /* the oldest */
+    size_t first; /* index of the oldest entry */
     size_t count;
 };
 
@@ -43,7 +43,7 @@ void hand_history_push(hand_history_t *self, int64_t time_ns, const rigid_pose_t
     }
 }
 
-/* The last but one at most, so that there is one after it. */
+/* Returns the index of the last entry at or before time_ns, at most the last but one, so that it has a successor. */
 static size_t find_before(const hand_history_t *self, int64_t time_ns) {
     size_t from = 0;
     size_t to = self->count - 1;

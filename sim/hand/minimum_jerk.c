@@ -11,22 +11,22 @@ double minimum_jerk_share(double x) {
     return x * x * x * (10.0 + x * (6.0 * x - 15.0));
 }
 
-/* All without sign. */
+/* Magnitudes: the sign of the turn is applied at the end. */
 typedef struct {
     double speed_radps;
-    double rise_rad, rise_s; /* and the same again for the fall */
+    double rise_rad, rise_s; /* the deceleration takes the same */
     double cruise_s;
 } turn_profile_t;
 
 static turn_profile_t profile_of(double turns, double turn_s) {
     const double whole_rad = 2.0 * PI * fabs(turns);
     turn_profile_t profile = {.speed_radps = 2.0 * PI / turn_s, .rise_rad = fmin(PI, 0.5 * whole_rad)};
-    profile.rise_s = 2.0 * profile.rise_rad / profile.speed_radps; /* at half the speed on average */
+    profile.rise_s = 2.0 * profile.rise_rad / profile.speed_radps; /* the mean speed is half the final one */
     profile.cruise_s = (whole_rad - 2.0 * profile.rise_rad) / profile.speed_radps;
     return profile;
 }
 
-/* The speed rises as a minimum-jerk share does: this is its integral. */
+/* Integral of the speed, which rises like minimum_jerk_share(). */
 static double rise_angle_rad(const turn_profile_t *profile, double time_s) {
     if (profile->rise_s <= 0.0) {
         return 0.0;

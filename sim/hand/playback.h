@@ -1,4 +1,4 @@
-/* A part of a recording played from where the hand is: what the recorded hand did since, the hand does too. */
+/* Plays a section of a recording from the current pose of the hand: the hand repeats the recorded displacement. */
 #ifndef COMANIP_SIM_PLAYBACK_H
 #define COMANIP_SIM_PLAYBACK_H
 
@@ -6,14 +6,14 @@
 
 typedef struct {
     const recorded_motion_t *motion;
-    double from_s, until_s; /* of the recording */
+    double from_s, until_s; /* section of the recording */
     double position_scale, rotation_scale;
     double begin_s;
-    rigid_pose_t here;  /* of the hand at the begin */
-    rigid_pose_t first; /* of the recording at from_s */
+    rigid_pose_t here;  /* pose of the hand at begin_s */
+    rigid_pose_t first; /* pose of the recording at from_s */
 } playback_t;
 
-/* The motion must outlive it. until_s 0: to its end. */
+/* The motion must outlive self. until_s 0: to the end of the recording. */
 void playback_init(playback_t *self, const recorded_motion_t *motion, double from_s, double until_s,
                    double position_scale, double rotation_scale);
 
@@ -21,8 +21,9 @@ void playback_begin(playback_t *self, double begin_s, const rigid_pose_t *here);
 
 double playback_duration_s(const playback_t *self);
 
-/* The displacement since from_s times position_scale, the rotation vector since then times rotation_scale, both in
- * torso axes, applied to `here`. A rotation is followed up to a whole turn. False: in a gap of the recording. */
+/* Scales the displacement since from_s by position_scale and the rotation vector since from_s by rotation_scale, both
+ * in torso axes, and applies them to `here`. Rotations of up to a full turn are followed. Returns false in a gap of the
+ * recording. */
 bool playback_sample(const playback_t *self, double time_s, rigid_pose_t *pose);
 
 #endif

@@ -15,7 +15,7 @@ struct recorded_motion {
     char description[DESCRIPTION_BYTES];
 };
 
-/* Row i: the torso's axis i in recorder axes. False: not three different axes, or left-handed. */
+/* Row i is axis i of the torso in recorder axes. Returns false if an axis repeats or the axes are left-handed. */
 static bool parse_axes(const char *axes, double matrix[3][3]) {
     memset(matrix, 0, 9 * sizeof(double));
     int axis[3];
@@ -69,7 +69,7 @@ recorded_motion_t *recorded_motion_create(const char *path, const char *axes, ch
     if (!parse_axes(axes, matrix)) {
         (void)snprintf(error, error_size,
                        "axes '%.20s': expected the recorder axes of the torso's x, y and z, right-handed, "
-                       "as in xyz or -yxz",
+                       "for example xyz or -yxz",
                        axes);
         return NULL;
     }

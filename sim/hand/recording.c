@@ -21,8 +21,8 @@ static const char matrix_header[] = "t_s,x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31
 typedef struct {
     FILE *file;
     const char *path;
-    size_t line;           /* number of `text`, 0: the file as a whole */
-    char text[LINE_BYTES]; /* without the line's end */
+    size_t line;           /* number of the line in `text`; 0: the whole file */
+    char text[LINE_BYTES]; /* without the newline */
     const char *header;
     int columns;
     char *error;
@@ -37,7 +37,7 @@ __attribute__((format(printf, 2, 3))) static bool fail(reader_t *self, const cha
     va_end(arguments);
     for (char *character = message; *character != '\0'; character++) {
         if (iscntrl((unsigned char)*character)) {
-            *character = '?'; /* what the file holds must not reach a terminal as a command */
+            *character = '?'; /* bytes of the file must not act as terminal control codes */
         }
     }
     if (self->line == 0) {
@@ -95,14 +95,14 @@ static bool read_header(reader_t *self) {
     return true;
 }
 
-/* The field at `text`, which ends before a comma or at the end of the line. */
+/* Reads the field at `text`, which ends at a comma or at the end of the line. */
 static bool read_number(reader_t *self, const char *text, const char *name, double *value) {
     const int length = (int)strcspn(text, ",");
     const int name_length = (int)strcspn(name, ",");
     char *end = NULL;
     *value = strtod(text, &end);
     const char *rest = end + strspn(end, " \t");
-    /* strtod() also takes nan, inf and hexadecimal */
+    /* strtod() would also accept nan, inf and hexadecimal */
     if (end == text || rest != text + length || (int)strspn(text, "0123456789+-.eE \t") != length) {
         return fail(self, "%.*s is '%.*s', expected a number", name_length, name, length > 40 ? 40 : length, text);
     }
@@ -153,7 +153,8 @@ static bool convert_matrix(reader_t *self, const double value[9], double rotatio
             const double expected = i == j ? 1.0 : 0.0;
             if (!(fabs(product - expected) <= RECORDING_TOLERANCE)) {
                 return fail(self,
-                            "r11..r33 is no rotation: columns %d and %d have the product %.6g, expected %g within %g",
+                            "r11..r33 is not a rotation: the product of columns %d and %d is %.6g, "
+                            "expected %g within %g",
                             i + 1, j + 1, product, expected, RECORDING_TOLERANCE);
             }
         }

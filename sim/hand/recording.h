@@ -10,7 +10,7 @@
 #define RECORDING_MAX_SAMPLES 4000000
 #define RECORDING_MAX_DURATION_S 86400.0
 #define RECORDING_MAX_DISTANCE_M 1000.0
-#define RECORDING_TOLERANCE 1e-3 /* of a unit quaternion's norm, of R^T R against 1 */
+#define RECORDING_TOLERANCE 1e-3 /* of a quaternion's norm from 1, of R^T R from the identity */
 
 typedef struct {
     double time_s;     /* from the first sample */
@@ -23,7 +23,8 @@ typedef struct {
     double median_interval_s;
 } recording_t;
 
-/* On failure false, nothing is kept, and `error` holds one line that names file, line, value and what was expected. */
+/* Returns false on failure: `error` then holds one line that names file, line, value and what was expected, and there
+ * is nothing to free. */
 bool recording_read(recording_t *self, const char *path, char error[], size_t error_size);
 
 void recording_free(recording_t *self);

@@ -7,18 +7,18 @@
 #include <stdint.h>
 
 #define TREMOR_SINES 6    /* per axis */
-#define TREMOR_RISE_S 0.5 /* from zero: the hand starts at rest where it is said to start */
+#define TREMOR_RISE_S 0.5 /* rise from zero: the hand starts at rest at its start pose */
 
 typedef struct {
-    double amplitude_m; /* of each sine */
+    double amplitude_m; /* amplitude of each sine */
     double frequency_radps[3][TREMOR_SINES];
     double phase_rad[3][TREMOR_SINES];
 } tremor_t;
 
-/* rms_m: of all axes together. The same seed and name give the same tremor. */
+/* rms_m: displacement, all axes combined. The same seed and name give the same tremor. */
 void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name);
 
-/* RMS [m/s] of its speed along one axis, in the mean over all tremors of this size. */
+/* RMS speed [m/s] along one axis, averaged over all tremors of this amplitude. */
 double tremor_speed_mps(double rms_m);
 
 void tremor_sample(const tremor_t *self, double time_s, double displacement_m[3]);

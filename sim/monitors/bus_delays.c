@@ -3,7 +3,7 @@
 #include <math.h>
 
 #define MS_PER_US 1e-3
-#define LONGEST_US 8000 /* twice classic CAN's tick: beyond, the command was lost */
+#define LONGEST_US 8000 /* two ticks of classic CAN; a longer time means that the command was lost */
 
 void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t tracker_us) {
     self->poses++;
@@ -11,8 +11,8 @@ void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t track
 }
 
 void bus_delays_tracker(bus_delays_t *self, const tracker_status_t *status) {
-    self->has_announced = true;
-    self->announced_us = (double)status->latency_us;
+    self->has_latency = true;
+    self->reported_latency_us = (double)status->latency_us;
 }
 
 void bus_delays_command(bus_delays_t *self, uint32_t end_us) {
@@ -22,16 +22,16 @@ void bus_delays_command(bus_delays_t *self, uint32_t end_us) {
 
 /* The trace of a tick follows its command. */
 void bus_delays_trace(bus_delays_t *self, const tick_trace_t *trace) {
-    const uint32_t way_us = self->command_end_us - trace->now_us;
-    if (self->has_command && way_us <= LONGEST_US) {
+    const uint32_t delay_us = self->command_end_us - trace->now_us;
+    if (self->has_command && delay_us <= LONGEST_US) {
         self->commands++;
-        self->command_us += (double)way_us;
+        self->command_us += (double)delay_us;
     }
     self->has_command = false;
 }
 
 double bus_delays_tracker_ms(const bus_delays_t *self) {
-    return self->has_announced ? MS_PER_US * self->announced_us : (double)NAN;
+    return self->has_latency ? MS_PER_US * self->reported_latency_us : (double)NAN;
 }
 
 double bus_delays_pose_ms(const bus_delays_t *self) {

@@ -1,4 +1,4 @@
-/* What the frames on the bus tell of how old a hand's pose is, and how long a command takes. */
+/* Measures the delays of frames on the bus: the age of a hand pose and the time that a command takes. */
 #ifndef COMANIP_SIM_BUS_DELAYS_H
 #define COMANIP_SIM_BUS_DELAYS_H
 
@@ -11,23 +11,23 @@ typedef struct {
     uint64_t poses, commands;
     double pose_age_us; /* sum: from the stamp of a HandPose to its end on the bus */
     double command_us;  /* sum: from the firmware's tick to the end of its JointCmd */
-    bool has_announced;
-    double announced_us; /* TrackerStatus: from a stamp to the frame */
+    bool has_latency;
+    double reported_latency_us; /* from TrackerStatus: from a time stamp to the frame */
     bool has_command;
     uint32_t command_end_us;
 } bus_delays_t;
 
-/* A HandPose; tracker_us: what the tracker's clock shows at the frame's end. */
+/* Adds a HandPose. tracker_us: the tracker's clock at the end of the frame. */
 void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t tracker_us);
 void bus_delays_tracker(bus_delays_t *self, const tracker_status_t *status);
 
-/* Times on the firmware's clock. */
+/* Times are those of the firmware's clock. */
 void bus_delays_command(bus_delays_t *self, uint32_t end_us);
 void bus_delays_trace(bus_delays_t *self, const tick_trace_t *trace);
 
-/* Means [ms]; NaN: there was none. */
+/* Means [ms]; NaN without data. */
 double bus_delays_tracker_ms(const bus_delays_t *self);
-double bus_delays_pose_ms(const bus_delays_t *self); /* of the bus alone, after what the tracker announces */
+double bus_delays_pose_ms(const bus_delays_t *self); /* bus only, without the reported latency */
 double bus_delays_command_ms(const bus_delays_t *self);
 
 #endif

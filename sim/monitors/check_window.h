@@ -1,5 +1,5 @@
-/* The time in which a scenario's check is measured: from one moment until another, to the tick that is nearest to each.
- * Moments are times of the run, or counted from an event's first happening. */
+/* The time window in which a scenario's check is measured, rounded to the nearest ticks. Its limits are times of the
+ * run, or relative to the first occurrence of an event. */
 #ifndef COMANIP_SIM_CHECK_WINDOW_H
 #define COMANIP_SIM_CHECK_WINDOW_H
 
@@ -13,23 +13,23 @@
 
 typedef struct {
     bool has_started;       /* the arm has cooperated */
-    bool is_open;           /* its begin has come */
-    bool is_closed;         /* its end, where the check names one, has come */
-    uint64_t ticks;         /* in it so far */
-    double first_s, last_s; /* of these */
+    bool is_open;           /* the begin has been reached */
+    bool is_closed;         /* the end has been reached, if the check names one */
+    uint64_t ticks;         /* in the window so far */
+    double first_s, last_s; /* of these ticks */
 } check_window_t;
 
-/* This tick lies in the window. Call once per tick, in order; events: as they stand at its end.
+/* Returns true if the window contains this tick. Called once per tick, in order. events: at the end of the tick.
  *
- * A check that names no begin begins with the first tick in cooperation. One that names no end covers the ticks in
- * cooperation and in hold, which end with the operator's stop. Measures of the whole run begin and end with it. */
+ * Without `from`, a window begins with the first tick in cooperation. Without `until`, it covers the ticks in
+ * cooperation and in hold, which end with the operator's stop. Measures of the whole run cover the whole run. */
 bool check_window_contains(check_window_t *self, const scenario_check_t *check, double t_s, control_mode_t mode,
                            const events_t *events);
 
-/* Every moment that the check names has come. */
+/* True if every limit that the check names has been reached. */
 bool check_window_is_whole(const check_window_t *self, const scenario_check_t *check);
 
-/* The number of an event that the window waited for in vain; EVENT_NONE. */
+/* Returns the index of the missing event that a limit of the window refers to; EVENT_NONE if there is none. */
 int check_window_missing_event(const check_window_t *self, const scenario_check_t *check, const events_t *events);
 
 #endif

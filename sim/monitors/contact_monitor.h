@@ -1,4 +1,5 @@
-/* Over the whole run: the least clearances, and the forces at the people's hands and in the gripper while they hold. */
+/* Records over the whole run the smallest clearances, and the forces at the people's hands and in the gripper while
+ * they hold an object. */
 #ifndef COMANIP_SIM_CONTACT_MONITOR_H
 #define COMANIP_SIM_CONTACT_MONITOR_H
 
@@ -8,13 +9,13 @@
 #include "physical_state.h"
 
 typedef struct {
-    double least_m; /* infinite: never measured */
+    double least_m; /* smallest clearance; infinite: never measured */
     int pair;       /* for proximity_pair_name(); -1: none */
-    double t_s;     /* when it first was so small */
+    double t_s;     /* first time of this clearance */
 } least_clearance_t;
 
 typedef struct {
-    uint64_t ticks; /* in which something was held */
+    uint64_t ticks; /* in which an object was held */
     double square_N2;
     double peak_N;
 } held_force_t;
@@ -28,7 +29,7 @@ typedef struct {
 void contact_monitor_init(contact_monitor_t *self);
 void contact_monitor_sample(contact_monitor_t *self, const tick_record_t *tick, const physical_state_t *state);
 
-/* NaN: nothing was ever held. */
+/* NaN if nothing was ever held. */
 double held_force_rms_N(const held_force_t *self);
 double held_force_peak_N(const held_force_t *self);
 

@@ -5,19 +5,18 @@
 
 #include "../common/solve_3x3.h"
 
-#define DAMPING                                                                                                        \
-    1e-4 /* share of the samples: the lever k is fitted only as far as the hand turned by more than some 0.01 rad */
+#define DAMPING_PER_SAMPLE 1e-4 /* per sample: k is fitted only if the hand rotates by more than about 0.01 rad */
 
 static void add_follower(delay_sums_t *sums, size_t follower, const double at_m[3], const delay_hand_t *hand) {
-    double rest_m[3];
+    double fitted_m[3];
     for (size_t k = 0; k < 3; k++) {
-        rest_m[k] = at_m[k] - hand->way_m[k];
-        sums->follower[follower].rest_m[k] += rest_m[k];
-        sums->follower[follower].square_m2 += rest_m[k] * rest_m[k];
+        fitted_m[k] = at_m[k] - hand->scaled_hand_m[k];
+        sums->follower[follower].fitted_m[k] += fitted_m[k];
+        sums->follower[follower].square_m2 += fitted_m[k] * fitted_m[k];
     }
     for (size_t k = 0; k < 3; k++) {
-        sums->follower[follower].turned_m[k] +=
-            hand->turn[0][k] * rest_m[0] + hand->turn[1][k] * rest_m[1] + hand->turn[2][k] * rest_m[2];
+        sums->follower[follower].rotated_m[k] +=
+            hand->turn[0][k] * fitted_m[0] + hand->turn[1][k] * fitted_m[1] + hand->turn[2][k] * fitted_m[2];
     }
 }
 
@@ -36,26 +35,26 @@ void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], con
     }
 }
 
-/* The least of the sum of |rest - R k - b|^2 over k and b: b = mean(rest - R k) taken out, three equations for k
- * remain. */
-static double left_m2(const delay_fit_t *self, const delay_sums_t *sums, size_t follower) {
+/* Minimum of the sum of |rest - R k - b|^2 over k and b. Eliminating b = mean(rest - R k) leaves three equations for
+ * k. */
+static double residual_m2(const delay_fit_t *self, const delay_sums_t *sums, size_t follower) {
     const double count = (double)self->samples;
-    const double *rest_m = sums->follower[follower].rest_m;
+    const double *fitted_m = sums->follower[follower].fitted_m;
     double a[3][3], right_m[3], lever_m[3];
     double left = sums->follower[follower].square_m2;
     for (size_t i = 0; i < 3; i++) {
-        right_m[i] = sums->follower[follower].turned_m[i];
+        right_m[i] = sums->follower[follower].rotated_m[i];
         for (size_t k = 0; k < 3; k++) {
-            right_m[i] -= sums->turn[k][i] * rest_m[k] / count;
+            right_m[i] -= sums->turn[k][i] * fitted_m[k] / count;
             a[i][k] = i == k ? count : 0.0;
             for (size_t row = 0; row < 3; row++) {
                 a[i][k] -= sums->turn[row][i] * sums->turn[row][k] / count;
             }
         }
     }
-    solve_3x3(a, DAMPING * count, right_m, lever_m);
+    solve_3x3(a, DAMPING_PER_SAMPLE * count, right_m, lever_m);
     for (size_t k = 0; k < 3; k++) {
-        left -= rest_m[k] * rest_m[k] / count + right_m[k] * lever_m[k];
+        left -= fitted_m[k] * fitted_m[k] / count + right_m[k] * lever_m[k];
     }
     return left;
 }
@@ -66,7 +65,7 @@ void delay_fit_end_stretch(delay_fit_t *self) {
     }
     for (size_t n = 0; n < DELAY_COUNT; n++) {
         for (size_t f = 0; f < DELAY_FOLLOWERS; f++) {
-            self->left_m2[n][f] += left_m2(self, &self->sums[n], f);
+            self->residual_m2[n][f] += residual_m2(self, &self->sums[n], f);
         }
     }
     self->samples = 0;
@@ -76,14 +75,14 @@ void delay_fit_end_stretch(delay_fit_t *self) {
 double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower) {
     size_t best = 0;
     for (size_t n = 1; n < DELAY_COUNT; n++) {
-        best = self->left_m2[n][follower] < self->left_m2[best][follower] ? n : best;
+        best = self->residual_m2[n][follower] < self->residual_m2[best][follower] ? n : best;
     }
     if (best == 0 || best == DELAY_COUNT - 1) {
         return (double)NAN;
     }
-    /* between the grid's delays: the lowest point of the parabola through three */
-    const double before = self->left_m2[best - 1][follower], at = self->left_m2[best][follower];
-    const double after = self->left_m2[best + 1][follower];
+    /* between delays of the grid: the minimum of the parabola through three points */
+    const double before = self->residual_m2[best - 1][follower], at = self->residual_m2[best][follower];
+    const double after = self->residual_m2[best + 1][follower];
     const double bend = before - 2.0 * at + after;
     const double share = bend > 0.0 ? 0.5 * (before - after) / bend : 0.0;
     return DELAY_FIRST_TICKS + DELAY_STEP_TICKS * ((double)best + share);

@@ -1,10 +1,11 @@
-/* By how much something follows the person's hand late: the delay at which least squares leaves the least.
+/* Estimates by how much target and end effector lag behind the person's hand: the delay with the smallest least-squares
+ * residual.
  *
- * Between two commands of the operator, Algorithm 1 makes of the hand's position h and rotation R the target s h + R k
- * + b (mirrored: less twice the way forward along the target's z axis), with constants k and b that come from the start
- * poses and the task. So for each delay d of a grid, follower(t) - s h(t - d) is fitted by R(t - d) k + b, and what is
- * left, over all stretches between commands, is least at the delay that was. The constants need not be known, nor is
- * anything taken from the firmware's own arithmetic. */
+ * Between two commands of the operator, Algorithm 1 maps the hand's position h and rotation R to the target s h + R k +
+ * b (mirrored: minus twice the forward displacement along the target's z axis), with constants k and b that follow from
+ * the start poses and the task. For each delay d of a grid, follower(t) - s h(t - d) is therefore fitted by R(t - d) k
+ * + b. The residual, summed over all intervals between commands, is smallest at the true delay. The constants need not
+ * be known, and the fit is independent of the firmware's arithmetic. */
 #ifndef COMANIP_SIM_DELAY_FIT_H
 #define COMANIP_SIM_DELAY_FIT_H
 
@@ -12,38 +13,39 @@
 #include <stdint.h>
 
 #define DELAY_STEP_TICKS 2
-#define DELAY_FIRST_TICKS (-20) /* a follower may be early */
+#define DELAY_FIRST_TICKS (-20) /* a follower may lead */
 #define DELAY_COUNT 161         /* up to 300 ms */
 #define DELAY_LAST_TICKS (DELAY_FIRST_TICKS + (DELAY_COUNT - 1) * DELAY_STEP_TICKS)
 
 typedef enum { DELAY_OF_TARGET, DELAY_OF_ROBOT, DELAY_FOLLOWERS } delay_follower_t;
 
-/* The hand's part of the target at one instant. */
+/* The contribution of the hand to the target at one instant. */
 typedef struct {
-    double way_m[3];   /* s h, or what is mirrored of it */
-    double turn[3][3]; /* R */
+    double scaled_hand_m[3]; /* s h, mirrored if the task mirrors */
+    double turn[3][3];       /* R */
 } delay_hand_t;
 
 typedef struct {
-    double turn[3][3]; /* sums over the stretch: of R, and of what is to be fitted by it, turned by R^T, and squared */
+    double turn[3][3]; /* sums over the interval: R, the fitted vectors, these rotated by R^T, their squares */
     struct {
-        double rest_m[3], turned_m[3], square_m2;
+        double fitted_m[3], rotated_m[3], square_m2;
     } follower[DELAY_FOLLOWERS];
 } delay_sums_t;
 
 typedef struct {
-    uint64_t samples; /* of the stretch */
+    uint64_t samples; /* of the current interval */
     delay_sums_t sums[DELAY_COUNT];
-    double left_m2[DELAY_COUNT][DELAY_FOLLOWERS]; /* of all stretches before */
+    double residual_m2[DELAY_COUNT][DELAY_FOLLOWERS]; /* residuals of all earlier intervals */
 } delay_fit_t;
 
-/* follower_m: where each is at t; hand[n]: the hand at t less DELAY_FIRST_TICKS + n DELAY_STEP_TICKS. */
+/* Adds a sample. follower_m: positions at t; hand[n]: the hand at t - (DELAY_FIRST_TICKS + n DELAY_STEP_TICKS). */
 void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], const delay_hand_t *hand[DELAY_COUNT]);
 
-/* The operator has commanded something: the constants are others from here on. */
+/* Ends an interval after a command of the operator, which changes the constants. */
 void delay_fit_end_stretch(delay_fit_t *self);
 
-/* [ms], after delay_fit_end_stretch(); NaN if it is at an end of the grid, or nothing was added. */
+/* Returns the delay [ms], after delay_fit_end_stretch(); NaN if it is at a limit of the grid or there are no
+ * samples. */
 double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower);
 
 #endif

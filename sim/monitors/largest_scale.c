@@ -6,9 +6,9 @@
 
 #include "reach.h"
 
-#define WAY_MIN_M REACH_TOLERANCE_M /* of the target from one sample to the next */
+#define DISPLACEMENT_MIN_M REACH_TOLERANCE_M /* displacement of the target between samples */
 #define FIRST_CAPACITY 1024
-#define ROUNDING 1e-6 /* of a parameter in float32: 0.29f is 0.29 */
+#define ROUNDING 1e-6 /* of a float32 parameter, so that 0.29f counts as 0.29 */
 
 void largest_scale_init(largest_scale_t *self) {
     memset(self, 0, sizeof *self);
@@ -45,7 +45,7 @@ void largest_scale_sample(largest_scale_t *self, const tick_record_t *tick) {
     if (!self->has_reference) {
         memcpy(self->reference_m, target_m, sizeof self->reference_m);
         self->has_reference = true;
-    } else if (self->count > 0 && distance_m(self->target[self->count - 1].target_m, target_m) < WAY_MIN_M) {
+    } else if (self->count > 0 && distance_m(self->target[self->count - 1].target_m, target_m) < DISPLACEMENT_MIN_M) {
         return;
     }
     if (!make_room(self)) {
@@ -54,7 +54,7 @@ void largest_scale_sample(largest_scale_t *self, const tick_record_t *tick) {
     scaled_target_t *new = &self->target[self->count++];
     for (int k = 0; k < 3; k++) {
         new->target_m[k] = target_m[k];
-        new->way_m[k] = target_m[k] - self->reference_m[k];
+        new->displacement_m[k] = target_m[k] - self->reference_m[k];
     }
 }
 
@@ -64,7 +64,7 @@ void largest_scale_pause(largest_scale_t *self) {
 
 /* ---- the search */
 
-/* A number of two digits, 10 to 99, times a power of ten. */
+/* A number with two significant digits: 10 to 99, times a power of ten. */
 typedef struct {
     int digits;
     int exponent;
@@ -88,21 +88,20 @@ static two_digits_t next_lower(two_digits_t number) {
 static bool is_reached(reach_t *reach, const scaled_target_t *target, double ratio) {
     double target_m[3], posture_rad[ROBOT_JOINTS];
     for (int k = 0; k < 3; k++) {
-        target_m[k] = target->target_m[k] + (ratio - 1.0) * target->way_m[k];
+        target_m[k] = target->target_m[k] + (ratio - 1.0) * target->displacement_m[k];
     }
     memcpy(posture_rad, reach->position_rad, sizeof posture_rad);
     return reach_contains(reach, target_m, posture_rad);
 }
 
-/* A scale is left only when some target is out of reach at it, and kept only when a whole pass over the targets finds
- * none: so none that would do is passed over, even if a target leaves the reach and comes back into it as the scale
- * falls. */
+/* A candidate is rejected only if some target is out of reach, and accepted only if a whole pass over the targets finds
+ * none. So no valid scale is skipped, even if a target leaves the workspace and enters it again as the scale falls. */
 double largest_scale(const largest_scale_t *self, double scale, double minimum) {
     reach_t reach;
     reach_init(&reach);
     two_digits_t candidate = rounded_down(scale);
     const double lowest = minimum * (1.0 - ROUNDING);
-    size_t reached = 0; /* targets in turn, at this candidate */
+    size_t reached = 0; /* consecutive targets in reach at this candidate */
     for (size_t i = 0; !self->out_of_memory && reached < self->count; i = (i + 1) % self->count) {
         reached++;
         while (!is_reached(&reach, &self->target[i], value(candidate) / scale)) {

@@ -15,12 +15,12 @@ static latency_tick_t *past(latency_t *self, uint64_t tick) {
     return &self->past[tick % LATENCY_PAST_TICKS];
 }
 
-/* The mirrored target's z axis is taken as the firmware tells it: the way along it is short, and the axis turns slowly.
- */
-static void take_hand(latency_t *self, latency_tick_t *now, const tick_record_t *tick, const rigid_pose_t *hand,
-                      const double follows[3]) {
-    const double scale = follows[1];
-    const bool mirrors = follows[0] < 0.0;
+/* The z axis of a mirrored target is the one that the firmware reports: the displacement along it is short, and the
+ * axis rotates slowly. */
+static void add_hand(latency_t *self, latency_tick_t *now, const tick_record_t *tick, const rigid_pose_t *hand,
+                     const double gain[3]) {
+    const double scale = gain[1];
+    const bool mirrors = gain[0] < 0.0;
     const double unit[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     double ahead[3];
     rotation_apply(tick->target.rotation, unit[2], ahead);
@@ -31,16 +31,16 @@ static void take_hand(latency_t *self, latency_tick_t *now, const tick_record_t 
             now->hand.turn[row][k] = column[row];
         }
         now->hand_m[k] = hand->position_m[k];
-        now->hand.way_m[k] = scale * hand->position_m[k];
+        now->hand.scaled_hand_m[k] = scale * hand->position_m[k];
         if (mirrors) {
-            now->hand.way_m[k] -= 2.0 * scale * (hand->position_m[0] - self->forward_m) * ahead[k];
+            now->hand.scaled_hand_m[k] -= 2.0 * scale * (hand->position_m[0] - self->forward_m) * ahead[k];
         }
     }
     now->counts = false;
 }
 
-/* A target is told some ticks after its own. */
-static void take_followers(latency_t *self, const tick_record_t *tick, bool followable) {
+/* A target is reported some ticks after its own time. */
+static void add_followers(latency_t *self, const tick_record_t *tick, bool followable) {
     if (!tick->has_target || tick->target_ns == self->target_ns) {
         return;
     }
@@ -54,12 +54,12 @@ static void take_followers(latency_t *self, const tick_record_t *tick, bool foll
 
 static bool moves(latency_t *self, uint64_t tick) {
     const double *from = past(self, tick - LATENCY_MEAN_TICKS)->hand_m, *to = past(self, tick)->hand_m;
-    const double way_m = sqrt(pow(to[0] - from[0], 2.0) + pow(to[1] - from[1], 2.0) + pow(to[2] - from[2], 2.0));
-    return way_m > LATENCY_MOVES_MPS * LATENCY_MEAN_TICKS * TICK_S;
+    const double moved_m = sqrt(pow(to[0] - from[0], 2.0) + pow(to[1] - from[1], 2.0) + pow(to[2] - from[2], 2.0));
+    return moved_m > LATENCY_MOVES_MPS * LATENCY_MEAN_TICKS * TICK_S;
 }
 
-/* The tick before -DELAY_FIRST_TICKS: a follower may be early. All the hand's poses it is compared with belong to the
- * same stretch. */
+/* Uses a tick -DELAY_FIRST_TICKS ago, because a follower may lead. All hand poses that it is compared with belong to
+ * the same interval. */
 static void add_sample(latency_t *self) {
     const uint64_t tick = self->ticks - EARLY_TICKS;
     if (self->ticks < self->stretch_from + DELAY_LAST_TICKS + EARLY_TICKS ||
@@ -75,7 +75,7 @@ static void add_sample(latency_t *self) {
     self->samples++;
 }
 
-void latency_sample(latency_t *self, const tick_record_t *tick, const rigid_pose_t *hand, const double follows[3],
+void latency_sample(latency_t *self, const tick_record_t *tick, const rigid_pose_t *hand, const double gain[3],
                     int64_t settled_ns, bool followable) {
     self->ticks++;
     if (tick->mode != MODE_COOPERATING || settled_ns != self->settled_ns || tick->time_ns < settled_ns) {
@@ -84,8 +84,8 @@ void latency_sample(latency_t *self, const tick_record_t *tick, const rigid_pose
         self->settled_ns = settled_ns;
         self->forward_m = hand->position_m[0];
     }
-    take_hand(self, past(self, self->ticks), tick, hand, follows);
-    take_followers(self, tick, followable);
+    add_hand(self, past(self, self->ticks), tick, hand, gain);
+    add_followers(self, tick, followable);
     add_sample(self);
 }
 

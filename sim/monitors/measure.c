@@ -32,13 +32,13 @@ bool measure_needs_target(measure_t measure) {
     return measure == MEASURE_SETTLED_POSITION || measure == MEASURE_FOLLOWING_RMS;
 }
 
-static bool is_way(measure_t measure) {
+static bool is_displacement_along_axis(measure_t measure) {
     return measure == MEASURE_WAY_X || measure == MEASURE_WAY_Y || measure == MEASURE_WAY_Z;
 }
 
 bool measure_compares_with_begin(measure_t measure) {
     return measure == MEASURE_RELATION_RMS || measure == MEASURE_DISPLACEMENT || measure == MEASURE_TURN ||
-           is_way(measure);
+           is_displacement_along_axis(measure);
 }
 
 bool measure_is_of_built_in_motion(measure_t measure) {

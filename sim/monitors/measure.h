@@ -1,4 +1,4 @@
-/* What the measures of a scenario's checks have in common, and what tells them apart. */
+/* Properties of the measures of a scenario's checks. */
 #ifndef COMANIP_SIM_MEASURE_H
 #define COMANIP_SIM_MEASURE_H
 
@@ -6,20 +6,21 @@
 
 #include "../scenario/scenario.h"
 
-/* As "mm"; "" for a count. */
+/* For example "mm"; "" for a count. */
 const char *measure_unit(measure_t measure);
 
-/* The target is known from TickTrace alone. */
+/* True if the measure needs the target, which only TickTrace carries. */
 bool measure_needs_target(measure_t measure);
 
-/* It compares the hand with where it was at the window's begin: a clutch in between makes it meaningless. */
+/* True if the measure compares the end effector with its pose at the begin of the window. A clutch in between
+ * invalidates it. */
 bool measure_compares_with_begin(measure_t measure);
 
-/* It asks for what the built-in motion does, and says nothing of a recorded one. */
+/* True if the measure applies to the built-in motion only, not to a recording. */
 bool measure_is_of_built_in_motion(measure_t measure);
 
-/* It is about objects and water, which are there before the start command and after the stop: what falls then, falls.
- * The window is the whole run, unless the check names another. */
+/* True for measures of objects and water, which may also fall before the start command or after the stop. Their window
+ * is the whole run unless the check names another. */
 bool measure_is_of_whole_run(measure_t measure);
 
 #endif

@@ -14,7 +14,7 @@ static double tilt_deg(const rigid_pose_t *pose, const double axis[3]) {
     return atan2(hypot(tilted[0], tilted[1]), tilted[2]) / ROBOT_RAD_PER_DEG;
 }
 
-/* Of the hand's axis that pointed up at the start. */
+/* Tilt of the end effector's axis that pointed up at the start. */
 static double hand_tilt_deg(const rigid_pose_t *start, const rigid_pose_t *now) {
     const double up[3] = {0.0, 0.0, 1.0};
     const double from_torso[4] = {start->rotation[0], -start->rotation[1], -start->rotation[2], -start->rotation[3]};
@@ -37,18 +37,18 @@ static double turn_deg(const rigid_pose_t *a, const rigid_pose_t *b) {
     return rotation_angle_between(a->rotation, b->rotation) / ROBOT_RAD_PER_DEG;
 }
 
-static double way_mm(const measurement_t *self, const tick_record_t *tick, int axis) {
+static double displacement_along_mm(const measurement_t *self, const tick_record_t *tick, int axis) {
     return MM_PER_M * (tick->hand.position_m[axis] - self->begin_hand.position_m[axis]);
 }
 
-/* ---- what one tick adds */
+/* ---- accumulation */
 
 static void keep_last(measurement_t *self, double value) {
     self->value = value;
     self->ticks++;
 }
 
-/* NaN stays, so that physics gone wrong fails its check: fmax() would hide it. */
+/* NaN is kept, so that diverged physics fails its check; fmax() would hide it. */
 static void keep_largest(measurement_t *self, double value) {
     if (self->ticks == 0 || (!isnan(self->value) && !(value <= self->value))) {
         self->value = value;
@@ -88,19 +88,20 @@ static void add_following(measurement_t *self, const tick_record_t *tick) {
     self->square_orientation_deg2 += orientation_deg * orientation_deg;
 }
 
-/* How far the robot's hand is from where the person's has led it since the window began. */
+/* Distance of the end effector from the position that follows from the person's displacement since the begin of the
+ * window. */
 static double relation_error_mm(const measurement_t *self, const rigid_pose_t *person,
-                                const measurement_sight_t *sight) {
+                                const measurement_input_t *input) {
     double person_m[3];
     for (int k = 0; k < 3; k++) {
         person_m[k] = person->position_m[k] - self->begin_person.position_m[k];
     }
-    return displacement_error_mm(&self->begin_hand, &sight->tick->hand, person_m, sight->motion_scale);
+    return displacement_error_mm(&self->begin_hand, &input->tick->hand, person_m, input->motion_scale);
 }
 
-/* The mean, so that it is the aim that is judged, and neither the lag nor the noise around it. */
-static void add_aim(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
-    const double *robot_m = sight->tick->hand.position_m, *person_m = sight->state->hand[check->person].position_m;
+/* Takes the mean, so that neither lag nor noise affects the result. */
+static void add_aim(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input) {
+    const double *robot_m = input->tick->hand.position_m, *person_m = input->state->hand[check->person].position_m;
     double square = 0.0;
     self->ticks++;
     for (int k = 0; k < 3; k++) {
@@ -110,8 +111,8 @@ static void add_aim(measurement_t *self, const scenario_check_t *check, const me
     self->value = MM_PER_M * sqrt(square);
 }
 
-static void measure_hand(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
-    const tick_record_t *tick = sight->tick;
+static void measure_hand(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input) {
+    const tick_record_t *tick = input->tick;
     if (measure_needs_target(check->measure) && !tick->has_target) {
         return;
     }
@@ -119,28 +120,28 @@ static void measure_hand(measurement_t *self, const scenario_check_t *check, con
     case MEASURE_SETTLED_POSITION: keep_largest(self, tracking_distance_mm(tick)); break;
     case MEASURE_FOLLOWING_RMS: add_following(self, tick); break;
     case MEASURE_RELATION_RMS:
-        add_square(self, relation_error_mm(self, &sight->state->hand[check->person], sight));
+        add_square(self, relation_error_mm(self, &input->state->hand[check->person], input));
         break;
     case MEASURE_DISPLACEMENT:
-        keep_last(self, displacement_error_mm(&self->begin_hand, &tick->hand, check->expected_m, sight->motion_scale));
+        keep_last(self, displacement_error_mm(&self->begin_hand, &tick->hand, check->expected_m, input->motion_scale));
         break;
-    case MEASURE_WAY_X: keep_last(self, way_mm(self, tick, 0)); break;
-    case MEASURE_WAY_Y: keep_last(self, way_mm(self, tick, 1)); break;
-    case MEASURE_WAY_Z: keep_last(self, way_mm(self, tick, 2)); break;
+    case MEASURE_WAY_X: keep_last(self, displacement_along_mm(self, tick, 0)); break;
+    case MEASURE_WAY_Y: keep_last(self, displacement_along_mm(self, tick, 1)); break;
+    case MEASURE_WAY_Z: keep_last(self, displacement_along_mm(self, tick, 2)); break;
     case MEASURE_TILT:
-        if (sight->start != NULL) {
-            keep_least(self, hand_tilt_deg(sight->start, &tick->hand));
+        if (input->start != NULL) {
+            keep_least(self, hand_tilt_deg(input->start, &tick->hand));
         }
         break;
-    case MEASURE_AIM: add_aim(self, check, sight); break;
+    case MEASURE_AIM: add_aim(self, check, input); break;
     case MEASURE_TURN: keep_last(self, fabs(turn_deg(&self->begin_hand, &tick->hand) - check->expected_deg)); break;
     default: break;
     }
 }
 
-static void measure_water(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
+static void measure_water(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input) {
     static const double along_z[3] = {0.0, 0.0, 1.0};
-    const physical_state_t *state = sight->state;
+    const physical_state_t *state = input->state;
     const water_count_t *water = &state->water;
     if (check->measure == MEASURE_CUP_TILT_PEAK && state->has_robot_cup) {
         keep_largest(self, tilt_deg(&state->robot_cup, along_z));
@@ -149,19 +150,19 @@ static void measure_water(measurement_t *self, const scenario_check_t *check, co
         return;
     }
     if (check->measure == MEASURE_WATER_POURED) {
-        keep_last(self, 100.0 * (water->left_robot_cup - self->begin_left_cup) / sight->particles);
+        keep_last(self, 100.0 * (water->left_robot_cup - self->begin_left_cup) / input->particles);
     } else if (check->measure == MEASURE_WATER_CAUGHT && water->left_robot_cup > 0) {
         keep_last(self, 100.0 * water->in_person_cup / water->left_robot_cup);
     } else if (check->measure == MEASURE_FLOW_WHILE_MOVING) {
-        add(self, sight->is_moving[check->person] ? sight->newly_left_cup : 0.0);
+        add(self, input->is_moving[check->person] ? input->newly_left_cup : 0.0);
     }
 }
 
-static void measure_contact(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
-    const physical_state_t *state = sight->state;
+static void measure_contact(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input) {
+    const physical_state_t *state = input->state;
     const bool holds = state->holds[check->person][check->object];
     switch (check->measure) {
-    case MEASURE_DROPS: add(self, (double)(sight->lost[check->object] + sight->dropped[check->object])); break;
+    case MEASURE_DROPS: add(self, (double)(input->lost[check->object] + input->dropped[check->object])); break;
     case MEASURE_HELD: keep_last(self, held_alone(state, check->person, check->object)); break;
     case MEASURE_FORCE_RMS:
         if (holds) {
@@ -183,20 +184,20 @@ static void measure_contact(measurement_t *self, const scenario_check_t *check, 
     }
 }
 
-void measurement_sample(measurement_t *self, const scenario_check_t *check, const measurement_sight_t *sight) {
-    const double t_s = (double)sight->tick->time_ns * 1e-9;
-    if (!check_window_contains(&self->window, check, t_s, sight->tick->mode, sight->events)) {
+void measurement_sample(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input) {
+    const double t_s = (double)input->tick->time_ns * 1e-9;
+    if (!check_window_contains(&self->window, check, t_s, input->tick->mode, input->events)) {
         return;
     }
     if (self->window.ticks == 1) {
-        self->begin_hand = sight->tick->hand;
-        self->begin_person = sight->state->hand[check->person];
-        self->begin_left_cup = sight->state->water.left_robot_cup;
-        self->begin_turns = sight->state->crank_turns[check->object];
+        self->begin_hand = input->tick->hand;
+        self->begin_person = input->state->hand[check->person];
+        self->begin_left_cup = input->state->water.left_robot_cup;
+        self->begin_turns = input->state->crank_turns[check->object];
     }
-    measure_hand(self, check, sight);
-    measure_water(self, check, sight);
-    measure_contact(self, check, sight);
+    measure_hand(self, check, input);
+    measure_water(self, check, input);
+    measure_contact(self, check, input);
 }
 
 bool measurement_is_valid(const measurement_t *self, const scenario_check_t *check) {

@@ -40,7 +40,7 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
         return;
     }
     self->tick.target_ns = self->tick.time_ns - (int64_t)age_ticks * US_PER_TICK * 1000;
-    /* A target may be compared only with the hand of its own time. */
+    /* A target may only be compared with the end effector at the target's time. */
     self->tick.hand_at_target = self->past_hand[(self->ticks - age_ticks) % OBSERVER_PAST_TICKS];
     self->target_ticks_left = self->target_ticks;
     const quaternion_t r = quaternion_normalise(trace.target.rotation);
@@ -53,7 +53,7 @@ static void on_parameter(observer_t *self, const can_frame_t *frame) {
     parameter_value_t value;
     parameter_value_unpack(frame, &value);
     if (value.parameter < PARAMETER_COUNT) {
-        self->parameter[value.parameter] = value.value; /* the one in force, whatever the result */
+        self->parameter[value.parameter] = value.value; /* the current value, whatever the result */
     }
 }
 
@@ -63,7 +63,7 @@ static void on_define(observer_t *self, const can_frame_t *frame) {
     self->defined_blend_s = (double)define.blend_s;
 }
 
-/* A start blends the chosen task in anew, a clutch goes on with the blend, a latch ends it. */
+/* A start restarts the blend of the selected task, a clutch continues it, a latch ends it. */
 static void on_ack(observer_t *self, const can_frame_t *frame, int64_t end_ns) {
     command_ack_t ack;
     command_ack_unpack(frame, &ack);

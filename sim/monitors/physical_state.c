@@ -3,15 +3,15 @@
 #include <math.h>
 #include <string.h>
 
-static void list_what_there_is(physical_state_t *self, const scenario_t *scenario) {
+static void list_contents(physical_state_t *self, const scenario_t *scenario) {
     self->person_count = scenario->person_count;
     self->object_count = scenario->object_count;
     self->tracked = scenario->tracked;
     self->second = scenario->person_count > 1 ? (int)(1 - scenario->tracked) : PHYSICAL_STATE_NONE;
-    self->thing = PHYSICAL_STATE_NONE;
+    self->traced_object = PHYSICAL_STATE_NONE;
     self->crank = PHYSICAL_STATE_NONE;
-    for (size_t i = scenario->object_count; i-- > 0;) { /* backwards: the first one stays */
-        self->thing = scenario->object[i].kind != OBJECT_STAND ? (int)i : self->thing;
+    for (size_t i = scenario->object_count; i-- > 0;) { /* backwards, so that the first one counts */
+        self->traced_object = scenario->object[i].kind != OBJECT_STAND ? (int)i : self->traced_object;
         self->crank = scenario->object[i].kind == OBJECT_CRANK ? (int)i : self->crank;
     }
     self->has_water = scenario->water.particles > 0;
@@ -34,7 +34,7 @@ static void read_objects(physical_state_t *self, const scenario_t *scenario, con
 void physical_state_read(physical_state_t *self, const scenario_t *scenario, const scene_t *scene,
                          const measured_clearance_t *clearance) {
     memset(self, 0, sizeof *self);
-    list_what_there_is(self, scenario);
+    list_contents(self, scenario);
     for (size_t i = 0; i < self->person_count; i++) {
         scene_hand(scene, i, &self->hand[i]);
         scene_hand_force_N(scene, i, self->hand_force_N[i]);

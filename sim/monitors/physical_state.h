@@ -1,4 +1,4 @@
-/* What there is to see of the physical scene at one instant: all that monitors and trace need. It does not act. */
+/* A snapshot of the physical scene at one instant, with all data for monitors and trace. */
 #ifndef COMANIP_SIM_PHYSICAL_STATE_H
 #define COMANIP_SIM_PHYSICAL_STATE_H
 
@@ -13,21 +13,21 @@
 #define PHYSICAL_STATE_NONE (-1)
 
 typedef struct {
-    /* What there is: the same all along a run. */
+    /* Constant during a run. */
     size_t person_count, tracked, object_count;
-    int second; /* the person who is not tracked; PHYSICAL_STATE_NONE */
-    int thing;  /* the first object that is no stand; PHYSICAL_STATE_NONE */
-    int crank;  /* the first one; PHYSICAL_STATE_NONE */
+    int second;        /* the person who is not tracked, or PHYSICAL_STATE_NONE */
+    int traced_object; /* the first object that is not a stand, or PHYSICAL_STATE_NONE */
+    int crank;         /* the first crank, or PHYSICAL_STATE_NONE */
     bool has_water, has_robot_cup;
 
-    /* What it does. */
+    /* Changes during a run. */
     rigid_pose_t hand[SCENARIO_MAX_PEOPLE];
-    double hand_force_N[SCENARIO_MAX_PEOPLE][3]; /* from what it holds, over the last step */
+    double hand_force_N[SCENARIO_MAX_PEOPLE][3]; /* from the held object, over the last step */
     rigid_pose_t object[SCENARIO_MAX_OBJECTS];
-    double crank_turns[SCENARIO_MAX_OBJECTS];                  /* 0: is none */
+    double crank_turns[SCENARIO_MAX_OBJECTS];                  /* 0 for other objects */
     bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS]; /* [person or SCENE_HOLDER_ROBOT][object] */
     double gripper_opening, gripper_force_N;
-    rigid_pose_t robot_cup; /* if there is one */
+    rigid_pose_t robot_cup; /* valid if has_robot_cup */
     water_count_t water;
     measured_clearance_t clearance;
 } physical_state_t;
@@ -35,10 +35,10 @@ typedef struct {
 void physical_state_read(physical_state_t *self, const scenario_t *scenario, const scene_t *scene,
                          const measured_clearance_t *clearance);
 
-/* N, of the force at this person's hand. */
+/* Magnitude [N] of the force at this person's hand. */
 double physical_state_force_N(const physical_state_t *self, size_t person);
 
-/* The holder, a person or SCENE_HOLDER_ROBOT, holds some object. */
+/* True if the holder, a person or SCENE_HOLDER_ROBOT, holds an object. */
 bool physical_state_holds_any(const physical_state_t *self, size_t holder);
 
 #endif

@@ -12,11 +12,11 @@
 #define DAMPING_MAX 1e3
 #define STEP_MIN_RAD 1e-6
 #define GRID_STARTS 8
-#define FAR_RESERVE 0.1 /* share of a distance that a search far out of reach may have missed */
+#define FAR_RESERVE 0.1 /* margin for the error of a search far out of reach, relative to its distance */
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];
-    double error_m[3]; /* from the hand to the target */
+    double error_m[3]; /* from the end effector to the target */
     double distance_m;
 } candidate_t;
 
@@ -24,7 +24,7 @@ static double limit(double value, double minimum, double maximum) {
     return value < minimum ? minimum : value > maximum ? maximum : value;
 }
 
-/* Sets error and distance of a posture; jacobian unless NULL. */
+/* Sets error and distance of a posture, and jacobian unless it is NULL. */
 static void evaluate(candidate_t *self, const double target_m[3], double jacobian[ROBOT_JOINTS][3]) {
     double hand_m[3], square = 0.0;
     position_jacobian(self->position_rad, hand_m, jacobian);
@@ -35,7 +35,7 @@ static void evaluate(candidate_t *self, const double target_m[3], double jacobia
     self->distance_m = sqrt(square);
 }
 
-/* A joint at a limit that wants to go on outwards (by steepest descent) does not take part in the step. */
+/* A joint at a limit whose gradient points beyond the limit is excluded from the step. */
 static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOINTS][3], bool is_free[ROBOT_JOINTS]) {
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const double pull =
@@ -45,15 +45,16 @@ static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOIN
     }
 }
 
-/* The damped Gauss-Newton step J^T (J J^T + damping 1)^-1 e of the free joints, projected. Gives its largest part. */
+/* Makes the damped Gauss-Newton step J^T (J J^T + damping I)^-1 e of the free joints, projected onto the limits.
+ * Returns its largest component. */
 static double step(const candidate_t *from, double jacobian[ROBOT_JOINTS][3], const bool is_free[ROBOT_JOINTS],
                    double damping, candidate_t *to) {
     double x[3], largest_rad = 0.0;
     position_jacobian_solve((const double (*)[3])jacobian, is_free, damping, from->error_m, x);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        const double way = jacobian[i][0] * x[0] + jacobian[i][1] * x[1] + jacobian[i][2] * x[2];
-        to->position_rad[i] = limit(from->position_rad[i] + (is_free[i] ? way : 0.0), robot_model_position_min_rad(i),
-                                    robot_model_position_max_rad(i));
+        const double step_rad = jacobian[i][0] * x[0] + jacobian[i][1] * x[1] + jacobian[i][2] * x[2];
+        to->position_rad[i] = limit(from->position_rad[i] + (is_free[i] ? step_rad : 0.0),
+                                    robot_model_position_min_rad(i), robot_model_position_max_rad(i));
         largest_rad = fmax(largest_rad, fabs(to->position_rad[i] - from->position_rad[i]));
     }
     return largest_rad;
@@ -120,13 +121,13 @@ static void nearest_postures(const reach_t *self, const double target_m[3], size
         if (count == GRID_STARTS && distance >= square[count - 1]) {
             continue;
         }
-        size_t place = count < GRID_STARTS ? count++ : count - 1;
-        for (; place > 0 && distance < square[place - 1]; place--) {
-            square[place] = square[place - 1];
-            nearest[place] = nearest[place - 1];
+        size_t slot = count < GRID_STARTS ? count++ : count - 1;
+        for (; slot > 0 && distance < square[slot - 1]; slot--) {
+            square[slot] = square[slot - 1];
+            nearest[slot] = nearest[slot - 1];
         }
-        square[place] = distance;
-        nearest[place] = n;
+        square[slot] = distance;
+        nearest[slot] = n;
     }
 }
 
@@ -160,13 +161,13 @@ double reach_distance_m(reach_t *self, const double target_m[3], const double me
 
 bool reach_contains(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]) {
     if (self->searched) {
-        const double way_m =
+        const double moved_m =
             sqrt(pow(target_m[0] - self->target_m[0], 2.0) + pow(target_m[1] - self->target_m[1], 2.0) +
                  pow(target_m[2] - self->target_m[2], 2.0));
-        if (self->distance_m + way_m <= REACH_TOLERANCE_M) {
+        if (self->distance_m + moved_m <= REACH_TOLERANCE_M) {
             return true;
         }
-        if ((1.0 - FAR_RESERVE) * self->distance_m - way_m > REACH_TOLERANCE_M) {
+        if ((1.0 - FAR_RESERVE) * self->distance_m - moved_m > REACH_TOLERANCE_M) {
             return false;
         }
     }

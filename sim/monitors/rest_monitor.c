@@ -11,7 +11,7 @@ void rest_monitor_init(rest_monitor_t *self) {
     self->anchor.rotation[0] = 1.0;
 }
 
-/* ---- ODE's hand */
+/* ---- the hand in ODE */
 
 static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
     const double dx = hand->position_m[0] - anchor->position_m[0], dy = hand->position_m[1] - anchor->position_m[1];
@@ -20,16 +20,16 @@ static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
            rotation_angle_between(hand->rotation, anchor->rotation) > REST_HAND_RAD;
 }
 
-/* The block's mean becomes the anchor if it is not near the one there is: still, if at all, since the block's begin. As
- * long as the hand may still arrive, the anchor goes with it: one on the way, at the very distance, would be left again
- * by tremor alone. */
+/* If the mean of the block is away from the anchor, the hand is still from the begin of this block at the earliest, and
+ * the mean becomes the new anchor. While the hand may still be arriving, the anchor follows it: tremor alone could
+ * leave an anchor that was set on the way. */
 static void end_block(rest_monitor_t *self) {
     rigid_pose_t mean = self->block;
     for (int k = 0; k < 3; k++) {
         mean.position_m[k] /= REST_BLOCK_TICKS;
     }
     rotation_normalise(mean.rotation);
-    const bool is_arriving = self->block_ns - self->asked_ns < ARRIVING_NS;
+    const bool is_arriving = self->block_ns - self->commanded_ns < ARRIVING_NS;
     if (is_away(&mean, &self->anchor)) {
         self->hand_ns = self->block_ns;
     }
@@ -39,7 +39,7 @@ static void end_block(rest_monitor_t *self) {
     self->block_ticks = 0;
 }
 
-static void see_hand(rest_monitor_t *self, int64_t now_ns, const rigid_pose_t *hand) {
+static void add_hand(rest_monitor_t *self, int64_t now_ns, const rigid_pose_t *hand) {
     if (self->block_ticks == 0) {
         self->block = (rigid_pose_t){.position_m = {0.0}};
         self->block_ns = now_ns;
@@ -77,16 +77,16 @@ static void end_phase(rest_monitor_t *self) {
     self->phase_s = 0.0;
 }
 
-/* Nobody asks for stillness any more. */
-static void end_asking(rest_monitor_t *self, int64_t now_ns) {
+/* Ends the time in which the hand should be still. */
+static void end_commanded_rest(rest_monitor_t *self, int64_t now_ns) {
     const bool moved_to_the_end = (double)(now_ns - self->hand_ns) * 1e-9 < REST_UNSTILL_S;
-    self->disturbed = self->disturbed || (now_ns - self->asked_ns >= PHASE_NS && moved_to_the_end);
+    self->disturbed = self->disturbed || (now_ns - self->commanded_ns >= PHASE_NS && moved_to_the_end);
     end_phase(self);
 }
 
-/* Nothing has changed since the last tick. */
-static bool is_asked(const rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
-                     const rigid_pose_t *aim, int64_t settled_ns) {
+/* True if nothing that would move the target has changed since the last tick. */
+static bool is_rest_commanded(const rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
+                              const rigid_pose_t *aim, int64_t settled_ns) {
     return tick->mode == MODE_COOPERATING && self->mode == MODE_COOPERATING && settled_ns == self->settled_ns &&
            tick->time_ns >= settled_ns && memcmp(aim, &self->aim, sizeof *aim) == 0 &&
            memcmp(state->holds, self->holds, sizeof self->holds) == 0;
@@ -103,10 +103,10 @@ static double fastest_radps(const tick_record_t *tick) {
 void rest_monitor_sample(rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                          const rigid_pose_t *aim, int64_t settled_ns) {
     const int64_t now_ns = tick->time_ns, hand_ns = self->hand_ns;
-    see_hand(self, now_ns, &state->hand[state->tracked]);
-    if (!is_asked(self, tick, state, aim, settled_ns)) {
-        end_asking(self, now_ns);
-        self->asked_ns = now_ns;
+    add_hand(self, now_ns, &state->hand[state->tracked]);
+    if (!is_rest_commanded(self, tick, state, aim, settled_ns)) {
+        end_commanded_rest(self, now_ns);
+        self->commanded_ns = now_ns;
     } else if (self->hand_ns != hand_ns) {
         end_phase(self);
     }
@@ -115,12 +115,12 @@ void rest_monitor_sample(rest_monitor_t *self, const tick_record_t *tick, const 
     self->aim = *aim;
     memcpy(self->holds, state->holds, sizeof self->holds);
     self->speed_radps[self->ticks++ % REST_WINDOW_TICKS] = (float)fastest_radps(tick);
-    const int64_t since_ns = self->hand_ns > self->asked_ns ? self->hand_ns : self->asked_ns;
+    const int64_t since_ns = self->hand_ns > self->commanded_ns ? self->hand_ns : self->commanded_ns;
     self->phase_s = (double)(now_ns - since_ns) * 1e-9;
     self->longest_s = fmax(self->longest_s, self->phase_s);
 }
 
 void rest_monitor_end(rest_monitor_t *self, int64_t now_ns) {
-    end_asking(self, now_ns);
-    self->asked_ns = now_ns;
+    end_commanded_rest(self, now_ns);
+    self->commanded_ns = now_ns;
 }

@@ -1,11 +1,10 @@
-/* Does the arm come to rest when the person's hand does?
+/* Checks whether the arm comes to rest when the person's hand does.
  *
- * Still is a phase of the cooperation in which nobody moves the target: the person means to hold the hand where it is,
- * ODE's hand does stay there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), neither it nor the robot's takes or
- * leaves anything, and what the operator commanded last is wholly in force. Whether the robot then moves is for the
- * commands on the bus to say: of each phase of at least REST_PHASE_S, the largest speed that any joint is commanded in
- * its last REST_WINDOW_TICKS. 1.5 s are left to arrive; a swing of 0.5 Hz or more shows its full speed in one second.
- */
+ * A still phase is a part of the cooperation in which nothing moves the target: the person's desired hand pose is
+ * constant, the hand in ODE stays there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), neither hand nor gripper
+ * grips or releases an object, and the blend of the last command has ended. In each phase of at least REST_PHASE_S, the
+ * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. This leaves 1.5 s to
+ * arrive, and an oscillation of 0.5 Hz or more shows its full speed within one second. */
 #ifndef COMANIP_SIM_REST_MONITOR_H
 #define COMANIP_SIM_REST_MONITOR_H
 
@@ -17,40 +16,39 @@
 
 #define REST_PHASE_S 2.5
 #define REST_WINDOW_TICKS 1000
-#define REST_HAND_M 0.002 /* in 2.5 s: no joint turns faster than some 6 mrad/s by it */
+#define REST_HAND_M 0.002 /* in 2.5 s: causes joint speeds of at most about 6 mrad/s */
 #define REST_HAND_RAD (0.5 * ROBOT_RAD_PER_DEG)
-#define REST_BLOCK_TICKS 100 /* over which the hand is averaged: about one period of tremor */
-#define REST_UNSTILL_S                                                                                                 \
-    1.0 /* a hand that moved so shortly before the phase's end was not left where its person held it */
+#define REST_BLOCK_TICKS 100 /* averaging time of the hand: about one period of tremor */
+#define REST_UNSTILL_S 1.0   /* a hand that moved within this time before the end of the phase was disturbed */
 
 typedef struct {
-    int64_t asked_ns; /* since when the person and the operator have asked for stillness ... */
-    int64_t hand_ns;  /* ... and since when ODE's hand has been still */
+    int64_t commanded_ns; /* since when person and operator command no motion */
+    int64_t hand_ns;      /* since when the hand in ODE has been still */
     control_mode_t mode;
     int64_t settled_ns;
     rigid_pose_t aim;
     bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS];
-    rigid_pose_t anchor; /* where the hand came to be still */
-    rigid_pose_t block;  /* sums since the block's begin, of block_ticks poses */
+    rigid_pose_t anchor; /* pose at which the hand became still */
+    rigid_pose_t block;  /* sum of block_ticks poses since the begin of the block */
     int block_ticks;
-    int64_t block_ns;                     /* its begin */
-    float speed_radps[REST_WINDOW_TICKS]; /* ring: the fastest joint of each tick, 0: no command */
+    int64_t block_ns;                     /* begin of the block */
+    float speed_radps[REST_WINDOW_TICKS]; /* ring buffer: fastest joint of each tick, 0: no command */
     uint64_t ticks;
-    double phase_s;         /* how long it has been still by now */
-    double longest_s;       /* of the phases so far, the present one included */
+    double phase_s;         /* duration of the current phase */
+    double longest_s;       /* of all phases, including the current one */
     bool measured;          /* a phase was long enough */
-    bool disturbed;         /* the person held still for REST_PHASE_S, and the hand moved nevertheless up to the end */
-    double speed_radps_max; /* of the phases that were */
+    bool disturbed;         /* the person held still for REST_PHASE_S, but the hand moved until the end */
+    double speed_radps_max; /* of all measured phases */
 } rest_monitor_t;
 
 void rest_monitor_init(rest_monitor_t *self);
 
-/* One finished tick and the scene at its begin. aim: where the tracked person wants the hand; settled_ns: the
- * observer's. */
+/* Adds a finished tick and the scene at its begin. aim: desired hand pose of the tracked person; settled_ns: from the
+ * observer. */
 void rest_monitor_sample(rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                          const rigid_pose_t *aim, int64_t settled_ns);
 
-/* The run is over, and with it the present phase. */
+/* Ends the current phase at the end of the run. */
 void rest_monitor_end(rest_monitor_t *self, int64_t now_ns);
 
 #endif

@@ -6,9 +6,8 @@
 #include "../robot/position_jacobian.h"
 
 #define FOLLOWING_PER_S 35.0
-#define ESTIMATE_SHARE 0.25 /* of a sample's noise, in the estimate of a hand at rest */
-#define DAMPING_M2                                                                                                     \
-    1e-4 /* a start posture may be singular; elsewhere the squared singular values are 1e-3 to 1e-1 m^2 */
+#define ESTIMATE_SHARE 0.25 /* share of a sample's noise in the estimate of a hand at rest */
+#define DAMPING_M2 1e-4 /* for singular start postures; elsewhere the squared singular values are 1e-3 to 1e-1 m^2 */
 
 /* The largest norm of a row of the Jacobian's pseudo-inverse [rad/m]: speed of a joint per speed of the hand along each
  * axis. */

@@ -20,37 +20,37 @@ void scenario_monitor_init(scenario_monitor_t *self, const scenario_t *scenario)
     }
 }
 
-static void see_hands(scenario_monitor_t *self, const physical_state_t *state, measurement_sight_t *sight) {
-    const size_t place = self->ticks % SCENARIO_MONITOR_PAST_TICKS;
+static void read_hands(scenario_monitor_t *self, const physical_state_t *state, measurement_input_t *input) {
+    const size_t slot = self->ticks % SCENARIO_MONITOR_PAST_TICKS;
     const double moving_m = SCENARIO_MONITOR_MOVING_MPS * SCENARIO_MONITOR_PAST_TICKS * CHECK_WINDOW_TICK_S;
     for (size_t i = 0; i < state->person_count; i++) {
-        double *past_m = self->past_m[place][i];
+        double *past_m = self->past_m[slot][i];
         const double *now_m = state->hand[i].position_m;
         const double dx = now_m[0] - past_m[0], dy = now_m[1] - past_m[1], dz = now_m[2] - past_m[2];
         const bool has_past = self->ticks >= SCENARIO_MONITOR_PAST_TICKS;
-        sight->is_moving[i] = has_past && sqrt(dx * dx + dy * dy + dz * dz) > moving_m;
-        memcpy(past_m, now_m, sizeof self->past_m[place][i]);
+        input->is_moving[i] = has_past && sqrt(dx * dx + dy * dy + dz * dz) > moving_m;
+        memcpy(past_m, now_m, sizeof self->past_m[slot][i]);
     }
 }
 
-/* The event does not say what was lost: it is what this holder had in this tick, whose state was read before the event,
- * or in the one before. */
-static void see_losses(scenario_monitor_t *self, const physical_state_t *state, const events_t *events,
-                       measurement_sight_t *sight) {
+/* The event does not name the lost object. It is the object that the holder had in this tick, whose state was read
+ * before the event, or in the previous tick. */
+static void read_losses(scenario_monitor_t *self, const physical_state_t *state, const events_t *events,
+                        measurement_input_t *input) {
     for (size_t i = 0; i <= SCENARIO_MAX_PEOPLE; i++) {
         const int times = self->lost_event[i] == EVENT_NONE ? 0 : events->event[self->lost_event[i]].times;
         for (size_t k = 0; k < state->object_count; k++) {
-            sight->lost[k] += state->holds[i][k] || self->held_before[i][k] ? times - self->lost_before[i] : 0;
+            input->lost[k] += state->holds[i][k] || self->held_before[i][k] ? times - self->lost_before[i] : 0;
         }
         self->lost_before[i] = times;
     }
     memcpy(self->held_before, state->holds, sizeof self->held_before);
 }
 
-static void see_drops(scenario_monitor_t *self, const events_t *events, measurement_sight_t *sight) {
+static void read_drops(scenario_monitor_t *self, const events_t *events, measurement_input_t *input) {
     for (size_t i = 0; i < self->scenario->object_count; i++) {
         const int times = self->dropped_event[i] == EVENT_NONE ? 0 : events->event[self->dropped_event[i]].times;
-        sight->dropped[i] = times - self->dropped_before[i];
+        input->dropped[i] = times - self->dropped_before[i];
         self->dropped_before[i] = times;
     }
 }
@@ -61,7 +61,7 @@ void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick
         self->has_start = true;
         self->start = tick->hand;
     }
-    measurement_sight_t sight = {
+    measurement_input_t input = {
         .tick = tick,
         .state = state,
         .events = events,
@@ -70,11 +70,11 @@ void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick
         .particles = self->scenario->water.particles,
         .newly_left_cup = state->water.left_robot_cup - self->left_cup_before,
     };
-    see_losses(self, state, events, &sight);
-    see_drops(self, events, &sight);
-    see_hands(self, state, &sight);
+    read_losses(self, state, events, &input);
+    read_drops(self, events, &input);
+    read_hands(self, state, &input);
     for (size_t i = 0; i < self->scenario->check_count; i++) {
-        measurement_sample(&self->measurement[i], &self->scenario->check[i], &sight);
+        measurement_sample(&self->measurement[i], &self->scenario->check[i], &input);
     }
     self->left_cup_before = state->water.left_robot_cup;
     self->ticks++;

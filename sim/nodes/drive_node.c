@@ -6,34 +6,33 @@
 #include "../bus/endpoint.h"
 
 #define PULSES_PER_RAD (ROBOT_PULSES_PER_DEGREE / ROBOT_RAD_PER_DEG)
-#define VELOCITY_WINDOW 8 /* the reported velocity is the encoder's way over so many samples: 10 mrad/s resolution */
+#define VELOCITY_WINDOW 8 /* samples per velocity estimate: 10 mrad/s resolution */
 #define TEMPERATURE_DEGC 35
 #define NS_PER_S 1e9
 
 typedef struct {
     double commanded_radps; /* latched */
-    double servo_radps;     /* behind the lag */
+    double servo_radps;     /* after the lag */
     double pulses[VELOCITY_WINDOW];
     drive_mode_t mode;
 } drive_t;
 
 struct drive_node {
     endpoint_t endpoint;
-    int64_t timeout_ns; /* JointCmd's */
-    int64_t period_ns;  /* JointState's */
+    int64_t timeout_ns; /* of JointCmd */
+    int64_t period_ns;  /* of JointState */
     arm_plant_t *plant;
     drive_t drive[ROBOT_JOINTS];
     int64_t sample_ns[VELOCITY_WINDOW];
-    int samples; /* taken in all, up to VELOCITY_WINDOW */
+    int samples; /* number taken, up to VELOCITY_WINDOW */
     int newest;
-    bool enabled;   /* the line */
-    bool commanded; /* there has been a JointCmd */
+    bool enabled;   /* state of the enable line */
+    bool commanded; /* a JointCmd has been received */
     bool timed_out;
     int64_t command_ns;
 };
 
-/* The encoder counts whole pulses. (The manual's counting directions, + + - -, end in the drive: the bus has radians.)
- */
+/* Returns whole pulses. The manual's counting directions, + + - -, stay inside the drive; the bus carries radians. */
 static double encoder_pulses(const drive_node_t *self, int joint) {
     return nearbyint(arm_plant_position_rad(self->plant, joint) * PULSES_PER_RAD);
 }
@@ -52,10 +51,10 @@ static void send_states(drive_node_t *self, int64_t ready_ns) {
     const double window_s = (double)(self->sample_ns[self->newest] - self->sample_ns[oldest]) / NS_PER_S;
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const drive_t *drive = &self->drive[i];
-        const double way_pulses = drive->pulses[self->newest] - drive->pulses[oldest];
+        const double moved_pulses = drive->pulses[self->newest] - drive->pulses[oldest];
         const joint_state_t state = {
             .position_rad = (float)(drive->pulses[self->newest] / PULSES_PER_RAD),
-            .velocity_radps = window_s > 0.0 ? (float)(way_pulses / PULSES_PER_RAD / window_s) : 0.0f,
+            .velocity_radps = window_s > 0.0 ? (float)(moved_pulses / PULSES_PER_RAD / window_s) : 0.0f,
             .torque_Nm = (float)arm_plant_torque_Nm(self->plant, i),
             .mode = drive->mode,
             .error = self->timed_out ? DRIVE_ERROR_COMMAND_TIMEOUT : DRIVE_ERROR_NONE,
@@ -91,7 +90,7 @@ drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant) {
         self->enabled = true;
         self->timeout_ns = (int64_t)transport_timeout_ms(bus_profile(bus), FRAME_JOINT_CMD) * 1000000;
         self->period_ns = (int64_t)transport_period_ms(bus_profile(bus), FRAME_JOINT_STATE0) * 1000000;
-        self->newest = VELOCITY_WINDOW - 1; /* the first sample goes to 0 */
+        self->newest = VELOCITY_WINDOW - 1; /* the first sample has index 0 */
         endpoint_attach(&self->endpoint, bus, ROBOT_JOINTS, ENDPOINT_KIND(FRAME_JOINT_CMD), on_command, self);
     }
     return self;

@@ -7,14 +7,14 @@
 
 #define NS_PER_MS 1000000
 #define RESPONSE_NS 20000  /* from the end of GripperCommand to the GripperState that answers it */
-#define END_OF_STROKE 1e-3 /* so near to its end the stroke is over */
-#define FORCE_MAX_N 6500.0 /* the frame carries 6553.5 N: a spike beyond is told as this */
+#define END_OF_STROKE 1e-3 /* share of the stroke within which its end counts as reached */
+#define FORCE_MAX_N 6500.0 /* limit of the reported force; the frame carries up to 6553.5 N */
 
 struct gripper_node {
     endpoint_t endpoint;
     scene_t *scene;
     uint32_t unknown_actions;
-    bool commanded; /* there has been a command */
+    bool commanded; /* a command has been received */
     gripper_command_t command;
 };
 
@@ -50,7 +50,7 @@ static void on_command(void *context, frame_kind_t kind, const can_frame_t *mess
     gripper_command_t command;
     gripper_command_unpack(message, &command);
     if (command.action > GRIPPER_CLOSE) {
-        self->unknown_actions++; /* not obeyed, and not answered */
+        self->unknown_actions++; /* neither executed nor answered */
         return;
     }
     self->commanded = true;

@@ -10,8 +10,8 @@
 #include "../scenario/step_wait.h"
 
 #define TEXT_BYTES 160
-#define REFUSAL_BYTES 420  /* ten parameters with their values */
-#define NAMING_NS 10000000 /* the firmware names the parameters that it refuses, one a tick: 4 ms on classic CAN */
+#define REFUSAL_BYTES 420  /* room for ten parameters with their values */
+#define NAMING_NS 10000000 /* the firmware reports the parameters that it rejects, one per tick: 4 ms on classic CAN */
 #define CLOSING_STEPS 2
 #define LISTENS_TO                                                                                                     \
     (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) | ENDPOINT_KIND(FRAME_PARAMETER_VALUE) |  \
@@ -20,12 +20,12 @@
 struct operator_node {
     endpoint_t endpoint;
     events_t *events;
-    operator_step_t *steps; /* of the script, and CLOSING_STEPS */
+    operator_step_t *steps; /* the script, then CLOSING_STEPS */
     size_t script_count;
     size_t current;
-    int64_t ready_ns;   /* when the step before was done */
-    bool stops;         /* the script is over */
-    int sendings;       /* of the current step's frame */
+    int64_t ready_ns;   /* end of the previous step */
+    bool stops;         /* the script has ended or was stopped */
+    int send_count;     /* how often the current step's frame was sent */
     int64_t due_ns;     /* when the current step became due; valid once `begun` */
     int64_t timeout_ns; /* when to send again */
     bool begun;
@@ -35,8 +35,8 @@ struct operator_node {
     task_id_t task;
     bool latched;
     uint8_t custom_form;          /* task_form_t of the last task that was defined */
-    char refusal[REFUSAL_BYTES];  /* "": none, or it is told */
-    int64_t refusal_ns, named_ns; /* when it came, and the last parameter that it names */
+    char refusal[REFUSAL_BYTES];  /* "": none */
+    int64_t refusal_ns, named_ns; /* when it arrived, and when its last parameter arrived */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
 };
@@ -85,12 +85,12 @@ static void finish_step(operator_node_t *self, int64_t now_ns) {
     self->current = leaves_rest ? self->script_count : self->current + 1;
     self->ready_ns = now_ns;
     self->begun = false;
-    self->sendings = 0;
+    self->send_count = 0;
 }
 
-/* An answer to the current step's frame. */
+/* Handles an answer to the current step's frame. */
 static void on_result(operator_node_t *self, uint8_t sequence, result_t result, int64_t now_ns) {
-    if (self->sendings == 0 || sequence != self->sequence) {
+    if (self->send_count == 0 || sequence != self->sequence) {
         return; /* one of the values published at boot, or a late second answer */
     }
     if (result == RESULT_ACCEPTED) {
@@ -105,7 +105,7 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* A parameter that makes the set unstable, of a refusal that has come. */
+/* Adds a parameter that makes the set unstable to the refusal that has arrived. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {
@@ -165,7 +165,7 @@ operator_node_t *operator_node_create(bus_t *bus, events_t *events, const operat
     }
     copy[count] = (operator_step_t){OPERATOR_COMMAND, .command = COMMAND_STOP, .done_event = EVENT_NONE};
     copy[count + 1] = (operator_step_t){OPERATOR_AWAIT_MODE, .mode = MODE_READY, .done_event = EVENT_NONE,
-                                        .mode_patience_s = OPERATOR_STOP_PATIENCE_S};
+                                        .mode_timeout_s = OPERATOR_STOP_TIMEOUT_S};
     self->events = events;
     self->steps = copy;
     self->script_count = count;
@@ -200,32 +200,32 @@ static protocol_status_t pack_step(const operator_step_t *step, uint8_t sequence
     return operator_command_pack(&command, frame);
 }
 
-/* Sends the current step's frame; a repetition carries the same sequence number, so that a late answer counts. */
+/* Sends the current step's frame; a repetition carries the same sequence number, so that a late answer is accepted. */
 static void send_step(operator_node_t *self, int64_t ready_ns) {
     const operator_step_t *step = &self->steps[self->current];
-    if (self->sendings == 0) {
+    if (self->send_count == 0) {
         self->sequence = self->sequence == UINT8_MAX ? 1 : (uint8_t)(self->sequence + 1);
     }
     can_frame_t frame;
     if (pack_step(step, self->sequence, &frame) != PROTOCOL_OK) {
-        fail(self, ready_ns, "the frame cannot carry it");
+        fail(self, ready_ns, "the value does not fit the frame");
         return;
     }
-    endpoint_send(&self->endpoint, &frame, ready_ns); /* a full queue shows as a missing answer */
-    self->sendings++;
+    endpoint_send(&self->endpoint, &frame, ready_ns); /* a frame dropped by a full queue shows as a missing answer */
+    self->send_count++;
     self->timeout_ns = ready_ns + ns_from_s(OPERATOR_ACK_TIMEOUT_S);
 }
 
 static void await_mode(operator_node_t *self, int64_t now_ns) {
     const operator_step_t *step = &self->steps[self->current];
-    /* Stopped is stopped: without a tracker the firmware falls from ready to idle at once. */
+    /* Idle counts as stopped, too: without a tracker the firmware changes from ready to idle at once. */
     const bool is_stopped = self->current >= self->script_count && self->mode == MODE_IDLE;
     if (self->mode == step->mode || is_stopped) {
         finish_step(self, now_ns);
-    } else if (now_ns - self->due_ns > ns_from_s(step->mode_patience_s)) {
+    } else if (now_ns - self->due_ns > ns_from_s(step->mode_timeout_s)) {
         char what[TEXT_BYTES];
         (void)snprintf(what, sizeof what, "mode is still %s (%s) after %g s", mode_name((uint8_t)self->mode),
-                       reason_name((uint8_t)self->reason), step->mode_patience_s);
+                       reason_name((uint8_t)self->reason), step->mode_timeout_s);
         fail(self, now_ns, what);
     }
 }
@@ -234,10 +234,10 @@ static void await_answer(operator_node_t *self, int64_t from_ns, int64_t until_n
     if (self->timeout_ns >= until_ns) {
         return;
     }
-    if (self->sendings > OPERATOR_RETRIES) {
+    if (self->send_count > OPERATOR_RETRIES) {
         const bool asks_gripper = self->steps[self->current].action == OPERATOR_MOVE_GRIPPER;
         char what[TEXT_BYTES];
-        (void)snprintf(what, sizeof what, "no answer from the %s to %d sendings, %g ms each",
+        (void)snprintf(what, sizeof what, "no answer from the %s to %d attempts, %g ms each",
                        asks_gripper ? "gripper" : "firmware", OPERATOR_RETRIES + 1, 1e3 * OPERATOR_ACK_TIMEOUT_S);
         fail(self, from_ns, what);
     } else {
@@ -256,19 +256,19 @@ static bool is_due(const operator_node_t *self, size_t index, int64_t until_ns, 
     return *due_ns < until_ns;
 }
 
-/* One that gives way changes places with the next one that is due. */
+/* Swaps a step that gives way with the next one if only that is due. */
 static void choose_step(operator_node_t *self, int64_t until_ns) {
     const size_t next = self->current + 1;
     int64_t due_ns;
     if (next < self->script_count && self->steps[self->current].gives_way &&
         !is_due(self, self->current, until_ns, &due_ns) && is_due(self, next, until_ns, &due_ns)) {
-        const operator_step_t patient = self->steps[self->current];
+        const operator_step_t deferred = self->steps[self->current];
         self->steps[self->current] = self->steps[next];
-        self->steps[next] = patient;
+        self->steps[next] = deferred;
     }
 }
 
-/* True: the current step is under way. */
+/* Returns true if the current step has begun. */
 static bool begin_step(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
     choose_step(self, until_ns);
     int64_t due_ns;
@@ -278,8 +278,8 @@ static bool begin_step(operator_node_t *self, int64_t from_ns, int64_t until_ns)
         return true;
     }
     char waited[TEXT_BYTES];
-    if (step_wait_in_vain(&self->steps[self->current].start, self->events, (double)self->ready_ns * 1e-9,
-                          (double)from_ns * 1e-9, waited, sizeof waited)) {
+    if (step_wait_timed_out(&self->steps[self->current].start, self->events, (double)self->ready_ns * 1e-9,
+                            (double)from_ns * 1e-9, waited, sizeof waited)) {
         fail(self, from_ns, waited);
     }
     return false;
@@ -296,7 +296,7 @@ void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns
         }
     } else if (self->steps[self->current].action == OPERATOR_AWAIT_MODE) {
         await_mode(self, from_ns);
-    } else if (self->sendings == 0) {
+    } else if (self->send_count == 0) {
         send_step(self, self->due_ns);
     } else {
         await_answer(self, from_ns, until_ns);
@@ -305,7 +305,7 @@ void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns
 
 void operator_node_stop(operator_node_t *self) {
     self->stops = true;
-    if (self->current < self->script_count && self->sendings == 0) {
+    if (self->current < self->script_count && self->send_count == 0) {
         self->current = self->script_count;
         self->begun = false;
     }

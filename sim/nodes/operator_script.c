@@ -3,19 +3,20 @@
 #include <stdio.h>
 
 #define PARAMETERS_AT_S 0.01
-#define READY_PATIENCE_S 3.0
+#define READY_TIMEOUT_S 3.0
 
-static size_t add_parameters(const scenario_t *scenario, const operator_wishes_t *wishes, operator_step_t steps[]) {
+static size_t add_parameters(const scenario_t *scenario, const operator_overrides_t *overrides,
+                             operator_step_t steps[]) {
     size_t count = 0;
     for (int i = 0; i < PARAMETER_COUNT; i++) {
-        if (scenario->parameter_written[i] || wishes->parameter_written[i]) {
-            const bool wished = wishes->parameter_written[i];
+        if (scenario->parameter_written[i] || overrides->parameter_written[i]) {
+            const bool is_overridden = overrides->parameter_written[i];
             steps[count++] = (operator_step_t){
                 OPERATOR_WRITE_PARAMETER,
                 .start.at_s = PARAMETERS_AT_S,
                 .done_event = EVENT_NONE,
                 .parameter = (uint8_t)i,
-                .value = wished ? wishes->parameter_value[i] : scenario->parameter_value[i],
+                .value = is_overridden ? overrides->parameter_value[i] : scenario->parameter_value[i],
             };
         }
     }
@@ -60,29 +61,29 @@ static bool starts(const operate_step_t *step) {
     return step->kind == OPERATE_COMMAND && step->command == COMMAND_START;
 }
 
-size_t operator_script(const scenario_t *scenario, const operator_wishes_t *wishes, operator_step_t steps[]) {
-    size_t count = add_parameters(scenario, wishes, steps);
+size_t operator_script(const scenario_t *scenario, const operator_overrides_t *overrides, operator_step_t steps[]) {
+    size_t count = add_parameters(scenario, overrides, steps);
     steps[count++] = (operator_step_t){OPERATOR_AWAIT_MODE, .done_event = EVENT_NONE, .mode = MODE_READY,
-                                       .mode_patience_s = READY_PATIENCE_S};
-    bool define_is_due = wishes->defines_task;
-    bool clutch_is_due = wishes->clutch_s > 0.0;
+                                       .mode_timeout_s = READY_TIMEOUT_S};
+    bool define_is_due = overrides->defines_task;
+    bool clutch_is_due = overrides->clutch_s > 0.0;
     for (size_t i = 0; i < scenario->operate_count; i++) {
         const operate_step_t *from = &scenario->operate[i];
-        if (define_is_due && starts(from)) { /* the scenario chooses no task before */
+        if (define_is_due && starts(from)) { /* the scenario selects no task before the start */
             steps[count] = (operator_step_t){.done_event = EVENT_NONE};
-            set_task(&steps[count++], &wishes->task);
+            set_task(&steps[count++], &overrides->task);
             define_is_due = false;
         }
         steps[count] = convert(scenario, from);
         if (define_is_due && chooses_task(from)) {
-            set_task(&steps[count], &wishes->task);
+            set_task(&steps[count], &overrides->task);
             define_is_due = false;
         }
         count++;
-        if (clutch_is_due && starts(from)) { /* at its time, between the steps that wait for what the people do */
+        if (clutch_is_due && starts(from)) { /* at its own time, among steps that wait for the people */
             steps[count++] =
-                (operator_step_t){OPERATOR_COMMAND,  .start.at_s = wishes->clutch_s, .in_cooperation = true,
-                                  .gives_way = true, .done_event = EVENT_NONE,       .command = COMMAND_CLUTCH};
+                (operator_step_t){OPERATOR_COMMAND,  .start.at_s = overrides->clutch_s, .in_cooperation = true,
+                                  .gives_way = true, .done_event = EVENT_NONE,          .command = COMMAND_CLUTCH};
             clutch_is_due = false;
         }
     }

@@ -1,4 +1,4 @@
-/* Tells the clearances on the bus (Clearance, 4 ms). */
+/* Sends the clearances on the bus (Clearance, every 4 ms). */
 #ifndef COMANIP_SIM_PROXIMITY_NODE_H
 #define COMANIP_SIM_PROXIMITY_NODE_H
 
@@ -12,7 +12,7 @@ typedef struct proximity_node proximity_node_t;
 proximity_node_t *proximity_node_create(bus_t *bus);
 void proximity_node_destroy(proximity_node_t *self);
 
-/* Queues what falls due in [from_ns, until_ns). */
+/* Queues the frames that are due in [from_ns, until_ns). */
 void proximity_node_step(proximity_node_t *self, const measured_clearance_t *clearance, int64_t from_ns,
                          int64_t until_ns);
 

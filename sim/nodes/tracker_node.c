@@ -1,4 +1,4 @@
-/* The tracker: measures the hand at its own pace, in its own frame, by its own clock. */
+/* The tracker measures the hand at its own rate, in its own frame and with its own clock. */
 #include "tracker_node.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 struct tracker_node {
     endpoint_t endpoint;
-    float range_m; /* that the bus carries */
+    float range_m; /* position range of the frame */
     const hand_history_t *history;
     tracker_options_t options;
     rigid_pose_t torso_in_tracker;
@@ -33,7 +33,7 @@ void tracker_options_set_defaults(tracker_options_t *options) {
         .noise_position_m = 0.00005,
         .noise_rotation_rad = 0.02 * 3.14159265358979324 / 180.0,
         .mount_translation_m = {0.3, 1.5, 0.2},
-        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z into the scene; (9) takes it back */
+        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z into the scene; equation (9) undoes it */
         .seed = 1,
     };
 }
@@ -94,7 +94,7 @@ static uint32_t clock_us(const tracker_node_t *self, int64_t time_ns) {
     return self->options.clock_start_us + (uint32_t)(time_ns / 1000);
 }
 
-/* Draws its numbers for each sample, valid or not: a dropout does not change the noise of later samples. */
+/* Draws random numbers for every sample, valid or not, so that a dropout does not change the noise of later samples. */
 static void add_noise(tracker_node_t *self, rigid_pose_t *pose) {
     double turn_rad[3];
     for (int i = 0; i < 3; i++) {
@@ -108,7 +108,7 @@ static void add_noise(tracker_node_t *self, rigid_pose_t *pose) {
     rotation_multiply(pose->rotation, turn, pose->rotation);
 }
 
-/* The marker in the tracker frame. False: the tracker does not see it. */
+/* Gives the pose of the marker in the tracker frame. Returns false if the tracker does not see it. */
 static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker) {
     const double time_s = (double)time_ns * 1e-9;
     const double since_gap_s = time_s - self->options.gap_start_s;
@@ -122,7 +122,7 @@ static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker)
     return has_pose && !in_gap && !dropped;
 }
 
-/* NaN is not. */
+/* False for NaN. */
 static bool is_in_range(const tracker_node_t *self, const hand_pose_t *pose) {
     return fabsf(pose->position_m.x) <= self->range_m && fabsf(pose->position_m.y) <= self->range_m &&
            fabsf(pose->position_m.z) <= self->range_m;
@@ -176,7 +176,7 @@ static void send_status(tracker_node_t *self, int64_t ready_ns) {
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns) {
     const int64_t status_period_ns =
         (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_TRACKER_STATUS) * 1000000;
-    for (;;) { /* in the order of time: what a status counts does not depend on the length of a step */
+    for (;;) { /* in order of time, so that the counters of a status do not depend on the step length */
         const int64_t measured_ns = llround((double)self->next_sample * 1e9 / self->options.rate_hz);
         const int64_t pose_ns = measured_ns + self->latency_ns;
         const int64_t status_ns = (int64_t)self->next_status * status_period_ns;

@@ -1,4 +1,4 @@
-/* What comanip-sim says about itself. */
+/* The help text of comanip-sim. */
 #ifndef COMANIP_SIM_HELP_H
 #define COMANIP_SIM_HELP_H
 
@@ -7,7 +7,7 @@
 
 void help_print(void);
 
-/* The scenarios in the folder. On failure false, and one line in `error`. */
+/* Prints the scenarios in the folder. Returns false on failure, with one line in `error`. */
 bool help_print_scenarios(const char *folder, char error[], size_t error_size);
 
 #endif

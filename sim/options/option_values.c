@@ -12,7 +12,7 @@
 #define TASK_BLEND_MAX_S 65.535
 #define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
 
-/* Digits as a person writes them: strtod() would also take blanks, "inf", "nan" and hexadecimal. */
+/* Decimal numbers only: strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
 static bool is_decimal(const char *text) {
     return text[0] != '\0' && strspn(text, "+-.0123456789eE") == strlen(text);
 }

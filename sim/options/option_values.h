@@ -1,4 +1,4 @@
-/* Values on the command line: whole strings only, finite numbers only. */
+/* Parses values on the command line. The whole string must be valid, and numbers must be finite. */
 #ifndef COMANIP_SIM_OPTION_VALUES_H
 #define COMANIP_SIM_OPTION_VALUES_H
 
@@ -11,10 +11,10 @@
 bool option_number(const char *text, double minimum, double maximum, double *value);
 bool option_unsigned(const char *text, uint64_t maximum, uint64_t *value);
 
-/* count numbers, separated by `separator`. */
+/* Parses `count` numbers separated by `separator`. */
 bool option_numbers(const char *text, char separator, double minimum, double maximum, size_t count, double value[]);
 
-/* FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND as a TaskDefine can carry it. */
+/* Parses FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND within the ranges of a TaskDefine message. */
 bool option_task(const char *text, task_define_t *task);
 
 #endif

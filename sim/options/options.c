@@ -12,7 +12,7 @@
 
 #define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
 #define MOUNT_MAX_M 1e3
-#define PAPER_GAIN_PER_S 4.0f /* the paper gives none: one for all, as its law has it */
+#define PAPER_GAIN_PER_S 4.0f /* the paper gives no value; its law has one gain for all */
 
 enum {
     OPTION_SCENARIO = 256,
@@ -77,7 +77,8 @@ static const struct option option_table[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* Options that are one number: where it goes and what one of the option's units is there. */
+/* Options with one number: the member of options_t that it sets and the factor from the option's unit to the
+ * member's. */
 static const struct {
     int option;
     size_t member;
@@ -101,7 +102,7 @@ static bool wrong(char error[], const char *option, const char *value, const cha
     return false;
 }
 
-/* Names separated by commas, appended as far as they fit. */
+/* Appends a name to a comma-separated list, truncated to fit. */
 static void append_name(char text[], size_t size, const char *name) {
     const size_t used = strlen(text);
     (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
@@ -124,8 +125,8 @@ static bool set_parameter(options_t *self, int parameter, const char *option, co
     return true;
 }
 
-/* The law as the paper has it, where --param does not say otherwise. */
-static void set_paper_law(operator_wishes_t *operator) {
+/* Sets the parameters of the paper's control law, except those set by --param. */
+static void set_paper_law(operator_overrides_t *operator) {
     if (!operator->parameter_written[PARAMETER_PREDICTION]) {
         operator->parameter_written[PARAMETER_PREDICTION] = true;
         operator->parameter_value[PARAMETER_PREDICTION] = 0.0f;
@@ -225,7 +226,7 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
     case OPTION_HUB:
         self->hub = value;
         return hub_name_is_valid(value) ||
-               wrong(error, name, value, "a bus's name: 1 to 15 letters, digits, '_' and '-', for example vcan0");
+               wrong(error, name, value, "a bus name: 1 to 15 letters, digits, '_' and '-', for example vcan0");
     case OPTION_SEED:
         return option_unsigned(value, UINT64_MAX, &self->seed) ||
                wrong(error, name, value, "a whole number from 0 to 18446744073709551615");
@@ -257,8 +258,8 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
     self->physics_step_us = 1000;
     self->seed = 1;
     tracker_options_set_defaults(&self->tracker);
-    self->tracker.rate_hz = 0.0; /* the bus's own, unless told */
-    opterr = 0;                  /* messages are ours */
+    self->tracker.rate_hz = 0.0; /* 0: the default of the bus profile */
+    opterr = 0;                  /* this file prints its own messages */
     bool paper_law = false;
     int option, row = 0;
     while ((option = getopt_long(argc, argv, ":h", option_table, &row)) != -1) {

@@ -1,4 +1,4 @@
-/* The command line of comanip-sim. Everything wrong is found here, before anything is written. */
+/* Parses the command line of comanip-sim. All options are checked here, before any file is written. */
 #ifndef COMANIP_SIM_OPTIONS_H
 #define COMANIP_SIM_OPTIONS_H
 
@@ -16,16 +16,16 @@ typedef struct {
     const char *scenario;     /* name or path */
     const char *tracker_path; /* a recording for the tracked person; NULL: the scenario's built-in motion */
     const char *second_path;  /* a recording for the second person; NULL: the scenario's built-in motion */
-    const char *axes;         /* of both; NULL: by the file's name */
+    const char *axes;         /* of both recordings; NULL: by the file name */
     const char *out;          /* NULL: out/SCENARIO */
-    double duration_s;        /* 0: until everybody is done */
+    double duration_s;        /* 0: until all scripts have ended */
     uint64_t physics_step_us; /* 500, 1000 or 2000 */
     uint64_t seed;
     tracker_options_t tracker;
-    operator_wishes_t operator;
+    operator_overrides_t operator;
     can_profile_t profile; /* of the bus */
-    const char *hub;       /* its bus shows the simulated one to listeners; NULL: none */
-    bool real_time;        /* no faster than */
+    const char *hub;       /* name of the hub that publishes the bus; NULL: none */
+    bool real_time;        /* run no faster than real time */
     bool quiet;
 } options_t;
 

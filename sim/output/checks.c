@@ -9,9 +9,10 @@
 #include "../monitors/rest_noise.h"
 
 #define COOPERATION_MIN_S 0.1
-#define REST_RADPS 0.02 /* without noise: ten times what one pulse of the encoder makes the default law ask for */
-#define REST_NOISES 5.0 /* with noise, so many times its RMS: a peak of chance stays below */
-#define RECORDING_RMS_LIMIT_MM 3.0 /* wrists turn as they like, and what the arm cannot turn pulls at its position */
+#define REST_RADPS 0.02 /* without noise: ten times the command that one encoder pulse causes with default gains */
+#define REST_NOISES 5.0 /* with noise: multiple of its RMS, which random peaks do not exceed */
+#define RECORDING_RMS_LIMIT_MM                                                                                         \
+    3.0 /* recorded wrists turn freely; what four joints cannot turn causes position errors */
 
 static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
                     const char *unit) {
@@ -43,7 +44,8 @@ static double fault_modes(const observer_t *observer) {
     return count;
 }
 
-/* Frames that some receiver refused: the firmware says so in its status, the others are asked. */
+/* Number of frames rejected by any receiver: the firmware reports its own in FirmwareStatus, the others are read
+ * directly. */
 static double rejected_frames(const world_t *world) {
     return (double)world->observer.firmware_rejected + (double)world->observer.receiver.protocol.rejected +
            (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
@@ -68,8 +70,8 @@ static bool is_trace_off(const world_t *world) {
     return world->observer.parameter[PARAMETER_TRACE] <= 0.0f && !checks_tracking_measured(world);
 }
 
-/* --duration ended it before everybody had done everything. */
-static bool is_cut(const world_t *world) {
+/* True if --duration ended the run before all scripts were done. */
+static bool is_cut_short(const world_t *world) {
     bool is_done = operator_node_script_done(world->operator);
     for (size_t i = 0; i < world->scenario->person_count; i++) {
         is_done = is_done && person_program_is_done(world->program[i]);
@@ -86,43 +88,43 @@ static double rest_limit_radps(const world_t *world) {
                 REST_NOISES * rest_noise_radps(world->scenario, &world->options->tracker, motion_scale, predicts));
 }
 
-__attribute__((format(printf, 2, 3))) static void tell_rest_not_measured(checks_t *self, const char *format, ...) {
+__attribute__((format(printf, 2, 3))) static void set_rest_not_measured(checks_t *self, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     (void)vsnprintf(self->rest_not_measured, sizeof self->rest_not_measured, format, arguments);
     va_end(arguments);
 }
 
-/* What is not measured is told. It fails if the hand was moved while its person held it still: else an arm that swings
- * and takes the hand along would be excused by its own fault. */
+/* If the check cannot be measured, the reason is stored. It fails if the hand was moved while its person held it still:
+ * otherwise an arm that swings and drags the hand along would excuse itself. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
     const double speed_max_radps =
         (double)world->observer.parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS;
     if (limit_radps > REST_RADPS && limit_radps >= speed_max_radps) {
-        tell_rest_not_measured(
-            self, "noise and tremor hide it: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
+        set_rest_not_measured(
+            self, "noise and tremor mask it: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
             limit_radps, speed_max_radps);
     } else if (rest->disturbed) {
         add_not_measured(self, "comes_to_rest", limit_radps, false, "rad/s");
-        tell_rest_not_measured(self, "the hand was moved while its person held it still");
+        set_rest_not_measured(self, "the hand was moved while its person held it still");
     } else if (rest->measured) {
         add(self, "comes_to_rest", rest->speed_radps_max, limit_radps, false, "rad/s");
-    } else if (is_cut(world)) {
-        tell_rest_not_measured(self, "it lies beyond the end of the run");
+    } else if (is_cut_short(world)) {
+        set_rest_not_measured(self, "it is after the end of the run");
     } else {
-        tell_rest_not_measured(self,
-                               "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "
-                               "{do: rest, duration_s: 3}",
-                               rest->longest_s, REST_PHASE_S, world->scenario->person[world->scenario->tracked].name);
+        set_rest_not_measured(self,
+                              "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "
+                              "{do: rest, duration_s: 3}",
+                              rest->longest_s, REST_PHASE_S, world->scenario->person[world->scenario->tracked].name);
     }
 }
 
-/* ---- how the target was followed */
+/* ---- tracking of the target */
 
-/* What a recorded hand or a task of the operator's asks for is not known beforehand; nor is what can be followed of a
- * hand that goes out of reach. */
+/* For a recorded hand or a task that the operator defines, the share of followable motion is not known in advance, so
+ * only the error is checked, and only if there was enough followable motion. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
     if (is_enough) {
         add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),
@@ -132,7 +134,7 @@ static void add_tracking_of_any_motion(checks_t *self, const world_t *world, boo
     }
 }
 
-/* limit 0: the scenario does not ask for it. */
+/* limit 0: not checked in this scenario. */
 static void add_tracking_check(checks_t *self, const world_t *world, const char *name, double value, double limit,
                                bool is_lower_bound, const char *unit, bool is_judgeable) {
     if (!(limit > 0.0)) {
@@ -142,20 +144,20 @@ static void add_tracking_check(checks_t *self, const world_t *world, const char 
         self->left_out_by_trace++;
     } else if (is_judgeable) {
         add(self, name, value, limit, is_lower_bound, unit);
-    } else if (is_cut(world)) {
+    } else if (is_cut_short(world)) {
         self->left_out_by_end++;
     } else {
         add_not_measured(self, name, limit, is_lower_bound, unit);
     }
 }
 
-/* A law that keeps the arm at its limits is not to escape its judge: hence the least share. */
+/* The minimum share prevents a controller that keeps the arm at its limits from passing unchecked. */
 static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
     const scenario_t *scenario = world->scenario;
     const tracking_t *tracking = &world->tracking;
     const double share = 100.0 * (double)tracking->followable.ticks / (double)tracking->settled_ticks;
     add_tracking_check(self, world, "followable_share", share, scenario->followable_min_percent, true, "%",
-                       tracking->settled_ticks > 0 && !is_cut(world));
+                       tracking->settled_ticks > 0 && !is_cut_short(world));
     add_tracking_check(self, world, "followable_rms_position", tracking_rms_position_mm(&tracking->followable),
                        scenario->tracking_rms_limit_mm, false, "mm", is_enough);
     add_tracking_check(self, world, "followable_max_position", tracking->followable.max_position_mm,
@@ -165,20 +167,20 @@ static void add_tracking_of_script(checks_t *self, const world_t *world, bool is
 static void add_tracking(checks_t *self, const world_t *world) {
     const double followable_s = (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9;
     const bool is_enough = followable_s >= CHECKS_FOLLOWABLE_MIN_S;
-    const bool is_asked = world->scenario->tracking_rms_limit_mm > 0.0, is_scripted = world_is_scripted(world);
+    const bool has_limit = world->scenario->tracking_rms_limit_mm > 0.0, is_scripted = world_is_scripted(world);
     if (is_scripted) {
         add_tracking_of_script(self, world, is_enough);
     }
-    if (is_asked ? !is_scripted : world->tracking.out_of_reach_ticks > 0) {
+    if (has_limit ? !is_scripted : world->tracking.out_of_reach_ticks > 0) {
         add_tracking_of_any_motion(self, world, is_enough);
     }
 }
 
-/* ---- the scenario's own */
+/* ---- checks of the scenario */
 
-/* A window without an end of its own ends with what the scenario does. */
+/* A window without `until` ends with the scenario's scripts. */
 static bool is_beyond_the_end(const world_t *world, const scenario_check_t *check, const check_window_t *window) {
-    return is_cut(world) && !(check->has_until && check_window_is_whole(window, check));
+    return is_cut_short(world) && !(check->has_until && check_window_is_whole(window, check));
 }
 
 static bool has_clutch(const world_t *world, const check_window_t *window) {

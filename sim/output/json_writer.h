@@ -1,4 +1,4 @@
-/* Writes JSON: commas, indentation and escapes. Keys and text are UTF-8; bytes that are not become U+FFFD. */
+/* Writes JSON: commas, indentation and escapes. Keys and text are UTF-8; invalid bytes become U+FFFD. */
 #ifndef COMANIP_SIM_JSON_WRITER_H
 #define COMANIP_SIM_JSON_WRITER_H
 
@@ -9,7 +9,7 @@
 typedef struct {
     FILE *file;
     int depth;
-    bool has_member; /* in the object or list that is open */
+    bool has_member; /* the open object or list has a member */
 } json_writer_t;
 
 /* key NULL: an element of a list. */
@@ -20,7 +20,7 @@ void json_unsigned(json_writer_t *self, const char *key, uint64_t value);
 void json_bool(json_writer_t *self, const char *key, bool value);
 void json_null(json_writer_t *self, const char *key);
 
-/* null if the value is not finite: JSON has no other word for it. */
+/* Writes null for a value that is not finite, which JSON cannot represent. */
 void json_number(json_writer_t *self, const char *key, double value);
 
 #endif

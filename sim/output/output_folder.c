@@ -21,7 +21,7 @@ static bool fail(char error[], size_t error_size, const char *path, const char *
     return false;
 }
 
-/* NULL: no memory. */
+/* Returns NULL if out of memory. */
 static char *join(const char *folder, const char *name, const char *suffix) {
     const size_t size = strlen(folder) + strlen(name) + strlen(suffix) + 2;
     char *path = malloc(size);
@@ -31,7 +31,7 @@ static char *join(const char *folder, const char *name, const char *suffix) {
     return path;
 }
 
-/* Like mkdir -p. Changes `path` while at work. */
+/* Like mkdir -p. Modifies `path` temporarily. */
 static bool make_folders(char *path, char error[], size_t error_size) {
     for (char *end = path + 1;; end++) {
         if (*end != '/' && *end != '\0') {
@@ -56,7 +56,7 @@ static bool is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-/* Both names can be written. */
+/* Checks that both files can be written. */
 static bool try_file(const char *path, const char *partial_path, char error[], size_t error_size) {
     if (is_folder(path)) {
         errno = EISDIR;
@@ -69,7 +69,7 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
     return true;
 }
 
-/* The lock goes with the process, whatever its end. A file system without locks is used without. */
+/* The lock ends with the process in any case. On a file system without locks there is none. */
 static bool lock_folder(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     self->lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (self->lock >= 0 && flock(self->lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -84,10 +84,10 @@ static bool ends_with(const char *name, const char *end) {
     return length >= end_length && strcmp(name + length - end_length, end) == 0;
 }
 
-/* Pictures that were made of a former run. What else lies there is somebody's own. */
+/* Removes plots of a former run and leaves all other files. */
 static bool remove_report(const char *folder, char error[], size_t error_size) {
     char *path = join(folder, "report", "");
-    /* Not through a link: what it leads to is not this run's. */
+    /* Symbolic links are not followed, because their target does not belong to this run. */
     const int opened = path != NULL ? open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1;
     DIR *report = opened >= 0 ? fdopendir(opened) : NULL;
     bool removed = true;
@@ -119,16 +119,16 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
         return fail(error, error_size, folder, "cannot be used as a folder");
     }
     if (!lock_folder(self, folder, error, error_size)) {
-        return false; /* with no names yet: the other run's files stay */
+        return false; /* no paths are set yet, so the other run's files are kept */
     }
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         self->path[i] = join(folder, file_name[i], "");
         self->partial_path[i] = join(folder, file_name[i], ".partial");
         if (self->path[i] == NULL || self->partial_path[i] == NULL) {
-            return fail(error, error_size, folder, "no memory");
+            return fail(error, error_size, folder, "not enough memory");
         }
     }
-    /* All that can be refused is refused before anything of a former run goes. */
+    /* All checks come before any file of a former run is removed. */
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         if (!try_file(self->path[i], self->partial_path[i], error, error_size)) {
             return false;
@@ -143,10 +143,10 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
 }
 
 bool output_folder_commit(output_folder_t *self, char error[], size_t error_size) {
-    /* The summary last: where it is, the other files are as well. */
+    /* The summary comes last: if it exists, so do the other files. */
     for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
         if (rename(self->partial_path[i], self->path[i]) != 0) {
-            return fail(error, error_size, self->path[i], "cannot be put in place");
+            return fail(error, error_size, self->path[i], "cannot be renamed to its final name");
         }
     }
     return true;
@@ -155,7 +155,7 @@ bool output_folder_commit(output_folder_t *self, char error[], size_t error_size
 void output_folder_free(output_folder_t *self) {
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         if (self->partial_path[i] != NULL) {
-            (void)unlink(self->partial_path[i]); /* there is none after a commit */
+            (void)unlink(self->partial_path[i]); /* does not exist after a commit */
         }
         free(self->path[i]);
         free(self->partial_path[i]);

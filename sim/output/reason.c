@@ -16,7 +16,7 @@ __attribute__((format(printf, 2, 3))) static void append(checks_t *checks, const
     va_end(arguments);
 }
 
-/* What fell is why the rest of a run goes wrong. */
+/* Drops come first, because they usually cause the other failures. */
 static void append_drops(checks_t *checks, const world_t *world) {
     for (size_t i = 0; i < world->scenario->object_count; i++) {
         const event_t *drop = forbidden_drop(world->scenario, &world->events, i);
@@ -60,15 +60,15 @@ static void append_what_is_left_out(checks_t *checks, const world_t *world) {
                checks->left_out_by_clutch);
     }
     if (checks->left_out_by_recording > 0) {
-        append(checks, "; %zu left out: they judge the built-in motion, and a recording was played",
+        append(checks, "; %zu left out: they apply to the built-in motion, but a recording was played",
                checks->left_out_by_recording);
     }
     if (checks->left_out_by_define > 0) {
-        append(checks, "; %zu left out: they judge the scenario's own task, and --define replaced it",
+        append(checks, "; %zu left out: they apply to the scenario's own task, but --define replaced it",
                checks->left_out_by_define);
     }
     if (checks->left_out_by_trace > 0) {
-        append(checks, "; %zu left out: they need the target, and the trace is switched off",
+        append(checks, "; %zu left out: they need the target, but the trace is switched off",
                checks->left_out_by_trace);
     } else if (!checks_tracking_measured(world)) {
         append(checks, "; tracking was not measured: %s",
@@ -102,13 +102,13 @@ static void append_holds(checks_t *checks, const world_t *world) {
     }
 }
 
-/* A person's arm is longer than this robot's: the commonest thing to go wrong with a recording. */
+/* Recordings often go out of reach, because a person's arm is longer than this robot's. */
 static void append_reach(checks_t *checks, const world_t *world) {
     const uint64_t out = world->tracking.out_of_reach_ticks, all = world->tracking.all.ticks;
     if (out == 0) {
         return;
     }
-    append(checks, "; target out of reach %.2f of %.2f s, could be followed for %.2f of %.2f s", (double)out * TICK_S,
+    append(checks, "; target out of reach %.2f of %.2f s, followable for %.2f of %.2f s", (double)out * TICK_S,
            (double)all * TICK_S, (double)world->tracking.followable.ticks * TICK_S, (double)all * TICK_S);
     if (2 * out <= all) {
         return;

@@ -14,7 +14,7 @@
 
 #define PROGRESS_TERMINAL_TICKS 500
 #define LATENCY_TEXT_BYTES 120
-#define PROGRESS_LINES 4 /* elsewhere */
+#define PROGRESS_LINES 4 /* without a terminal */
 
 static double simulated_s(const world_t *world) {
     return (double)world->now_ns * 1e-9;
@@ -49,7 +49,7 @@ static void write_tracking(json_writer_t *json, const world_t *world) {
     json_end(json, '}');
 }
 
-/* For how long hand and task were still, what the arm did at the end of it, and why that is no check. */
+/* Writes how long hand and task were still, the joint speed at the end of that time, and why it was not measured. */
 static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const char *not_measured) {
     json_begin(json, "rest", '{');
     json_number(json, "still_s", rest->longest_s);
@@ -62,7 +62,7 @@ static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const ch
     json_end(json, '}');
 }
 
-/* How late the robot's hand is, part by part: they add up to the last. */
+/* Latency of the end effector by component. The last row is the sum. */
 typedef struct {
     const char *name, *key, *how;
     double ms;
@@ -83,12 +83,12 @@ static void list_latency(const latency_ms_t *latency, latency_row_t row[LATENCY_
     memcpy(row, rows, sizeof rows);
 }
 
-/* "": it was. */
-static void why_no_latency(const world_t *world, char text[LATENCY_TEXT_BYTES]) {
+/* Gives the reason why the latency was not measured, "" if it was. */
+static void why_latency_not_measured(const world_t *world, char text[LATENCY_TEXT_BYTES]) {
     const latency_ms_t *latency = &world->latency_ms;
     text[0] = '\0';
     if (world->observer.parameter[PARAMETER_TRACE] <= 0.0f) {
-        (void)snprintf(text, LATENCY_TEXT_BYTES, "it needs the target, and the trace is switched off");
+        (void)snprintf(text, LATENCY_TEXT_BYTES, "it needs the target, but the trace is switched off");
     } else if (latency->moved_s < LATENCY_NEEDED_S) {
         (void)snprintf(text, LATENCY_TEXT_BYTES,
                        "the arm could follow %.2f s of the hand's motion, and %g s are needed", latency->moved_s,
@@ -102,7 +102,7 @@ static void write_latency(json_writer_t *json, const world_t *world) {
     latency_row_t row[LATENCY_ROWS];
     char why[LATENCY_TEXT_BYTES];
     list_latency(&world->latency_ms, row);
-    why_no_latency(world, why);
+    why_latency_not_measured(world, why);
     json_begin(json, "latency", '{');
     for (int i = 0; i < LATENCY_ROWS; i++) {
         json_number(json, row[i].key, row[i].ms);
@@ -124,7 +124,7 @@ static void print_latency(const world_t *world) {
     latency_row_t row[LATENCY_ROWS];
     char why[LATENCY_TEXT_BYTES];
     list_latency(&world->latency_ms, row);
-    why_no_latency(world, why);
+    why_latency_not_measured(world, why);
     (void)printf("latency [ms]:");
     for (int i = 0; i < LATENCY_ROWS; i++) {
         if (!isnan(row[i].ms)) {
@@ -190,7 +190,7 @@ static void write_checks(json_writer_t *json, const checks_t *checks) {
     json_end(json, ']');
 }
 
-/* Of a run on a real bus. */
+/* Only for a run on a real bus. */
 static void write_timing(json_writer_t *json, const live_bus_timing_t *timing) {
     if (timing == NULL) {
         return;
@@ -199,7 +199,7 @@ static void write_timing(json_writer_t *json, const live_bus_timing_t *timing) {
     json_unsigned(json, "slow", timing->slow);
     json_unsigned(json, "overruns", timing->overruns);
     json_number(json, "late_max_ms", 1e-6 * (double)timing->late_max_ns);
-    json_number(json, "let_go_ms", 1e-6 * (double)timing->let_go_ns);
+    json_number(json, "let_go_ms", 1e-6 * (double)timing->set_back_ns);
     json_end(json, '}');
 }
 
@@ -263,7 +263,7 @@ static void print_forces(const world_t *world) {
     for (size_t i = 0; i < world->scenario->person_count; i++) {
         const held_force_t *force = &world->contact_monitor.hand[i];
         if (force->ticks > 0) {
-            (void)printf("force at the hand of %s, while it holds: %.2f N RMS, %.2f N peak\n",
+            (void)printf("force at the hand of %s while it holds an object: %.2f N RMS, %.2f N peak\n",
                          world->scenario->person[i].name, held_force_rms_N(force), held_force_peak_N(force));
         }
     }
@@ -293,9 +293,9 @@ static void print_scene(const world_t *world) {
 
 static void print_timing(const live_bus_timing_t *timing) {
     if (timing != NULL) {
-        (void)printf("real time (time scale %u): %" PRIu64 " ticks late by more than one, %.2f ms at most%s\n",
+        (void)printf("real time (time scale %u): %" PRIu64 " ticks more than one tick late, at most %.2f ms%s\n",
                      timing->slow, timing->overruns, 1e-6 * (double)timing->late_max_ns,
-                     timing->let_go_ns > 0 ? "; the clock was put back" : "");
+                     timing->set_back_ns > 0 ? "; the clock was set back" : "");
     }
 }
 
@@ -313,7 +313,7 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
     }
     if (checks_tracking_measured(world)) {
         const tracking_sums_t *sums = &world->tracking.all;
-        (void)printf("tracking, all of the cooperation: %.2f mm RMS, %.2f mm max; %.2f deg RMS, %.2f deg max; "
+        (void)printf("tracking during the whole cooperation: %.2f mm RMS, %.2f mm max; %.2f deg RMS, %.2f deg max; "
                      "target out of reach for %.2f s, followable for %.2f s\n",
                      tracking_rms_position_mm(sums), sums->max_position_mm, tracking_rms_orientation_deg(sums),
                      sums->max_orientation_deg, (double)world->tracking.out_of_reach_ticks * WORLD_TICK_NS * 1e-9,
@@ -331,7 +331,7 @@ void report_progress(const world_t *world) {
     const uint64_t total = (uint64_t)(world->end_ns / WORLD_TICK_NS);
     const size_t changes = world->observer.mode_count;
     const char *mode = changes > 0 ? mode_name((uint8_t)world->observer.modes[changes - 1].mode) : "boot";
-    const double longest_s = (double)world->end_ns * 1e-9; /* a run ends when everybody is done */
+    const double longest_s = (double)world->end_ns * 1e-9; /* a run ends when all scripts are done */
     if (is_terminal()) {
         if (world->ticks % PROGRESS_TERMINAL_TICKS == 0 || world->ticks == total) {
             (void)printf("\r%s %5.1f s of at most %.1f s  %-12s%s", world->scenario->name, simulated_s(world),

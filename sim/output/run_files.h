@@ -1,4 +1,4 @@
-/* The files that a run fills as it goes on: bus.log and trace.csv. */
+/* The files that are written during a run: bus.log and trace.csv. */
 #ifndef COMANIP_SIM_RUN_FILES_H
 #define COMANIP_SIM_RUN_FILES_H
 
@@ -12,15 +12,15 @@ typedef struct {
     trace_csv_t trace;
 } run_files_t;
 
-/* From here on the log gets every frame of the world's bus. Must not move. On failure false, and one line in `error`.
- */
+/* From now on the log records every frame of the world's bus. self must keep its address. Returns false on failure,
+ * with one line in `error`. */
 bool run_files_open(run_files_t *self, const world_t *world, const char *log_path, const char *trace_path, char error[],
                     size_t error_size);
 
-/* Adds the tick to the trace. Call it after each one. */
+/* Adds the tick to the trace. Called after each tick. */
 void run_files_write_tick(run_files_t *self, const world_t *world);
 
-/* False, and one line in `error`, if not everything reached the files. */
+/* Returns false, with one line in `error`, if a file is incomplete. */
 bool run_files_close(run_files_t *self, const char *trace_path, char error[], size_t error_size);
 
 #endif

@@ -8,7 +8,7 @@
 
 /* ---- setting */
 
-/* The scales are those of the first step that plays it. */
+/* Writes the scales of the first step that plays the recording. */
 static void write_recording(json_writer_t *json, const char *key, const char *path, const person_t *person) {
     if (path == NULL) {
         json_null(json, key);
@@ -106,7 +106,7 @@ static void write_water(json_writer_t *json, const world_t *world) {
     json_end(json, '}');
 }
 
-/* ---- what the trace's poses are of */
+/* ---- objects and cups of the trace */
 
 static void write_vector(json_writer_t *json, const char *key, const double value[3]) {
     json_begin(json, key, '[');
@@ -135,9 +135,9 @@ static void write_cup(json_writer_t *json, const char *columns, const cup_t *cup
 static void write_things(json_writer_t *json, const world_t *world) {
     static const char *const kinds[] = {[OBJECT_ROD] = "rod", [OBJECT_CRANK] = "crank", [OBJECT_STAND] = "stand"};
     const scenario_t *scenario = world->scenario;
-    const int thing = world->state.thing;
-    if (thing >= 0) {
-        const object_t *object = &scenario->object[thing];
+    const int traced_object = world->state.traced_object;
+    if (traced_object >= 0) {
+        const object_t *object = &scenario->object[traced_object];
         json_begin(json, "object", '{');
         json_text(json, "name", object->name);
         json_text(json, "kind", kinds[object->kind]);
@@ -160,7 +160,7 @@ static int compare_times(const void *a, const void *b) {
     if ((*x)->first_s != (*y)->first_s) {
         return (*x)->first_s < (*y)->first_s ? -1 : 1;
     }
-    return *x < *y ? -1 : *x > *y; /* both are of one array: the order of declaration */
+    return *x < *y ? -1 : *x > *y; /* both are in one array, so this is the order of declaration */
 }
 
 static void write_events(json_writer_t *json, const events_t *events) {

@@ -1,4 +1,4 @@
-/* The parts of summary.json about the physical scene, and about what was played and which law was in force. */
+/* Writes the parts of summary.json about the physical scene, the recordings and the control law. */
 #ifndef COMANIP_SIM_SUMMARY_SCENE_H
 #define COMANIP_SIM_SUMMARY_SCENE_H
 
@@ -8,7 +8,7 @@
 /* "recording", "second_recording", "law". */
 void summary_write_setting(json_writer_t *json, const world_t *world);
 
-/* "people", "gripper", "clearance", "water", "events". */
+/* "people", "gripper", "clearance", "water", "events", "object", "cups". */
 void summary_write_scene(json_writer_t *json, const world_t *world);
 
 #endif

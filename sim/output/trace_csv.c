@@ -85,7 +85,8 @@ static char *write_robot(char *out, const tick_record_t *tick) {
 static char *write_poses(char *out, const physical_state_t *state) {
     out = write_pose(out, &state->hand[state->tracked]);
     out = state->second >= 0 ? write_pose(out, &state->hand[state->second]) : write_empty(out, POSE_CELLS);
-    return state->thing >= 0 ? write_pose(out, &state->object[state->thing]) : write_empty(out, POSE_CELLS);
+    return state->traced_object >= 0 ? write_pose(out, &state->object[state->traced_object])
+                                     : write_empty(out, POSE_CELLS);
 }
 
 static char *write_contacts(char *out, const physical_state_t *state) {
@@ -124,7 +125,7 @@ void trace_csv_write(trace_csv_t *self, const tick_record_t *tick, const physica
     out = write_contacts(out, state);
     out = write_water_and_crank(out, state);
     *out++ = '\n';
-    (void)fwrite(line, 1, (size_t)(out - line), self->file); /* an error stays with the file for trace_csv_close() */
+    (void)fwrite(line, 1, (size_t)(out - line), self->file); /* trace_csv_close() reports errors */
 }
 
 bool trace_csv_close(trace_csv_t *self, const char *path, char error[], size_t error_size) {

@@ -1,5 +1,5 @@
-/* trace.csv: one line per tick with target, ODE's hand, each joint's measured position and commanded velocity, and the
- * scene: people's hands, the object, forces, clearances, water. */
+/* Writes trace.csv: one line per tick with the target, the end effector in ODE, each joint's measured position and
+ * commanded velocity, and the scene: hands of the people, object, forces, clearances, water. */
 #ifndef COMANIP_SIM_TRACE_CSV_H
 #define COMANIP_SIM_TRACE_CSV_H
 
@@ -14,14 +14,14 @@ typedef struct {
     FILE *file;
 } trace_csv_t;
 
-/* On failure false, and one line in `error`. */
+/* Returns false on failure, with one line in `error`. */
 bool trace_csv_open(trace_csv_t *self, const char *path, char error[], size_t error_size);
 
-/* Record and state are of one instant. Columns without a value stay empty: no target or command in this tick; no second
- * person, object, water or crank in this scenario. */
+/* tick and state belong to the same instant. Columns without a value are empty: no target or command in this tick; no
+ * second person, object, water or crank in this scenario. */
 void trace_csv_write(trace_csv_t *self, const tick_record_t *tick, const physical_state_t *state);
 
-/* False, and one line in `error`, if not everything reached the file. */
+/* Returns false, with one line in `error`, if the file is incomplete. */
 bool trace_csv_close(trace_csv_t *self, const char *path, char error[], size_t error_size);
 
 #endif

@@ -4,50 +4,50 @@
 
 #define CORRECTION_S 0.4
 #define MAX_CORRECTIONS 10
-#define SETTLE_S 0.15 /* of the robot, after a guiding hand has stopped */
+#define SETTLE_S 0.15 /* for the robot to settle after a guiding hand has stopped */
 #define TIME_TOLERANCE_S 1e-9
 
-/* From where the point is to where it shall be. */
+/* Vector from the current position of the point to its goal. */
 static void read_error(const approach_t *self, double error_m[3]) {
     const person_step_t *step = self->step;
     const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->person};
-    double is_m[3], goal_m[3];
-    scene_point(self->scene, step->action == PERSON_GUIDE ? &step->what : &own_grip, is_m);
+    double point_m[3], goal_m[3];
+    scene_point(self->scene, step->action == PERSON_GUIDE ? &step->what : &own_grip, point_m);
     scene_point(self->scene, &step->to, goal_m);
     for (int i = 0; i < 3; i++) {
-        error_m[i] = goal_m[i] + step->offset_m[i] - is_m[i];
+        error_m[i] = goal_m[i] + step->offset_m[i] - point_m[i];
     }
 }
 
-static void begin_move(approach_t *self, const rigid_pose_t *aim, const double robot_follows[3],
-                       const double error_m[3], double lift_m, double begin_s, double duration_s) {
-    double way_m[3] = {error_m[0], error_m[1], error_m[2]};
+static void begin_move(approach_t *self, const rigid_pose_t *aim, const double robot_gain[3], const double error_m[3],
+                       double lift_m, double begin_s, double duration_s) {
+    double move_m[3] = {error_m[0], error_m[1], error_m[2]};
     double bow_m[3] = {0.0, 0.0, lift_m};
     rigid_pose_t goal = *aim;
     for (int i = 0; i < 3; i++) {
         if (self->step->action == PERSON_GUIDE) {
-            way_m[i] /= robot_follows[i];
-            bow_m[i] /= robot_follows[i];
+            move_m[i] /= robot_gain[i];
+            bow_m[i] /= robot_gain[i];
         }
-        goal.position_m[i] += way_m[i];
+        goal.position_m[i] += move_m[i];
     }
     hand_path_init(&self->path, aim, &goal, bow_m, begin_s, duration_s);
 }
 
-void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robot_follows[3], double begin_s) {
+void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robot_gain[3], double begin_s) {
     double error_m[3];
     read_error(self, error_m);
     self->corrections = 0;
-    begin_move(self, aim, robot_follows, error_m, self->step->lift_m, begin_s, self->step->duration_s);
+    begin_move(self, aim, robot_gain, error_m, self->step->lift_m, begin_s, self->step->duration_s);
 }
 
-/* When the hand has done its last move, and the robot has followed. */
+/* Time at which the hand has finished its last move and the robot has settled. */
 static double end_s(const approach_t *self) {
     const double settle_s = self->step->action == PERSON_GUIDE ? SETTLE_S : 0.0;
     return self->path.begin_s + self->path.duration_s + settle_s;
 }
 
-approach_status_t approach_look(approach_t *self, const double robot_follows[3], double now_s, double *miss_m) {
+approach_status_t approach_update(approach_t *self, const double robot_gain[3], double now_s, double *miss_m) {
     if (now_s < end_s(self) - TIME_TOLERANCE_S) {
         return APPROACH_MOVES;
     }
@@ -62,6 +62,6 @@ approach_status_t approach_look(approach_t *self, const double robot_follows[3],
     }
     self->corrections++;
     const rigid_pose_t aim = self->path.to;
-    begin_move(self, &aim, robot_follows, error_m, 0.0, now_s, CORRECTION_S);
+    begin_move(self, &aim, robot_gain, error_m, 0.0, now_s, CORRECTION_S);
     return APPROACH_MOVES;
 }

@@ -1,5 +1,6 @@
-/* Bringing a point to another by sight: one move, then short ones until it is near enough. A reaching person brings the
- * own grip; a guiding one brings a point that the robot carries, and knows how the robot follows the own hand. */
+/* Moves a point to another one by sight: one move, then short corrections until it is close enough. A reaching person
+ * moves their own grip. A guiding person moves a point that the robot carries, and knows how the robot follows the
+ * hand. */
 #ifndef COMANIP_SIM_APPROACH_H
 #define COMANIP_SIM_APPROACH_H
 
@@ -18,10 +19,10 @@ typedef struct {
 
 typedef enum { APPROACH_MOVES, APPROACH_THERE, APPROACH_FAILED } approach_status_t;
 
-/* The first move, from the aimed hand at begin_s on. robot_follows: of the person's program. */
-void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robot_follows[3], double begin_s);
+/* Begins the first move from the hand pose `aim` at begin_s. robot_gain: as in person_program_step(). */
+void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robot_gain[3], double begin_s);
 
-/* Looks at the scene of now_s, and begins a correction where one is needed. miss_m: how far off it is. */
-approach_status_t approach_look(approach_t *self, const double robot_follows[3], double now_s, double *miss_m);
+/* Compares the point with its goal at now_s and begins a correction if one is needed. miss_m: remaining distance. */
+approach_status_t approach_update(approach_t *self, const double robot_gain[3], double now_s, double *miss_m);
 
 #endif

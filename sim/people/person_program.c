@@ -15,8 +15,8 @@
 #include "sight.h"
 
 #define TEXT_BYTES 1024
-#define GRIP_PATIENCE_S 0.3
-#define LEAST_FOLLOWING 1e-3 /* less, and no hand is long enough to guide the robot */
+#define GRIP_TIMEOUT_S 0.3
+#define ROBOT_GAIN_MIN 1e-3 /* below this, no hand can reach far enough to guide the robot */
 #define TIME_TOLERANCE_S 1e-9
 
 struct person_program {
@@ -28,10 +28,10 @@ struct person_program {
     const person_step_t *steps;
     size_t count;
     size_t current;
-    double ready_s;        /* when the step before ended */
-    bool begun;            /* the current step */
-    double begin_s, end_s; /* of it; end_s: of timed ones */
-    rigid_pose_t aim;      /* without tremor */
+    double ready_s;        /* end of the previous step */
+    bool begun;            /* the current step has begun */
+    double begin_s, end_s; /* of the current step; end_s: timed steps only */
+    rigid_pose_t aim;      /* desired pose of the hand, without tremor */
     hand_path_t path;
     approach_t approach;
     crank_turn_t turn;
@@ -46,7 +46,7 @@ person_program_t *person_program_create(const scenario_t *scenario, size_t perso
                                         size_t error_size) {
     person_program_t *self = calloc(1, sizeof *self);
     if (self == NULL) {
-        (void)snprintf(error, error_size, "no memory for the person's program");
+        (void)snprintf(error, error_size, "not enough memory for the person's program");
         return NULL;
     }
     self->scenario = scenario;
@@ -59,8 +59,8 @@ person_program_t *person_program_create(const scenario_t *scenario, size_t perso
     self->aim = self->person->start;
     tremor_init(&self->tremor, 1e-3 * self->person->tremor_mm, seed, self->person->name);
     if (recording != NULL && self->count == 0) {
-        (void)snprintf(error, error_size, "%s: %s of scenario %s has no program_with_recording that could play it",
-                       recording, self->person->name, scenario->name);
+        (void)snprintf(error, error_size, "%s: %s of scenario %s has no program_with_recording to play it", recording,
+                       self->person->name, scenario->name);
         person_program_destroy(self);
         return NULL;
     }
@@ -105,16 +105,16 @@ static void begin_move(person_program_t *self, const person_step_t *step) {
     self->end_s = self->begin_s + step->duration_s;
 }
 
-static void begin_approach(person_program_t *self, const person_step_t *step, const double robot_follows[3]) {
+static void begin_approach(person_program_t *self, const person_step_t *step, const double robot_gain[3]) {
     for (int i = 0; i < 3 && step->action == PERSON_GUIDE; i++) {
-        if (!(fabs(robot_follows[i]) >= LEAST_FOLLOWING)) {
-            fail(self, "cannot guide: of a move along %c the robot makes %g, expected at least %g", "xyz"[i],
-                 robot_follows[i], LEAST_FOLLOWING);
+        if (!(fabs(robot_gain[i]) >= ROBOT_GAIN_MIN)) {
+            fail(self, "cannot guide: along %c the robot follows a move by a factor of %g, expected at least %g",
+                 "xyz"[i], robot_gain[i], ROBOT_GAIN_MIN);
             return;
         }
     }
     self->approach = (approach_t){.step = step, .person = self->index, .scene = self->scene};
-    approach_begin(&self->approach, &self->aim, robot_follows, self->begin_s);
+    approach_begin(&self->approach, &self->aim, robot_gain, self->begin_s);
 }
 
 static void begin_turn(person_program_t *self, const person_step_t *step) {
@@ -129,12 +129,12 @@ static void begin_turn(person_program_t *self, const person_step_t *step) {
     self->end_s = self->begin_s + crank_turn_duration_s(&self->turn);
 }
 
-/* True: the current step is under way. */
-static bool begin(person_program_t *self, double now_s, const double robot_follows[3]) {
+/* Returns true if the current step has begun. */
+static bool begin(person_program_t *self, double now_s, const double robot_gain[3]) {
     const person_step_t *step = &self->steps[self->current];
     if (!step_wait_begin_s(&step->start, self->events, self->ready_s, &self->begin_s)) {
         char waited[TEXT_BYTES / 2];
-        if (step_wait_in_vain(&step->start, self->events, self->ready_s, now_s, waited, sizeof waited)) {
+        if (step_wait_timed_out(&step->start, self->events, self->ready_s, now_s, waited, sizeof waited)) {
             fail(self, "%s", waited);
         }
         return false;
@@ -147,7 +147,7 @@ static bool begin(person_program_t *self, double now_s, const double robot_follo
     case PERSON_REST: self->end_s += step->duration_s; break;
     case PERSON_MOVE: begin_move(self, step); break;
     case PERSON_REACH:
-    case PERSON_GUIDE: begin_approach(self, step, robot_follows); break;
+    case PERSON_GUIDE: begin_approach(self, step, robot_gain); break;
     case PERSON_PLAY:
         playback_begin(&self->playlist.playback[self->current], self->begin_s, &self->aim);
         self->end_s += playback_duration_s(&self->playlist.playback[self->current]);
@@ -172,8 +172,8 @@ static void fail_to_bring(person_program_t *self, const point_t *what, const cha
     fail(self, "cannot bring %s to %s: %s", what_name, to_name, why);
 }
 
-/* Nobody goes after what has fallen. */
-static bool is_there(person_program_t *self, double now_s, const double robot_follows[3]) {
+/* Fails for an object that has fallen: the person does not follow it. */
+static bool is_there(person_program_t *self, double now_s, const double robot_gain[3]) {
     const person_step_t *step = &self->steps[self->current];
     const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->index};
     const point_t *what = step->action == PERSON_GUIDE ? &step->what : &own_grip;
@@ -183,7 +183,7 @@ static bool is_there(person_program_t *self, double now_s, const double robot_fo
         return false;
     }
     double miss_m;
-    const approach_status_t status = approach_look(&self->approach, robot_follows, now_s, &miss_m);
+    const approach_status_t status = approach_update(&self->approach, robot_gain, now_s, &miss_m);
     if (status == APPROACH_FAILED) {
         char why[TEXT_BYTES / 4];
         (void)snprintf(why, sizeof why, "%.1f mm off after %d corrections, expected at most %g mm", 1e3 * miss_m,
@@ -199,7 +199,7 @@ static bool has_gripped(person_program_t *self, double now_s) {
     if (scene_close_hand(self->scene, self->index, object)) {
         return true;
     }
-    if (now_s - self->begin_s < GRIP_PATIENCE_S) {
+    if (now_s - self->begin_s < GRIP_TIMEOUT_S) {
         return false;
     }
     const char *name = self->scenario->object[object].name;
@@ -214,10 +214,10 @@ static bool has_gripped(person_program_t *self, double now_s) {
     return false;
 }
 
-static bool is_over(person_program_t *self, double now_s, const double robot_follows[3]) {
+static bool is_over(person_program_t *self, double now_s, const double robot_gain[3]) {
     switch (self->steps[self->current].action) {
     case PERSON_REACH:
-    case PERSON_GUIDE: return is_there(self, now_s, robot_follows);
+    case PERSON_GUIDE: return is_there(self, now_s, robot_gain);
     case PERSON_GRIP: return has_gripped(self, now_s);
     case PERSON_RELEASE: scene_open_hand(self->scene, self->index); return true;
     default: return now_s >= self->end_s - TIME_TOLERANCE_S;
@@ -239,12 +239,12 @@ static void finish(person_program_t *self) {
     }
 }
 
-/* True: a step ended, and the next may begin. */
-static bool advance(person_program_t *self, double now_s, const double robot_follows[3]) {
+/* Returns true if a step has ended and the next one may begin. */
+static bool advance(person_program_t *self, double now_s, const double robot_gain[3]) {
     if (self->failure[0] != '\0' || self->current == self->count) {
         return false;
     }
-    if ((!self->begun && !begin(self, now_s, robot_follows)) || !is_over(self, now_s, robot_follows)) {
+    if ((!self->begun && !begin(self, now_s, robot_gain)) || !is_over(self, now_s, robot_gain)) {
         return false;
     }
     finish(self);
@@ -269,8 +269,8 @@ static void move_aim(person_program_t *self, double until_s) {
     }
 }
 
-void person_program_step(person_program_t *self, double now_s, double until_s, const double robot_follows[3]) {
-    while (advance(self, now_s, robot_follows)) {
+void person_program_step(person_program_t *self, double now_s, double until_s, const double robot_gain[3]) {
+    while (advance(self, now_s, robot_gain)) {
     }
     move_aim(self, until_s);
     rigid_pose_t hand = self->aim;
@@ -282,7 +282,7 @@ void person_program_step(person_program_t *self, double now_s, double until_s, c
     scene_aim_hand(self->scene, self->index, &hand);
 }
 
-/* ---- what is known of it */
+/* ---- state */
 
 bool person_program_is_done(const person_program_t *self) {
     return self->current == self->count;

@@ -11,7 +11,7 @@ static bool open_entry(playlist_t *self, size_t n, const person_step_t *step, co
     const double duration_s = recorded_motion_duration_s(self->recording[n]);
     const double until_s = step->until_s > 0.0 ? step->until_s : duration_s;
     if (!(step->from_s >= 0.0 && step->from_s < until_s && until_s <= duration_s)) {
-        (void)snprintf(error, error_size, "%s: played from %g s until %g s, expected a part of its %g s", path,
+        (void)snprintf(error, error_size, "%s: played from %g s until %g s, expected a section of its %g s", path,
                        step->from_s, until_s, duration_s);
         return false;
     }

@@ -10,15 +10,15 @@
 
 #define PLAYLIST_TEXT_BYTES 1024
 
-/* Entry n is for step n. */
+/* Entry n belongs to step n. */
 typedef struct {
     recorded_motion_t *recording[SCENARIO_MAX_STEPS]; /* NULL: the step plays none */
     playback_t playback[SCENARIO_MAX_STEPS];
-    char description[PLAYLIST_TEXT_BYTES]; /* one line about the first of them; "": none */
+    char description[PLAYLIST_TEXT_BYTES]; /* one line about the first recording; "": none */
 } playlist_t;
 
-/* recording, axes: for steps that name none themselves; NULL: not given. On failure false, and one line in `error`;
- * what was opened is freed by playlist_close() then, too. */
+/* recording, axes: for steps that name none; NULL: not given. Returns false on failure, with one line in `error`.
+ * playlist_close() must be called in either case. */
 bool playlist_open(playlist_t *self, const char *person, const person_step_t steps[], size_t count,
                    const char *recording, const char *axes, char error[], size_t error_size);
 void playlist_close(playlist_t *self);

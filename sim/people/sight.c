@@ -10,20 +10,20 @@ double sight_crank_rad(const scene_t *scene, size_t object) {
 }
 
 double sight_distance_m(const scene_t *scene, const scenario_t *scenario, size_t person, size_t object) {
-    const object_t *thing = &scenario->object[object];
+    const object_t *definition = &scenario->object[object];
     const point_t grip = {.kind = POINT_PERSON_GRIP, .index = person};
-    rigid_pose_t middle;
-    if (thing->kind == OBJECT_CRANK) {
-        middle = thing->pose;
-        crank_handle(&thing->pose, thing->radius_m, sight_crank_rad(scene, object), middle.position_m);
+    rigid_pose_t centre;
+    if (definition->kind == OBJECT_CRANK) {
+        centre = definition->pose;
+        crank_handle(&definition->pose, definition->radius_m, sight_crank_rad(scene, object), centre.position_m);
     } else {
-        scene_object(scene, object, &middle);
+        scene_object(scene, object, &centre);
     }
-    rigid_pose_t seen = {.rotation = {1.0, 0.0, 0.0, 0.0}}; /* the grip, from the object */
+    rigid_pose_t seen = {.rotation = {1.0, 0.0, 0.0, 0.0}}; /* the grip in the frame of the object */
     scene_point(scene, &grip, seen.position_m);
-    const rigid_pose_t torso = rigid_pose_inverse(&middle);
+    const rigid_pose_t torso = rigid_pose_inverse(&centre);
     seen = rigid_pose_multiply(&torso, &seen);
-    const double half_m = thing->kind == OBJECT_STAND ? 0.0 : 0.5 * thing->length_m;
+    const double half_m = definition->kind == OBJECT_STAND ? 0.0 : 0.5 * definition->length_m;
     const double beyond_end_m = fmax(fabs(seen.position_m[2]) - half_m, 0.0);
     return hypot(hypot(seen.position_m[0], seen.position_m[1]), beyond_end_m);
 }

@@ -1,12 +1,12 @@
-/* The firmware's node on the simulated bus: its receive queue, and when it sends. The firmware in this process
- * (local_firmware.h) and the one in an image (remote_firmware.h) have it in common, so that the same run comes out. */
+/* The firmware's node on the simulated bus: receive queue and send time. The firmware in this process
+ * (local_firmware.h) and the firmware in an image (remote_firmware.h) share it, so that both give the same run. */
 #ifndef COMANIP_SIM_FIRMWARE_NODE_H
 #define COMANIP_SIM_FIRMWARE_NODE_H
 
 #include "../world/world.h"
 
 #define FIRMWARE_NODE_QUEUE_FRAMES 64
-/* Assumed, from the tick to the frames it produces: an order above what this machine needs. */
+/* Assumed time from the tick to the frames it produces: ten times longer than a host needs. */
 #define FIRMWARE_NODE_COMPUTE_TIME_NS 50000
 
 typedef struct {
@@ -16,13 +16,13 @@ typedef struct {
     size_t first, count;
 } firmware_node_t;
 
-/* Attaches it to the world's bus. Must not move. */
+/* Attaches the node to the world's bus. self must keep its address. */
 void firmware_node_attach(firmware_node_t *self, world_t *world);
 
-/* The oldest received frame. False: none left. A frame that finds the queue full is counted by the world. */
+/* Gives the oldest received frame. Returns false if there is none. The world counts frames lost by a full queue. */
 bool firmware_node_receive(firmware_node_t *self, can_frame_t *frame);
 
-/* Sends a frame of the tick under way. False: the bus's queue is full. */
+/* Sends a frame of the current tick. Returns false if the queue of the bus is full. */
 bool firmware_node_send(firmware_node_t *self, const can_frame_t *frame);
 
 #endif

@@ -59,7 +59,7 @@ void hal_enable_drives(bool enable) {
     drive_node_enable(local.world->drives, enable);
 }
 
-/* The processor halts; here the world ends. */
+/* A processor would halt; here the run ends. */
 void hal_panic(const char *cause) {
     hal_enable_drives(false);
     char text[WORLD_TEXT_BYTES];

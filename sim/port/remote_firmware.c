@@ -13,7 +13,7 @@
 #include "../../hal/slcan/slcan.h"
 #include "firmware_node.h"
 
-#define PATIENCE_MS 60000
+#define ANSWER_TIMEOUT_MS 60000
 #define READ_BYTES 4096
 #define LINE_BYTES 256
 #define PANIC "#panic: "
@@ -22,10 +22,10 @@ static struct {
     int fd;
     world_t *world;
     firmware_node_t node;
-    uint16_t ids[TRANSPORT_MAX_IDS]; /* that the firmware receives */
+    uint16_t ids[TRANSPORT_MAX_IDS]; /* ids that the firmware receives */
     uint8_t id_count;
     slcan_decoder_t decoder;
-    char line[LINE_BYTES]; /* the last one, for what is no frame */
+    char line[LINE_BYTES]; /* the last line, to detect a panic message */
     size_t line_bytes;
 } remote = {.fd = -1};
 
@@ -39,7 +39,7 @@ bool remote_firmware_open(const char *path, char error[], size_t error_size) {
     memcpy(address.sun_path, path, strlen(path));
     remote.fd = socket(AF_UNIX, SOCK_STREAM, 0);
     if (remote.fd < 0 || connect(remote.fd, (const struct sockaddr *)&address, sizeof address) != 0) {
-        (void)snprintf(error, error_size, "%.100s: no serial line there: %s", path, strerror(errno));
+        (void)snprintf(error, error_size, "%.100s: cannot connect to the serial line: %s", path, strerror(errno));
         return false;
     }
     return true;
@@ -67,7 +67,7 @@ static bool send_line(const can_frame_t *frame) {
     return true;
 }
 
-/* The line carries no frame that the firmware would only pass over: it is slow. */
+/* The serial line is slow, so it carries only frames that the firmware receives. */
 static bool send_tick(uint32_t now_us) {
     bool is_sent = true;
     can_frame_t frame;
@@ -95,8 +95,8 @@ static void note_line(char byte) {
     }
 }
 
-/* Hands the image's frames to the bus. True: it has sent all of its tick. */
-static bool take_bytes(const char bytes[], ssize_t count) {
+/* Passes the image's frames to the bus. Returns true when the image has sent all frames of its tick. */
+static bool process_bytes(const char bytes[], ssize_t count) {
     bool is_done = false;
     for (ssize_t i = 0; i < count; i++) {
         can_frame_t frame;
@@ -120,7 +120,7 @@ static bool await_done(void) {
     char bytes[READ_BYTES];
     struct pollfd line = {.fd = remote.fd, .events = POLLIN};
     for (;;) {
-        const int ready = poll(&line, 1, PATIENCE_MS);
+        const int ready = poll(&line, 1, ANSWER_TIMEOUT_MS);
         if (ready < 0 && errno == EINTR) {
             return false; /* the run is interrupted */
         }
@@ -133,7 +133,7 @@ static bool await_done(void) {
             world_fail(remote.world, "the serial line to the image was closed: has the emulator ended?");
             return false;
         }
-        if (take_bytes(bytes, count)) {
+        if (process_bytes(bytes, count)) {
             return true;
         }
         if (remote.world->failure[0] != '\0') {
@@ -146,7 +146,7 @@ void remote_firmware_run(world_t *world) {
     remote.world = world;
     firmware_node_attach(&remote.node, world);
     remote.id_count = transport_ids_to_firmware(bus_profile(world->bus), remote.ids);
-    bool answers = await_done(); /* it has booted */
+    bool answers = await_done(); /* the image has booted */
     while (world_advance(world) && answers) {
         answers = send_tick((uint32_t)(world->now_ns / 1000)) && await_done();
     }

@@ -14,17 +14,19 @@
 #define PRIORITY 70 /* below the firmware's */
 
 static const char usage[] =
-    "comanip-plant: arm, drives, gripper, tracker, operator and people, simulated in real time, on a CAN bus on which\n"
-    "the firmware runs as a process of its own\n"
+    "comanip-plant: arm, drives, gripper, tracker, operator and people, simulated in real time on a CAN bus; the "
+    "firmware\n"
+    "runs as a separate process\n"
     "\n"
     "usage: build/linux/comanip-plant --can NAME [--slow N] [options of comanip-sim]\n"
     "       make run-plant CAN=NAME SCENARIO=name ...\n"
     "\n"
-    "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; without it, the hub of this "
+    "  --can NAME   the kernel's CAN interface, for example can0 or vcan0; if it does not exist, the hub of this "
     "name\n"
-    "  --slow N     time scale: 1 ms of simulated time lasts N ms, 1 (default) to 1000; give the firmware the same\n"
+    "  --slow N     time scale: 1 ms of simulated time takes N ms, 1 (default) to 1000; the firmware needs the same "
+    "value\n"
     "\n"
-    "It waits for the firmware's first JointCmd. What a late tick leaves behind stands in summary.json, real_time.\n"
+    "It waits for the firmware's first JointCmd. summary.json reports late ticks under real_time.\n"
     "\n";
 
 static run_options_t options;
@@ -39,12 +41,12 @@ static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
     (void)printf(PROGRAM ": waits for the firmware on %s\n", options.can);
     (void)fflush(stdout);
     if (live_bus_start(world->bus, transport_first_id(bus_profile(world->bus), FRAME_JOINT_CMD), interrupted)) {
-        (void)printf(PROGRAM ": the firmware is there\n");
+        (void)printf(PROGRAM ": the firmware has started\n");
         (void)fflush(stdout);
         while (world_advance(world)) {
         }
     } else {
-        world_fail(world, "interrupted while it waited for the firmware");
+        world_fail(world, "interrupted while waiting for the firmware");
     }
     timing = live_bus_timing(world->bus);
     world->timing = &timing;
@@ -54,12 +56,12 @@ int main(int argc, char *argv[]) {
     static const run_mode_t real_time = {.program = PROGRAM, .create_bus = create_bus, .run = run};
     char error[OPTIONS_ERROR_BYTES];
     if (!run_options_take(&options, &argc, argv, error, sizeof error)) {
-        return run_complain(PROGRAM, error);
+        return run_print_error(PROGRAM, error);
     }
     if (argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
-        (void)fputs(usage, stdout); /* and then the simulator's own */
+        (void)fputs(usage, stdout); /* followed by the help of the simulator */
     } else if (options.can == NULL) {
-        return run_complain(PROGRAM, "expected --can NAME, for example --can vcan0; --help says more");
+        return run_print_error(PROGRAM, "expected --can NAME, for example --can vcan0; see --help");
     }
     return run_main(&real_time, argc, argv);
 }

@@ -8,13 +8,13 @@
 static bus_t *create_bus(can_profile_t profile, char error[], size_t error_size) {
     bus_t *bus = bus_create(profile);
     if (bus == NULL) {
-        (void)snprintf(error, error_size, "no memory for the simulated world");
+        (void)snprintf(error, error_size, "not enough memory for the simulated world");
     }
     return bus;
 }
 
 static void run(world_t *world, const volatile sig_atomic_t *interrupted) {
-    (void)interrupted; /* the world looks at it each tick */
+    (void)interrupted; /* the world checks it each tick */
     static live_t live;
     char error[OPTIONS_ERROR_BYTES];
     if (!live_open(&live, world, error, sizeof error)) {

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#define ANOTHER_ROD_M 10.0 /* as if it had come from so far away */
+#define ROD_CHANGE_M 10.0 /* a change of the held rod counts as this displacement */
 
-/* A point at the bounding radius moves by the origin's way and the turn's chord, 2 R sin(angle/2); of unit quaternions
- * |p - q| = 2 sin(angle/4) >= sin(angle/2). */
+/* A point at the bounding radius R moves at most by the displacement of the origin plus the chord of the rotation, 2 R
+ * sin(angle/2). For unit quaternions |p - q| = 2 sin(angle/4) >= sin(angle/2). */
 static void place(body_t *body, const rigid_pose_t *pose) {
     const rigid_pose_t *last = &body->shape.pose;
     const double sign = rotation_dot(last->rotation, pose->rotation) < 0.0 ? -1.0 : 1.0;
@@ -27,7 +27,7 @@ static void place_at(body_t *body, const rigid_pose_t *carrier, const double off
     place(body, &pose);
 }
 
-/* cup: its frame, in the middle of the inner bottom. */
+/* pose: of the cup's frame, in the centre of the inner bottom. */
 static void place_cup(body_t *body, const cup_t *cup, const rigid_pose_t *pose) {
     place_at(body, pose, (const double[3]){0.0, 0.0, 0.5 * (cup->height_m - cup->wall_m)});
 }
@@ -43,7 +43,7 @@ static void place_held(body_t *body, const scenario_t *scenario, const scene_t *
     if (body->present) {
         if (held != body->object) {
             body_set_rod(body, &scenario->object[held]);
-            body->travelled_m += ANOTHER_ROD_M;
+            body->travelled_m += ROD_CHANGE_M;
         }
         rigid_pose_t pose;
         scene_object(scene, (size_t)held, &pose);
@@ -82,7 +82,7 @@ static void place_robot(body_t robot[BODIES_ROBOT_PARTS], const scenario_t *scen
     place_held(&robot[ROBOT_PART_HELD], scenario, scene, SCENE_HOLDER_ROBOT);
 }
 
-/* The elbow stays where it was: the forearm points there from wherever the wrist is. */
+/* The elbow is fixed: the forearm points from the wrist to it. */
 static void place_forearm(bodies_t *self, size_t person, const rigid_pose_t *hand, const double elbow_m[3]) {
     body_t *forearm = &self->person[person][PERSON_PART_FOREARM];
     const rigid_pose_t wrist = body_wrist(hand);
@@ -93,7 +93,7 @@ static void place_forearm(bodies_t *self, size_t person, const rigid_pose_t *han
         along[i] = length_m > 0.0 ? (elbow_m[i] - wrist.position_m[i]) / length_m : 0.0;
         pose.position_m[i] = wrist.position_m[i] + 0.5 * self->forearm_m[person] * along[i];
     }
-    if (1.0 + along[2] > 1e-6 && length_m > 0.0) { /* the turn of least angle that brings z there; else as it was */
+    if (1.0 + along[2] > 1e-6 && length_m > 0.0) { /* the smallest rotation that aligns z; else unchanged */
         const double turn[4] = {1.0 + along[2], -along[1], along[0], 0.0};
         memcpy(pose.rotation, turn, sizeof turn);
         rotation_normalise(pose.rotation);

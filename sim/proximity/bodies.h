@@ -1,5 +1,5 @@
-/* What can come near something: people and robot as convex shapes, and where these are now. The sizes of a person's
- * hand and forearm and of the robot's torso, head and hand are assumed; those of the arm are robot_model.h's. */
+/* People and robot as convex shapes with their current poses. The sizes of a person's hand and forearm and of the
+ * robot's torso, head and gripper are assumed; those of the arm are from robot_model.h. */
 #ifndef COMANIP_SIM_BODIES_H
 #define COMANIP_SIM_BODIES_H
 
@@ -11,14 +11,14 @@
 #define BODIES_PERSON_PARTS 4 /* person_part_t */
 #define BODIES_ROBOT_PARTS 8  /* robot_part_t */
 #define BODIES_FOREARM_POINTS 16
-#define BODIES_WRIST_M 0.060 /* behind the origin of a person's hand, which is in the middle of the palm */
+#define BODIES_WRIST_M 0.060 /* behind the origin of a person's hand, the centre of the palm */
 #define BODY_NO_OBJECT (-1)
 
 typedef struct {
     convex_shape_t shape;
     bool present;
-    int object;         /* the rod that it is; BODY_NO_OBJECT */
-    double travelled_m; /* since the start, no point of it has moved further; grows when another rod takes its place */
+    int object;         /* index of the rod, or BODY_NO_OBJECT */
+    double travelled_m; /* bound of any point's path since the start; grows when another rod is held */
 } body_t;
 
 typedef struct {
@@ -28,13 +28,13 @@ typedef struct {
     double forearm_point[SCENARIO_MAX_PEOPLE][BODIES_FOREARM_POINTS][3];
 } bodies_t;
 
-/* Shapes point into `self`: it must not be copied. */
+/* self must not be copied, because shapes point into it. */
 void bodies_init(bodies_t *self, const scenario_t *scenario);
 
-/* Puts them where they are in the scene now. */
+/* Sets the poses from the current scene. */
 void bodies_place(bodies_t *self, const scenario_t *scenario, const scene_t *scene);
 
-/* Parts of the above (body_shapes.c). */
+/* Used by the functions above (body_shapes.c). */
 void body_set_rod(body_t *self, const object_t *rod);
 rigid_pose_t body_wrist(const rigid_pose_t *hand);
 double body_distance_m(const double a[3], const double b[3]);

@@ -1,3 +1,4 @@
+/* Sizes and shapes of the robot's parts and of the people. */
 #include "bodies.h"
 
 #include <math.h>
@@ -9,12 +10,12 @@
 #define ELBOW_RADIUS_M 0.045
 #define RING_POINTS (BODIES_FOREARM_POINTS / 2)
 
-/* Assumed: the manual gives no outlines. The robot is 0.6 m tall and has the waist's frame at its hip. */
+/* Assumed, because the manual gives no outlines. The robot is 0.6 m tall, with the waist frame at its hip. */
 static const double gripper_size_m[3] = {0.040, 0.050, 0.050};
 static const double torso_size_m[3] = {0.100, 0.150, 0.190};
-static const double torso_middle_m[3] = {-0.035, 0.0, 0.085};
+static const double torso_centre_m[3] = {-0.035, 0.0, 0.085};
 static const double head_size_m[3] = {0.110, 0.120, 0.120};
-static const double head_middle_m[3] = {-0.030, 0.0, 0.260};
+static const double head_centre_m[3] = {-0.030, 0.0, 0.260};
 
 /* An adult's hand in its frame, z forward and x up: wrist, knuckles, finger tips. 0.18 x 0.085 x 0.03 m. */
 static const double flat_hand_m[][3] = {
@@ -32,7 +33,7 @@ static const double flat_hand_m[][3] = {
     {0.008, 0.030, 0.120},
 };
 
-/* The same hand with its fingers around something. */
+/* The same hand with its fingers around an object. */
 static const double grasping_hand_m[][3] = {
     {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M}, {0.015, -0.030, -BODIES_WRIST_M},
     {0.015, 0.030, -BODIES_WRIST_M},   {-0.030, -0.0425, -0.020},        {-0.030, 0.0425, -0.020},
@@ -41,7 +42,7 @@ static const double grasping_hand_m[][3] = {
 };
 
 #define HAND_POINTS ((int)(sizeof flat_hand_m / sizeof flat_hand_m[0]))
-_Static_assert(sizeof flat_hand_m == sizeof grasping_hand_m, "one number of points for both");
+_Static_assert(sizeof flat_hand_m == sizeof grasping_hand_m, "both hands have the same number of points");
 
 static void set_shape(body_t *body, convex_shape_t shape) {
     body->shape = shape;
@@ -58,7 +59,7 @@ static void set_cylinder(body_t *body, double length_m, double radius_m) {
     set_shape(body, (convex_shape_t){.kind = SHAPE_CYLINDER, .length_m = length_m, .radius_m = radius_m});
 }
 
-/* Outside, closed by a lid: convex. */
+/* The outside of the cup with a lid, which is convex. */
 static void set_cup(body_t *body, const cup_t *cup) {
     if (cup->present) {
         set_cylinder(body, cup->height_m + cup->wall_m, cup->radius_m + cup->wall_m);
@@ -77,8 +78,8 @@ static void init_robot(body_t robot[BODIES_ROBOT_PARTS], const scenario_t *scena
     set_box(&robot[ROBOT_PART_SHOULDER], shoulder_m);
     set_box(&robot[ROBOT_PART_TORSO], torso_size_m);
     set_box(&robot[ROBOT_PART_HEAD], head_size_m);
-    memcpy(robot[ROBOT_PART_TORSO].shape.pose.position_m, torso_middle_m, sizeof torso_middle_m);
-    memcpy(robot[ROBOT_PART_HEAD].shape.pose.position_m, head_middle_m, sizeof head_middle_m);
+    memcpy(robot[ROBOT_PART_TORSO].shape.pose.position_m, torso_centre_m, sizeof torso_centre_m);
+    memcpy(robot[ROBOT_PART_HEAD].shape.pose.position_m, head_centre_m, sizeof head_centre_m);
     set_cup(&robot[ROBOT_PART_CUP], &scenario->cup);
 }
 
@@ -91,7 +92,7 @@ double body_distance_m(const double a[3], const double b[3]) {
     return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]));
 }
 
-static bool takes_things(const person_t *person) {
+static bool grips_objects(const person_t *person) {
     bool takes = person->cup.present;
     for (size_t i = 0; i < person->step_count; i++) {
         takes = takes || person->step[i].action == PERSON_GRIP;
@@ -102,7 +103,7 @@ static bool takes_things(const person_t *person) {
     return takes;
 }
 
-/* Along z from wrist to elbow, the origin in its middle. */
+/* The forearm lies along z from wrist to elbow, with the origin at its centre. */
 static void init_forearm(bodies_t *self, size_t person, const person_t *who) {
     const rigid_pose_t wrist = body_wrist(&who->start);
     const double length_m = body_distance_m(wrist.position_m, who->elbow_m);
@@ -123,7 +124,7 @@ static void init_forearm(bodies_t *self, size_t person, const person_t *who) {
 static void init_person(bodies_t *self, size_t person, const person_t *who) {
     set_shape(&self->person[person][PERSON_PART_HAND],
               (convex_shape_t){.kind = SHAPE_HULL,
-                               .points = takes_things(who) ? grasping_hand_m : flat_hand_m,
+                               .points = grips_objects(who) ? grasping_hand_m : flat_hand_m,
                                .point_count = HAND_POINTS});
     set_cup(&self->person[person][PERSON_PART_CUP], &who->cup);
     init_forearm(self, person, who);

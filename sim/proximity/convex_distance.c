@@ -5,7 +5,8 @@
 
 #include "convex_support.h"
 
-#define BRACKET_M (1.6 * CONVEX_DISTANCE_ERROR_M) /* the answer is its middle: rounding has a fifth of the bound */
+#define BRACKET_M                                                                                                      \
+    (1.6 * CONVEX_DISTANCE_ERROR_M) /* result: its centre; a fifth of the error bound is left for rounding */
 
 typedef struct {
     ccd_t ccd;
@@ -13,7 +14,7 @@ typedef struct {
     convex_separation_t separation;
 } search_t;
 
-/* Between their bounding spheres; negative if these overlap. */
+/* Distance between the bounding spheres; negative if they overlap. */
 static double sphere_distance_m(const convex_shape_t *a, const convex_shape_t *b) {
     const double *p = a->pose.position_m, *q = b->pose.position_m;
     const double d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
@@ -29,9 +30,9 @@ static double separation_m(const search_t *self) {
     return self->separation.distance_mm / MM_PER_M;
 }
 
-/* Do they meet if one is grown by the margin? Not if some direction separates them: where GJK gives up without having
- * found one, it is on the surface, within its rounding. */
-static bool meets(search_t *self, double margin_m) {
+/* Returns true if the shapes intersect when one is inflated by the margin, so if no direction separates them. If GJK
+ * ends without finding such a direction, the shapes touch within its rounding. */
+static bool intersects(search_t *self, double margin_m) {
     self->first.margin_mm = MM_PER_M * margin_m;
     return ccdGJKIntersect(&self->first, &self->second, &self->ccd) != 0 || separation_m(self) < margin_m;
 }
@@ -44,20 +45,21 @@ double convex_distance_m(const convex_shape_t *a, const convex_shape_t *b, doubl
     search_t search;
     search_init(&search, a, b);
     double margin_m = guess_m >= 0.0 ? guess_m + 0.5 * BRACKET_M : ceiling_m;
-    bool halves = false;
+    bool halve = false;
     while (upper_m - lower_m > BRACKET_M) {
         if (!(margin_m > lower_m && margin_m < upper_m)) {
             margin_m = 0.5 * (lower_m + upper_m);
         }
-        if (meets(&search, margin_m)) {
+        if (intersects(&search, margin_m)) {
             upper_m = margin_m;
         }
         lower_m = fmax(lower_m, separation_m(&search));
-        /* The best direction is mostly nearly right: then the distance lies just above. Halving is the safe way. */
-        margin_m = halves ? 0.5 * (lower_m + upper_m) : lower_m + 0.9 * BRACKET_M;
-        halves = !halves;
+        /* The best direction is usually nearly exact, so the distance is just above lower_m. Halving guarantees
+         * convergence. */
+        margin_m = halve ? 0.5 * (lower_m + upper_m) : lower_m + 0.9 * BRACKET_M;
+        halve = !halve;
     }
-    if (lower_m <= 0.0 && meets(&search, 0.0)) {
+    if (lower_m <= 0.0 && intersects(&search, 0.0)) {
         return 0.0;
     }
     return fmin(0.5 * (lower_m + upper_m), ceiling_m);

@@ -5,11 +5,11 @@
 
 #include "convex_shape.h"
 
-/* Bound of its error, for shapes up to 1 m across and apart. */
+/* Error bound for shapes of up to 1 m size and distance. */
 #define CONVEX_DISTANCE_ERROR_M 0.00005
 
-/* Least distance, at least 0 (they touch or overlap); at most `ceiling_m`: what lies beyond is not searched. guess_m:
- * of an earlier instant, or negative; makes it faster, not different beyond the error bound. */
+/* Returns the distance, 0 if the shapes touch or overlap, and ceiling_m if they are farther apart. guess_m: distance at
+ * an earlier instant, or negative; it speeds up the search and does not change the result beyond the error bound. */
 double convex_distance_m(const convex_shape_t *a, const convex_shape_t *b, double ceiling_m, double guess_m);
 
 #endif

@@ -1,6 +1,6 @@
-/* libccd's own answers will not do: its expanding polytope does not stay convex, and its portal refinement finds a way
- * out, not the shortest one. The depth is the least reach over all directions, and no direction's reach is less: a
- * search that misses the least one says too much, never too little. */
+/* Computes the penetration depth. libccd's own functions are not accurate enough: its expanding polytope does not stay
+ * convex, and its portal refinement finds a separation, but not the shortest one. The depth is the smallest reach over
+ * all directions, so a search that misses the minimum returns too much, never too little. */
 #include "convex_overlap.h"
 
 #include <math.h>
@@ -22,9 +22,9 @@ static void normalise(double v[3]) {
     }
 }
 
-/* Subgradient descent on the sphere of directions: the furthest point, less its part along the direction, points to
- * where the reach grows. Steps of falling length, for it has edges. */
-static double least_reach_near(const convex_operand_t *first, const convex_operand_t *second, double direction[3]) {
+/* Subgradient descent on the sphere of directions: the farthest point, without its component along the direction,
+ * points to increasing reach. The steps become shorter, because the reach is not smooth. */
+static double smallest_reach_near(const convex_operand_t *first, const convex_operand_t *second, double direction[3]) {
     double least_mm = HUGE_VAL, step_rad = FIRST_STEP_RAD;
     for (int k = 0; k < STEPS; k++) {
         double across[3];
@@ -61,7 +61,7 @@ double convex_overlap_m(const convex_shape_t *a, const convex_shape_t *b) {
             double direction[3];
             rotation_apply(shape[i]->pose.rotation, cube, direction);
             normalise(direction);
-            least_mm = fmin(least_mm, least_reach_near(&first, &second, direction));
+            least_mm = fmin(least_mm, smallest_reach_near(&first, &second, direction));
         }
         if (least_mm <= 0.0) {
             return 0.0;

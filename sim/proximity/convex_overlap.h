@@ -1,4 +1,4 @@
-/* How deep two convex shapes overlap. */
+/* The penetration depth of two convex shapes. */
 #ifndef COMANIP_SIM_CONVEX_OVERLAP_H
 #define COMANIP_SIM_CONVEX_OVERLAP_H
 
@@ -6,8 +6,8 @@
 
 #define CONVEX_OVERLAP_ERROR_M 0.0003
 
-/* The shortest way that separates them, 0: they do not overlap. Never too little; mostly exact to 10 um, too much by
- * CONVEX_OVERLAP_ERROR_M at most (found with random boxes and hulls, not proven). */
+/* Returns the shortest displacement that separates the shapes, 0 if they do not overlap. Never too small; usually exact
+ * to 10 um, too large by at most CONVEX_OVERLAP_ERROR_M (found with random boxes and hulls, not proven). */
 double convex_overlap_m(const convex_shape_t *a, const convex_shape_t *b);
 
 #endif

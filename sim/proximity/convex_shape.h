@@ -1,4 +1,4 @@
-/* Convex shapes. */
+/* Convex shapes with their poses: boxes, capsules, cylinders and convex hulls. */
 #ifndef COMANIP_SIM_CONVEX_SHAPE_H
 #define COMANIP_SIM_CONVEX_SHAPE_H
 
@@ -17,7 +17,7 @@ typedef struct {
     double length_m, radius_m;
     const double (*points)[3]; /* in the shape's frame; SHAPE_HULL */
     int point_count;
-    double bounding_radius_m; /* of a sphere about the frame's origin: filled by convex_shape_finish() */
+    double bounding_radius_m; /* of a sphere about the frame's origin; set by convex_shape_finish() */
     rigid_pose_t pose;        /* of its frame, torso axes */
 } convex_shape_t;
 

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define MAX_ITERATIONS 200 /* touching curved surfaces need some tens */
+#define MAX_ITERATIONS 200 /* touching curved surfaces need several tens */
 
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -23,7 +23,7 @@ static void hull_support(const convex_shape_t *shape, const double direction[3],
     memcpy(point_m, shape->points[best], 3 * sizeof *point_m);
 }
 
-/* The furthest point without the shape's roundness, which leaves a line of a capsule; in the shape's frame. */
+/* Farthest point of the shape's core (of a capsule: its line) in a direction, in the shape's frame. */
 static void core_support(const convex_shape_t *shape, const double direction[3], double point_m[3]) {
     double length = 0.0, share = 0.0;
     switch (shape->kind) {
@@ -44,8 +44,8 @@ static void core_support(const convex_shape_t *shape, const double direction[3],
     }
 }
 
-/* Gives the shape's reach in the direction, too. */
-static double grown_support(const convex_operand_t *self, const ccd_vec3_t *direction, ccd_vec3_t *point) {
+/* Gives the support point of the inflated shape and returns its reach in the direction. */
+static double inflated_support(const convex_operand_t *self, const ccd_vec3_t *direction, ccd_vec3_t *point) {
     const double *d = direction->v;
     double local[3], core_m[3] = {0.0};
     for (size_t i = 0; i < 3; i++) {
@@ -62,14 +62,14 @@ static double grown_support(const convex_operand_t *self, const ccd_vec3_t *dire
 
 static void support_first(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *point) {
     const convex_operand_t *self = object;
-    self->separation->first_reach_mm = grown_support(self, direction, point) - self->margin_mm;
+    self->separation->first_reach_mm = inflated_support(self, direction, point) - self->margin_mm;
 }
 
-/* libccd asks the second shape after the first, in the opposite direction. */
+/* libccd calls this for the second shape after the first, with the opposite direction. */
 static void support_second(const void *object, const ccd_vec3_t *opposite, ccd_vec3_t *point) {
     const convex_operand_t *self = object;
     convex_separation_t *separation = self->separation;
-    const double distance_mm = -separation->first_reach_mm - grown_support(self, opposite, point);
+    const double distance_mm = -separation->first_reach_mm - inflated_support(self, opposite, point);
     if (distance_mm > separation->distance_mm) {
         separation->distance_mm = distance_mm;
         for (int i = 0; i < 3; i++) {
@@ -78,7 +78,8 @@ static void support_second(const void *object, const ccd_vec3_t *opposite, ccd_v
     }
 }
 
-/* The best direction so far: a search that differs from the last by its margin is then nearly done. */
+/* Starts with the best direction so far: a search that differs from the last one only by its margin then ends
+ * quickly. */
 static void first_direction(const void *first, const void *second, ccd_vec3_t *direction) {
     const convex_operand_t *self = first;
     (void)second;
@@ -109,7 +110,7 @@ void convex_operands_init(convex_operand_t *first, convex_operand_t *second, con
     *separation = (convex_separation_t){.distance_mm = 0.0};
     memcpy(separation->direction, second->position_mm, sizeof separation->direction);
     if (dot(separation->direction, separation->direction) <= 0.0) {
-        separation->direction[0] = 1.0; /* one within the other: any will do */
+        separation->direction[0] = 1.0; /* equal origins: any direction will do */
     }
 }
 
@@ -118,7 +119,7 @@ double convex_reach_mm(const convex_operand_t *first, const convex_operand_t *se
     const ccd_vec3_t along = {{direction[0], direction[1], direction[2]}};
     const ccd_vec3_t against = {{-direction[0], -direction[1], -direction[2]}};
     ccd_vec3_t p, q;
-    const double reach_mm = grown_support(first, &along, &p) + grown_support(second, &against, &q);
+    const double reach_mm = inflated_support(first, &along, &p) + inflated_support(second, &against, &q);
     for (int i = 0; i < 3; i++) {
         furthest_mm[i] = p.v[i] - q.v[i];
     }

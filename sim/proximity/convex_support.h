@@ -1,5 +1,6 @@
-/* A convex shape as libccd sees it: a function that gives its furthest point in a direction. In mm: libccd compares
- * products of lengths with fixed thresholds (2e-16), which in metres are not small beside those of a hand. */
+/* Support functions of convex shapes for libccd: the farthest point in a direction. Lengths are in mm, because libccd
+ * compares products of lengths with fixed thresholds (2e-16), which are too coarse for lengths in metres of the size of
+ * a hand. */
 #ifndef COMANIP_SIM_CONVEX_SUPPORT_H
 #define COMANIP_SIM_CONVEX_SUPPORT_H
 
@@ -9,10 +10,10 @@
 
 #define MM_PER_M 1000.0
 
-/* Every direction that is tried bounds the distance of the two shapes from below; this is the best one. */
+/* Every direction that is tried gives a lower bound of the distance between the two shapes; this is the best one. */
 typedef struct {
-    double first_reach_mm; /* of the first shape in the direction that is being tried */
-    double distance_mm;    /* at least so far apart */
+    double first_reach_mm; /* of the first shape in the current direction */
+    double distance_mm;    /* lower bound of the distance */
     double direction[3];   /* from the first shape to the second; any length */
 } convex_separation_t;
 
@@ -20,22 +21,24 @@ typedef struct {
     const convex_shape_t *shape;
     double rotation[3][3];
     double position_mm[3]; /* from the first shape's origin */
-    double round_mm;       /* the shape is grown by so much: a capsule is a grown line */
-    double margin_mm;      /* and by so much, which is not its own */
+    double round_mm;       /* radius that inflates the core: a capsule is an inflated line */
+    double margin_mm;      /* additional inflation for the search */
     convex_separation_t *separation;
 } convex_operand_t;
 
-/* Two shapes, ungrown. separation: starts with nothing known and the direction between their origins. Both shapes and
- * `separation` must outlive the operands. */
+/* Initialises both operands with margin 0, and separation with distance 0 and the direction between the origins. Both
+ * shapes and `separation` must outlive the operands. */
 void convex_operands_init(convex_operand_t *first, convex_operand_t *second, const convex_shape_t *a,
                           const convex_shape_t *b, convex_separation_t *separation);
 
-/* How far the first shape would have to move against the unit direction to leave the second one behind; negative: so
- * far apart they are in this direction. furthest_mm: the point of the Minkowski difference that says so. */
+/* Returns how far the first shape would have to move against the unit direction to be separated from the second one;
+ * negative: their distance in this direction. furthest_mm: the point of the Minkowski difference at which this
+ * occurs. */
 double convex_reach_mm(const convex_operand_t *first, const convex_operand_t *second, const double direction[3],
                        double furthest_mm[3]);
 
-/* libccd set up for these two: pass `first` and `second` in this order. The margin is the first one's. */
+/* Configures libccd for two operands, which must be passed in the order `first`, `second`. Only the margin of the first
+ * is used. */
 void convex_support_configure(ccd_t *ccd);
 
 #endif

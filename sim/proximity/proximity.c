@@ -11,22 +11,22 @@
 #define PERSON_PAIRS (SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS * BODIES_ROBOT_PARTS)
 #define SELF_PAIRS (ROBOT_PART_UPPER_ARM * BODY_PARTS)
 
-/* A pair is searched a little beyond the least distance found so far: it then has so far to go before it must be
- * searched again. */
-#define LOOK_BEYOND_M 0.03
+/* A pair is searched a little beyond the smallest distance found so far. It then has to travel this distance before it
+ * must be searched again. */
+#define SEARCH_BEYOND_M 0.03
 
 typedef struct {
     const body_t *a, *b;
     int number;
-    double distance_m;  /* as last found; negative: never */
-    double least_m;     /* it was at least that */
-    double travelled_m; /* of both bodies, then */
+    double distance_m;  /* result of the last search; negative: none */
+    double least_m;     /* lower bound at the last search */
+    double travelled_m; /* of both bodies at the last search */
 } pair_t;
 
 typedef struct {
     pair_t pair[PERSON_PAIRS];
     size_t count;
-    size_t nearest; /* place in `pair`, of the last search: a good one to begin with */
+    size_t nearest; /* index in `pair` from the last search, where the next one begins */
 } pairs_t;
 
 struct proximity {
@@ -51,9 +51,9 @@ proximity_pair_t proximity_pair(int pair) {
                               .robot = (robot_part_t)(pair % BODIES_ROBOT_PARTS)};
 }
 
-/* ---- which pairs */
+/* ---- pairs */
 
-/* What people and robot take hold of in this scenario. The robot's gripper closes on whatever lies in it. */
+/* Finds the objects that people and robot grip in this scenario. The robot's gripper closes on any object in it. */
 static void find_grips(proximity_t *self, const scenario_t *scenario) {
     bool closes = false;
     for (size_t i = 0; i < scenario->operate_count; i++) {
@@ -73,7 +73,7 @@ static void find_grips(proximity_t *self, const scenario_t *scenario) {
     }
 }
 
-/* Contact with a rod is intended between it and the hand, with its forearm, that takes hold of it in this scenario. */
+/* Contact of a rod is intended with a hand, and its forearm, that grips the rod in this scenario. */
 static bool is_intended(const proximity_t *self, int number) {
     const proximity_pair_t parts = proximity_pair(number);
     if (parts.person < 0) {
@@ -93,7 +93,7 @@ static void add_pair(pairs_t *self, const body_t *a, const body_t *b, int number
     self->pair[self->count++] = (pair_t){.a = a, .b = b, .number = number, .distance_m = -1.0};
 }
 
-/* Neighbours in the chain of joints are left out: they always touch. */
+/* Neighbours in the kinematic chain are excluded, because they always touch. */
 static bool are_neighbours(const proximity_pair_t *parts) {
     return parts->robot == ROBOT_PART_FOREARM && parts->body == ROBOT_PART_UPPER_ARM;
 }
@@ -119,30 +119,30 @@ static void add_pairs(proximity_t *self) {
     }
 }
 
-/* ---- the least distance */
+/* ---- smallest distance */
 
-/* Exact for those pairs alone that may be the nearest: the others were too far away when last searched, and have not
+/* Searches only the pairs that may be the nearest: the others were too far apart at their last search and have not
  * travelled far enough since. */
 static double search(const proximity_t *self, pairs_t *pairs, int *number) {
     double best_m = PROXIMITY_CEILING_M;
     const size_t first = pairs->nearest;
     *number = -1;
     for (size_t i = 0; i < pairs->count; i++) {
-        const size_t place = (first + i) % pairs->count;
-        pair_t *pair = &pairs->pair[place];
+        const size_t slot = (first + i) % pairs->count;
+        pair_t *pair = &pairs->pair[slot];
         const double travelled_m = pair->a->travelled_m + pair->b->travelled_m;
         const double least_m = pair->least_m - (travelled_m - pair->travelled_m);
         if (!pair->a->present || !pair->b->present || least_m >= best_m || is_intended(self, pair->number)) {
             continue;
         }
-        const double ceiling_m = fmin(best_m + LOOK_BEYOND_M, PROXIMITY_CEILING_M);
+        const double ceiling_m = fmin(best_m + SEARCH_BEYOND_M, PROXIMITY_CEILING_M);
         pair->distance_m = convex_distance_m(&pair->a->shape, &pair->b->shape, ceiling_m, pair->distance_m);
         pair->least_m = pair->distance_m - CONVEX_DISTANCE_ERROR_M;
         pair->travelled_m = travelled_m;
         if (pair->distance_m < best_m) {
             best_m = pair->distance_m;
             *number = pair->number;
-            pairs->nearest = place;
+            pairs->nearest = slot;
         }
     }
     return best_m;

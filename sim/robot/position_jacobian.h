@@ -1,4 +1,4 @@
-/* How the hand's position changes with the joints, on the manual's kinematics (robot_model.h) in double. */
+/* Position Jacobian of the end effector, from the manual's kinematics (robot_model.h) in double precision. */
 #ifndef COMANIP_SIM_POSITION_JACOBIAN_H
 #define COMANIP_SIM_POSITION_JACOBIAN_H
 
@@ -6,10 +6,12 @@
 
 #include "robot_model.h"
 
-/* The hand's position [m] in the torso frame, and J [m/rad], joint by joint; jacobian may be NULL. */
+/* Gives the position [m] of the end effector in the torso frame and J [m/rad], one row per joint. jacobian may be
+ * NULL. */
 void position_jacobian(const double position_rad[ROBOT_JOINTS], double hand_m[3], double jacobian[ROBOT_JOINTS][3]);
 
-/* x = (J J^T + damping 1)^-1 b over the free joints; is_free NULL: all. damping [m^2] must keep it regular. */
+/* x = (J J^T + damping I)^-1 b over the free joints; is_free NULL: all. The matrix must be regular. damping is in
+ * m^2. */
 void position_jacobian_solve(const double jacobian[ROBOT_JOINTS][3], const bool is_free[ROBOT_JOINTS], double damping,
                              const double b[3], double x[3]);
 

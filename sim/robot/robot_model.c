@@ -6,7 +6,7 @@
 #define RIGHT_ANGLE (ROBOT_PI / 2.0)
 #define DEG(x) ((x) * ROBOT_RAD_PER_DEG)
 
-/* Where the first joint's frame hangs: WAIST -> CHEST -> RARM[0]. */
+/* Fixed transforms up to the frame of the first joint: WAIST -> CHEST -> RARM[0]. */
 #define CHEST_A_M (-0.035)
 #define CHEST_D_M 0.125
 #define SHOULDER_ALPHA_RAD (-RIGHT_ANGLE)

@@ -1,6 +1,6 @@
-/* Fujitsu HOAP-3, right arm, as its instruction manual gives it (tables 6.1-2 and 6.4-1): modified DH (Craig), masses,
- * stops, torques, encoders. In double and shared by the plant and the monitors; the firmware has a table of its own, in
- * another convention, so that each checks the other. Torso frame: x forward, y left, z up. */
+/* Right arm of the Fujitsu HOAP-3 from its instruction manual (tables 6.1-2 and 6.4-1): modified DH (Craig), masses,
+ * stops, torques, encoders. In double precision, shared by the plant and the monitors. The firmware has its own table
+ * in another convention, so that each checks the other. Torso frame: x forward, y left, z up. */
 #ifndef COMANIP_SIM_ROBOT_MODEL_H
 #define COMANIP_SIM_ROBOT_MODEL_H
 
@@ -9,9 +9,9 @@
 #define ROBOT_PI 3.14159265358979323846
 #define ROBOT_RAD_PER_DEG (ROBOT_PI / 180.0)
 
-#define ROBOT_STOP_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* usable range: so far inside the mechanical stops */
+#define ROBOT_STOP_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* from a mechanical stop to the joint limit */
 #define ROBOT_VELOCITY_MAX_RADPS 4.76                   /* 272.7 deg/s */
-#define ROBOT_JERK_MAX_RADPS3 10000.0 /* not the manual's, which gives none: so much is asked of the drives at most */
+#define ROBOT_JERK_MAX_RADPS3 10000.0                   /* limit of the commands to the drives; the manual gives none */
 #define ROBOT_TORQUE_PEAK_NM 3.0
 #define ROBOT_PULSES_PER_DEGREE 209.0
 
@@ -27,25 +27,26 @@ typedef enum {
 /* Joint i and the link it moves. The link frame is the modified DH frame of the joint. */
 typedef struct {
     double alpha_rad, a_m, d_m, offset_rad; /* from the previous frame; joint angle = theta - offset */
-    double stop_min_rad, stop_max_rad;      /* mechanical */
+    double stop_min_rad, stop_max_rad;      /* mechanical stops */
     double mass_kg;
-    link_shape_t shape; /* the manual gives no inertias: a homogeneous body of these dimensions has them */
+    link_shape_t shape; /* homogeneous body for the inertia, which the manual does not give */
     double length_m, radius_m;
     double centre_m[3]; /* of mass, in the link frame */
 } robot_joint_t;
 
 extern const robot_joint_t robot_joint_table[ROBOT_JOINTS];
 
-/* A frame seen from the torso. rotation: row by row. */
+/* Pose of a frame in the torso frame. rotation: row-major. */
 typedef struct {
     double rotation[9];
     double position_m[3];
 } transform_t;
 
-/* Link frames and the hand (z forward along the forearm, x up when the forearm points forward). link may be NULL. */
+/* Forward kinematics: link frames and end effector (z along the forearm, x up when it points forward). link may be
+ * NULL. */
 void robot_model_forward(const double position_rad[ROBOT_JOINTS], transform_t link[ROBOT_JOINTS], transform_t *hand);
 
-/* The hand seen from the last link's frame: quaternion w x y z and offset. */
+/* End effector in the frame of the last link: quaternion w x y z and offset. */
 extern const double robot_hand_rotation[4];
 extern const double robot_hand_offset_m[3];
 

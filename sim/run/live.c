@@ -5,12 +5,12 @@
 
 #define LATE_TOLERATED_NS 10000000
 
-static void tell_how_to_listen(const live_t *self) {
-    (void)printf(
-        "the bus is live on %s hub %s; to listen, beside this: make candump, or build/host/with-can candump -ta %s\n",
-        self->hub.hub > 0 ? "its own" : "the running", self->options->hub, self->options->hub);
+static void print_how_to_listen(const live_t *self) {
+    (void)printf("the bus is live on %s hub %s; to listen in another terminal: make candump, or build/host/with-can "
+                 "candump -ta %s\n",
+                 self->hub.hub > 0 ? "its own" : "the running", self->options->hub, self->options->hub);
     if (!self->hub.is_exclusive) {
-        (void)printf("listeners on this hub hear each other, too; none of them reaches the simulator\n");
+        (void)printf("clients of this hub also receive each other's frames; the simulator receives none of them\n");
     }
     (void)fflush(stdout);
 }
@@ -22,7 +22,7 @@ bool live_open(live_t *self, world_t *world, char error[], size_t error_size) {
             return false;
         }
         if (!self->options->quiet) {
-            tell_how_to_listen(self);
+            print_how_to_listen(self);
         }
     }
     if (self->options->real_time) {
@@ -39,7 +39,7 @@ void live_close(live_t *self) {
     if (self->options->hub != NULL) {
         hub_publisher_close(&self->hub);
         if (self->hub.lost > 0) {
-            (void)fprintf(stderr, "comanip-sim: %" PRIu64 " frames were not shown on the hub\n", self->hub.lost);
+            (void)fprintf(stderr, "comanip-sim: %" PRIu64 " frames were not published on the hub\n", self->hub.lost);
         }
     }
     if (self->real_time.latest_ns > LATE_TOLERATED_NS && !self->options->quiet) {

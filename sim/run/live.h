@@ -1,4 +1,4 @@
-/* A run that people watch while it goes on: paced by real time, shown on a hub. Neither changes what happens in it. */
+/* Options for watching a run: pacing to real time and publishing on a hub. Neither changes the run. */
 #ifndef COMANIP_SIM_LIVE_H
 #define COMANIP_SIM_LIVE_H
 
@@ -15,11 +15,11 @@ typedef struct {
     hub_publisher_t hub;
 } live_t;
 
-/* Does what the world's options ask for, and says how to listen. Call it just before the run. On failure false, and one
+/* Applies the world's options and prints how to listen. Called just before the run. Returns false on failure, with one
  * line in `error`. */
 bool live_open(live_t *self, world_t *world, char error[], size_t error_size);
 
-/* Says how well it went. */
+/* Closes the hub and prints lost frames and lateness. */
 void live_close(live_t *self);
 
 #endif

@@ -23,7 +23,7 @@
 #define EXIT_WRONG_USE 2
 #define EXIT_INTERRUPTED 130 /* 128 + SIGINT, as shells expect */
 #define PATH_BYTES 4096
-#define SCENARIO_FOLDER "/../../sim/scenarios" /* from build/host/ and build/linux/, where the programs lie */
+#define SCENARIO_FOLDER "/../../sim/scenarios" /* relative to the programs in build/host/ and build/linux/ */
 
 static volatile sig_atomic_t interrupted;
 
@@ -32,8 +32,8 @@ static void on_interrupt(int signal_number) {
     interrupted = 1;
 }
 
-/* Always one line: what came from the command line must not reach a terminal as a command. */
-static int complain(const char *program, const char *error, int status) {
+/* Prints one line without control characters: text from the command line must not act as terminal control codes. */
+static int print_error(const char *program, const char *error, int status) {
     (void)fprintf(stderr, "%s: ", program);
     for (const char *character = error; *character != '\0'; character++) {
         (void)fputc(iscntrl((unsigned char)*character) ? '?' : *character, stderr);
@@ -42,8 +42,8 @@ static int complain(const char *program, const char *error, int status) {
     return status;
 }
 
-int run_complain(const char *program, const char *error) {
-    return complain(program, error, EXIT_WRONG_USE);
+int run_print_error(const char *program, const char *error) {
+    return print_error(program, error, EXIT_WRONG_USE);
 }
 
 static double wall_clock_s(void) {
@@ -52,7 +52,7 @@ static double wall_clock_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Where the project's own scenarios are, wherever the program is called from. */
+/* Finds the project's scenarios independently of the working directory. */
 static void find_scenario_folder(char folder[PATH_BYTES]) {
     const ssize_t bytes = readlink("/proc/self/exe", folder, PATH_BYTES - sizeof SCENARIO_FOLDER);
     folder[bytes > 0 ? bytes : 0] = '\0';
@@ -73,7 +73,7 @@ static bool load_scenario(scenario_t *scenario, const options_t *options, const 
     const bool is_shortened = options->duration_s > 0.0 && options->duration_s < scenario->duration_s;
     const double stop_s = (is_shortened ? options->duration_s : scenario->duration_s) - SCENARIO_STOP_BEFORE_END_S;
     if (options->operator.clutch_s >= stop_s) {
-        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, by when all is done",
+        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, the time of the closing stop",
                        options->operator.clutch_s, stop_s);
         return false;
     }
@@ -105,14 +105,14 @@ static void on_tick(void *context, const world_t *world) {
     }
 }
 
-/* Runs the world to its end and writes its files. Gives the exit status. */
+/* Runs the world to its end and writes its files. Returns the exit status. */
 static int run(const run_mode_t *mode, world_t *world, output_folder_t *folder) {
     char error[OPTIONS_ERROR_BYTES];
     static checks_t checks;
     static run_files_t files;
     if (!run_files_open(&files, world, folder->partial_path[OUTPUT_BUS_LOG], folder->partial_path[OUTPUT_TRACE], error,
                         sizeof error)) {
-        return complain(mode->program, error, EXIT_CHECK_FAILED);
+        return print_error(mode->program, error, EXIT_CHECK_FAILED);
     }
     world->on_tick = on_tick;
     world->on_tick_context = &files;
@@ -124,13 +124,13 @@ static int run(const run_mode_t *mode, world_t *world, output_folder_t *folder) 
     if (!run_files_close(&files, folder->partial_path[OUTPUT_TRACE], error, sizeof error) ||
         !report_write_summary(world, &checks, wall_s, folder->partial_path[OUTPUT_SUMMARY], error, sizeof error) ||
         !output_folder_commit(folder, error, sizeof error)) {
-        return complain(mode->program, error, EXIT_CHECK_FAILED);
+        return print_error(mode->program, error, EXIT_CHECK_FAILED);
     }
     print_result(world, &checks, folder, wall_s);
     return interrupted != 0 ? EXIT_INTERRUPTED : checks.pass ? EXIT_SUCCESS : EXIT_CHECK_FAILED;
 }
 
-/* The folder is touched last, when nothing of what was asked for is wrong. */
+/* The folder is opened last, after all other checks. */
 static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     char error[OPTIONS_ERROR_BYTES];
     char default_out[sizeof "out/" + SCENARIO_NAME_BYTES];
@@ -139,7 +139,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     output_folder_t folder;
     int status = EXIT_WRONG_USE;
     if (output_folder_open(&folder, out, error, sizeof error)) {
-        /* Not signal(), after which a second signal would kill: `timeout` and some shells send two. */
+        /* sigaction() keeps the handler for a second signal: `timeout` and some shells send two. */
         const struct sigaction action = {.sa_handler = on_interrupt};
         (void)sigaction(SIGINT, &action, NULL);
         (void)sigaction(SIGTERM, &action, NULL);
@@ -149,22 +149,22 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
         }
         status = run(mode, world, &folder);
     } else {
-        (void)run_complain(mode->program, error);
+        (void)run_print_error(mode->program, error);
     }
     output_folder_free(&folder);
     return status;
 }
 
-/* The bus is opened before anything else takes time or memory: a wrong name is told at once. */
+/* Opens the bus first, so that a wrong name is reported at once. */
 static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
     char error[OPTIONS_ERROR_BYTES];
     static world_t world;
     bus_t *bus = mode->create_bus(options->profile, error, sizeof error);
     if (bus == NULL) {
-        return run_complain(mode->program, error);
+        return run_print_error(mode->program, error);
     }
     const bool is_ready = world_init(&world, options, scenario, bus, &interrupted, error, sizeof error);
-    const int status = is_ready ? open_folder_and_run(mode, &world) : run_complain(mode->program, error);
+    const int status = is_ready ? open_folder_and_run(mode, &world) : run_print_error(mode->program, error);
     world_free(&world);
     return status;
 }
@@ -179,15 +179,15 @@ int run_main(const run_mode_t *mode, int argc, char *argv[]) {
     case OPTIONS_SHOW_HELP: help_print(); return EXIT_SUCCESS;
     case OPTIONS_SHOW_SCENARIOS:
         return help_print_scenarios(scenario_folder, error, sizeof error) ? EXIT_SUCCESS
-                                                                          : run_complain(mode->program, error);
-    case OPTIONS_WRONG: return run_complain(mode->program, error);
+                                                                          : run_print_error(mode->program, error);
+    case OPTIONS_WRONG: return run_print_error(mode->program, error);
     case OPTIONS_RUN: break;
     }
     if (!mode->is_watchable && (options.hub != NULL || options.real_time)) {
-        return run_complain(mode->program, "--hub and --real-time: expected by comanip-sim only");
+        return run_print_error(mode->program, "--hub and --real-time: expected only with comanip-sim");
     }
     if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
-        return run_complain(mode->program, error);
+        return run_print_error(mode->program, error);
     }
     return build_and_run(mode, &options, &scenario);
 }

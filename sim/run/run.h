@@ -1,5 +1,5 @@
-/* What the programs that run a scenario share: the command line, the world, its files, the report. They differ in the
- * bus and in what makes time go on. */
+/* The common part of the programs that run a scenario: command line, world, files, report. The programs differ in the
+ * bus and in what advances time. */
 #ifndef COMANIP_SIM_RUN_H
 #define COMANIP_SIM_RUN_H
 
@@ -9,17 +9,17 @@
 #include "../world/world.h"
 
 typedef struct {
-    const char *program; /* its name, before every complaint */
+    const char *program; /* its name, printed before each error */
     bool is_watchable;   /* takes --hub and --real-time (live.h) */
     bus_t *(*create_bus)(can_profile_t profile, char error[], size_t error_size);
     /* Runs the world to its end. */
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);
 } run_mode_t;
 
-/* main() of such a program: gives the exit status. */
+/* main() of such a program. Returns the exit status. */
 int run_main(const run_mode_t *mode, int argc, char *argv[]);
 
-/* Says what is wrong in one line. Gives the exit status for wrong use. */
-int run_complain(const char *program, const char *error);
+/* Prints an error in one line. Returns the exit status for wrong use. */
+int run_print_error(const char *program, const char *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* Section checks. */
+/* Reads the section `checks` of a scenario file. */
 #include <ctype.h>
 #include <string.h>
 
@@ -64,10 +64,10 @@ static moment_t read_moment(yaml_reader_t *yaml, yaml_node_t *node, const scenar
     moment_t moment = {EVENT_NONE, 0.0};
     if (yaml_is_mapping(node)) {
         yaml_check_keys(yaml, node, keys);
-        moment.event = scenario_event_number(yaml, yaml_need(yaml, node, "event"), self);
+        moment.event = scenario_event_index(yaml, yaml_need(yaml, node, "event"), self);
         yaml_get_number(yaml, node, "plus_s", 0.0, LONG_S, &moment.s);
     } else if (isalpha((unsigned char)yaml_scalar(node)[0]) != 0) {
-        moment.event = scenario_event_number(yaml, node, self);
+        moment.event = scenario_event_index(yaml, node, self);
     } else {
         moment.s = yaml_number(yaml, node, "s", 0.0, LONG_S);
     }
@@ -92,13 +92,13 @@ static void read_window(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t 
 static void read_limit(yaml_reader_t *yaml, yaml_node_t *map, scenario_check_t *check) {
     const bool least = yaml_find(yaml, map, "at_least") != NULL, most = yaml_find(yaml, map, "at_most") != NULL;
     if (least == most) {
-        yaml_refuse(yaml, map, "either at_least or at_most in it");
+        yaml_refuse(yaml, map, "either at_least or at_most");
     }
     check->is_lower_bound = least;
     yaml_get_number(yaml, map, least ? "at_least" : "at_most", -1e6, 1e6, &check->limit);
 }
 
-/* Each measure takes those keys only that mean something to it. */
+/* Accepts only the keys that apply to this measure. */
 static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure) {
     const char *keys[12] = {"name", "measure", "from", "until", "at_least", "at_most"};
     size_t count = 6;
@@ -118,7 +118,7 @@ static void check_keys(yaml_reader_t *yaml, yaml_node_t *map, measure_t measure)
 }
 
 static void read_object(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self, scenario_check_t *check) {
-    check->object = scenario_object_number(yaml, node, self);
+    check->object = scenario_object_index(yaml, node, self);
     const object_kind_t kind = self->object[check->object].kind;
     const bool needs_crank = check->measure == MEASURE_TURNS;
     if (!yaml->failed && (kind == OBJECT_STAND || (needs_crank && kind != OBJECT_CRANK))) {
@@ -140,7 +140,7 @@ static size_t first_held(yaml_reader_t *yaml, const yaml_node_t *word, const sce
 static void read_subject(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, scenario_check_t *check) {
     check->person = self->tracked;
     if (yaml_find(yaml, map, "by") != NULL || needs_person(check->measure)) {
-        check->person = scenario_person_number(yaml, yaml_need(yaml, map, "by"), self);
+        check->person = scenario_person_index(yaml, yaml_need(yaml, map, "by"), self);
     }
     const yaml_node_t *node = yaml_find(yaml, map, "object");
     if (node == NULL && is_force(check->measure)) {
@@ -158,7 +158,7 @@ static bool has_cup(const scenario_t *self) {
     return has;
 }
 
-/* What the measure is about must be there. */
+/* Rejects a measure whose subject is not in the scene. */
 static void check_scene(yaml_reader_t *yaml, const yaml_node_t *word, const scenario_t *self, measure_t measure) {
     if (needs_water(measure) && self->water.particles == 0) {
         yaml_refuse(yaml, word, "water in the scenario");
@@ -195,7 +195,7 @@ static void read_check(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *
 static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, size_t check) {
     for (size_t i = 0; i < check; i++) {
         if (strcmp(self->check[i].name, self->check[check].name) == 0) {
-            yaml_refuse(yaml, yaml_find(yaml, map, "name"), "another name: a check before it has it");
+            yaml_refuse(yaml, yaml_find(yaml, map, "name"), "another name: an earlier check has this one");
         }
     }
 }

@@ -21,7 +21,7 @@ static int by_name(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Names of the files in the folder, without suffix, sorted; to be freed. */
+/* Lists the names of the files in the folder, without suffix, sorted. The caller frees them. */
 static size_t list_names(const char *folder, char *names[LIST_MAX]) {
     DIR *directory = opendir(folder);
     size_t count = 0;
@@ -63,7 +63,7 @@ static bool find_file(const char *name_or_path, const char *folder, char path[SC
         return false;
     }
     if (is_given || (is_whole && access(path, F_OK) == 0)) {
-        return true; /* what cannot be opened, the reader says */
+        return true; /* the reader reports a file that cannot be opened */
     }
     refuse_name(name_or_path, folder, error, error_size);
     return false;
@@ -101,7 +101,7 @@ static void read_tracking(yaml_reader_t *yaml, scenario_t *self) {
     yaml_get_number(yaml, map, "followable_min_percent", 0.0, 100.0, &self->followable_min_percent);
 }
 
-/* Names first: anything may refer to them. */
+/* Reads the names first, because any section may refer to them. */
 static void read_sections(yaml_reader_t *yaml, scenario_t *self) {
     read_head(yaml, self);
     read_variation(yaml, self);

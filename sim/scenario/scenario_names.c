@@ -1,4 +1,4 @@
-/* First pass over a scenario file: who and what there is, and all that can happen. */
+/* First pass over a scenario file: names of objects and people, and all events. */
 #include <string.h>
 
 #include "scenario_sections.h"
@@ -17,13 +17,13 @@ static yaml_node_t *step_name(yaml_reader_t *yaml, yaml_node_t *steps, size_t i)
     return yaml_find(yaml, yaml_item(yaml, steps, i), "name");
 }
 
-/* program and program_with_recording may use the same names: one of them is played. */
+/* program and program_with_recording may use the same names, because only one of them is played. */
 static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *steps, size_t i) {
     const yaml_node_t *name = step_name(yaml, steps, i);
     for (size_t j = 0; j < i; j++) {
         const yaml_node_t *other = step_name(yaml, steps, j);
         if (other != NULL && strcmp(yaml_scalar(name), yaml_scalar(other)) == 0) {
-            yaml_refuse(yaml, name, "another name: the step in line %zu has it", other->start_mark.line + 1);
+            yaml_refuse(yaml, name, "another name: the step in line %zu has this one", other->start_mark.line + 1);
         }
     }
 }
@@ -39,14 +39,14 @@ static void declare_steps(yaml_reader_t *yaml, scenario_t *self, yaml_node_t *st
         }
         yaml_name(yaml, node, name, sizeof name);
         if (yaml_choice(name, taken) >= 0) {
-            yaml_refuse(yaml, node, "another name: done, holds and lost are events of their own");
+            yaml_refuse(yaml, node, "another name: done, holds and lost are reserved events");
         }
         refuse_repeated(yaml, steps, i);
         declare(yaml, self, node, actor, name);
     }
 }
 
-/* ---- things and people */
+/* ---- objects and people */
 
 static void read_points(yaml_reader_t *yaml, yaml_node_t *points, object_t *object) {
     yaml_node_t *name, *along;
@@ -64,7 +64,7 @@ static void read_points(yaml_reader_t *yaml, yaml_node_t *points, object_t *obje
 static void refuse_actor(yaml_reader_t *yaml, const yaml_node_t *name) {
     static const char *const actors[] = {"robot", "operator", NULL};
     if (yaml_choice(yaml_scalar(name), actors) >= 0) {
-        yaml_refuse(yaml, name, "another name: robot and operator are there already");
+        yaml_refuse(yaml, name, "another name: robot and operator are reserved");
     }
 }
 
@@ -89,7 +89,7 @@ static void read_object_names(yaml_reader_t *yaml, scenario_t *self) {
 static void refuse_object(yaml_reader_t *yaml, const yaml_node_t *name, const scenario_t *self) {
     for (size_t i = 0; i < self->object_count; i++) {
         if (strcmp(yaml_scalar(name), self->object[i].name) == 0) {
-            yaml_refuse(yaml, name, "another name: an object has it");
+            yaml_refuse(yaml, name, "another name: an object has this one");
         }
     }
 }

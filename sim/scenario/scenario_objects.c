@@ -1,4 +1,4 @@
-/* Section objects. */
+/* Reads the section `objects` of a scenario file. */
 #include "scenario_sections.h"
 
 #define COMMON_KEYS "kind", "position_m", "rotation"
@@ -10,7 +10,7 @@ static grip_kind_t read_grip(yaml_reader_t *yaml, yaml_node_t *map, const char *
     return node != NULL && yaml_word(yaml, node, grips) == 1 ? GRIP_BALL : GRIP_FIXED;
 }
 
-/* Their names are known: scenario_names.c. */
+/* Reads the positions of the points. Their names are already known (scenario_names.c). */
 static void read_points(yaml_reader_t *yaml, yaml_node_t *map, object_t *object) {
     yaml_node_t *points = yaml_find(yaml, map, "points");
     for (size_t i = 0; i < object->point_count; i++) {
@@ -19,7 +19,7 @@ static void read_points(yaml_reader_t *yaml, yaml_node_t *map, object_t *object)
     }
 }
 
-/* What a hand can hold: a rod, or a crank's handle. */
+/* Reads the keys of objects that a hand can hold: a rod or a crank's handle. */
 static void read_held(yaml_reader_t *yaml, yaml_node_t *map, object_t *object) {
     yaml_need_number(yaml, map, "length_m", 0.01, FAR_M, &object->length_m);
     yaml_need_number(yaml, map, "radius_m", 0.001, 1.0, &object->radius_m);

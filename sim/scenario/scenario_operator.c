@@ -1,4 +1,4 @@
-/* Section operator. */
+/* Reads the section `operator` of a scenario file. */
 #include "scenario_sections.h"
 #include "yaml_choice.h"
 
@@ -12,7 +12,7 @@ static const char *const actions[] = {"select", "start", "latch", "clutch", "sto
 #define NAME(NAME, number, name, form, t_task, q_task, q_inv) name,
 #define NUMBER(NAME, number, name, form, t_task, q_task, q_inv) number,
 
-/* A built-in task, or one of the file's own. */
+/* Reads the name of a built-in task or of a task that the file defines. */
 static void read_select(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, operate_step_t *step) {
     static const uint8_t numbers[] = {COMANIP_TASKS(NUMBER)};
     const char *tasks[COMANIP_TASK_COUNT + SCENARIO_MAX_TASKS + 1] = {COMANIP_TASKS(NAME)};
@@ -68,6 +68,6 @@ void scenario_read_operator(yaml_reader_t *yaml, scenario_t *self) {
         starts = starts || step->command == COMMAND_START;
     }
     if (!starts && !yaml->failed) {
-        yaml_refuse(yaml, list, "a step with do: start, or nothing begins");
+        yaml_refuse(yaml, list, "a step with do: start");
     }
 }

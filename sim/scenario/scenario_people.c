@@ -1,4 +1,4 @@
-/* Section people. */
+/* Reads the section `people` of a scenario file. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,12 +7,12 @@
 
 #define STEP_KEYS "do", "name", STEP_START_KEYS
 #define MOVE_MAX_M 1.5
-#define LONGEST_STEP_S 2e-3 /* of physics: what --physics-step-us takes at most */
+#define LONGEST_STEP_S 2e-3 /* largest physics step that --physics-step-us accepts */
 
 /* In the order of person_action_t. */
 static const char *const actions[] = {"rest", "move", "reach", "guide", "play", "grip", "release", "turn", NULL};
 
-/* What each action knows beside STEP_KEYS. */
+/* Keys of each action, in the order of actions[]. */
 static const char *const action_keys[][16] = {
     {STEP_KEYS, "duration_s", NULL},
     {STEP_KEYS, "duration_s", "to_m", "by_m", "turn_deg", NULL},
@@ -31,7 +31,7 @@ static void read_move(yaml_reader_t *yaml, yaml_node_t *map, person_step_t *step
         yaml_refuse(yaml, map, "to_m (from the start) or by_m (from here), not both");
     }
     if (!to && !by && yaml_find(yaml, map, "turn_deg") == NULL) {
-        yaml_refuse(yaml, map, "to_m, by_m or turn_deg in it: where to move");
+        yaml_refuse(yaml, map, "to_m, by_m or turn_deg: where to move");
     }
     step->from_here = !to;
     yaml_get_vector(yaml, map, to ? "to_m" : "by_m", 3, -MOVE_MAX_M, MOVE_MAX_M, step->displacement_m);
@@ -41,7 +41,7 @@ static void read_move(yaml_reader_t *yaml, yaml_node_t *map, person_step_t *step
     }
 }
 
-static void read_way(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
+static void read_path(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
     step->tolerance_m = 0.003;
     step->to = scenario_point(yaml, yaml_need(yaml, map, "to"), self);
     if (step->action == PERSON_GUIDE) {
@@ -82,7 +82,7 @@ static void read_play(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
 
 static void read_object(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
     const yaml_node_t *node = yaml_need(yaml, map, "object");
-    step->object = scenario_object_number(yaml, node, self);
+    step->object = scenario_object_index(yaml, node, self);
     const object_kind_t kind = self->object[step->object].kind;
     if (step->action == PERSON_TURN) {
         yaml_need_number(yaml, map, "turns", -100.0, 100.0, &step->turns);
@@ -114,14 +114,14 @@ static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     case PERSON_RELEASE: break;
     case PERSON_MOVE: read_move(yaml, map, step); break;
     case PERSON_REACH:
-    case PERSON_GUIDE: read_way(yaml, map, self, step); break;
+    case PERSON_GUIDE: read_path(yaml, map, self, step); break;
     case PERSON_PLAY: read_play(yaml, map, self, step); break;
     case PERSON_GRIP:
     case PERSON_TURN: read_object(yaml, map, self, step); break;
     }
 }
 
-/* That there are not too many of them is known since their names were read. */
+/* The number of steps was checked when their names were read. */
 static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t *self, person_step_t steps[],
                        size_t *count) {
     for (size_t i = 0; i < yaml_length(list) && !yaml->failed; i++) {
@@ -129,7 +129,7 @@ static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t 
     }
 }
 
-/* Where the numbers are from: docs/scenario-files.md. */
+/* Sources of the numbers: docs/scenario-files.md. */
 static void set_defaults(person_t *person) {
     person->mass_kg = 1.0;
     person->stiffness_Npm = 350.0;
@@ -139,8 +139,8 @@ static void set_defaults(person_t *person) {
     person->tremor_mm = 0.1;
 }
 
-/* Spring and damper act once per step (scene/hand_body.h): with w = sqrt(stiffness / inertia) and step h the hand comes
- * to rest only if 4 * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
+/* Spring and damper are evaluated once per step (scene/hand_body.h): with w = sqrt(stiffness / inertia) and step h the
+ * hand comes to rest only if 4 * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
 static void check_is_stable(yaml_reader_t *yaml, yaml_node_t *map, const char *key, const person_t *person,
                             double stiffness, double inertia) {
     const double wh = 2.0 * (hypot(person->damping_ratio, 1.0) - person->damping_ratio);

@@ -1,4 +1,4 @@
-/* What a scenario file refers to by name: objects, people, events, points. */
+/* Resolves the names that a scenario file refers to: objects, people, events, points. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 #define POINTS_MAX (SCENARIO_MAX_OBJECTS * SCENARIO_MAX_POINTS + SCENARIO_MAX_PEOPLE + 1)
 
-/* The words' last entry is NULL. */
+/* words: NULL-terminated. */
 static int find(yaml_reader_t *yaml, const yaml_node_t *node, const char *what, const char *const words[]) {
     const int number = yaml_choice(yaml_scalar(node), words);
     if (number < 0 && node != NULL) {
@@ -16,7 +16,7 @@ static int find(yaml_reader_t *yaml, const yaml_node_t *node, const char *what, 
     return number > 0 ? number : 0;
 }
 
-size_t scenario_object_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self) {
+size_t scenario_object_index(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self) {
     const char *names[SCENARIO_MAX_OBJECTS + 1] = {NULL};
     for (size_t i = 0; i < self->object_count; i++) {
         names[i] = self->object[i].name;
@@ -24,7 +24,7 @@ size_t scenario_object_number(yaml_reader_t *yaml, const yaml_node_t *node, cons
     return (size_t)find(yaml, node, "objects", names);
 }
 
-size_t scenario_person_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self) {
+size_t scenario_person_index(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self) {
     const char *names[SCENARIO_MAX_PEOPLE + 1] = {NULL};
     for (size_t i = 0; i < self->person_count; i++) {
         names[i] = self->person[i].name;
@@ -32,7 +32,7 @@ size_t scenario_person_number(yaml_reader_t *yaml, const yaml_node_t *node, cons
     return (size_t)find(yaml, node, "people", names);
 }
 
-int scenario_event_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self) {
+int scenario_event_index(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self) {
     const char *names[EVENTS_MAX + 1] = {NULL};
     for (size_t i = 0; i < self->events.count; i++) {
         names[i] = self->events.event[i].name;
@@ -40,7 +40,7 @@ int scenario_event_number(yaml_reader_t *yaml, const yaml_node_t *node, const sc
     return find(yaml, node, "events", names);
 }
 
-/* Its place, and its name: the gripper, the people's grips, the objects' points. */
+/* Lists all points with their names: the gripper, the people's grips, the objects' points. */
 static size_t list_points(const scenario_t *self, point_t points[POINTS_MAX],
                           char names[POINTS_MAX][2 * SCENARIO_NAME_BYTES]) {
     size_t count = 0;
@@ -80,11 +80,11 @@ void scenario_read_start(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t
         return;
     }
     if (!yaml_is_list(after)) {
-        start->awaited[start->awaited_count++] = scenario_event_number(yaml, after, self);
+        start->awaited[start->awaited_count++] = scenario_event_index(yaml, after, self);
         return;
     }
     yaml_expect_list(yaml, after, SCENARIO_MAX_AWAITED);
     for (size_t i = 0; i < yaml_length(after) && !yaml->failed; i++) {
-        start->awaited[start->awaited_count++] = scenario_event_number(yaml, yaml_item(yaml, after, i), self);
+        start->awaited[start->awaited_count++] = scenario_event_index(yaml, yaml_item(yaml, after, i), self);
     }
 }

@@ -1,4 +1,4 @@
-/* Sections arm, parameters, robot and water. */
+/* Reads the sections `arm`, `parameters`, `robot` and `water` of a scenario file. */
 #include "scenario_sections.h"
 
 #define PARTICLES_MAX 500
@@ -40,8 +40,8 @@ static void read_arm(yaml_reader_t *yaml, scenario_t *self) {
         const double minimum_deg = robot_model_position_min_rad(i) / ROBOT_RAD_PER_DEG;
         const double maximum_deg = robot_model_position_max_rad(i) / ROBOT_RAD_PER_DEG;
         if (!(self->start_deg[i] >= minimum_deg && self->start_deg[i] <= maximum_deg)) {
-            yaml_refuse(yaml, yaml_item(yaml, start, (size_t)i), "what this joint reaches: from %g to %g degrees",
-                        minimum_deg, maximum_deg);
+            yaml_refuse(yaml, yaml_item(yaml, start, (size_t)i), "a joint position from %g to %g degrees", minimum_deg,
+                        maximum_deg);
         }
     }
 }

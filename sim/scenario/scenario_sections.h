@@ -1,5 +1,5 @@
-/* The sections of a scenario file, each read by its own function. Names first (scenario_names.c), so that everything
- * may refer to everything, wherever it stands in the file. */
+/* Reads the sections of a scenario file, one function for each. Names are read first (scenario_names.c), so that any
+ * section may refer to any other, in any order. */
 #ifndef COMANIP_SIM_SCENARIO_SECTIONS_H
 #define COMANIP_SIM_SCENARIO_SECTIONS_H
 
@@ -7,7 +7,7 @@
 #include "yaml_choice.h"
 #include "yaml_values.h"
 
-/* Names of objects, points, people and steps, and with them all events. */
+/* Reads the names of objects, points, people and steps, and declares all events. */
 void scenario_read_names(yaml_reader_t *yaml, scenario_t *self);
 
 void scenario_read_robot(yaml_reader_t *yaml, scenario_t *self); /* arm, parameters, robot, water */
@@ -25,14 +25,14 @@ void scenario_read_pose(yaml_reader_t *yaml, yaml_node_t *map, rigid_pose_t *pos
 /* at_s, after, delay_s, patience_s. */
 void scenario_read_start(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, step_start_t *start);
 
-/* References (scenario_references.c): the number, or 0 and an error. */
-size_t scenario_object_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
-size_t scenario_person_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
-int scenario_event_number(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
+/* Resolve a name (scenario_references.c). Each returns the index, or 0 after an error. */
+size_t scenario_object_index(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
+size_t scenario_person_index(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
+int scenario_event_index(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
 point_t scenario_point(yaml_reader_t *yaml, const yaml_node_t *node, const scenario_t *self);
 
 #define STEP_START_KEYS "at_s", "after", "delay_s", "patience_s"
-#define FAR_M 10.0 /* no coordinate is beyond */
+#define FAR_M 10.0 /* limit of all coordinates */
 #define LONG_S 3600.0
 
 #endif

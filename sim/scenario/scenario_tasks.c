@@ -1,8 +1,8 @@
-/* Section tasks. */
+/* Reads the section `tasks` of a scenario file. */
 #include "scenario_sections.h"
 #include "yaml_choice.h"
 
-#define DISTANCE_MAX_M 8.0 /* within what a frame carries */
+#define DISTANCE_MAX_M 8.0 /* within the range of the frame */
 #define BLEND_MAX_S 65.0
 
 static void read_task(yaml_reader_t *yaml, yaml_node_t *map, task_define_t *define) {

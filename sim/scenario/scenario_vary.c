@@ -1,3 +1,4 @@
+/* Varies a scenario by the seed. */
 #include <stdio.h>
 #include <string.h>
 
@@ -34,12 +35,12 @@ static void vary_start(scenario_t *self, uint64_t seed) {
     }
 }
 
-static bool is_same_place(const person_step_t *a, const person_step_t *b) {
+static bool is_same_target(const person_step_t *a, const person_step_t *b) {
     return a->action == PERSON_MOVE && b->action == PERSON_MOVE && !a->from_here && !b->from_here &&
            memcmp(a->displacement_m, b->displacement_m, sizeof a->displacement_m) == 0;
 }
 
-/* Moves to one place, home among them, stay moves to one place: they get the same draw. */
+/* Moves to the same position (for example home) share one draw, so that they still end at the same position. */
 static void vary_steps(const variation_t *variation, person_step_t steps[], size_t count, random_t *random) {
     person_step_t original[SCENARIO_MAX_STEPS];
     memcpy(original, steps, count * sizeof steps[0]);
@@ -56,7 +57,7 @@ static void vary_steps(const variation_t *variation, person_step_t steps[], size
             continue;
         }
         size_t first = 0;
-        while (!is_same_place(&original[first], &original[i])) {
+        while (!is_same_target(&original[first], &original[i])) {
             first++;
         }
         for (int k = 0; k < 3; k++) {

@@ -6,8 +6,8 @@
 #define WORD_BYTES 64
 #define LIST_BYTES 1200
 #define SHORT_LIST_BYTES 60
-#define LIKE_SHARE 3 /* a word is like another if at most every third of its letters differs, */
-#define LIKE_LEAST 2 /* or two */
+#define SIMILAR_SHARE 3   /* two words are similar if at most a third of the letters differ, */
+#define SIMILAR_LETTERS 2 /* or two letters */
 
 int yaml_choice(const char *word, const char *const words[]) {
     for (int i = 0; words[i] != NULL; i++) {
@@ -22,7 +22,7 @@ static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-/* Letters to be inserted, left out or replaced to get from one word to the other (Levenshtein distance). */
+/* Letters to insert, remove or replace to turn one word into the other (Levenshtein distance). */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[WORD_BYTES];
     const size_t length = strnlen(b, WORD_BYTES - 1);
@@ -41,22 +41,22 @@ static size_t edit_distance(const char *a, const char *b) {
     return row[length];
 }
 
-/* NULL: none is like it. */
-static const char *most_like(const char *word, const char *const words[]) {
+/* Returns NULL if no word is similar. */
+static const char *most_similar(const char *word, const char *const words[]) {
     const size_t length = strlen(word);
-    size_t best = (length / LIKE_SHARE > LIKE_LEAST ? length / LIKE_SHARE : LIKE_LEAST) + 1;
-    const char *like = NULL;
+    size_t best = (length / SIMILAR_SHARE > SIMILAR_LETTERS ? length / SIMILAR_SHARE : SIMILAR_LETTERS) + 1;
+    const char *similar = NULL;
     for (size_t i = 0; length < WORD_BYTES && words[i] != NULL; i++) {
         const size_t distance = edit_distance(word, words[i]);
-        if (distance < best && distance < length) { /* else nothing of it is left */
+        if (distance < best && distance < length) { /* else every letter would be replaced */
             best = distance;
-            like = words[i];
+            similar = words[i];
         }
     }
-    return like;
+    return similar;
 }
 
-/* "a, b, c"; what does not fit is left out. Gives how many words there are. */
+/* Writes "a, b, c", truncated to fit. Returns the number of words. */
 static size_t list_words(const char *const words[], char list[LIST_BYTES]) {
     size_t count = 0, used = 0;
     list[0] = '\0';
@@ -73,15 +73,15 @@ static size_t list_words(const char *const words[], char list[LIST_BYTES]) {
 void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const words[]) {
     char list[LIST_BYTES];
     const size_t count = list_words(words, list);
-    const char *like = most_like(yaml_scalar(node), words);
+    const char *similar = most_similar(yaml_scalar(node), words);
     if (count == 0) {
         yaml_refuse(self, node, "one of the %s: there are none", what);
-    } else if (like == NULL) {
+    } else if (similar == NULL) {
         yaml_refuse(self, node, "one of the %s %s", what, list);
     } else if (strlen(list) <= SHORT_LIST_BYTES) {
-        yaml_refuse(self, node, "one of the %s %s; did you mean %s?", what, list, like);
+        yaml_refuse(self, node, "one of the %s %s; did you mean %s?", what, list, similar);
     } else {
-        yaml_refuse(self, node, "one of the %zu %s; did you mean %s?", count, what, like);
+        yaml_refuse(self, node, "one of the %zu %s; did you mean %s?", count, what, similar);
     }
 }
 

@@ -8,7 +8,7 @@
 
 #include "yaml_screen.h"
 
-#define SHOWN_BYTES 60 /* of a value in an error */
+#define SHOWN_BYTES 60 /* of a value in an error message */
 #define EXPECTED_BYTES 1400
 
 /* ---- errors */
@@ -17,7 +17,7 @@ const char *yaml_scalar(const yaml_node_t *node) {
     return node != NULL && node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value : "";
 }
 
-/* Appends the way from `node` to `target`; without anchors each node stands in one place only. */
+/* Appends the path from `node` to `target`. Without anchors each node has exactly one path. */
 static bool find_path(yaml_reader_t *self, const yaml_node_t *node, const yaml_node_t *target,
                       char path[YAML_PATH_BYTES]) {
     if (node == target) {
@@ -52,7 +52,7 @@ void yaml_path(yaml_reader_t *self, const yaml_node_t *node, char path[YAML_PATH
     (void)find_path(self, yaml_root(self), node, path);
 }
 
-/* Bytes of the text that are shown: no character of UTF-8 is cut in two. */
+/* Number of bytes to show; never splits a UTF-8 character. */
 static int shown_bytes(const char *text) {
     size_t bytes = strnlen(text, SHOWN_BYTES);
     while (bytes > 0 && ((unsigned char)text[bytes] & 0xC0) == 0x80) {
@@ -86,7 +86,7 @@ void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node, const char *expec
 
 /* ---- documents */
 
-/* NULL: it cannot be read, or is too large. */
+/* Returns NULL if the file cannot be read or is too large. */
 static char *read_file(yaml_reader_t *self, size_t *length) {
     char *text = malloc(YAML_FILE_MAX_BYTES + 1);
     FILE *file = text != NULL ? fopen(self->path, "rb") : NULL;
@@ -118,8 +118,8 @@ static bool load(yaml_reader_t *self, const char *text, size_t length) {
         self->is_loaded = yaml_parser_load(&parser, &self->document) != 0;
         yaml_parser_delete(&parser);
     }
-    if (!self->is_loaded) { /* its syntax is right: the screen has seen it all */
-        (void)snprintf(self->error, self->error_size, "%s: no memory to read it", self->path);
+    if (!self->is_loaded) { /* out of memory: yaml_screen() has already checked the syntax */
+        (void)snprintf(self->error, self->error_size, "%s: not enough memory to read it", self->path);
     }
     return self->is_loaded;
 }
@@ -132,7 +132,7 @@ static void check_repetition(yaml_reader_t *self, yaml_node_t *map) {
         }
         for (size_t j = 0; j < i && yaml_entry(self, map, j, &other, &value); j++) {
             if (strcmp(yaml_scalar(key), yaml_scalar(other)) == 0) {
-                yaml_refuse(self, key, "each key once; it stands in line %zu already", other->start_mark.line + 1);
+                yaml_refuse(self, key, "each key once; line %zu has it already", other->start_mark.line + 1);
             }
         }
     }
@@ -140,7 +140,7 @@ static void check_repetition(yaml_reader_t *self, yaml_node_t *map) {
 
 static void check_structure(yaml_reader_t *self) {
     if (!yaml_is_mapping(yaml_root(self))) {
-        yaml_refuse(self, yaml_root(self), "a mapping of keys at its top, as name: and arm:");
+        yaml_refuse(self, yaml_root(self), "a mapping of keys at the top level, such as name: and arm:");
     }
     for (yaml_node_t *node = self->document.nodes.start; node < self->document.nodes.top; node++) {
         check_repetition(self, node);

@@ -1,6 +1,6 @@
 /* A YAML file (libyaml) as a tree of mappings and lists. The first error is kept as one line that names file, line,
- * path of keys, value and what was expected; after it every reader gives its default, so that callers need to look
- * once, at the end. Values: yaml_values.h. */
+ * path of keys, value and what was expected; after it every function returns its default, so that callers check for
+ * errors once, at the end. Values: yaml_values.h. */
 #ifndef COMANIP_SIM_YAML_READER_H
 #define COMANIP_SIM_YAML_READER_H
 
@@ -21,42 +21,43 @@ typedef struct {
     bool is_loaded;
 } yaml_reader_t;
 
-/* path and error must outlive the reader. On failure false, and one line in `error`. One document, each key once, and
- * what yaml_screen.h asks for. Close it in any case. */
+/* Reads a file that holds one document, has each key once and passes yaml_screen(). path and error must outlive the
+ * reader. Returns false on failure, with one line in `error`. The reader must be closed in either case. */
 bool yaml_reader_open(yaml_reader_t *self, const char *path, char error[], size_t error_size);
 void yaml_reader_close(yaml_reader_t *self);
 
 yaml_node_t *yaml_root(yaml_reader_t *self);
 
-/* "FILE:LINE: PATH 'VALUE': expected EXPECTED"; without the value if the node is a mapping or a list. Of a key: the
- * path is its mapping's, the value the key itself. */
+/* Reports "FILE:LINE: PATH 'VALUE': expected EXPECTED", without the value if the node is a mapping or a list. For a
+ * key, the path is that of its mapping and the value is the key. */
 __attribute__((format(printf, 3, 4))) void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node,
                                                        const char *expected, ...);
 
-/* The node's path of keys, as "people.person.program[2].to_m", list items from 0; "": the whole document. */
+/* Writes the node's path, for example "people.person.program[2].to_m", with list items from 0; "" for the whole
+ * document. */
 void yaml_path(yaml_reader_t *self, const yaml_node_t *node, char path[YAML_PATH_BYTES]);
 
-/* The text of a scalar; "": the node is none. */
+/* Returns the text of a scalar, "" for any other node. */
 const char *yaml_scalar(const yaml_node_t *node);
 
 /* ---- mappings; NULL has no keys */
 
-yaml_node_t *yaml_find(yaml_reader_t *self, yaml_node_t *map, const char *key); /* NULL: not there */
-yaml_node_t *yaml_need(yaml_reader_t *self, yaml_node_t *map, const char *key); /* refuses its absence */
+yaml_node_t *yaml_find(yaml_reader_t *self, yaml_node_t *map, const char *key); /* NULL: no such key */
+yaml_node_t *yaml_need(yaml_reader_t *self, yaml_node_t *map, const char *key); /* error if missing */
 
-/* Entry i of a mapping whose keys are the file's own. False: there is none. */
+/* Gives entry i of a mapping with arbitrary keys. Returns false after the last one. */
 bool yaml_entry(yaml_reader_t *self, yaml_node_t *map, size_t i, yaml_node_t **key, yaml_node_t **value);
 
-/* Refuses what is no mapping. NULL is fine. */
+/* Rejects a node that is not a mapping. NULL is accepted. */
 void yaml_expect_mapping(yaml_reader_t *self, const yaml_node_t *node);
 bool yaml_is_mapping(const yaml_node_t *node);
 
 /* ---- lists; NULL has no items */
 
-/* Refuses what is no list, and a list of more than `max` items. NULL is fine. */
+/* Rejects a node that is not a list, and a list of more than `max` items. NULL is accepted. */
 void yaml_expect_list(yaml_reader_t *self, const yaml_node_t *node, size_t max);
 bool yaml_is_list(const yaml_node_t *node);
 size_t yaml_length(const yaml_node_t *list);
-yaml_node_t *yaml_item(yaml_reader_t *self, yaml_node_t *list, size_t i); /* NULL: there is none */
+yaml_node_t *yaml_item(yaml_reader_t *self, yaml_node_t *list, size_t i); /* NULL: no such item */
 
 #endif

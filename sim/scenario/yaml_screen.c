@@ -17,8 +17,8 @@ typedef struct {
     bool key_is_next[MAX_DEPTH + 1];
 } screen_t;
 
-/* Bytes before the first that could move a terminal's cursor or end a line: ASCII's controls, U+0080 to U+009F, U+2028
- * and U+2029. The text ends with a zero byte. */
+/* Number of bytes before the first character that could move a terminal's cursor or end a line: ASCII control
+ * characters, U+0080 to U+009F, U+2028 and U+2029. The text ends with a zero byte. */
 static size_t plain_bytes(const yaml_char_t *text, size_t length) {
     for (size_t i = 0; i < length; i++) {
         const bool is_control = text[i] < ' ' || text[i] == 0x7F || (text[i] == 0xC2 && text[i + 1] < 0xA0);
@@ -30,11 +30,11 @@ static size_t plain_bytes(const yaml_char_t *text, size_t length) {
     return length;
 }
 
-/* mark: '&' of an anchor, '*' of an alias; "" before what shows it itself. */
+/* mark: shown before the value: '&' for an anchor, '*' for an alias, else "". */
 static bool refuse(const screen_t *self, const yaml_event_t *event, const char *mark, const yaml_char_t *value,
                    const char *expected) {
     size_t shown = plain_bytes(value, strnlen((const char *)value, SHOWN_BYTES));
-    while (shown > 0 && (value[shown] & 0xC0) == 0x80) { /* no character of UTF-8 is cut in two */
+    while (shown > 0 && (value[shown] & 0xC0) == 0x80) { /* never split a UTF-8 character */
         shown--;
     }
     (void)snprintf(self->error, self->error_size, "%s:%zu: '%s%.*s': expected %s", self->path,
@@ -42,7 +42,7 @@ static bool refuse(const screen_t *self, const yaml_event_t *event, const char *
     return false;
 }
 
-/* The parser has read beyond the place that it complains of. */
+/* The parser's current position is already past the error, so the line is that of its problem mark. */
 static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
     const size_t line = parser->error == YAML_READER_ERROR ? parser->mark.line : parser->problem_mark.line;
     (void)snprintf(self->error, self->error_size, "%s:%zu: expected YAML in UTF-8: %s%s%s", self->path, line + 1,
@@ -52,7 +52,7 @@ static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
 }
 
 /* Every second node of a mapping is a key. */
-static bool take_place(screen_t *self, const yaml_event_t *event, bool is_scalar) {
+static bool count_node(screen_t *self, const yaml_event_t *event, bool is_scalar) {
     if (!self->is_mapping[self->depth]) {
         return true;
     }
@@ -62,7 +62,7 @@ static bool take_place(screen_t *self, const yaml_event_t *event, bool is_scalar
 }
 
 static bool enter(screen_t *self, const yaml_event_t *event, bool is_mapping) {
-    if (!take_place(self, event, false)) {
+    if (!count_node(self, event, false)) {
         return false;
     }
     if (self->depth == MAX_DEPTH) {
@@ -77,9 +77,9 @@ static bool enter(screen_t *self, const yaml_event_t *event, bool is_mapping) {
 static bool is_plain_node(const screen_t *self, const yaml_event_t *event, const yaml_char_t *anchor,
                           const yaml_char_t *tag) {
     if (anchor != NULL) {
-        return refuse(self, event, "&", anchor, "the value alone: anchors are not taken");
+        return refuse(self, event, "&", anchor, "the value alone: anchors are not supported");
     }
-    return tag == NULL || refuse(self, event, "", tag, "the value alone: tags are not taken");
+    return tag == NULL || refuse(self, event, "", tag, "the value alone: tags are not supported");
 }
 
 static bool screen_scalar(screen_t *self, const yaml_event_t *event) {
@@ -87,16 +87,16 @@ static bool screen_scalar(screen_t *self, const yaml_event_t *event) {
         return refuse(self, event, "", event->data.scalar.value, "text in one line, without control characters");
     }
     return is_plain_node(self, event, event->data.scalar.anchor, event->data.scalar.tag) &&
-           take_place(self, event, true);
+           count_node(self, event, true);
 }
 
 static bool screen_event(screen_t *self, const yaml_event_t *event) {
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
         self->documents++;
-        return self->documents == 1 || refuse(self, event, "", (const yaml_char_t *)"---", "one document and no more");
+        return self->documents == 1 || refuse(self, event, "", (const yaml_char_t *)"---", "exactly one document");
     case YAML_ALIAS_EVENT:
-        return refuse(self, event, "*", event->data.alias.anchor, "the value itself: aliases are not taken");
+        return refuse(self, event, "*", event->data.alias.anchor, "the value itself: aliases are not supported");
     case YAML_SCALAR_EVENT: return screen_scalar(self, event);
     case YAML_SEQUENCE_START_EVENT:
         return is_plain_node(self, event, event->data.sequence_start.anchor, event->data.sequence_start.tag) &&
@@ -114,7 +114,7 @@ bool yaml_screen(const char *path, const char *text, size_t length, char error[]
     screen_t self = {.path = path, .error = error, .error_size = error_size};
     yaml_parser_t parser;
     if (yaml_parser_initialize(&parser) == 0) {
-        (void)snprintf(error, error_size, "%s: no memory to read it", path);
+        (void)snprintf(error, error_size, "%s: not enough memory to read it", path);
         return false;
     }
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);

@@ -13,7 +13,7 @@
 
 /* ---- numbers */
 
-/* How keys end, and what that stands for. The first that fits counts. */
+/* Endings of keys and the units they stand for. The first match counts. */
 static const struct {
     const char *ending, *unit;
 } units[] = {
@@ -52,7 +52,7 @@ static const char *unit_of(yaml_reader_t *self, const yaml_node_t *node) {
     return "";
 }
 
-/* Digits as a person writes them: strtod() would also take blanks, "inf", "nan" and hexadecimal. */
+/* Decimal numbers only: strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
 static bool is_decimal(const char *text) {
     char *end = NULL;
     (void)strtod(text, &end);
@@ -79,7 +79,7 @@ static void refuse_number(yaml_reader_t *self, const yaml_node_t *node, const ch
 double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *unit, double minimum, double maximum) {
     const char *text = yaml_scalar(node);
     const double value = is_decimal(text) && !is_quoted(node) ? strtod(text, NULL) : (double)NAN;
-    if (!(value >= minimum && value <= maximum)) { /* NaN is out of any range */
+    if (!(value >= minimum && value <= maximum)) { /* also true for NaN */
         refuse_number(self, node, unit, minimum, maximum);
         return minimum;
     }
@@ -160,7 +160,9 @@ void yaml_name(yaml_reader_t *self, const yaml_node_t *node, char name[], size_t
     if (is_name) {
         memcpy(name, text, length + 1);
     } else if (!self->failed) {
-        yaml_refuse(self, node, "a name: a lower-case letter, then such letters, digits or _; at most %zu in all",
+        yaml_refuse(self, node,
+                    "a name: a lower-case letter, then lower-case letters, digits or _; "
+                    "at most %zu characters",
                     size - 1);
     }
 }
@@ -195,7 +197,7 @@ void yaml_get_rotation(yaml_reader_t *self, yaml_node_t *map, const char *key, d
         return;
     }
     if (!yaml_is_list(product)) {
-        yaml_refuse(self, product, "a product of rotations as [{axis: x, angle_deg: 180}, ...]");
+        yaml_refuse(self, product, "a product of rotations, for example [{axis: x, angle_deg: 180}, ...]");
     }
     const double identity[4] = {1.0, 0.0, 0.0, 0.0};
     memcpy(rotation, identity, sizeof identity);

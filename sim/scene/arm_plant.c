@@ -12,7 +12,7 @@ struct arm_plant {
     dJointFeedback feedback[ROBOT_JOINTS];
 };
 
-/* Body i at its link frame: ODE's body origin is the centre of mass, its axes are the link frame's. */
+/* Places each body at its link frame. ODE's body origin is the centre of mass; its axes are those of the link frame. */
 static void place_bodies(arm_plant_t *self, const double position_rad[ROBOT_JOINTS]) {
     transform_t link[ROBOT_JOINTS], hand;
     robot_model_forward(position_rad, link, &hand);
@@ -40,7 +40,7 @@ static void set_mass(dBodyID body, const robot_joint_t *joint) {
     dBodySetMass(body, &mass);
 }
 
-/* Joins the bodies while all angles are 0, which makes that pose the hinges' zero. */
+/* Joins the bodies while all angles are 0, which defines the zero of the hinges. */
 static void create_hinges(arm_plant_t *self) {
     const double zero_rad[ROBOT_JOINTS] = {0.0};
     transform_t link[ROBOT_JOINTS], hand;
@@ -96,7 +96,7 @@ double arm_plant_velocity_radps(const arm_plant_t *self, int joint) {
 }
 
 double arm_plant_torque_Nm(const arm_plant_t *self, int joint) {
-    /* ODE gives force and torque at the centre of mass of the body: take the torque to the hinge's anchor. */
+    /* ODE gives force and torque at the body's centre of mass: transform the torque to the hinge's anchor. */
     const dReal *f = self->feedback[joint].f1;
     const dReal *t = self->feedback[joint].t1;
     const dReal *centre = dBodyGetPosition(self->body[joint]);

@@ -1,6 +1,6 @@
-/* The arm as a rigid-body system in ODE: HOAP-3's right arm from robot_model.h, torso fixed to the world, hinges with
- * mechanical stops and a velocity motor of limited torque each. No collisions. The world and its steps are the scene's.
- */
+/* The arm as a rigid-body system in ODE: right arm of the HOAP-3 from robot_model.h, torso fixed to the world, each
+ * hinge with mechanical stops and a velocity motor of limited torque. There are no collisions. The scene owns the ODE
+ * world and steps it. */
 #ifndef COMANIP_SIM_ARM_PLANT_H
 #define COMANIP_SIM_ARM_PLANT_H
 
@@ -12,14 +12,15 @@ struct dxWorld;
 
 typedef struct arm_plant arm_plant_t;
 
-/* At rest at start_rad, which lies within the stops; motors hold. The bodies go with the world. NULL: no memory. */
+/* Starts at rest at start_rad, which must lie within the stops, with motors that hold. The bodies are destroyed with
+ * the world. Returns NULL if out of memory. */
 arm_plant_t *arm_plant_create(struct dxWorld *world, const double start_rad[ROBOT_JOINTS]);
 void arm_plant_destroy(arm_plant_t *self);
 
-/* What the joint's motor strives for, with up to ROBOT_TORQUE_PEAK_NM. 0 holds. */
+/* Setpoint of the joint's motor, whose torque is at most ROBOT_TORQUE_PEAK_NM. 0 holds. */
 void arm_plant_set_velocity(arm_plant_t *self, int joint, double velocity_radps);
 
-/* Takes the motor's torque away: the joint swings freely between its stops. */
+/* Sets the motor's torque to zero, so that the joint swings freely between its stops. */
 void arm_plant_release(arm_plant_t *self, int joint);
 
 double arm_plant_position_rad(const arm_plant_t *self, int joint);
@@ -28,10 +29,10 @@ double arm_plant_velocity_radps(const arm_plant_t *self, int joint);
 /* Torque about the joint's axis over the last step, from motor and stop together. */
 double arm_plant_torque_Nm(const arm_plant_t *self, int joint);
 
-/* The hand seen from the torso, from ODE's bodies alone; the quaternion's sign is continuous over time. */
+/* Pose of the end effector in the torso frame, from ODE's bodies. The quaternion's sign is continuous over time. */
 void arm_plant_hand(const arm_plant_t *self, rigid_pose_t *hand);
 
-/* The body that a grip is fixed to: the forearm with the hand. */
+/* The body that a grip is attached to: the forearm with the end effector. */
 struct dxBody *arm_plant_hand_body(const arm_plant_t *self);
 
 #endif

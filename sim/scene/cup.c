@@ -3,8 +3,8 @@
 #include <math.h>
 
 #define LATTICE_SPACING 2.05         /* of neighbours in a layer, in radii */
-#define LAYER_SPACING 1.8            /* of the layers, in radii: each lies in the hollows of the one below */
-#define LAYER_TURN_RAD 2.39996322973 /* the golden angle: no two layers alike, no column can balance */
+#define LAYER_SPACING 1.8            /* between layers, in radii: each lies in the hollows of the one below */
+#define LAYER_TURN_RAD 2.39996322973 /* the golden angle: no two layers are alike, so no column can balance */
 
 placed_cup_t cup_place(const cup_t *cup, const rigid_pose_t *pose) {
     placed_cup_t placed = {.cup = cup};
@@ -20,29 +20,29 @@ placed_cup_t cup_place(const cup_t *cup, const rigid_pose_t *pose) {
     return placed;
 }
 
-void cup_see(const placed_cup_t *self, const double point_m[3], double seen_m[3]) {
+void cup_from_world(const placed_cup_t *self, const double point_m[3], double in_cup_m[3]) {
     const double d[3] = {point_m[0] - self->position_m[0], point_m[1] - self->position_m[1],
                          point_m[2] - self->position_m[2]};
     for (int i = 0; i < 3; i++) {
-        seen_m[i] = self->rotation[0][i] * d[0] + self->rotation[1][i] * d[1] + self->rotation[2][i] * d[2];
+        in_cup_m[i] = self->rotation[0][i] * d[0] + self->rotation[1][i] * d[1] + self->rotation[2][i] * d[2];
     }
 }
 
-void cup_turn(const placed_cup_t *self, const double direction[3], double turned[3]) {
+void cup_rotate_to_world(const placed_cup_t *self, const double direction[3], double turned[3]) {
     for (int i = 0; i < 3; i++) {
         const double *row = self->rotation[i];
         turned[i] = row[0] * direction[0] + row[1] * direction[1] + row[2] * direction[2];
     }
 }
 
-void cup_unsee(const placed_cup_t *self, const double seen_m[3], double point_m[3]) {
-    cup_turn(self, seen_m, point_m);
+void cup_to_world(const placed_cup_t *self, const double in_cup_m[3], double point_m[3]) {
+    cup_rotate_to_world(self, in_cup_m, point_m);
     for (int i = 0; i < 3; i++) {
         point_m[i] += self->position_m[i];
     }
 }
 
-/* In the half-plane of the sphere's centre: rho from the axis outwards, z along it. */
+/* A point in the half-plane through the axis and the sphere's centre: rho outwards from the axis, z along it. */
 typedef struct {
     double rho, z;
 } profile_t;
@@ -51,7 +51,7 @@ static double clamp(double value, double low, double high) {
     return fmin(fmax(value, low), high);
 }
 
-/* Contact of a sphere with the shell around one point of its centre line. False: they do not meet. */
+/* Contact of a sphere with the shell around one point of its centre line. Returns false if they do not touch. */
 static bool touch_around(profile_t on_line, double half_wall_m, profile_t centre, const double outwards[2],
                          double radius_m, cup_contact_t *contact) {
     const double rho = centre.rho - on_line.rho;
@@ -93,7 +93,7 @@ int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_
     const profile_t centre = {rho, centre_m[2]};
     const double outwards[2] = {rho > 0.0 ? centre_m[0] / rho : 1.0, rho > 0.0 ? centre_m[1] / rho : 0.0};
     int count = 0;
-    /* The corner belongs to both lines: the sphere that meets it from outside touches once. */
+    /* The corner belongs to both lines, but a sphere outside the corner touches only once. */
     if (centre.rho < corner.rho || centre.z <= corner.z) {
         const profile_t on_bottom = {fmin(centre.rho, corner.rho), corner.z};
         count += touch_around(on_bottom, half_wall_m, centre, outwards, radius_m, &contact[count]);
@@ -105,7 +105,7 @@ int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_
     return count;
 }
 
-/* One layer, as many as there is room for, at most `count`; returns how many. */
+/* Fills one layer with as many points as fit, at most `count`. Returns their number. */
 static int fill_layer(double room_m, double spacing_m, double turn_rad, double height_m, int count,
                       double point_m[][3]) {
     const int reach = 2 * (int)ceil(room_m / spacing_m);

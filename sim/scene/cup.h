@@ -1,6 +1,6 @@
-/* The wall of a cup as particles feel it: the polyline bottom-corner-rim, turned about the cup's axis and thickened to
- * a rounded shell. The shell lies outside the inner surface, so that inner radius and height are the cup's. Points are
- * in the cup's frame unless said otherwise. */
+/* The wall of a cup in contacts with particles: the polyline bottom-corner-rim, rotated about the cup's axis and
+ * thickened to a rounded shell. The shell lies outside the inner surface, so that inner radius and height are those of
+ * the cup. Points are in the cup's frame unless stated otherwise. */
 #ifndef COMANIP_SIM_CUP_H
 #define COMANIP_SIM_CUP_H
 
@@ -16,7 +16,7 @@ typedef struct {
     double depth_m;
 } cup_contact_t;
 
-/* A cup where it is at one instant. */
+/* A cup with its pose at one instant. */
 typedef struct {
     const cup_t *cup;
     double position_m[3];
@@ -25,24 +25,24 @@ typedef struct {
 
 placed_cup_t cup_place(const cup_t *cup, const rigid_pose_t *pose);
 
-/* World to cup's frame, and back; of a direction: back only. */
-void cup_see(const placed_cup_t *self, const double point_m[3], double seen_m[3]);
-void cup_unsee(const placed_cup_t *self, const double seen_m[3], double point_m[3]);
-void cup_turn(const placed_cup_t *self, const double direction[3], double turned[3]);
+/* Transform a point from the world to the cup's frame and back, and a direction from the cup's frame to the world. */
+void cup_from_world(const placed_cup_t *self, const double point_m[3], double in_cup_m[3]);
+void cup_to_world(const placed_cup_t *self, const double in_cup_m[3], double point_m[3]);
+void cup_rotate_to_world(const placed_cup_t *self, const double direction[3], double turned[3]);
 
-/* Where a sphere overlaps the shell; returns how many contacts. Exact unless the centre is within the shell, or the
- * sphere is wider than the cup. */
+/* Finds where a sphere overlaps the shell and returns the number of contacts. Exact unless the centre is within the
+ * shell or the sphere is wider than the cup. */
 int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_contact_t contact[CUP_MAX_CONTACTS]);
 
-/* Points for the centres of `count` spheres in the cup: layer upon layer from the bottom, beyond the rim if there are
- * so many. Returns the height of the last layer; 0: the cup is too narrow for one sphere. */
+/* Gives points for the centres of `count` spheres in the cup: layer upon layer from the bottom, above the rim if
+ * necessary. Returns the height of the last layer; 0: the cup is too narrow for one sphere. */
 double cup_lattice(const cup_t *self, double radius_m, int count, double point_m[][3]);
 
-/* The centre of a particle is in the cup's inner cylinder. */
+/* True if the centre of a particle is in the cup's inner cylinder. */
 bool cup_contains(const cup_t *self, const double centre_m[3]);
 
-/* A particle that was in the cup is no longer: outside its wall and below its rim, or further than the particle's
- * diameter and the wall from the inner cylinder. Until then it lies on the heap or the rim and may yet fall back. */
+/* True if a particle that was in the cup has left it: it is outside the wall and below the rim, or farther from the
+ * inner cylinder than its diameter plus the wall. Until then it lies on the heap or the rim and may fall back. */
 bool cup_is_left_by(const cup_t *self, const double centre_m[3], double radius_m);
 
 #endif

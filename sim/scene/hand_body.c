@@ -19,13 +19,14 @@ void hand_body_init(hand_body_t *self, dWorldID world, const person_t *person) {
                        0.0, 0.0, 0.0);
     dBodySetMass(self->body, &mass);
     dBodySetGravityMode(self->body, 0);
-    dBodySetFiniteRotationMode(self->body, 1); /* a step turns the body by exactly its spin times the step */
+    dBodySetFiniteRotationMode(self->body,
+                               1); /* a step rotates the body by exactly its angular velocity times the step */
     dBodySetPosition(self->body, person->start.position_m[0], person->start.position_m[1], person->start.position_m[2]);
     dBodySetQuaternion(self->body, person->start.rotation);
 }
 
-/* Rotation vector from a to b, torso axes, the shorter way. */
-static void rotation_way(const double a[4], const double b[4], double way_rad[3]) {
+/* Rotation vector of the shorter rotation from a to b, in torso axes. */
+static void rotation_vector_between(const double a[4], const double b[4], double vector_rad[3]) {
     const double from_a[4] = {a[0], -a[1], -a[2], -a[3]};
     double turn[4];
     rotation_multiply(b, from_a, turn);
@@ -33,7 +34,7 @@ static void rotation_way(const double a[4], const double b[4], double way_rad[3]
     const double angle_rad = 2.0 * atan2(sine, fabs(turn[0]));
     const double scale = sine > 0.0 ? copysign(angle_rad / sine, turn[0]) : 0.0;
     for (int k = 0; k < 3; k++) {
-        way_rad[k] = scale * turn[k + 1];
+        vector_rad[k] = scale * turn[k + 1];
     }
 }
 
@@ -43,8 +44,8 @@ void hand_body_push(hand_body_t *self, double step_s) {
     const dReal *velocity = dBodyGetLinearVel(self->body);
     const dReal *spin = dBodyGetAngularVel(self->body);
     double turn_rad[3], off_rad[3], force_N[3], torque_Nm[3];
-    rotation_way(self->aim.rotation, self->next_aim.rotation, turn_rad);
-    rotation_way(now.rotation, self->aim.rotation, off_rad);
+    rotation_vector_between(self->aim.rotation, self->next_aim.rotation, turn_rad);
+    rotation_vector_between(now.rotation, self->aim.rotation, off_rad);
     for (int k = 0; k < 3; k++) {
         const double next_mps = (self->next_aim.position_m[k] - self->aim.position_m[k]) / step_s;
         const double next_radps = turn_rad[k] / step_s;

@@ -1,9 +1,9 @@
-/* A person's hand as a rigid body: it goes where the person aims, and what pulls at it meets the stiffness and damping
- * of the arm and of the wrist (six directions). Its weight is borne by the person.
+/* A person's hand as a rigid body: it follows the desired pose, and external forces act against the stiffness and
+ * damping of the arm and of the wrist (six degrees of freedom). The person carries its weight.
  *
- * Force on the body per step: m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the same for rotation: in
- * the free the hand is exactly on the aimed path. The neuromuscular literature gives the arm's stiffness at the hand as
- * 100 to 800 N/m (Mussa-Ivaldi, Hogan and Bizzi, J. Neuroscience 5, 1985). */
+ * Force on the body per step: m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the same for rotation:
+ * without external forces the hand is exactly on the desired path. The neuromuscular literature gives the arm's
+ * stiffness at the hand as 100 to 800 N/m (Mussa-Ivaldi, Hogan and Bizzi, J. Neuroscience 5, 1985). */
 #ifndef COMANIP_SIM_HAND_BODY_H
 #define COMANIP_SIM_HAND_BODY_H
 
@@ -15,17 +15,17 @@ struct dxWorld;
 
 typedef struct {
     struct dxBody *body;
-    double mass_kg, inertia_kgm2; /* a homogeneous ball's of 60 mm radius of gyration */
+    double mass_kg, inertia_kgm2; /* of a homogeneous ball with 60 mm radius of gyration */
     double stiffness_Npm, damping_Nspm;
     double stiffness_Nmprad, damping_Nmspprad;
-    rigid_pose_t aim;                              /* at the end of the last step */
-    rigid_pose_t next_aim;                         /* at the end of the coming one */
+    rigid_pose_t aim;                              /* desired pose at the end of the last step */
+    rigid_pose_t next_aim;                         /* desired pose at the end of the next step */
     double aim_velocity_mps[3], aim_spin_radps[3]; /* over the last step */
 } hand_body_t;
 
 void hand_body_init(hand_body_t *self, struct dxWorld *world, const person_t *person);
 
-/* Puts this step's force and torque on the body. */
+/* Applies the force and torque of this step to the body. */
 void hand_body_push(hand_body_t *self, double step_s);
 
 void hand_body_pose(const hand_body_t *self, rigid_pose_t *pose);

@@ -4,10 +4,10 @@
 #include <ode/ode.h>
 #include <string.h>
 
-#define ROD_SPIN_TIME_S 0.025 /* a turn about the axis, which two ball grips leave free, dies away as fast */
+#define ROD_SPIN_TIME_S 0.025 /* decay time of a spin about the axis, which two ball grips leave free */
 #define AXIS_Z 3              /* dMassSetCylinderTotal counts x, y, z from 1 */
 
-/* Of the handle's middle, which a crank's body is. */
+/* Pose of the centre of the handle, which is the body of a crank. */
 static rigid_pose_t crank_handle(const object_t *data) {
     const rigid_pose_t offset = {{data->radius_m, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
     return rigid_pose_multiply(&data->pose, &offset);
@@ -31,11 +31,11 @@ static void create_hinge(scene_object_t *self, dWorldID world) {
     dJointAttach(self->hinge, self->body, NULL);
     dJointSetHingeAnchor(self->hinge, data->pose.position_m[0], data->pose.position_m[1], data->pose.position_m[2]);
     dJointSetHingeAxis(self->hinge, axis[0], axis[1], axis[2]);
-    dJointSetHingeParam(self->hinge, dParamVel, 0.0); /* a motor that wants to stand still is dry friction */
+    dJointSetHingeParam(self->hinge, dParamVel, 0.0); /* a motor with setpoint 0 acts as dry friction */
     dJointSetHingeParam(self->hinge, dParamFMax, data->friction_Nm);
 }
 
-/* A motor that wants to stand still and gives way by 1/damping is viscous, and stable at any step. */
+/* A motor with setpoint 0 and a compliance of 1/damping acts as viscous friction, and is stable at any step. */
 static void create_damper(const scene_object_t *self, dWorldID world) {
     dVector3 axis;
     dJointGetHingeAxis(self->hinge, axis);
@@ -116,13 +116,13 @@ void scene_object_point(const scene_object_t *self, double along_m, double posit
 }
 
 double scene_object_nearest(const scene_object_t *self, const double position_m[3], double nearest_m[3]) {
-    double middle[3], end[3];
+    double centre[3], end[3];
     const double half_m = 0.5 * self->data->length_m;
-    scene_object_point(self, 0.0, middle);
+    scene_object_point(self, 0.0, centre);
     scene_object_point(self, half_m, end);
     double along_m = 0.0;
     for (int k = 0; k < 3; k++) {
-        along_m += (position_m[k] - middle[k]) * (end[k] - middle[k]) / half_m;
+        along_m += (position_m[k] - centre[k]) * (end[k] - centre[k]) / half_m;
     }
     scene_object_point(self, fmax(-half_m, fmin(half_m, along_m)), nearest_m);
     return sqrt(pow(position_m[0] - nearest_m[0], 2) + pow(position_m[1] - nearest_m[1], 2) +

@@ -1,4 +1,4 @@
-/* What the people and the robot handle, as rigid bodies: rods, cranks, and the stands that rods lie on. */
+/* The objects that people and robot handle, as rigid bodies: rods, cranks, and the stands that rods lie on. */
 #ifndef COMANIP_SIM_OBJECTS_H
 #define COMANIP_SIM_OBJECTS_H
 
@@ -15,22 +15,23 @@ typedef struct {
     const object_t *data;
     struct dxBody *body;    /* NULL: a stand */
     struct dxJoint *hinge;  /* of a crank */
-    double hinge_angle_rad; /* unwrapped, from the start */
+    double hinge_angle_rad; /* unwrapped, 0 at the start */
     double last_angle_rad;  /* as ODE gives it, -pi..pi */
 } scene_object_t;
 
 void scene_object_init(scene_object_t *self, struct dxWorld *world, const object_t *data);
 
-/* Before a step: what damps a rod's spin, and a crank's turn in the step before. */
+/* Called before a step: damps the spin of a rod and adds up the last rotation of a crank. */
 void scene_object_prepare(scene_object_t *self);
 
-/* A rod's middle; a crank's hinge, turned; a stand as it stands. */
+/* Pose of the centre of a rod or a stand, or of a crank's hinge with its current rotation. */
 void scene_object_pose(const scene_object_t *self, rigid_pose_t *pose);
 
-/* A point along_m from the middle of the axis at which the object is held: a rod's own, a crank's handle. */
+/* The point at along_m from the centre of the axis at which the object is held: that of a rod or of a crank's
+ * handle. */
 void scene_object_point(const scene_object_t *self, double along_m, double position_m[3]);
 
-/* The axis' point that is nearest to `position_m`, and how far it is. */
+/* Gives the point of the axis nearest to `position_m` and returns its distance. */
 double scene_object_nearest(const scene_object_t *self, const double position_m[3], double nearest_m[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* A particle of the water: a frictionless sphere, which therefore never rotates. */
+/* A particle of the water: a sphere without friction, so it never rotates. */
 #ifndef COMANIP_SIM_PARTICLE_H
 #define COMANIP_SIM_PARTICLE_H
 
@@ -12,7 +12,7 @@ typedef struct {
     double radius_m;
     double inverse_mass_pkg; /* 1/kg; 0: a wall */
     int cup;                 /* index of the cup that it is in, or NO_CUP */
-    bool is_spilt;           /* lies on the ground and has no contacts any more */
+    bool is_spilt;           /* lies on the ground; has no contacts any more */
 } particle_t;
 
 #endif

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-/* ---- with each other */
+/* ---- between particles */
 
-/* Copies positions, and drops particles spilt since the last step. */
+/* Copies the positions and removes particles spilt since the last step. */
 static int refresh(const particle_t particle[], particle_along_x_t sorted[], int sorted_count) {
     int kept = 0;
     for (int i = 0; i < sorted_count; i++) {
@@ -75,9 +75,9 @@ static particle_contact_t at_wall(int particle, int wall, const cup_contact_t *t
                                   const placed_cup_t *after, double step_s) {
     particle_contact_t contact = {.one = particle, .other = wall, .depth_m = touch->depth_m};
     double from_m[3], to_m[3];
-    cup_unsee(before, touch->point_m, from_m);
-    cup_unsee(after, touch->point_m, to_m);
-    cup_turn(before, touch->normal, contact.normal);
+    cup_to_world(before, touch->point_m, from_m);
+    cup_to_world(after, touch->point_m, to_m);
+    cup_rotate_to_world(before, touch->normal, contact.normal);
     for (int k = 0; k < 3; k++) {
         contact.wall_speed_mps += contact.normal[k] * (to_m[k] - from_m[k]) / step_s;
     }
@@ -89,9 +89,9 @@ int particle_contacts_find_cup(const particle_t particle[], int count, const pla
     int found = 0;
     for (int i = 0; i < count; i++) {
         cup_contact_t touch[CUP_MAX_CONTACTS];
-        double seen_m[3];
-        cup_see(before, particle[i].position_m, seen_m);
-        const int touches = particle[i].is_spilt ? 0 : cup_touch(before->cup, seen_m, particle[i].radius_m, touch);
+        double in_cup_m[3];
+        cup_from_world(before, particle[i].position_m, in_cup_m);
+        const int touches = particle[i].is_spilt ? 0 : cup_touch(before->cup, in_cup_m, particle[i].radius_m, touch);
         for (int k = 0; k < touches; k++) {
             contact[found++] = at_wall(i, first_wall + k, &touch[k], before, after, step_s);
         }

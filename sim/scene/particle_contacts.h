@@ -21,9 +21,9 @@ typedef struct {
     int particle; /* its index */
 } particle_along_x_t;
 
-/* Contacts between particles. sorted[]: the *sorted_count particles that are not spilt, in the order in which the last
- * call left them; before the first call in any order, with only `particle` set. Removes newly spilt ones. Returns the
- * number of contacts, at most one per pair. */
+/* Contacts between particles. sorted[]: the *sorted_count particles that are not spilt, in the order of the last call;
+ * before the first call in any order, with only `particle` set. Removes particles spilt since the last call. Returns
+ * the number of contacts, at most one per pair. */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]);
 

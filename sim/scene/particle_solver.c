@@ -3,17 +3,18 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* So soft that a full cup compresses its lowest particles by some 3 % of their radius, and damped so that nothing
- * bounces. Per kilogram of a mean particle, in 1/s^2 and 1/s, so that the behaviour does not depend on the size. */
+/* The stiffness is low enough that a full cup compresses its lowest particles by about 3 % of their radius, and the
+ * damping prevents bouncing. Both are per kilogram of a mean particle, in 1/s^2 and 1/s, so that the behaviour does not
+ * depend on the size. */
 #define STIFFNESS_PER_KG 6.0e5
 #define DAMPING_PER_KG 1.5e3
 
-#define ITERATIONS 4 /* more of them pour the same: docs/physics.md */
+#define ITERATIONS 4 /* more iterations do not change the pouring: docs/physics.md */
 #define OVER_RELAXATION 1.3
 
 typedef struct {
     double impulse_Ns;
-    uint64_t step; /* in which it was found */
+    uint64_t step; /* in which the contact was found */
 } memory_t;
 
 struct particle_solver {
@@ -37,7 +38,7 @@ particle_solver_t *particle_solver_create(int particles, int walls, double mass_
     }
     self->bodies = bodies;
     self->mass_kg = mass_kg;
-    self->step = 1; /* no step has found the zeros of calloc */
+    self->step = 1; /* marks the zeros of calloc as outdated */
     return self;
 }
 
@@ -56,7 +57,7 @@ static memory_t *memory_of(particle_solver_t *self, const particle_contact_t *co
     return &self->memory[(size_t)contact->one * self->bodies + (size_t)contact->other];
 }
 
-/* Equal and opposite on both. */
+/* Applies the impulse to both bodies with opposite signs. */
 static inline void push(const particle_contact_t *contact, double impulse_Ns, particle_t *one, particle_t *other) {
     const double one_mps = impulse_Ns * one->inverse_mass_pkg;
     const double other_mps = impulse_Ns * other->inverse_mass_pkg;
@@ -73,11 +74,11 @@ static inline void solve(particle_contact_t *contact, const softness_t *soft, pa
     const double *a = one->velocity_mps;
     const double *b = other->velocity_mps;
     const double speed_mps = n[0] * (a[0] - b[0]) + n[1] * (a[1] - b[1]) + n[2] * (a[2] - b[2]);
-    const double demand_mps = soft->correction_ps * contact->depth_m + contact->wall_speed_mps;
-    const double lack_mps = demand_mps - speed_mps - soft->softness_pkg * contact->impulse_Ns;
+    const double required_mps = soft->correction_ps * contact->depth_m + contact->wall_speed_mps;
+    const double missing_mps = required_mps - speed_mps - soft->softness_pkg * contact->impulse_Ns;
     const double mass_kg = 1.0 / (one->inverse_mass_pkg + other->inverse_mass_pkg + soft->softness_pkg);
     const double before_Ns = contact->impulse_Ns;
-    const double after_Ns = before_Ns + OVER_RELAXATION * mass_kg * lack_mps;
+    const double after_Ns = before_Ns + OVER_RELAXATION * mass_kg * missing_mps;
     contact->impulse_Ns = after_Ns > 0.0 ? after_Ns : 0.0;
     push(contact, contact->impulse_Ns - before_Ns, one, other);
 }

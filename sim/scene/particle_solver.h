@@ -1,8 +1,8 @@
-/* Impulses of the contacts in one step: they separate particles that overlap, brake those that approach, and never
- * pull. A contact is a spring and a damper in parallel, integrated implicitly, with ODE's equations (its User Guide,
- * "How To Use ERP and CFM"). All contacts of a step are solved together, by projected Gauss-Seidel iteration with
- * over-relaxation that starts from the impulses of the previous step, so that the solution improves while the particles
- * rest (Catto, Iterative Dynamics with Temporal Coherence, GDC 2005). */
+/* Computes the impulses of the contacts in one step: they separate overlapping particles, brake approaching ones, and
+ * never pull. A contact is a spring and a damper in parallel, integrated implicitly, with ODE's equations (its User
+ * Guide, "How To Use ERP and CFM"). All contacts of a step are solved together, by projected Gauss-Seidel iteration
+ * with over-relaxation that starts from the impulses of the previous step, so that the solution improves from step to
+ * step while the particles rest (Catto, Iterative Dynamics with Temporal Coherence, GDC 2005). */
 #ifndef COMANIP_SIM_PARTICLE_SOLVER_H
 #define COMANIP_SIM_PARTICLE_SOLVER_H
 
@@ -10,7 +10,8 @@
 
 typedef struct particle_solver particle_solver_t;
 
-/* The walls' indices follow those of the particles. mass_kg: of a particle of mean size. NULL: no memory. */
+/* The walls' indices follow those of the particles. mass_kg: mass of a particle of mean size. Returns NULL if out of
+ * memory. */
 particle_solver_t *particle_solver_create(int particles, int walls, double mass_kg);
 void particle_solver_destroy(particle_solver_t *self);
 

@@ -11,9 +11,9 @@
 #include "physics.h"
 #include "support.h"
 
-#define HAND_CAPTURE_M 0.025  /* the fingers of an open hand close on an axis so near to the grip */
-#define OPENING_ON_OBJECT 0.3 /* where the jaws meet what lies between them */
-#define DROPPED_AFTER_S 0.02  /* held by nobody for so long */
+#define HAND_CAPTURE_M 0.025  /* an open hand can close on an axis within this distance of its grip point */
+#define OPENING_ON_OBJECT 0.3 /* opening at which the jaws touch an object */
+#define DROPPED_AFTER_S 0.02  /* dropped: held by nobody for this time */
 #define HOLDERS (SCENARIO_MAX_PEOPLE + 1)
 
 struct scene {
@@ -29,9 +29,9 @@ struct scene {
         bool was_held;
         bool is_dropped;
         double unheld_s;
-    } fate[SCENARIO_MAX_OBJECTS];
+    } hold_state[SCENARIO_MAX_OBJECTS];
     double now_s; /* at the end of the last step */
-    bool close;   /* the gripper's command */
+    bool close;   /* the last gripper command */
     double opening;
     water_body_t *water;
     int person_with_cup; /* -1: none */
@@ -79,7 +79,8 @@ static bool create_water(scene_t *self) {
 
 static void create_people(scene_t *self) {
     self->person_with_cup = -1;
-    for (size_t i = self->scenario->person_count; i-- > 0;) { /* backwards: the first cup stays */
+    for (size_t i = self->scenario->person_count;
+         i-- > 0;) { /* backwards, so that the first person with a cup counts */
         const person_t *person = &self->scenario->person[i];
         hand_body_init(&self->hand[i], self->world, person);
         self->grip[i].properties = (grip_properties_t){.force_limit_N = person->grip_force_limit_N};
@@ -111,7 +112,7 @@ static void create_objects(scene_t *self) {
         if (self->scenario->object[i].held_by_robot) {
             self->close = true;
             self->opening = OPENING_ON_OBJECT;
-            self->fate[i].was_held = true;
+            self->hold_state[i].was_held = true;
             robot_grips(self, i);
         }
     }
@@ -156,7 +157,7 @@ void scene_destroy(scene_t *self) {
 
 /* ---- a step */
 
-/* What lies between the jaws as they meet; the number of objects: nothing. */
+/* Returns the object between the closing jaws, or the number of objects if there is none. */
 static size_t object_between_jaws(const scene_t *self) {
     double point[3], nearest[3];
     gripper_point(self, point);
@@ -222,13 +223,13 @@ static bool is_held(const scene_t *self, size_t object) {
 static void check_drops(scene_t *self, double now_s, double step_s) {
     for (size_t i = 0; i < self->scenario->object_count; i++) {
         if (is_held(self, i)) {
-            self->fate[i].was_held = true;
-            self->fate[i].is_dropped = false;
-            self->fate[i].unheld_s = 0.0;
-        } else if (self->fate[i].was_held && !self->fate[i].is_dropped) {
-            self->fate[i].unheld_s += step_s;
-            if (self->fate[i].unheld_s >= DROPPED_AFTER_S) {
-                self->fate[i].is_dropped = true;
+            self->hold_state[i].was_held = true;
+            self->hold_state[i].is_dropped = false;
+            self->hold_state[i].unheld_s = 0.0;
+        } else if (self->hold_state[i].was_held && !self->hold_state[i].is_dropped) {
+            self->hold_state[i].unheld_s += step_s;
+            if (self->hold_state[i].unheld_s >= DROPPED_AFTER_S) {
+                self->hold_state[i].is_dropped = true;
                 raise_event(self, self->scenario->object[i].name, "dropped", now_s);
             }
         }

@@ -4,23 +4,24 @@
 #include <ode/ode.h>
 
 #define FRICTION 0.6
-/* Rubber pads, per contact: a rod of 0.1 kg sinks by some 0.01 mm and does not bounce. */
+/* Rubber pads, per contact: a rod of 0.1 kg sinks in by about 0.01 mm and does not bounce. */
 #define CONTACT_NPM 2e4
 #define CONTACT_NSPM 20.0
-/* A contact creeps by 1 mm/s per N of friction: the four of a rod in a groove have more directions than the rod has
- * freedoms, and without it their shares are undetermined, at which ODE's LCP solver gives up. */
+/* A contact creeps by 1 mm/s per N of friction. The four contacts of a rod in a groove have more directions than the
+ * rod has degrees of freedom: without creep the friction forces are undetermined, and ODE's LCP solver fails. */
 #define CONTACT_SLIP_MPNS 1e-3
-#define GROOVE_DEPTH_M 0.01                 /* deeper than so below its place in the groove a rod has left it */
-#define GROOVE_SLOPE 0.70710678118654752440 /* of the V's sides: 45 degrees */
+#define GROOVE_DEPTH_M 0.01 /* a rod that is deeper than this below its start position has left the groove */
+#define GROOVE_SLOPE 0.70710678118654752440 /* of the sides of the V: 45 degrees */
 
-/* Where contacts go, for a step of this length. */
+/* Destination of the contacts for a step of this length. */
 typedef struct {
     dWorldID world;
     dJointGroupID group;
     double step_s;
 } contact_sink_t;
 
-/* ODE limits friction in two directions apart, `along` and across it: right for a rod that slides along its axis. */
+/* ODE limits the friction separately along `along` and across it, which is right for a rod that slides along its
+ * axis. */
 static void add_contact(const contact_sink_t *sink, dBodyID body, const double position_m[3], const double normal[3],
                         const double along[3], double depth_m) {
     const double total = sink->step_s * CONTACT_NPM + CONTACT_NSPM;
@@ -40,8 +41,9 @@ static void add_contact(const contact_sink_t *sink, dBodyID body, const double p
     dJointAttach(dJointCreateContact(sink->world, sink->group, &contact), body, NULL);
 }
 
-/* Part of the rod's axis that lay above the stand at the start, from the rod's middle. False: none did. */
-static bool resting_part(const object_t *rod, const object_t *stand, double *from_m, double *until_m) {
+/* Gives the section of the rod's axis that was above the stand at the start, measured from the rod's centre. Returns
+ * false if there is none. */
+static bool resting_section(const object_t *rod, const object_t *stand, double *from_m, double *until_m) {
     const rigid_pose_t to_stand = rigid_pose_inverse(&stand->pose);
     const rigid_pose_t seen = rigid_pose_multiply(&to_stand, &rod->pose);
     const double z[3] = {0.0, 0.0, 1.0};
@@ -50,13 +52,13 @@ static bool resting_part(const object_t *rod, const object_t *stand, double *fro
     *from_m = -0.5 * rod->length_m;
     *until_m = 0.5 * rod->length_m;
     for (int k = 0; k < 2; k++) {
-        const double half_m = 0.5 * stand->size_m[k], middle_m = seen.position_m[k];
+        const double half_m = 0.5 * stand->size_m[k], centre_m = seen.position_m[k];
         if (fabs(axis[k]) < 1e-6) {
-            if (fabs(middle_m) > half_m) {
+            if (fabs(centre_m) > half_m) {
                 return false;
             }
         } else {
-            const double a = (-half_m - middle_m) / axis[k], b = (half_m - middle_m) / axis[k];
+            const double a = (-half_m - centre_m) / axis[k], b = (half_m - centre_m) / axis[k];
             *from_m = fmax(*from_m, fmin(a, b));
             *until_m = fmin(*until_m, fmax(a, b));
         }
@@ -65,15 +67,16 @@ static bool resting_part(const object_t *rod, const object_t *stand, double *fro
     return *from_m < *until_m && fabs(gap_m) < GROOVE_DEPTH_M;
 }
 
-/* Where on its axis the rod now crosses the plane through `edge_m` across the groove. False: nowhere. */
+/* Gives the point at which the rod's axis now crosses the plane through `edge_m` across the groove. Returns false if it
+ * does not. */
 static bool axis_at_edge(const scene_object_t *rod, const double edge_m[3], const double along_groove[3],
                          double crossing_m[3]) {
-    double middle[3], ahead[3], gap_m = 0.0, cosine = 0.0;
-    scene_object_point(rod, 0.0, middle);
+    double centre[3], ahead[3], gap_m = 0.0, cosine = 0.0;
+    scene_object_point(rod, 0.0, centre);
     scene_object_point(rod, 1.0, ahead);
     for (int k = 0; k < 3; k++) {
-        gap_m += along_groove[k] * (edge_m[k] - middle[k]);
-        cosine += along_groove[k] * (ahead[k] - middle[k]);
+        gap_m += along_groove[k] * (edge_m[k] - centre[k]);
+        cosine += along_groove[k] * (ahead[k] - centre[k]);
     }
     if (fabs(gap_m) > 0.5 * rod->data->length_m * fabs(cosine)) {
         return false;
@@ -82,7 +85,8 @@ static bool axis_at_edge(const scene_object_t *rod, const double edge_m[3], cons
     return true;
 }
 
-/* The two sides of the V at one of its ends, over which the rod's axis passes along_m from its middle at the start. */
+/* Adds contacts with the two sides of the V at one end of the groove. along_m: the point of the rod's axis, from its
+ * centre, that was above this end at the start. */
 static void collide_groove(const contact_sink_t *sink, const scene_object_t *rod, const object_t *stand,
                            double along_m) {
     const double z[3] = {0.0, 0.0, 1.0};
@@ -143,7 +147,7 @@ void support_collide(dWorldID world, dJointGroupID group, const scene_object_t o
         for (size_t j = 0; j < count; j++) {
             double from_m, until_m;
             if (objects[j].data->kind == OBJECT_STAND &&
-                resting_part(objects[i].data, objects[j].data, &from_m, &until_m)) {
+                resting_section(objects[i].data, objects[j].data, &from_m, &until_m)) {
                 collide_groove(&sink, &objects[i], objects[j].data, from_m);
                 collide_groove(&sink, &objects[i], objects[j].data, until_m);
             }

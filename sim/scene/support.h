@@ -1,5 +1,5 @@
-/* What keeps a rod from falling when nobody holds it: a stand with a V groove that fits the rod as it lies at the
- * start, and the ground. Elastic contacts with Coulomb friction, solved by ODE. */
+/* Supports rods that nobody holds: a stand with a V groove that fits the rod's start pose, and the ground. The contacts
+ * are elastic with Coulomb friction and are solved by ODE. */
 #ifndef COMANIP_SIM_SUPPORT_H
 #define COMANIP_SIM_SUPPORT_H
 
@@ -7,7 +7,7 @@
 
 struct dxJointGroup;
 
-/* Contacts for the coming step between the rods and everything that is fixed, into `group` (emptied by the caller). */
+/* Adds the contacts of the next step between the rods and all fixed bodies to `group`, which the caller empties. */
 void support_collide(struct dxWorld *world, struct dxJointGroup *group, const scene_object_t objects[], size_t count,
                      double step_s);
 

@@ -8,7 +8,7 @@
 #include "particle_solver.h"
 #include "physics.h"
 
-/* Particles of one size settle into crystal layers that do not flow. The golden ratio's multiples spread evenly. */
+/* Particles of equal size settle into crystal layers that do not flow. Multiples of the golden ratio spread evenly. */
 #define SIZE_SPREAD 0.2 /* radii differ from the mean by up to this share */
 #define GOLDEN_RATIO 0.61803398875
 
@@ -28,24 +28,24 @@ struct water_body {
     particle_solver_t *solver;
 };
 
-/* ---- where the particles are */
+/* ---- positions of the particles */
 
 static void follow(particle_t *particle, const placed_cup_t cup[WATER_MAX_CUPS]) {
     for (int i = 0; i < WATER_MAX_CUPS; i++) {
-        double seen_m[3];
+        double in_cup_m[3];
         if (!cup[i].cup->present) {
             continue;
         }
-        cup_see(&cup[i], particle->position_m, seen_m);
-        if (cup_contains(cup[i].cup, seen_m)) {
+        cup_from_world(&cup[i], particle->position_m, in_cup_m);
+        if (cup_contains(cup[i].cup, in_cup_m)) {
             particle->cup = i;
-        } else if (particle->cup == i && cup_is_left_by(cup[i].cup, seen_m, particle->radius_m)) {
+        } else if (particle->cup == i && cup_is_left_by(cup[i].cup, in_cup_m, particle->radius_m)) {
             particle->cup = NO_CUP;
         }
     }
 }
 
-/* What lies on the ground stays there and costs nothing. */
+/* A particle on the ground stays there and is no longer simulated. */
 static void spill(particle_t *particle, double ground_z_m) {
     if (particle->position_m[2] < ground_z_m + particle->radius_m) {
         particle->is_spilt = true;
@@ -111,15 +111,15 @@ static void settle(water_body_t *self, int steps) {
     }
 }
 
-/* Lets the particles sink from a lattice, at first within a collar as high as the lattice. False: the cup is too
- * narrow, or some fell over the rim. */
+/* Lets the particles settle from a lattice, first within a wall raised to the height of the lattice. Returns false if
+ * the cup is too narrow or some particles fell over the rim. */
 static bool fill(water_body_t *self, double largest_m, double point_m[][3]) {
     cup_t *cup = &self->cup[0];
     const placed_cup_t placed = cup_place(cup, &self->pose[0]);
     const double height_m = cup->height_m;
     const double lattice_m = cup_lattice(cup, largest_m, self->count, point_m);
     for (int i = 0; i < self->count && lattice_m > 0.0; i++) {
-        cup_unsee(&placed, point_m[i], self->particle[i].position_m);
+        cup_to_world(&placed, point_m[i], self->particle[i].position_m);
     }
     cup->height_m = fmax(height_m, lattice_m + largest_m);
     settle(self, lattice_m > 0.0 ? SETTLING_STEPS : 0);
@@ -143,7 +143,7 @@ static void create_particles(water_body_t *self, const water_t *water) {
     self->sorted_count = self->count;
 }
 
-/* ---- create, destroy, look */
+/* ---- create, destroy, read */
 
 static bool allocate(water_body_t *self, const water_t *water) {
     const size_t count = (size_t)self->count;

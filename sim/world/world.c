@@ -52,7 +52,7 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
     self->scene = scene_create(scenario, &self->events);
     self->hand_history = hand_history_create();
     if (self->scene == NULL || self->hand_history == NULL) {
-        (void)snprintf(error, error_size, "no memory for the simulated world");
+        (void)snprintf(error, error_size, "not enough memory for the simulated world");
         return false;
     }
     if (!create_people(self, error, error_size)) {
@@ -60,11 +60,11 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
     }
     self->proximity = proximity_create(scenario, self->scene);
     if (self->proximity == NULL || !create_nodes(self)) {
-        (void)snprintf(error, error_size, "no memory for the simulated world");
+        (void)snprintf(error, error_size, "not enough memory for the simulated world");
         return false;
     }
     observer_init(&self->observer, self->bus, options->tracker.clock_start_us);
-    for (int i = 0; i < ROBOT_JOINTS; i++) { /* in the first tick the drives have not yet been asked */
+    for (int i = 0; i < ROBOT_JOINTS; i++) { /* in the first tick the drives have not reported yet */
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);
@@ -86,7 +86,8 @@ void world_fail(world_t *self, const char *reason) {
     }
 }
 
-/* An operator who waits in vain, and a tracker that never told a pose: the cause may be the file. */
+/* Fails with the operator's reason. If the tracker never reported a valid pose, adds that, because the recording may be
+ * the cause. */
 static void fail_as_operator(world_t *self) {
     const char *reason = operator_node_failure(self->operator);
     const tracker_statistics_t tracker = tracker_node_statistics(self->tracker);
@@ -100,14 +101,14 @@ static void fail_as_operator(world_t *self) {
     } else {
         const double range_m = floor(1e3 * (double)transport_hand_range_m(bus_profile(self->bus))) * 1e-3;
         (void)snprintf(text, sizeof text,
-                       "%s; %s%" PRIu64 " samples are beyond the %.3f m a frame can carry: is the file in mm, or the "
+                       "%s; %s%" PRIu64 " samples are beyond the %.3f m of a frame: is the file in mm, or the "
                        "tracker mounted too far away?",
                        reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors, range_m);
     }
     world_fail(self, text);
 }
 
-static bool everybody_is_done(const world_t *self) {
+static bool all_scripts_done(const world_t *self) {
     bool done = operator_node_script_done(self->operator);
     for (size_t i = 0; i < self->scenario->person_count; i++) {
         done = done && person_program_is_done(self->program[i]);
@@ -115,7 +116,7 @@ static bool everybody_is_done(const world_t *self) {
     return done;
 }
 
-/* Says what everybody is about. */
+/* Fails with the current step of each person and of the operator. */
 static void fail_as_overdue(world_t *self) {
     char text[WORLD_TEXT_BYTES];
     size_t used = (size_t)snprintf(text, sizeof text,
@@ -129,10 +130,10 @@ static void fail_as_overdue(world_t *self) {
     world_fail(self, text);
 }
 
-/* The operator stops the arm when there is nothing more to do, or half a second before the time is over. */
+/* The operator stops the arm when all scripts are done, or half a second before the end of the run. */
 static void stop_when_due(world_t *self) {
     const int64_t closing_ns = ns_from_s(SCENARIO_STOP_BEFORE_END_S);
-    const bool is_done = everybody_is_done(self);
+    const bool is_done = all_scripts_done(self);
     const bool is_overdue =
         !is_done && !self->is_shortened && self->now_ns >= ns_from_s(self->scenario->duration_s) - closing_ns;
     const bool is_late = self->now_ns >= self->end_ns - closing_ns;
@@ -159,7 +160,7 @@ static bool is_over(world_t *self) {
         }
     }
     if (self->observer.out_of_memory) {
-        world_fail(self, "no memory for the list of modes");
+        world_fail(self, "not enough memory for the list of modes");
     }
     if (*self->interrupted != 0) {
         world_fail(self, "interrupted");
@@ -167,7 +168,7 @@ static bool is_over(world_t *self) {
     return self->failure[0] != '\0' || self->now_ns >= self->end_ns;
 }
 
-/* What there is to see at now_ns: for the monitors, the trace, and the sensors. */
+/* Reads the state of the scene at now_ns for the monitors, the trace and the sensors. */
 static void look(world_t *self) {
     self->clearance = proximity_measure(self->proximity);
     physical_state_read(&self->state, self->scenario, self->scene, &self->clearance);
@@ -178,8 +179,8 @@ static void look(world_t *self) {
     observer_begin_tick(&self->observer, self->now_ns, &hand);
 }
 
-/* How the robot's hand goes along with a displacement of the person's. */
-static void robot_follows(const world_t *self, double scale[3]) {
+/* Displacement of the end effector per displacement of the person's hand, per axis. */
+static void robot_gain(const world_t *self, double scale[3]) {
     const double motion_scale = (double)self->observer.parameter[PARAMETER_MOTION_SCALE];
     for (int k = 0; k < 3; k++) {
         scale[k] = motion_scale;
@@ -187,19 +188,19 @@ static void robot_follows(const world_t *self, double scale[3]) {
     scale[0] *= operator_node_mirrors(self->operator) ? -1.0 : 1.0;
 }
 
-/* Motors and people -> motion, from now_ns on. A step longer than a tick is made in the first of its ticks. */
+/* Moves people and scene from now_ns on. A physics step longer than a tick is made in the first of its ticks. */
 static void move(world_t *self) {
     const int64_t step_ns = (int64_t)self->options->physics_step_us * 1000;
     const double step_s = (double)step_ns * 1e-9;
-    double follows[3];
-    robot_follows(self, follows);
+    double gain[3];
+    robot_gain(self, gain);
     for (int64_t from_ns = self->now_ns; from_ns < self->now_ns + WORLD_TICK_NS; from_ns += step_ns) {
         if (from_ns % step_ns != 0) {
             return;
         }
         const double from_s = (double)from_ns * 1e-9;
         for (size_t i = 0; i < self->scenario->person_count; i++) {
-            person_program_step(self->program[i], from_s, from_s + step_s, follows);
+            person_program_step(self->program[i], from_s, from_s + step_s, gain);
         }
         scene_step(self->scene, from_s, step_s);
     }
@@ -219,9 +220,9 @@ static void watch(world_t *self) {
     tracking_sample(&self->tracking, tick, self->observer.parameter);
     watch_recording(self);
     rest_monitor_sample(&self->rest, tick, &self->state, &aim, self->observer.settled_ns);
-    double follows[3];
-    robot_follows(self, follows);
-    latency_sample(&self->latency, tick, &self->state.hand[self->scenario->tracked], follows, self->observer.settled_ns,
+    double gain[3];
+    robot_gain(self, gain);
+    latency_sample(&self->latency, tick, &self->state.hand[self->scenario->tracked], gain, self->observer.settled_ns,
                    tracking_is_followable(&self->tracking, tick));
     scenario_monitor_sample(&self->scenario_monitor, tick, &self->state, &self->events,
                             (double)self->observer.parameter[PARAMETER_MOTION_SCALE]);
@@ -238,7 +239,7 @@ bool world_advance(world_t *self) {
     const int64_t now_ns = self->now_ns, next_ns = now_ns + WORLD_TICK_NS;
     look(self);
 
-    tracker_node_step(self->tracker, now_ns, next_ns); /* queue what falls due in this tick */
+    tracker_node_step(self->tracker, now_ns, next_ns); /* queue the frames due in this tick */
     proximity_node_step(self->proximity_sensor, &self->clearance, now_ns, next_ns);
     gripper_node_step(self->gripper, now_ns, next_ns);
     operator_node_step(self->operator, now_ns, next_ns);

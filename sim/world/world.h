@@ -1,6 +1,6 @@
 /* The simulated world: a physical scene with robot and people, and on one bus its drives, gripper, tracker, proximity
- * sensor and operator, in virtual time and lockstep, watched by monitors that see the bus and the physics and nothing
- * of the firmware. The firmware joins as a node of the bus (sim/port). */
+ * sensor and operator, in virtual time and lockstep. Monitors observe the bus and the physics, but not the firmware,
+ * which is a node of the bus (sim/port). */
 #ifndef COMANIP_SIM_WORLD_H
 #define COMANIP_SIM_WORLD_H
 
@@ -32,19 +32,19 @@
 #include "../scene/scene.h"
 
 #define WORLD_TICK_NS 1000000
-#define WORLD_TEXT_BYTES 900 /* an operator's failure, and what is said of the tracker beside it */
+#define WORLD_TEXT_BYTES 900 /* the operator's failure and the note about the tracker */
 
 typedef struct world world_t;
 
 struct world {
     const options_t *options;
-    const scenario_t *scenario; /* as the seed varied it */
+    const scenario_t *scenario; /* already varied by the seed */
     events_t events;
     int64_t now_ns;
-    int64_t end_ns;     /* an upper bound until everybody is done */
+    int64_t end_ns;     /* an upper limit until all scripts are done */
     double stop_s;      /* when the operator's stop was due; negative: not yet */
-    bool has_fixed_end; /* --duration: it goes on to its end though everybody is done */
-    bool is_shortened;  /* and ends before the scenario's time is over: what is not done by then is nobody's failure */
+    bool has_fixed_end; /* --duration: the run continues to its end, even if all scripts are done */
+    bool is_shortened;  /* ends before the scenario's duration_s; unfinished scripts are no failure */
     bool has_recording;
     uint64_t ticks;
 
@@ -67,31 +67,31 @@ struct world {
     largest_scale_t largest_scale; /* of the recording on the command line */
     rest_monitor_t rest;
     latency_t latency;
-    latency_ms_t latency_ms; /* once the run is over */
+    latency_ms_t latency_ms; /* valid after the run */
     scenario_monitor_t scenario_monitor;
     contact_monitor_t contact_monitor;
 
     const volatile sig_atomic_t *interrupted; /* set from outside to end the run */
     uint64_t firmware_overflows;              /* frames lost in the firmware's receive queue (sim/port) */
-    /* NULL, or called after each tick: it watches and changes nothing */
+    /* NULL, or called after each tick; must not change the world */
     void (*on_tick)(void *context, const world_t *world);
     void *on_tick_context;
-    const live_bus_timing_t *timing; /* NULL, or how the run kept up with real time */
+    const live_bus_timing_t *timing; /* NULL, or how well the run kept up with real time */
     char failure[WORLD_TEXT_BYTES];  /* why the run ended early; "" */
 };
 
-/* options and scenario must outlive the world, which owns the bus from here on, even if this fails. Reads the
- * recordings and writes nothing. On failure false, and one line in `error`. */
+/* options and scenario must outlive the world. The world takes ownership of the bus, even if this fails. Reads the
+ * recordings and writes no file. Returns false on failure, with one line in `error`. */
 bool world_init(world_t *self, const options_t *options, const scenario_t *scenario, bus_t *bus,
                 const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
 
-/* One tick of 1 ms. False when the run is over. */
+/* Advances by one tick of 1 ms. Returns false when the run is over. */
 bool world_advance(world_t *self);
 
-/* The scenario's own motion and task: then what must come out is known beforehand. */
+/* True if motion and task are the scenario's own, so that the results can be checked. */
 bool world_is_scripted(const world_t *self);
 
-/* Ends the run with a reason; the first one counts. */
+/* Ends the run with a reason. Only the first reason is kept. */
 void world_fail(world_t *self, const char *reason);
 
 void world_free(world_t *self);

@@ -75,7 +75,7 @@ def run(case: np.ndarray, simulator: Path, folder: Path, parameters: dict[str, f
     written = {"motion_scale": SCALE} | parameters
     command += [word for name, value in written.items() for word in ("--param", f"{name}={value:g}")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if "expected a place of its own" in done.stderr:
+    if "expected no overlap" in done.stderr:
         one = np.zeros((), OUTCOME)
         one["start"] = NO_PLACE
         return one
