@@ -1,5 +1,5 @@
-"""The monitor of JointCmd frames finds each kind of violation, and none where there is none. And the names the simulator
-prints are the DBC's."""
+"""The monitor of JointCmd frames finds each kind of violation and reports none on valid frames; the names that the
+simulator prints match the DBC's."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ class Watch:
 
 
 def ramp(target, jerk=10_000.0):
-    """Velocities, a tick each, from 0 to near the target with the acceleration and the jerk at their limits."""
+    """Velocities, one per tick, from 0 to close to the target, with acceleration and jerk at their limits."""
     rise = np.arange(0.0, ACCELERATION, jerk * 1e-3)
     level = round(target / (ACCELERATION * 1e-3)) - len(rise)
     return np.cumsum(np.r_[rise, np.full(level, ACCELERATION), rise[::-1]]) * 1e-3
 
 
-def test_a_ramp_at_the_limits_is_no_violation():
+def test_a_ramp_at_the_limits_is_not_a_violation():
     watch = Watch()
     for velocity in ramp(4.7):
         assert watch.command([velocity] * 4) == 0
-    assert watch.command([velocity - 0.015] * 4, ticks=2) == 0  # a frame lost: twice the time, twice the change
+    assert watch.command([velocity - 0.015] * 4, ticks=2) == 0  # a lost frame: twice the time, twice the change
     assert watch.command([velocity - 0.015 - 0.02] * 4) == 0
 
 
 def test_each_frame_of_a_fourfold_tick():
-    """Classic CAN's: the change at its limit after one tick of 4 ms from standing, and back."""
+    """Classic CAN's frames: the change at its limit after one tick of 4 ms from rest, and back."""
     watch = Watch()
     for velocity in (0, 0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.24, 0.14):
         assert watch.command([velocity] * 4, ticks=4) == 0
@@ -66,7 +66,8 @@ def test_jerk(joint, first, then, violations):
 
 
 def test_jerk_after_lost_frames():
-    """The mean change in three ticks that led from standing to 25 mrad/s is 18.3 mrad/s, and the next change within 10 (3 + 1) / 2 of it."""
+    """The mean change per tick over three ticks from rest to 25 mrad/s is 18.3 mrad/s; the next change may differ from
+    it by 10 (3 + 1) / 2."""
     for velocity, violations in ((0.055 + 0.025, 0), (0.055 - 0.001, 0), (0.055 - 0.002, 4)):
         watch = Watch()
         watch.command()
@@ -85,7 +86,7 @@ def test_each_joints_range(joint):
 
 
 def test_velocity_and_its_change():
-    assert Watch().command([4.762, 0, 0, 0]) == 1  # the first frame has no change to judge
+    assert Watch().command([4.762, 0, 0, 0]) == 1  # the first frame has no change to check
     watch = Watch()
     watch.command()
     assert watch.command([0, 0.026, 0, 0]) == 1
@@ -107,7 +108,7 @@ def test_speed_fraction_lowered_in_motion_leaves_time_to_brake():
     watch.speed_fraction = 0.1
     for slower in (0.01, 0.03, *(0.055 + 0.025 * np.arange(10))):
         assert watch.command([0, slower - velocity, 0, 0]) == 0
-    assert watch.command([0, slower + 0.015 - velocity, 0, 0]) == 1, "brakes less than it could, above the new limit"
+    assert watch.command([0, slower + 0.015 - velocity, 0, 0]) == 1, "brakes less than possible above the new limit"
 
 
 def test_a_brake_closed_in_motion():
@@ -117,7 +118,7 @@ def test_a_brake_closed_in_motion():
     assert watch.command([0.225, 0, 0, 0], mode=(0, 1, 1, 1)) == 2, "acceleration and jerk"
 
 
-def test_joints_that_are_not_there_stand_still():
+def test_absent_joints_must_be_commanded_to_zero():
     assert Watch().command(extra=0.001) == 1
 
 
@@ -137,7 +138,7 @@ def test_a_frame_that_cannot_be_decoded():
         ("result_name", "CommandAck", "result"),
     ],
 )
-def test_names_are_the_dbcs(dbc, function, message, signal):
+def test_names_match_the_dbc(dbc, function, message, signal):
     choices = dbc.get_message_by_name(message).get_signal_by_name(signal).choices
     for value in range(max(choices) + 3):
         expected = str(choices.get(value, "unknown"))
