@@ -52,7 +52,7 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     controller_compute_demand(self, now_us);
     self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
                                       self->feedback_radps, self->feedforward_radps);
-    controller_publish(self, now_us, outbox);
+    controller_publish(self, now_us, &inbox->port, outbox);
     controller_announce(self, outbox);
 
     self->tick++;

@@ -1,5 +1,7 @@
 #include "controller_outputs.h"
 
+#include "comanip_dbc.h"
+
 #define TRACED_AGE_MAX_US 0xFFFFFFu /* TickTrace has 24 bits for it */
 
 void controller_send(controller_t *self, can_frame_t *frame, controller_outbox_t *outbox) {
@@ -85,6 +87,12 @@ static void send_status(controller_t *self, controller_outbox_t *outbox) {
     controller_send(self, &frame, outbox);
 }
 
+static void send_port_status(controller_t *self, const port_status_t *port, controller_outbox_t *outbox) {
+    can_frame_t frame;
+    (void)port_status_pack(port, &frame);
+    controller_send(self, &frame, outbox);
+}
+
 static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
     heartbeat_state_t state = self->announced == 0u                 ? HEARTBEAT_BOOT_UP
                               : self->supervisor.mode == MODE_FAULT ? HEARTBEAT_STOPPED
@@ -95,19 +103,26 @@ static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
     controller_send(self, &frame, outbox);
 }
 
-static bool is_due(const controller_t *self, frame_kind_t kind) {
-    return self->tick * self->tick_ms % transport_period_ms(self->sender.profile, kind) == 0u;
+_Static_assert(COMANIP_PORT_STATUS_CYCLE_TIME_MS == COMANIP_FIRMWARE_HEARTBEAT_CYCLE_TIME_MS,
+               "PortStatus is sent in the tick after each heartbeat");
+
+/* Time since the last tick in which frames of this kind were due. */
+static uint32_t phase_ms(const controller_t *self, frame_kind_t kind) {
+    return self->tick * self->tick_ms % transport_period_ms(self->sender.profile, kind);
 }
 
-void controller_publish(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
+void controller_publish(controller_t *self, uint32_t now_us, const port_status_t *port, controller_outbox_t *outbox) {
     send_joint_command(self, outbox);
     if (self->parameters.value[PARAMETER_TRACE] > 0.0f) {
         send_trace(self, now_us, outbox);
     }
-    if (is_due(self, FRAME_FIRMWARE_STATUS)) {
+    if (phase_ms(self, FRAME_FIRMWARE_STATUS) == 0u) {
         send_status(self, outbox);
     }
-    if (is_due(self, FRAME_FIRMWARE_HEARTBEAT)) {
+    const uint32_t since_heartbeat_ms = phase_ms(self, FRAME_FIRMWARE_HEARTBEAT);
+    if (since_heartbeat_ms == 0u) {
         send_heartbeat(self, outbox);
+    } else if (since_heartbeat_ms == self->tick_ms) { /* has the same period, and another tick to spread the load */
+        send_port_status(self, port, outbox);
     }
 }

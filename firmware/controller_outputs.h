@@ -13,7 +13,7 @@ void controller_send_ack(controller_t *self, uint8_t command, uint8_t sequence, 
 void controller_send_parameter(controller_t *self, uint8_t parameter, uint8_t sequence, result_t result,
                                controller_outbox_t *outbox);
 
-/* The joint command, and of the trace, status and heartbeat those that are due in this tick. */
-void controller_publish(controller_t *self, uint32_t now_us, controller_outbox_t *outbox);
+/* The joint command, and of the trace, status, port status and heartbeat those that are due in this tick. */
+void controller_publish(controller_t *self, uint32_t now_us, const port_status_t *port, controller_outbox_t *outbox);
 
 #endif

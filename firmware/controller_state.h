@@ -13,11 +13,13 @@
 #include "parameters/parameter_set.h"
 #include "parameters/parameters.h"
 #include "protocol/can_transport.h"
+#include "protocol/port_status.h"
 
 /* On CAN FD eight drives, tracker and operator send 13 frames in a tick; more wait for the next tick. */
 #define CONTROLLER_INBOX_FRAMES 16
-/* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and the identity or two ParameterValue. */
-#define CONTROLLER_CYCLIC_FRAMES 18
+/* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and the identity, or two ParameterValue and
+ * PortStatus. */
+#define CONTROLLER_CYCLIC_FRAMES 19
 /* An answer to each frame received, with a parameter's announcement before it; and the outcome of a save. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
@@ -26,6 +28,7 @@ typedef struct {
     uint8_t count;
     bool save_over; /* the save that an outbox asked for is over, with this result */
     result_t save_result;
+    port_status_t port; /* is published only: no decision depends on it, so that it need not be in TickTrace */
 } controller_inbox_t;
 
 typedef struct {

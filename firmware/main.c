@@ -64,6 +64,7 @@ void firmware_main(void) {
             continue; /* classic CAN carries one command every 4 ms */
         }
         report_save(&inbox);
+        hal_port_status(&inbox.port);
         controller_step(&controller, now_us, &inbox, &outbox);
         hal_enable_drives(outbox.enable_drives);
         inbox.count = 0;

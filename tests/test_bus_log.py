@@ -248,12 +248,14 @@ def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """Feeds the firmware with the log alone. Returns the frames that it sends, by id, and the number of frames fed."""
+    """Feeds the firmware with the log alone. Returns the frames that it sends, by id, and the number of frames fed. The counts
+    of its port are those of the next PortStatus."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
     queue = deque(frame for frame in frames if frame.frame_id in addressed)
-    trace = DBC.get_message_by_name("TickTrace")
+    trace, port_status = (DBC.get_message_by_name(name) for name in ("TickTrace", "PortStatus"))
+    ports = [port_status.decode(f.data, decode_choices=False) for f in frames if f.frame_id == port_status.frame_id]
     counters, sent, fed = None, {}, 0
     for tick in frames:
         if tick.frame_id != trace.frame_id:
@@ -268,6 +270,9 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
             slot = inbox.frame[i]
             slot.timestamp_us, slot.id, slot.length = frame.t_us, frame.frame_id, len(frame.data)
             ffi.memmove(slot.data, frame.data, len(frame.data))
+        for name, value in ports[min(len(sent.get(port_status.frame_id, ())), len(ports) - 1)].items():
+            if not name.startswith("e2e_"):
+                setattr(inbox.port, name, value)
         lib.outbox_step(outbox, controller, now_us, inbox)
         for i in range(outbox.count):
             frame = outbox.frame[i]

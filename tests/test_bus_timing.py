@@ -245,7 +245,8 @@ class Log:
         message = DBC.get_message_by_name(name)
         if message.senders == ["Firmware"]:
             if message.cycle_time:
-                return (1 + count * message.cycle_time) * MS_NS + COMPUTING_NS
+                phase_ms = self.profile.tick_ms if plain.startswith("Port") else 0  # the tick after the heartbeat's
+                return (1 + phase_ms + count * message.cycle_time) * MS_NS + COMPUTING_NS
             payloads = [bytes(data) for data in self.frames[name].data]
             starts_ns = self.ends_ns[name] - np.array([self.profile.duration_ns(message.frame_id, d) for d in payloads])
             return self.tick_before_ns(starts_ns + LOG_NS - COMPUTING_NS) + COMPUTING_NS

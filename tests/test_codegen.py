@@ -187,6 +187,7 @@ def test_a_frame_for_the_firmware_without_a_reader_does_not_compile(with_a_frame
 def test_a_frame_for_others_that_nobody_reads():
     messages = load_string(DBC, "dbc").messages
     simulator = "gripper_command_unpack( gripper_state_unpack( joint_cmd_unpack( clearance_unpack( tick_trace_unpack("
+    simulator += " port_status_unpack("
     tools = '"FirmwareStatus" "CommandAck" "ParameterValue" "FirmwareIdentity" FRAME_FIRMWARE_HEARTBEAT'
     assert list(readers.without_reader(messages, simulator, tools)) == []
     assert list(readers.without_reader(messages, simulator.replace("clearance_unpack(", ""), tools)) == ["Clearance"]

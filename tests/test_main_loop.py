@@ -34,6 +34,7 @@ bool hal_wait_tick(uint32_t *now_us) {
     *now_us = 1000u * (uint32_t)++ms;
     return ms <= 400;
 }
+void hal_port_status(port_status_t *status) { *status = (port_status_t)PORT_STATUS_UNKNOWN; }
 void hal_watchdog_feed(void) {}
 void hal_enable_drives(bool enable) { (void)enable; }
 _Noreturn void hal_panic(const char *cause) { (void)cause; __builtin_trap(); }

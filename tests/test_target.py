@@ -227,7 +227,7 @@ def test_boot_announcement(first_second, image, elf, dbc):
     messages = decoded(dbc, first_second(image, elf))
     received = {name: [data for n, data in messages if n == name] for name in {n for n, _ in messages}}
     assert set(received) == {
-        "FirmwareIdentity", "ParameterValue", "FirmwareStatus", "JointCmd", "FirmwareHeartbeat", "TickTrace"
+        "FirmwareIdentity", "ParameterValue", "FirmwareStatus", "JointCmd", "FirmwareHeartbeat", "TickTrace", "PortStatus"
     }  # fmt: skip
     (identity,) = received["FirmwareIdentity"]
     assert str(identity["arm"]) == "hoap3_right" and identity["joint_count"] == 4
@@ -289,6 +289,7 @@ def test_the_drives_have_no_power_before_the_start(elf, image, tmp_path):
 
 
 PLANTED = """
+    #include <board.h>
     #include <stddef.h>
     #include "HERE/hal/hal.h"
     #include "HERE/firmware/main.h"
@@ -391,6 +392,43 @@ def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_bu
     ticks = ticks_us(frames)
     assert ticks[-1] in (49000, 50000) and ticks[0] == 1000  # the last line may be cut short: the panic does not wait
     assert drives_enabled(image, answer) in (False, None)
+
+
+PORT_FAULTS = """
+    interrupts_off(); /* nothing leaves the transmit ring */
+    for (int i = 0; i < 200; i++) { (void)hal_can_send(&frame); }
+    interrupts_on();
+    spin(2000000ul);
+    (void)hal_wait_tick(&now_us);
+    hal_watchdog_feed();
+    port_status_t s;
+    hal_port_status(&s);
+    const uint16_t counts[] = {s.refused_frames, s.lost_frames, s.missed_ticks, s.longest_tick_us, s.bus_off};
+    can_frame_t report = {.id = 0x124, .length = 12, .fd = true};
+    for (int i = 0; i < 5; i++) {
+        report.data[2 * i] = (uint8_t)counts[i];
+        report.data[2 * i + 1] = (uint8_t)(counts[i] >> 8);
+    }
+    for (int i = 0; i < 5; i++) { (void)hal_wait_tick(&now_us); hal_watchdog_feed(); }
+    (void)hal_can_send(&report)"""
+
+
+def test_the_port_counts_its_faults(image, target_build, tmp_path):
+    """200 frames and 8 ms in one tick, and two malformed lines."""
+    elf = planted(image, tmp_path, PORT_FAULTS)
+    text, _ = run(
+        image, elf, tmp_path, lambda t: re.search("b1249.*\r", t) is not None, b"garbage\rb2019" + b"0" * 5 + b"\r"
+    )
+    assert "#panic" not in text
+    data = bytes.fromhex(re.search("b1249([0-9A-F]{24})\r", text)[1])
+    refused, lost, missed, longest_us, bus_off = struct.unpack("<5H", data[:10])
+    ticks = ticks_us(text)
+    assert ticks.count(50000) == 1 + 200 - refused  # one by the loop itself
+    assert refused in (127, 128)  # 1,023 bytes hold 73 lines of 14 bytes, one of them perhaps that of the loop
+    assert lost == 2
+    resumed = 50000 + 1000 * (missed + 1)
+    assert resumed in (57000, 58000, 59000) and 8000 <= longest_us < 9500
+    assert bus_off == 65535  # unknown
 
 
 def test_ticks_missed_are_not_made_up_for(image, target_build, tmp_path):

@@ -1,21 +1,44 @@
-/* The HAL's tick for ports whose timer interrupts at each one: clock.h. */
+#include "tick.h"
+
 #include <board.h> /* the image's, by its -I: the interrupt mask and wait_for_interrupt() */
 
 #include "../hal.h"
 #include "clock.h"
 
-static uint32_t given_us; /* the tick that hal_wait_tick() gave last */
+static struct {
+    bool running;
+    uint32_t given_us; /* the tick that hal_wait_tick() gave last */
+    uint32_t missed, longest_us;
+} ticks;
+
+static void measure(uint32_t now_us) {
+    const uint32_t spent_us = now_us - ticks.given_us;
+    ticks.longest_us = spent_us > ticks.longest_us ? spent_us : ticks.longest_us;
+    for (uint32_t after_us = ticks.given_us + CLOCK_TICK_US; after_us != clock_tick_us(); after_us += CLOCK_TICK_US) {
+        ticks.missed++;
+    }
+}
 
 bool hal_wait_tick(uint32_t *now_us) {
     /* With interrupts off a tick cannot slip in between the question and the sleep; it still ends the sleep. */
     interrupts_off();
-    while (clock_tick_us() == given_us) {
+    const uint32_t end_us = clock_us();
+    while (clock_tick_us() == ticks.given_us) {
         wait_for_interrupt();
         interrupts_on();
         interrupts_off();
     }
-    given_us = clock_tick_us();
+    if (ticks.running) { /* the start is no tick */
+        measure(end_us);
+    }
+    ticks.running = true;
+    ticks.given_us = clock_tick_us();
     interrupts_on();
-    *now_us = given_us;
+    *now_us = ticks.given_us;
     return true;
+}
+
+void tick_status(port_status_t *status) {
+    status->missed_ticks = port_count(ticks.missed);
+    status->longest_tick_us = port_count(ticks.longest_us);
 }

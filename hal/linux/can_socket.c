@@ -146,6 +146,16 @@ bool can_socket_send(can_socket_t *self, const can_frame_t *frame) {
     return false;
 }
 
+void can_socket_status(const can_socket_t *self, port_status_t *status) {
+    status->refused_frames = port_count(self->counters.send_drops);
+    if (self->hub_path[0] == '\0' || self->counters.error_frames > 0) { /* a hub may pass error frames on */
+        status->can_state = self->counters.can_state;
+        status->lost_frames = port_count(self->counters.receive_drops);
+        status->error_passive = port_count(self->counters.error_passive);
+        status->bus_off = port_count(self->counters.bus_offs);
+    }
+}
+
 void can_socket_close(can_socket_t *self) {
     if (self->fd >= 0) {
         (void)close(self->fd);

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "../../firmware/protocol/can_frame.h"
+#include "../../firmware/protocol/port_status.h"
 #include "can_counters.h"
 #include "can_selection.h"
 #include "hub_path.h"
@@ -43,6 +44,9 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
 
 /* False: the frame is dropped, and counted. */
 bool can_socket_send(can_socket_t *self, const can_frame_t *frame);
+
+/* Fills in the faults of the bus. A hub reports neither error states nor lost frames: these then stay unknown. */
+void can_socket_status(const can_socket_t *self, port_status_t *status);
 
 void can_socket_close(can_socket_t *self);
 

@@ -25,7 +25,16 @@ void pace_init(pace_t *self, uint32_t slow) {
     self->tick_ns = pace_now_unix_ns(self) / period_ns(self) * period_ns(self);
 }
 
+static void end_tick(pace_t *self) {
+    const int64_t spent_ns = (pace_now_unix_ns(self) - self->tick_ns) / self->slow;
+    if (self->in_tick && spent_ns > self->longest_ns) {
+        self->longest_ns = spent_ns;
+    }
+    self->in_tick = false;
+}
+
 bool pace_wait_tick(pace_t *self) {
+    end_tick(self);
     const int64_t next_ns = self->tick_ns + period_ns(self);
     const int64_t wake_ns = next_ns - self->offset_ns;
     const struct timespec wake = {.tv_sec = (time_t)(wake_ns / NS_PER_S), .tv_nsec = (long)(wake_ns % NS_PER_S)};
@@ -35,6 +44,7 @@ bool pace_wait_tick(pace_t *self) {
     const int64_t late = (pace_now_unix_ns(self) - next_ns) / period_ns(self);
     self->overruns += (uint64_t)late;
     self->tick_ns = next_ns + late * period_ns(self);
+    self->in_tick = true;
     return true;
 }
 

@@ -14,11 +14,13 @@
 #define PACE_SLOW_MAX 1000u
 
 typedef struct {
-    int64_t slow;      /* ns of wall time in one of the loop's clock: 1..PACE_SLOW_MAX */
-    int64_t offset_ns; /* Unix time less CLOCK_MONOTONIC, at the start */
-    int64_t step_ns;   /* by which the system's clock has been set since */
-    int64_t tick_ns;   /* Unix time of the last tick, a multiple of the tick's length */
-    uint64_t overruns; /* ticks that were left out since the loop was late */
+    int64_t slow;       /* ns of wall time in one of the loop's clock: 1..PACE_SLOW_MAX */
+    int64_t offset_ns;  /* Unix time less CLOCK_MONOTONIC, at the start */
+    int64_t step_ns;    /* by which the system's clock has been set since */
+    int64_t tick_ns;    /* Unix time of the last tick, a multiple of the tick's length */
+    uint64_t overruns;  /* ticks that were left out since the loop was late */
+    bool in_tick;       /* one was given, and the loop has not waited for the next */
+    int64_t longest_ns; /* from a tick to the next wait, by the loop's clock, at most */
 } pace_t;
 
 void pace_init(pace_t *self, uint32_t slow);

@@ -128,6 +128,13 @@ bool hal_can_send(const can_frame_t *frame) {
     return can_socket_send(&port.can, frame);
 }
 
+void hal_port_status(port_status_t *status) {
+    *status = (port_status_t)PORT_STATUS_UNKNOWN;
+    can_socket_status(&port.can, status);
+    status->missed_ticks = port_count(port.pace.overruns);
+    status->longest_tick_us = port_count((uint64_t)port.pace.longest_ns / 1000);
+}
+
 void hal_watchdog_feed(void) {
     watchdog_feed();
 }

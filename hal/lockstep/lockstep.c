@@ -12,6 +12,8 @@ static struct {
     uint32_t stamp_us; /* of the next frame */
 } received;
 
+static uint32_t refused_frames, lost_frames; /* as the simulator reports them */
+
 static void keep(const can_frame_t *frame) {
     if (received.count == QUEUE_FRAMES) {
         hal_panic("lockstep: more frames in a tick than expected");
@@ -37,10 +39,14 @@ bool hal_wait_tick(uint32_t *now_us) {
             serial_wait();
             hal_watchdog_feed(); /* the simulator may take its time */
         } else if (frame.id == LOCKSTEP_STAMP_ID) {
-            received.stamp_us = lockstep_time_us(&frame);
+            received.stamp_us = lockstep_number(&frame);
         } else if (frame.id == LOCKSTEP_TICK_ID) {
-            *now_us = lockstep_time_us(&frame);
+            *now_us = lockstep_number(&frame);
             return true;
+        } else if (frame.id == LOCKSTEP_REFUSED_ID) {
+            refused_frames = lockstep_number(&frame);
+        } else if (frame.id == LOCKSTEP_LOST_ID) {
+            lost_frames = lockstep_number(&frame);
         } else {
             keep(&frame);
         }
@@ -55,4 +61,12 @@ bool hal_can_receive(can_frame_t *frame) {
     received.first = (received.first + 1u) % QUEUE_FRAMES;
     received.count--;
     return true;
+}
+
+/* The same as of the firmware in the simulator's process: sim/port/local_firmware.c. */
+void hal_port_status(port_status_t *status) {
+    *status = (port_status_t)PORT_STATUS_UNKNOWN;
+    status->refused_frames = port_count(refused_frames);
+    status->lost_frames = port_count(lost_frames);
+    status->missed_ticks = 0;
 }

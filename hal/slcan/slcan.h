@@ -1,5 +1,5 @@
-/* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol with the CAN FD letters of the CANable
- * 2 firmware). Portable: shared by every port without a CAN controller, and by the tests.
+/* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol with the CAN FD letters of the CANable 2
+ * firmware). Portable: shared by every port without a CAN controller, and by the tests.
  *
  *   tIIIL...   classic frame        dIIIL...   FD frame        bIIIL...   FD frame with bit-rate switch
  *

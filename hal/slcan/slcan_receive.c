@@ -1,7 +1,17 @@
-/* Reception by the HAL as the frames come in; an image that a simulator steps has hal/lockstep in place of this. */
+/* Reception from the serial line, and its faults. An image in lockstep with a simulator has hal/lockstep/ instead. */
+#include "../common/tick.h"
 #include "../hal.h"
 #include "slcan_hal.h"
 
 bool hal_can_receive(can_frame_t *frame) {
     return slcan_link_receive(&slcan_hal_link, frame);
+}
+
+void hal_port_status(port_status_t *status) {
+    const slcan_link_counters_t *counters = &slcan_hal_link.counters;
+    *status = (port_status_t)PORT_STATUS_UNKNOWN;
+    status->refused_frames = port_count(counters->tx_dropped);
+    /* Bytes that the UART loses make a line malformed. */
+    status->lost_frames = port_count((uint64_t)counters->rx_overflow + counters->rx_malformed);
+    tick_status(status);
 }

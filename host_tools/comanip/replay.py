@@ -2,8 +2,9 @@
 
 Each TickTrace tells the time of its tick and which frames it had read; ``_binding/replay.h`` says how. The log must begin
 at the firmware's boot. It may come from another build, if TickTrace and the frames that the firmware receives have the
-same layout and meaning (FirmwareIdentity.trace_version and trace_hash); what only one of the two builds sends is left out
-of the comparison, and named.
+same layout and meaning (FirmwareIdentity.trace_version and trace_hash). Two kinds of frames
+are not compared, but named: those that only one of the two builds sends, and those that the DBC marks as not replayed,
+since a log does not contain what they report (PortStatus).
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Report:
     compared: int  # frames that it had sent
     difference: Difference | None
     other_build: int | None = None  # hash of the build that recorded the log, if it is not this core
-    left_out: tuple[str, ...] = ()  # frames that only one of the two builds sends
+    left_out: tuple[str, ...] = ()  # frames that are not compared: see above
 
 
 def _native_log(ffi, frames: Sequence[Frame]):
@@ -156,6 +157,12 @@ def _profile(frames: Sequence[Frame]) -> Profile:
     return Profile.CLASSIC if _first(frames, "ClassicTickTrace") and not _first(frames, "TickTrace") else Profile.FD
 
 
+def is_replayed(message: Message) -> bool:
+    """False: it depends on more than a log contains, as the port's counts. From the DBC's attribute Replayed."""
+    attribute = message.dbc.attributes.get("Replayed")
+    return attribute is None or bool(attribute.value)
+
+
 def _is_damaged(frame: Frame) -> bool:
     return bool(frame.message and data_id(frame.name) and not has_right_crc(frame))
 
@@ -165,7 +172,7 @@ def _first_damaged(frames: Sequence[Frame]) -> int | None:
     others = {
         message.frame_id
         for message in database().messages
-        if FIRMWARE not in message.senders and FIRMWARE not in message.receivers
+        if (FIRMWARE not in message.senders and FIRMWARE not in message.receivers) or not is_replayed(message)
     }
     return next((i for i, frame in enumerate(frames) if frame.frame_id in others and _is_damaged(frame)), None)
 
@@ -195,23 +202,25 @@ class Replay:
             [FIRMWARE in message.receivers for message in by_kind], [FIRMWARE in message.senders for message in by_kind],
         )  # fmt: skip
 
-        self._left_out: tuple[str, ...] = ()
+        self._leave_out(profile, by_kind)
         if self._other_build is not None:
-            self._leave_out(profile, by_kind)
+            announced = _announced_parameters(frames, profile)
+            lib.replay_other_build(self._state, [number in announced for number in range(lib.PARAMETER_NUMBERS)])
 
     def _leave_out(self, profile: Profile, by_kind: Sequence[Message]) -> None:
-        """Of the comparison: FirmwareIdentity, which tells the build, and what only one of the two builds sends."""
+        """Leaves frames that are not replayed out of the comparison, and with a log of another build also FirmwareIdentity,
+        which names the build, and frames that only one of the two builds sends."""
         in_log = {frame.frame_id for frame in self.frames if frame.message}
-        ids = [profile.message(message.name).frame_id for message in by_kind]
-        sent = [FIRMWARE in message.senders for message in by_kind]
-        left_out = [
-            is_sent and (message.name == "FirmwareIdentity" or frame_id not in in_log)
-            for message, frame_id, is_sent in zip(by_kind, ids, sent, strict=True)
-        ]
-        announced = _announced_parameters(self.frames, profile)
-        has_parameter = [number in announced for number in range(self._lib.PARAMETER_NUMBERS)]
-        self._lib.replay_other_build(self._state, left_out, has_parameter)
-        self._left_out = tuple(message.name for message, out in zip(by_kind, left_out, strict=True) if out)
+        is_other = self._other_build is not None
+        left_out, self._left_out = [], ()
+        for message in by_kind:
+            is_in_log = profile.message(message.name).frame_id in in_log
+            only_one_sends = is_other and (message.name == "FirmwareIdentity" or not is_in_log)
+            is_out = FIRMWARE in message.senders and (only_one_sends or not is_replayed(message))
+            left_out.append(is_out)
+            if is_out and (is_in_log or is_other):
+                self._left_out += (message.name,)
+        self._lib.replay_leave_out(self._state, left_out)
 
     def run(self, chunk: int = 20_000) -> Iterator[int]:
         """Replays; yields after each chunk how many frames of the log are done."""

@@ -28,3 +28,8 @@ const char *task_name(uint8_t task) {
     static const char *const names[] = {COMANIP_FIRMWARE_STATUS_TASK_NAMES};
     return LOOK_UP(names, task);
 }
+
+const char *can_state_name(uint8_t state) {
+    static const char *const names[] = {COMANIP_PORT_STATUS_CAN_STATE_NAMES};
+    return LOOK_UP(names, state);
+}

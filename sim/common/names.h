@@ -9,5 +9,6 @@ const char *reason_name(uint8_t reason);
 const char *result_name(uint8_t result);
 const char *command_name(uint8_t command);
 const char *task_name(uint8_t task);
+const char *can_state_name(uint8_t state);
 
 #endif

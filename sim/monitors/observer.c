@@ -102,6 +102,9 @@ static void on_message(observer_t *self, frame_kind_t kind, const can_frame_t *m
         on_parameter(self, message);
     } else if (kind == FRAME_HAND_POSE) {
         on_pose(self, message, end_ns);
+    } else if (kind == FRAME_PORT_STATUS) {
+        port_status_unpack(message, &self->port);
+        self->has_port = true;
     } else if (kind == FRAME_TRACKER_STATUS) {
         on_tracker(self, message);
     } else if (kind == FRAME_TASK_DEFINE) {

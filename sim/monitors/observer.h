@@ -10,6 +10,7 @@
 
 #include "../../firmware/parameters/parameters.h"
 #include "../../firmware/protocol/can_transport.h"
+#include "../../firmware/protocol/port_status.h"
 #include "../bus/bus.h"
 #include "../common/rigid_pose.h"
 #include "../robot/robot_model.h"
@@ -55,6 +56,8 @@ typedef struct {
     size_t mode_capacity;
     uint8_t firmware_rejected_last; /* FirmwareStatus counts modulo 256 */
     uint64_t firmware_rejected;
+    bool has_port;
+    port_status_t port; /* as last received */
     limit_monitor_t limits;
     bus_delays_t delays;
     uint32_t tracker_clock_us; /* the tracker's clock at time 0 */

@@ -203,6 +203,32 @@ static void write_timing(json_writer_t *json, const live_bus_timing_t *timing) {
     json_end(json, '}');
 }
 
+static void write_count(json_writer_t *json, const char *key, uint16_t count) {
+    if (count == PORT_UNKNOWN) {
+        json_null(json, key);
+    } else {
+        json_unsigned(json, key, count);
+    }
+}
+
+/* As the firmware's last PortStatus has it. */
+static void write_port(json_writer_t *json, const observer_t *observer) {
+    const port_status_t *port = &observer->port;
+    if (!observer->has_port) {
+        json_null(json, "port");
+        return;
+    }
+    json_begin(json, "port", '{');
+    json_text(json, "can_state", can_state_name((uint8_t)port->can_state));
+    write_count(json, "refused_frames", port->refused_frames);
+    write_count(json, "lost_frames", port->lost_frames);
+    write_count(json, "error_passive", port->error_passive);
+    write_count(json, "bus_off", port->bus_off);
+    write_count(json, "missed_ticks", port->missed_ticks);
+    write_count(json, "longest_tick_us", port->longest_tick_us);
+    json_end(json, '}');
+}
+
 bool report_write_summary(const world_t *world, const checks_t *checks, double wall_s, const char *path, char error[],
                           size_t error_size) {
     json_writer_t json = {.file = fopen(path, "w")};
@@ -227,6 +253,7 @@ bool report_write_summary(const world_t *world, const checks_t *checks, double w
     write_timing(&json, world->timing);
     write_rest(&json, &world->rest, checks->rest_not_measured);
     write_latency(&json, world);
+    write_port(&json, &world->observer);
     json_end(&json, '}');
     (void)fputc('\n', json.file);
     const bool failed = ferror(json.file) != 0;

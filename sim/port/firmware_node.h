@@ -14,15 +14,17 @@ typedef struct {
     int node;
     can_frame_t queue[FIRMWARE_NODE_QUEUE_FRAMES]; /* ring */
     size_t first, count;
+    uint32_t refused_frames; /* sent, but the queue of the bus was full */
+    uint32_t lost_frames;    /* received, but this queue was full */
 } firmware_node_t;
 
 /* Attaches the node to the world's bus. self must keep its address. */
 void firmware_node_attach(firmware_node_t *self, world_t *world);
 
-/* Gives the oldest received frame. Returns false if there is none. The world counts frames lost by a full queue. */
+/* Gives the oldest received frame. Returns false if there is none. */
 bool firmware_node_receive(firmware_node_t *self, can_frame_t *frame);
 
-/* Sends a frame of the current tick. Returns false if the queue of the bus is full. */
+/* Sends a frame of the current tick. Returns false if the queue of the bus is full: the frame is then dropped. */
 bool firmware_node_send(firmware_node_t *self, const can_frame_t *frame);
 
 #endif

@@ -51,6 +51,14 @@ bool hal_can_send(const can_frame_t *frame) {
     return firmware_node_send(&local.node, frame);
 }
 
+/* The simulated bus has no errors, and its time waits for the firmware. */
+void hal_port_status(port_status_t *status) {
+    *status = (port_status_t)PORT_STATUS_UNKNOWN;
+    status->refused_frames = port_count(local.node.refused_frames);
+    status->lost_frames = port_count(local.node.lost_frames);
+    status->missed_ticks = 0;
+}
+
 void hal_watchdog_feed(void) {
     local.fed_ns = local.world->now_ns;
 }

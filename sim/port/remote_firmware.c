@@ -67,18 +67,22 @@ static bool send_line(const can_frame_t *frame) {
     return true;
 }
 
+static bool send_number(uint16_t id, uint32_t number) {
+    const can_frame_t frame = lockstep_frame(id, number);
+    return send_line(&frame);
+}
+
 /* The serial line is slow, so it carries only frames that the firmware receives. */
 static bool send_tick(uint32_t now_us) {
-    bool is_sent = true;
+    bool is_sent = send_number(LOCKSTEP_REFUSED_ID, remote.node.refused_frames) &&
+                   send_number(LOCKSTEP_LOST_ID, remote.node.lost_frames);
     can_frame_t frame;
     while (firmware_node_receive(&remote.node, &frame)) {
         if (is_for_firmware(&frame)) {
-            const can_frame_t stamp = lockstep_frame(LOCKSTEP_STAMP_ID, frame.timestamp_us);
-            is_sent = is_sent && send_line(&stamp) && send_line(&frame);
+            is_sent = is_sent && send_number(LOCKSTEP_STAMP_ID, frame.timestamp_us) && send_line(&frame);
         }
     }
-    const can_frame_t tick = lockstep_frame(LOCKSTEP_TICK_ID, now_us);
-    return is_sent && send_line(&tick);
+    return is_sent && send_number(LOCKSTEP_TICK_ID, now_us);
 }
 
 static void note_line(char byte) {
@@ -108,7 +112,7 @@ static bool process_bytes(const char bytes[], ssize_t count) {
         frame = partial;
         if (frame.id == LOCKSTEP_DONE_ID) {
             is_done = true;
-            drive_node_enable(remote.world->drives, lockstep_time_us(&frame) != 0);
+            drive_node_enable(remote.world->drives, lockstep_number(&frame) != 0);
         } else {
             (void)firmware_node_send(&remote.node, &frame);
         }

@@ -23,7 +23,7 @@ MAY_USE = {
     "firmware/control/arms": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control"],
     "firmware/parameters": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control"],
     "firmware": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control", "firmware/parameters"],
-    "hal": ["firmware/protocol/can_frame.h", "firmware/protocol/can_profile.h"],
+    "hal": ["firmware/protocol/can_frame.h", "firmware/protocol/can_profile.h", "firmware/protocol/port_status.h"],
     "firmware/main.c": ["firmware/arms", "firmware/control/arms", "firmware/parameters", "hal/hal.h"],
     "hal/common": ["firmware/protocol", "hal"],
     "hal/slcan": ["firmware/protocol", "hal", "hal/common"],

@@ -2,6 +2,7 @@
  * frame per frame sent. After a thousand JointCmd frames it ends the emulator. */
 #include "can.h"
 
+#include "../common/tick.h"
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
 #include "board.h"
@@ -41,4 +42,12 @@ bool hal_can_receive(can_frame_t *frame) {
     *frame = (can_frame_t){.id = 0x7FF, .timestamp_us = can.received_us[can.tail % QUEUE_FRAMES]};
     can.tail++;
     return true;
+}
+
+/* A controller's driver also counts frames that found its queues full, and reads its error states. */
+void hal_port_status(port_status_t *status) {
+    *status = (port_status_t)PORT_STATUS_UNKNOWN;
+    status->refused_frames = 0;
+    status->lost_frames = 0;
+    tick_status(status);
 }

@@ -37,10 +37,12 @@ void replay_init(replay_t *self, const arm_ik_t *ik, can_profile_t profile, cons
     replay_boot(self, ik);
 }
 
-void replay_other_build(replay_t *self, const bool left_out[FRAME_KIND_COUNT],
-                        const bool has_parameter[PARAMETER_NUMBERS]) {
-    self->is_of_another_build = true;
+void replay_leave_out(replay_t *self, const bool left_out[FRAME_KIND_COUNT]) {
     memcpy(self->left_out, left_out, sizeof self->left_out);
+}
+
+void replay_other_build(replay_t *self, const bool has_parameter[PARAMETER_NUMBERS]) {
+    self->is_of_another_build = true;
     memcpy(self->has_parameter, has_parameter, sizeof self->has_parameter);
 }
 

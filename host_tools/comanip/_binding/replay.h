@@ -84,9 +84,11 @@ uint8_t replay_trace_version(void);
 void replay_init(replay_t *self, const arm_ik_t *ik, can_profile_t profile, const can_frame_t log[], uint32_t count,
                  uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]);
 
-/* Between replay_init() and replay_run(), for a log of another build: what not to compare, and which parameters it had. */
-void replay_other_build(replay_t *self, const bool left_out[FRAME_KIND_COUNT],
-                        const bool has_parameter[PARAMETER_NUMBERS]);
+/* Between replay_init() and replay_run(), for a log of another build: which parameters it had. */
+void replay_other_build(replay_t *self, const bool has_parameter[PARAMETER_NUMBERS]);
+
+/* Between replay_init() and replay_run(): kinds of frames that are not compared. */
+void replay_leave_out(replay_t *self, const bool left_out[FRAME_KIND_COUNT]);
 
 /* Replays the ticks whose TickTrace stands before `end`, up to the first difference. True: there may be more. */
 bool replay_run(replay_t *self, uint32_t end);

@@ -133,7 +133,9 @@ def signals_text(frame: Frame) -> str:
         return frame.data.hex(" ") if frame.data else "no data"
     units = {signal.name: f" {signal.unit}" if signal.unit else "" for signal in frame.message.signals}
     return ", ".join(
-        f"{name} {_short(value)}{units[name]}" for name, value in signals.items() if not name.startswith("e2e_")
+        f"{name} {_short(value)}{units[name] if isinstance(value, int | float) else ''}"
+        for name, value in signals.items()
+        if not name.startswith("e2e_")
     )
 
 

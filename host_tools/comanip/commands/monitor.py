@@ -41,6 +41,14 @@ HELP = examples(
 REFRESH_S = 0.2
 MODE_STYLE = {"cooperating": "green", "ready": "cyan", "hold": "yellow", "fault": "bold red"}
 NO_POSE_US = 2**24 - 1
+CAN_FAULTS = {"error_passive": "error-passive", "bus_off": "bus-off"}
+PORT_COUNTS = {  # of PortStatus: one, several
+    "refused_frames": ("frame not sent", "frames not sent"),
+    "lost_frames": ("received frame lost", "received frames lost"),
+    "error_passive": ("time error-passive", "times error-passive"),
+    "bus_off": ("time bus-off", "times bus-off"),
+    "missed_ticks": ("tick missed", "ticks missed"),
+}
 
 
 def render(state: BusState, now_us: int, source: str) -> Group:
@@ -62,6 +70,8 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
             text.append("the arm changes its posture by itself, to reach the target\n", "yellow")
     else:
         text.append("no FirmwareStatus: the firmware is not there\n", "yellow")
+    if line := port_faults(state.signals("PortStatus")):
+        text.append(f"{line}\n", "bold red" if "bus-off now" in line else "yellow")
     if trace:
         age_us = int(trace["hand_age_us"])
         hand = "no hand yet" if age_us >= NO_POSE_US else f"hand {age_us / 1000:.1f} ms old"
@@ -72,6 +82,21 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
         f"{state.frames} frames, {state.error_frames} error frames, {refused} E2E errors\n{source}\n"
     )
     return text
+
+
+def port_faults(signals: dict) -> str:
+    """A PortStatus in one line; "" if nothing is wrong. What the port cannot know is left out."""
+    known = {name: value for name, value in signals.items() if isinstance(value, int)}
+    parts = [
+        f"{known[name]} {one if known[name] == 1 else many}"
+        for name, (one, many) in PORT_COUNTS.items()
+        if known.get(name)
+    ]
+    if (state := str(signals.get("can_state"))) in CAN_FAULTS:
+        parts.insert(0, f"{CAN_FAULTS[state]} now")
+    if parts and "longest_tick_us" in known:
+        parts.append(f"longest tick {known['longest_tick_us'] / 1000:.1f} ms")
+    return f"port, since boot: {', '.join(parts)}" if parts else ""
 
 
 def _table(state: BusState, now_us: int) -> Table:

@@ -97,6 +97,10 @@ def replay(
             f"{log}: recorded by another build, {report.other_build:016x}; not compared: {', '.join(report.left_out)}",
             soft_wrap=True,
         )
+    elif report.left_out:
+        console().print(
+            f"{log}: not compared, as it depends on more than the log: {', '.join(report.left_out)}", soft_wrap=True
+        )
     boots = f", {report.boots} boots" if report.boots > 1 else ""
     if report.difference is not None:
         _tell_difference(report.difference, frames[0].t_us)

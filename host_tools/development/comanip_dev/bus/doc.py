@@ -127,7 +127,10 @@ def signal_row(signal: Signal, is_repeated: bool) -> list[str]:
     values = ", ".join(f"{value} {name}" for value, name in sorted((signal.choices or {}).items()))
     if signal.name == "parameter":
         values = "a number of [parameters.md](parameters.md)"
-    span = values or f"{number(signal.minimum)} to {number(signal.maximum)}"
+    limits = f"{number(signal.minimum)} to {number(signal.maximum)}"
+    if values.endswith(" unknown") and len(signal.choices) == 1:
+        values = f"{limits}; {values}"
+    span = values or limits
     if signal.comment:
         span += f". {signal.comment}" if not is_repeated else f". {signal.comment} (for each joint)"
     name = JOINT.sub("_N", signal.name) if is_repeated else signal.name

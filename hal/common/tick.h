@@ -1,0 +1,10 @@
+/* The HAL's tick for ports whose timer interrupts at each one: clock.h. */
+#ifndef COMANIP_HAL_TICK_H
+#define COMANIP_HAL_TICK_H
+
+#include "../../firmware/protocol/port_status.h"
+
+/* For the port's hal_port_status(): fills in the missed ticks and the longest tick. */
+void tick_status(port_status_t *status);
+
+#endif
