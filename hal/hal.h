@@ -17,8 +17,8 @@ void hal_init(void);
 /* What the bus carries: fixed by the board, or chosen by whoever starts the port. */
 can_profile_t hal_can_profile(void);
 
-/* Sleeps until the next tick of 1 kHz and gives its time, monotonic modulo 2^32 us. Missed ticks are skipped, not caught
- * up. False: the platform shuts down, as a simulation or a process does. */
+/* Sleeps until the next tick of 1 kHz and gives its time, monotonic modulo 2^32 us. Missed ticks are skipped, not
+ * caught up. False: the platform shuts down, as a simulation or a process does. */
 bool hal_wait_tick(uint32_t *now_us);
 
 /* The oldest frame received, with its time of reception, which may be after that of the tick. False: there is none. */
@@ -53,8 +53,8 @@ typedef enum {
 /* The record as of hal_init(): copies up to `capacity` bytes and gives their number. False: there is none. */
 bool hal_store_read(void *bytes, size_t capacity, size_t *length);
 
-/* Starts to replace the record by a copy of these bytes, and returns at once. If interrupted, the next boot reads either
- * the previous record or this one. Not to be called during HAL_STORE_WRITING. */
+/* Starts to replace the record by a copy of these bytes, and returns at once. If interrupted, the next boot reads
+ * either the previous record or this one. Not to be called during HAL_STORE_WRITING. */
 void hal_store_write(const void *bytes, size_t length);
 
 /* Of the last write. */

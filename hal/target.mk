@@ -1,11 +1,11 @@
 # `make target`: the firmware as linked images for microcontrollers. Included by the Makefile, which defines BUILD,
 # GENERATED, CORE_SOURCES (all but main.c) and CORE_CFLAGS.
 #
-# An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's images.mk: see
-# docs/porting.md.
+# An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's images.mk:
+# see docs/porting.md.
 
-# PROFILE=: which CAN the images use: fd, classic, or both (the board then chooses at reset). Without classic CAN they are
-# a quarter smaller.
+# PROFILE=: the CAN that the images use: fd, classic, or both (the board then selects one at reset). Without classic CAN
+# they are a quarter smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
 PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY)$(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
@@ -77,8 +77,8 @@ targets: target-$(1)
 endef
 $(foreach image,$(IMAGES),$(eval $(call TARGET_RULES,$(image))))
 
-# The same images in lockstep with the simulator (hal/lockstep/lockstep.h), for ports with CAN over a UART. For `make pil`;
-# not among IMAGES.
+# The same images in lockstep with the simulator (hal/lockstep/lockstep.h), for ports with CAN over a UART. For
+# `make pil`; not among IMAGES.
 define PIL_VARIABLES
 $(foreach variable,prefix specs cpu folder script,$(eval $(1)-pil.$(variable) := $($(1).$(variable))))
 $(1)-pil.sources := $$(filter-out $(LOCKSTEP_REPLACES),$$($(1).sources)) hal/lockstep/lockstep.c
@@ -141,7 +141,7 @@ bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## check th
 cycles: cycles-check build $(VENV)/.installed-tests target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
-# NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, with tabs between.
+# NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, separated by tabs.
 images: ## list the images for scripts: one line each, separated by tabs
 	@printf '%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES),$(image) $($(image).board) $($(image).prefix) $($(image).specs) \
 	    "$($(image).cpu)" "$($(image).emulator)")

@@ -144,9 +144,9 @@ def test_each_process_names_its_bus(together):
     assert f"comanip-firmware: {INTERFACE} is {kind}" in firmware
     assert f"comanip-plant: {INTERFACE} is {kind}" in plant
     stamps = (
-        "the kernel's, for the CAN controller tells none"
+        "the kernel's, since the CAN controller gives none"
         if has_kernel_can()
-        else "when it was looked last, for a hub tells none"
+        else "that of the last poll, since a hub gives none"
     )
     assert (
         firmware.count(f"comanip-firmware: times of reception: {stamps}\n") == firmware.count("times of reception") == 1

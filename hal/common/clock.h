@@ -1,5 +1,5 @@
-/* What a port's timer provides to the tick loop (tick.c), which the ports share. A port that has its ticks from
- * elsewhere uses neither. */
+/* What a port's timer provides to the tick loop (tick.c), which the ports share. A port with another
+ * source of ticks uses neither. */
 #ifndef COMANIP_HAL_CLOCK_H
 #define COMANIP_HAL_CLOCK_H
 

@@ -1,5 +1,5 @@
-/* Frame duration from the frame's bits. A table walks the stuffing eight bits at a time: a bit-wise walk of 64 bytes
- * would cost more than everything else the bus does. */
+/* Frame duration from the frame's bits. A table advances the stuffing by eight bits at a time: bit by bit, 64
+ * bytes would cost more than the rest of the bus model. */
 #include "frame_time.h"
 
 #include <stdbool.h>
@@ -136,8 +136,8 @@ static int64_t classic_ns(const can_frame_t *frame) {
     if (frame->length > CLASSIC_MAX_BYTES || frame->id > ID_MAX) {
         return -1;
     }
-    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five bits before are zeros for the CRC, which starts with 0 and does
-     * not see them, and 10101 for the stuffing: bus idle that causes none. */
+    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five bits before represent bus idle. For the CRC they are
+     * zeros, which leave its initial 0 unchanged; for the stuffing they are 10101, which cause no stuff bit. */
     const unsigned int header = ((unsigned int)frame->id << 7) | frame->length;
     const unsigned int idle = 0xA80000U;
     unsigned int state = STATE(1U, 1U), stuff_bits = 0, crc = 0;

@@ -1,4 +1,4 @@
-/* The HAL's store for ports that have none. */
+/* The HAL's store functions for ports without a store. */
 #include "../hal.h"
 
 bool hal_store_read(void *bytes, size_t capacity, size_t *length) {

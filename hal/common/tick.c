@@ -7,7 +7,7 @@
 
 static struct {
     bool running;
-    uint32_t given_us; /* the tick that hal_wait_tick() gave last */
+    uint32_t given_us; /* time of the last tick that hal_wait_tick() gave */
     uint32_t missed, longest_us;
 } ticks;
 
@@ -20,7 +20,7 @@ static void measure(uint32_t now_us) {
 }
 
 bool hal_wait_tick(uint32_t *now_us) {
-    /* With interrupts off a tick cannot slip in between the question and the sleep; it still ends the sleep. */
+    /* With interrupts off no tick can come between the check and the sleep; a pending one still ends the sleep. */
     interrupts_off();
     const uint32_t end_us = clock_us();
     while (clock_tick_us() == ticks.given_us) {
@@ -28,7 +28,7 @@ bool hal_wait_tick(uint32_t *now_us) {
         interrupts_on();
         interrupts_off();
     }
-    if (ticks.running) { /* the start is no tick */
+    if (ticks.running) { /* the first call follows no tick */
         measure(end_us);
     }
     ticks.running = true;

@@ -1,4 +1,4 @@
-/* The HAL's tick for ports whose timer interrupts at each one: clock.h. */
+/* hal_wait_tick() for ports whose timer interrupts at each tick (clock.h). */
 #ifndef COMANIP_HAL_TICK_H
 #define COMANIP_HAL_TICK_H
 

@@ -23,14 +23,14 @@ uint32_t clock_us(void) {
     uint32_t tick;
     uint32_t value;
     bool pending;
-    do { /* again if a tick passed meanwhile */
+    do { /* again if a tick came meanwhile */
         tick = tick_us;
         pending = (SCB_INTERRUPT_STATE & SCB_INTERRUPT_STATE_SYSTICK_PENDING) != 0;
         value = SYSTICK_VALUE;
     } while (tick != tick_us || pending != ((SCB_INTERRUPT_STATE & SCB_INTERRUPT_STATE_SYSTICK_PENDING) != 0));
-    /* SysTick asks for its interrupt when it reaches 0, and only then counts down again from the reload value. */
+    /* SysTick requests its interrupt when it reaches 0, and reloads one cycle later. */
     uint32_t cycles = value == 0 ? 0 : CYCLES_PER_TICK - value;
-    /* Interrupts do not interrupt each other: the one that calls this may be ahead of the tick's own. */
+    /* Interrupts do not preempt each other: the caller may be one that runs before the pending tick interrupt. */
     return tick + (pending ? CLOCK_TICK_US : 0u) + cycles / CYCLES_PER_US;
 }
 

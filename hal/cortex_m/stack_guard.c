@@ -1,13 +1,14 @@
-/* The thread has the process stack, lowest in RAM; exceptions have the main stack above it, and so can tell of a thread
- * that ran out of its own. What lies below faults: by the stack limit of ARMv8-M; by the MPU of ARMv7-M; on ARMv6-M,
- * which may have neither, because there is no memory. */
+/* The thread uses the process stack, at the lowest addresses of RAM. Exceptions use the main stack above it, and can
+ * therefore report that the thread has overflowed its stack. An access below the process stack causes a fault: on
+ * ARMv8-M by its stack limit, on ARMv7-M by the MPU, and on ARMv6-M, which may have neither, because no memory is
+ * there. */
 #include "cortex_m.h"
 #include "drivers.h"
 
 /* From the linker script. */
 extern uint32_t link_thread_stack_end[];
 
-/* A fault's frame is pushed on the thread's stack if it still fits. What pushes next would not have. */
+/* A fault's frame is pushed on the thread's stack if it still fits: then less than the largest push is left. */
 #define LARGEST_PUSH_BYTES 128u
 
 void stack_guard_start(void) {
@@ -25,7 +26,7 @@ void stack_guard_start(void) {
 bool stack_overflowed(void) {
 #if defined(__ARM_ARCH_8M_MAIN__)
     if ((SCB_FAULT_STATUS & SCB_FAULT_STATUS_STACK_OVERFLOW) != 0) {
-        return true; /* the stack pointer still is what it was */
+        return true; /* the stack pointer was not changed */
     }
 #endif
     uint32_t thread_stack;

@@ -24,7 +24,7 @@ typedef struct {
 void reset_handler(void);
 _Noreturn void thread(void);
 
-/* On the thread's stack, which leaves the other to exceptions. Naked: nothing may lie on the stack that is left. */
+/* Switches to the thread's stack; the other one is for exceptions. Naked: it must not use the stack that it leaves. */
 __attribute__((naked)) void reset_handler(void) {
     __asm__ volatile("ldr r0, =link_thread_stack_top\n\t"
                      "msr psp, r0\n\t"
@@ -55,7 +55,7 @@ _Noreturn void thread(void) {
     hal_panic("the firmware's loop ended");
 }
 
-/* Whatever kind of fault it is that the processor sees first. */
+/* The kind is of the fault that the processor detected first. */
 static _Noreturn void fault(const char *kind) {
     hal_panic(stack_overflowed() ? "stack overflow" : kind);
 }

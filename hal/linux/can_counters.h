@@ -1,4 +1,4 @@
-/* What went over a bus, and what went wrong on it, since it was opened. */
+/* Traffic and faults of a bus since it was opened. */
 #ifndef COMANIP_CAN_COUNTERS_H
 #define COMANIP_CAN_COUNTERS_H
 
@@ -14,7 +14,7 @@ typedef struct {
     uint64_t error_frames;  /* CAN error frames, of which: */
     uint64_t error_passive, bus_offs, restarts;
     port_can_state_t can_state; /* by the last error frame that reports one; unknown before */
-    uint64_t losses;            /* times that the bus itself went away: interface down, hub gone */
+    uint64_t losses;            /* times that the bus was lost: interface down, hub gone */
 } can_counters_t;
 
 #endif

@@ -4,30 +4,31 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-static void tell(const char *program, const char *bus, const char *what) {
+static void report(const char *program, const char *bus, const char *what) {
     (void)fprintf(stderr, "%s: %s: %s\n", program, bus, what);
 }
 
-void can_errors_tell(const char *program, const char *bus, const struct canfd_frame *error, can_counters_t *counters) {
+void can_errors_report(const char *program, const char *bus, const struct canfd_frame *error,
+                       can_counters_t *counters) {
     const uint8_t controller = error->data[1];
     const bool is_controller = (error->can_id & CAN_ERR_CRTL) != 0;
     counters->error_frames++;
     if ((error->can_id & CAN_ERR_BUSOFF) != 0) {
         counters->bus_offs++;
         counters->can_state = PORT_CAN_BUS_OFF;
-        tell(program, bus,
-             "bus-off: the controller sends nothing until it is restarted (ip link set NAME type can restart)");
+        report(program, bus,
+               "bus-off: the controller sends nothing until it is restarted (ip link set NAME type can restart)");
     }
     if ((error->can_id & CAN_ERR_RESTARTED) != 0) {
         counters->restarts++;
         counters->can_state = PORT_CAN_ERROR_ACTIVE;
-        tell(program, bus, "the controller was restarted");
+        report(program, bus, "the controller was restarted");
     }
     if (is_controller && (controller & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) {
         counters->error_passive++;
         counters->can_state = PORT_CAN_ERROR_PASSIVE;
-        tell(program, bus,
-             "error-passive: frames are not acknowledged or are disturbed (wiring, termination, bit rate)");
+        report(program, bus,
+               "error-passive: frames are not acknowledged or are disturbed (wiring, termination, bit rate)");
     }
     if (is_controller && (controller & CAN_ERR_CRTL_ACTIVE) != 0) {
         counters->can_state = PORT_CAN_ERROR_ACTIVE;
@@ -35,6 +36,6 @@ void can_errors_tell(const char *program, const char *bus, const struct canfd_fr
     if (is_controller && (controller & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)) != 0) {
         counters->receive_drops += (controller & CAN_ERR_CRTL_RX_OVERFLOW) != 0;
         counters->send_drops += (controller & CAN_ERR_CRTL_TX_OVERFLOW) != 0;
-        tell(program, bus, "the controller's queue ran over: frames are lost");
+        report(program, bus, "the controller's queue ran over: frames are lost");
     }
 }

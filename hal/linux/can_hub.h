@@ -1,5 +1,5 @@
 /* The hub for machines without CAN in the kernel, found as hub_path.h says. Each packet, both ways, is one struct
- * can_frame or struct canfd_frame; nobody gets his own frames back. */
+ * can_frame or struct canfd_frame; no client gets its own frames back. */
 #ifndef COMANIP_CAN_HUB_H
 #define COMANIP_CAN_HUB_H
 

@@ -53,14 +53,14 @@ static bool set_filters(int fd, const can_selection_t *selection) {
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(selection->count * sizeof filter[0])) == 0;
 }
 
-/* Time stamps are the kernel's, which are those that candump writes, and the controller's where it has any. */
+/* Time stamps: those of the kernel, which candump writes, and those of the controller if it has any. */
 static bool set_options(int fd, const can_selection_t *selection) {
     const can_err_mask_t errors =
         CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;
     const unsigned stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                             SOF_TIMESTAMPING_RAW_HARDWARE;
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)) {
-        (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as much as an ordinary user may have */
+        (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as much as an ordinary user is granted */
     }
     return set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) && set_filters(fd, selection) &&
            set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, selection->own) &&

@@ -9,15 +9,15 @@
 
 #include "can_selection.h"
 
-/* The kernel has CAN, and this interface. */
+/* True: the kernel has CAN, and this interface. */
 bool can_kernel_has(const char *name);
 
 /* Gives the socket, non-blocking. On failure -1, and one line in `error`. */
 int can_kernel_open(const char *name, const can_selection_t *selection, char error[], size_t error_size);
 
-/* What the kernel says of a packet. */
+/* Metadata of a packet from the kernel. */
 typedef struct {
-    int64_t unix_ns, hardware_ns; /* as can_reception_t of can_socket.h; 0: nothing */
+    int64_t unix_ns, hardware_ns; /* as in can_reception_t of can_socket.h; 0: none */
     bool own;
     bool has_drops;
     uint32_t drops; /* of this socket since it was opened, modulo 2^32 */

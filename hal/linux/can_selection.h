@@ -1,4 +1,4 @@
-/* Which frames of a bus are wanted. */
+/* Selection of the frames of a bus. */
 #ifndef COMANIP_CAN_SELECTION_H
 #define COMANIP_CAN_SELECTION_H
 
@@ -6,12 +6,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Whose frames the socket gets. */
+/* Frames that a socket receives. */
 typedef struct {
-    const uint16_t *ids; /* the kernel filters these out of the bus; a hub sends all, and the rest is dropped here */
+    const uint16_t *ids; /* filtered by the kernel; a hub sends all frames, and the others are dropped here */
     size_t count;        /* 0: all */
-    bool classic;        /* an interface without CAN FD will do */
-    bool own;            /* the socket's own frames, too, in the bus's order: the kernel only, a hub sends none back */
+    bool classic;        /* an interface without CAN FD is sufficient */
+    bool own;            /* also the socket's own frames, in the bus's order; from the kernel only */
 } can_selection_t;
 
 #endif

@@ -43,7 +43,7 @@ bool can_socket_open(can_socket_t *self, const char *program, const char *name, 
     return true;
 }
 
-/* ---- a bus that goes away */
+/* ---- loss of the bus */
 
 static void lose(can_socket_t *self, const char *why) {
     if (!self->lost) {
@@ -83,12 +83,12 @@ static void count_kernel_drops(can_socket_t *self, uint32_t drops) {
     self->kernel_drops = drops;
 }
 
-/* The structures share their first eight bytes and the place of the data. */
+/* The structures share their first eight bytes and the offset of the data. */
 static bool take(can_socket_t *self, const struct canfd_frame *packet, ssize_t bytes, can_frame_t *frame) {
     const bool is_classic = bytes == CAN_MTU && packet->len <= CAN_MAX_DLEN;
     const bool is_fd = bytes == CANFD_MTU && packet->len <= CANFD_MAX_DLEN;
     if (is_classic && (packet->can_id & CAN_ERR_FLAG) != 0) {
-        can_errors_tell(self->program, self->name, packet, &self->counters);
+        can_errors_report(self->program, self->name, packet, &self->counters);
         return false;
     }
     if (!(is_classic || is_fd) || (packet->can_id & ~(canid_t)CAN_SFF_MASK) != 0) {

@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #define HUB_PATH_BYTES 108          /* as in struct sockaddr_un */
-#define HUB_SOURCE_SUFFIX ".source" /* of the socket for those who may send, when all others only listen */
+#define HUB_SOURCE_SUFFIX ".source" /* of the socket for the clients that may send, if all others may only listen */
 #define HUB_LOCK_SUFFIX ".lock"
 
 /* Letters, digits, '_' and '-', at most 15, as an interface's name. */
@@ -15,7 +15,7 @@ bool hub_name_is_valid(const char *name);
 /* The folder. On failure false, and one line in `error`. */
 bool hub_folder(char folder[HUB_PATH_BYTES], char error[], size_t error_size);
 
-/* False, and one line in `error`, unless only we (or root) can put sockets there. */
+/* False, and one line in `error`, unless only this user (or root) can put sockets there. */
 bool hub_folder_is_trusted(const char *folder, char error[], size_t error_size);
 
 /* folder/NAME + suffix. On failure false, and one line in `error`. */

@@ -31,7 +31,7 @@ static const char usage[] =
     "\n"
     "Ends on SIGINT or SIGTERM. exit status: 0 ended so, 1 panic, 2 wrong use\n";
 
-/* Always one line: what came from the command line must not reach a terminal as a command. */
+/* One line without control characters: a terminal must not execute text of the command line. */
 static int complain(const char *error) {
     (void)fputs("comanip-firmware: ", stderr);
     for (const char *character = error; *character != '\0'; character++) {

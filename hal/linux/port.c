@@ -14,8 +14,8 @@
 #include "watchdog.h"
 
 #define PROGRAM "comanip-firmware"
-#define PRIORITY 80       /* above the plant's and what else runs on the machine */
-#define REPORT_TICKS 1000 /* overruns are told at most once a second */
+#define PRIORITY 80       /* above the plant's and other programs' */
+#define REPORT_TICKS 1000 /* overruns are reported at most once a second */
 #define EXIT_PANIC 1
 
 static struct {
@@ -23,10 +23,10 @@ static struct {
     can_socket_t can;
     pace_t pace;
     uint64_t ticks;
-    uint64_t told_overruns;
+    uint64_t reported_overruns;
     hardware_clock_t hardware_clock;
-    bool has_told_stamps;
-    int64_t empty_ns; /* the last tick at which nothing was left to receive: what comes later came later */
+    bool has_reported_stamps;
+    int64_t empty_ns; /* the last tick at which the queue was empty: frames received later arrived later */
 } port;
 
 static volatile sig_atomic_t stopped;
@@ -56,10 +56,10 @@ void hal_init(void) {
     const struct sigaction action = {.sa_handler = on_stop};
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-    store_start(); /* before this thread has a priority that the store's would inherit */
+    store_start(); /* before this thread has a priority, which the store's thread would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
-    pace_init(&port.pace, (uint32_t)port.pace.slow); /* the time that the start took is no overrun */
+    pace_init(&port.pace, (uint32_t)port.pace.slow); /* the start does not count as an overrun */
     port.empty_ns = port.pace.tick_ns;
 }
 
@@ -67,31 +67,31 @@ can_profile_t hal_can_profile(void) {
     return port.profile;
 }
 
-static void tell(void) {
+static void report_clock(void) {
     if (pace_find_step(&port.pace)) {
         (void)fprintf(stderr, PROGRAM ": the system's clock was set: %+.3f s against the start\n",
                       1e-9 * (double)port.pace.step_ns);
     }
-    if (port.ticks % REPORT_TICKS == 0 && port.pace.overruns != port.told_overruns) {
+    if (port.ticks % REPORT_TICKS == 0 && port.pace.overruns != port.reported_overruns) {
         (void)fprintf(stderr, PROGRAM ": %" PRIu64 " ticks missed, %" PRIu64 " in all\n",
-                      port.pace.overruns - port.told_overruns, port.pace.overruns);
-        port.told_overruns = port.pace.overruns;
+                      port.pace.overruns - port.reported_overruns, port.pace.overruns);
+        port.reported_overruns = port.pace.overruns;
     }
 }
 
 bool hal_wait_tick(uint32_t *now_us) {
     bool waiting = true;
     while (stopped == 0 && waiting) {
-        waiting = !pace_wait_tick(&port.pace); /* a signal that does not end us */
+        waiting = !pace_wait_tick(&port.pace); /* a signal that does not end the process */
     }
     port.ticks++;
-    tell();
+    report_clock();
     *now_us = pace_clock_us(&port.pace, port.pace.tick_ns);
     return stopped == 0;
 }
 
-/* A hub tells no time: then the frame counts as received when it may have come at the earliest, so that none looks
- * fresher than it is. */
+/* A hub gives no time: the frame is then stamped with the earliest possible time, so that it does not look fresher than
+ * it is. */
 static int64_t time_of_reception_ns(const can_reception_t *reception) {
     if (reception->unix_ns == 0) {
         return port.empty_ns;
@@ -101,14 +101,14 @@ static int64_t time_of_reception_ns(const can_reception_t *reception) {
                                        : hardware_clock_map(&port.hardware_clock, reception->hardware_ns, kernel_ns);
 }
 
-/* Of the first frame: what the bus offers does not change. */
-static void tell_stamps(const can_reception_t *reception) {
-    if (!port.has_told_stamps) {
-        port.has_told_stamps = true;
+/* Once, at the first frame: the kind of time stamp does not change. */
+static void report_stamps(const can_reception_t *reception) {
+    if (!port.has_reported_stamps) {
+        port.has_reported_stamps = true;
         (void)printf(PROGRAM ": times of reception: %s\n", reception->hardware_ns != 0 ? "the CAN controller's"
                                                            : reception->unix_ns != 0
-                                                               ? "the kernel's, for the CAN controller tells none"
-                                                               : "when it was looked last, for a hub tells none");
+                                                               ? "the kernel's, since the CAN controller gives none"
+                                                               : "that of the last poll, since a hub gives none");
         (void)fflush(stdout);
     }
 }
@@ -119,7 +119,7 @@ bool hal_can_receive(can_frame_t *frame) {
         port.empty_ns = port.pace.tick_ns;
         return false;
     }
-    tell_stamps(&reception);
+    report_stamps(&reception);
     frame->timestamp_us = pace_clock_us(&port.pace, time_of_reception_ns(&reception));
     return true;
 }
@@ -139,12 +139,12 @@ void hal_watchdog_feed(void) {
     watchdog_feed();
 }
 
-/* There is no such line. */
+/* A process has no such line. */
 void hal_enable_drives(bool enable) {
     (void)enable;
 }
 
-/* There is no power to be switched: the commands end with the process, and the drives brake by their own timeout. */
+/* There is no power to switch off: the commands end with the process, and the drives brake by their own timeout. */
 _Noreturn void hal_panic(const char *cause) {
     (void)fprintf(stderr, PROGRAM ": panic: %s\n", cause);
     _exit(EXIT_PANIC);

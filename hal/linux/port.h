@@ -1,4 +1,4 @@
-/* The Linux port: the firmware as a process of its own on a real bus. */
+/* The Linux port: the firmware as a process on a real bus. */
 #ifndef COMANIP_LINUX_PORT_H
 #define COMANIP_LINUX_PORT_H
 
@@ -8,12 +8,12 @@
 
 #include "../../firmware/protocol/can_profile.h"
 
-/* Opens the bus and reads what is stored; before firmware_main(). parameters: the store's file, or NULL for none. On
+/* Opens the bus and reads the store; before firmware_main(). parameters: the store's file, or NULL for none. On
  * failure false, and one line in `error`. */
 bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[],
                size_t error_size);
 
-/* After firmware_main(): closes the bus and says on stdout how the run went. */
+/* After firmware_main(): closes the bus and reports on stdout how the run went. */
 void port_close(void);
 
 #endif

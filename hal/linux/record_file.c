@@ -9,7 +9,7 @@
 
 #define SUFFIX ".tmp"
 
-/* Keeps errno. */
+/* Preserves errno. */
 static void close_quietly(int fd) {
     const int cause = errno;
     (void)close(fd);

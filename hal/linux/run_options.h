@@ -1,4 +1,4 @@
-/* What both programs on a live bus are asked: on which bus, and how fast time goes. */
+/* Options of both programs on a live bus: which bus, and how fast time passes. */
 #ifndef COMANIP_RUN_OPTIONS_H
 #define COMANIP_RUN_OPTIONS_H
 
@@ -13,15 +13,15 @@ typedef struct {
     uint32_t slow;
 } run_options_t;
 
-/* Takes --can NAME and --slow N out of the arguments, wherever they stand, and leaves the others in their order; *argc
- * is then their number. On failure false, and one line in `error`. */
+/* Removes --can NAME and --slow N from the arguments, at any position, and leaves the others in their order; *argc is
+ * then their number. On failure false, and one line in `error`. */
 bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[], size_t error_size);
 
-/* The same for --profile fd|classic, which the plant's simulator takes by itself. */
+/* The same for --profile fd|classic, which the plant's simulator parses itself. */
 bool run_options_take_profile(can_profile_t *profile, int *argc, char *argv[], char error[], size_t error_size);
 
-/* argv[*index] is this option, as "--name value" or "--name=value": moves *index to its last argument and gives its
- * value, NULL if it has none. False: it is another. */
+/* True if argv[*index] is this option, as "--name value" or "--name=value": moves *index to its last argument and gives
+ * its value, NULL if it has none. */
 bool run_options_is(const char *name, int argc, char *argv[], int *index, const char **value);
 
 #endif

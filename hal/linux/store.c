@@ -22,7 +22,7 @@ static struct {
     const char *program;
     const char *path; /* NULL: there is no store */
     bool has_record;
-    record_t read, written; /* the thread's from sem_post() until it leaves HAL_STORE_WRITING */
+    record_t read, written; /* used by the thread from sem_post() to the end of HAL_STORE_WRITING */
     sem_t wanted;
     atomic_int status; /* hal_store_status_t */
 } store;

@@ -1,10 +1,10 @@
-/* The firmware's ticks by a simulator: see lockstep.h. */
+/* Ticks and frames from a simulator: see lockstep.h. */
 #include "lockstep.h"
 
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 
-#define QUEUE_FRAMES 32 /* two ticks of all that may come */
+#define QUEUE_FRAMES 32 /* two ticks' maximum */
 
 static struct {
     can_frame_t frame[QUEUE_FRAMES]; /* ring */
@@ -23,21 +23,21 @@ static void keep(const can_frame_t *frame) {
     place->timestamp_us = received.stamp_us;
 }
 
-static void say_done(void) {
+static void report_done(void) {
     const can_frame_t done = lockstep_frame(LOCKSTEP_DONE_ID, drives_enabled());
     while (!hal_can_send(&done)) {
-        serial_wait(); /* until the line has taken the tick's frames */
+        serial_wait(); /* until the line has sent the tick's frames */
         hal_watchdog_feed();
     }
 }
 
 bool hal_wait_tick(uint32_t *now_us) {
-    say_done();
+    report_done();
     for (;;) {
         can_frame_t frame;
         if (!slcan_link_receive(&slcan_hal_link, &frame)) {
             serial_wait();
-            hal_watchdog_feed(); /* the simulator may take its time */
+            hal_watchdog_feed(); /* the simulator may take any time */
         } else if (frame.id == LOCKSTEP_STAMP_ID) {
             received.stamp_us = lockstep_number(&frame);
         } else if (frame.id == LOCKSTEP_TICK_ID) {
@@ -63,7 +63,7 @@ bool hal_can_receive(can_frame_t *frame) {
     return true;
 }
 
-/* The same as of the firmware in the simulator's process: sim/port/local_firmware.c. */
+/* Equal to those of the firmware in the simulator's process: sim/port/local_firmware.c. */
 void hal_port_status(port_status_t *status) {
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = port_count(refused_frames);

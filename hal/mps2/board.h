@@ -1,5 +1,5 @@
-/* MPS2 board with AN385 (Cortex-M3), AN386 (Cortex-M4F) or AN500 (Cortex-M7): what the drivers must know of it, which
- * is the same in these three (ARM DAI 0385, 0386, 0500). */
+/* MPS2 board with AN385 (Cortex-M3), AN386 (Cortex-M4F) or AN500 (Cortex-M7): constants for the
+ * drivers, the same for all three (ARM DAI 0385, 0386, 0500). */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 

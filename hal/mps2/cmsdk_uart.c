@@ -19,7 +19,7 @@
 #define UART_INTERRUPT_TX (1u << 0)
 #define UART_INTERRUPT_RX (1u << 1)
 #define UART_DIVIDER REGISTER(BOARD_UART_BASE + 0x10u)
-#define UART_DIVIDER_MIN 16u /* 1.5625 Mbaud: the fastest this UART can do; see docs/porting.md for what is needed */
+#define UART_DIVIDER_MIN 16u /* 1.5625 Mbaud: this UART's maximum; docs/porting.md says what is needed */
 #define UART_PART_NUMBER REGISTER(BOARD_UART_BASE + 0xFE0u)
 #define UART_PART_NUMBER_CMSDK 0x21u
 
@@ -56,8 +56,8 @@ void uart_tx_handler(void) {
 }
 
 void serial_start_transmission(void) {
-    /* The UART interrupts when a byte has gone out. The first has none before it: raise the interrupt by hand, which
-     * also keeps the link's bytes to one consumer. */
+    /* The UART interrupts when a byte has been sent. No byte precedes the first one, so that software triggers the
+     * interrupt; the link's bytes also keep one consumer that way. */
     NVIC_SET_PENDING(BOARD_UART_TX_INTERRUPT) = NVIC_BIT(BOARD_UART_TX_INTERRUPT);
 }
 

@@ -15,7 +15,7 @@
 #define WATCHDOG_PART_NUMBER REGISTER(BOARD_WATCHDOG_BASE + 0xFE0u)
 #define WATCHDOG_PART_NUMBER_CMSDK 0x24u
 
-/* Locked but for a moment: a stray write must not stop it. */
+/* Unlocked only for the write: a stray write must not stop it. */
 static void write_unlocked(volatile uint32_t *target, uint32_t value) {
     WATCHDOG_LOCK = WATCHDOG_LOCK_KEY;
     *target = value;

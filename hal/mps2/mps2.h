@@ -1,12 +1,12 @@
-/* What the MPS2 boards have in common: user LED 0, user button 0, and whose interrupts they are. */
+/* Common to the MPS2 boards: user LED 0, user button 0, and the interrupt handlers. */
 #ifndef COMANIP_MPS2_H
 #define COMANIP_MPS2_H
 
-/* Stands for the drives' enable line: the board has no power stage of its own. */
+/* Represents the drives' enable line: the board has no power stage. */
 #define BOARD_LEDS REGISTER(BOARD_IO_BASE + 0x0u)
 #define BOARD_LED_DRIVE_ENABLE (1u << 0)
 
-/* Held at reset, chooses classic CAN. */
+/* Held at reset, it selects classic CAN. */
 #define BOARD_BUTTONS REGISTER(BOARD_IO_BASE + 0x8u)
 #define BOARD_BUTTON_CLASSIC_CAN (1u << 0)
 

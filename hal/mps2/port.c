@@ -38,7 +38,7 @@ _Noreturn void hal_panic(const char *cause) {
     static volatile bool panicking;
     hal_enable_drives(false);
     interrupts_off();
-    if (!panicking) { /* a fault while reporting: the drives are off, there is no more to be said */
+    if (!panicking) { /* else a fault during the report: the drives are off, and nothing more can be reported */
         panicking = true;
         watchdog_stop(); /* no reset: it would lose the cause, and this state is the safe one */
         slcan_hal_report_panic(cause);

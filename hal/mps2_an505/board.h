@@ -1,5 +1,5 @@
-/* MPS2 board with AN505 (Cortex-M33): what the drivers must know of it (ARM DAI 0505). The image is the secure state's.
- */
+/* MPS2 board with AN505 (Cortex-M33): constants for the drivers (ARM DAI 0505). The image runs in secure
+ * state. */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 

@@ -1,5 +1,5 @@
-/* BBC micro:bit, or another board with an nRF51822 (Nordic, nRF51 Series Reference Manual 3.0): what the drivers must
- * know of it. */
+/* BBC micro:bit, or another board with an nRF51822 (Nordic, nRF51 Series Reference Manual 3.0): constants
+ * for the drivers. */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 
@@ -9,7 +9,7 @@
 #define BOARD_PIN_UART_TX 24u
 #define BOARD_PIN_UART_RX 25u
 #define BOARD_PIN_DRIVE_ENABLE                                                                                         \
-    13u /* the first LED's row stands for the drives' enable line; a pull-down holds it at reset */
+    13u /* the row of the first LED represents the drives' enable line; a pull-down holds it at reset */
 #define BOARD_PIN_CLASSIC_CAN 17u /* button A, pressed (low) at reset: classic CAN */
 
 #define BOARD_GPIO_OUT REGISTER(0x50000504u)

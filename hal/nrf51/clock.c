@@ -35,7 +35,7 @@ void clock_start(void) {
     TIMER_START = 1;
 }
 
-/* In interrupts only, which do not interrupt each other: there is one channel to read the time by. */
+/* In interrupts only, which do not preempt each other: one capture channel serves all of them. */
 uint32_t clock_us(void) {
     TIMER_CAPTURE(CHANNEL_NOW) = 1;
     return TIMER_COUNT(CHANNEL_NOW);
@@ -43,7 +43,7 @@ uint32_t clock_us(void) {
 
 void timer_handler(void) {
     TIMER_COMPARE_EVENT(CHANNEL_TICK) = 0;
-    do { /* again if the next tick came before it was asked for */
+    do { /* again if the next tick's time passed before it was set */
         if (clock_us() - tick_us >= CLOCK_TICK_US) {
             tick_us += CLOCK_TICK_US;
         }

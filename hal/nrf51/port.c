@@ -8,7 +8,7 @@
 
 void hal_init(void) {
     BOARD_GPIO_CONFIG(BOARD_PIN_CLASSIC_CAN) = BOARD_GPIO_CONFIG_INPUT_PULL_UP;
-    uart_start(); /* before what may panic: it is reported through it */
+    uart_start(); /* first: a panic is reported through it */
     watchdog_start(WATCHDOG_TIMEOUT_US);
     clock_start();
     hal_enable_drives(false);
@@ -39,7 +39,7 @@ _Noreturn void hal_panic(const char *cause) {
     static volatile bool panicking;
     hal_enable_drives(false);
     interrupts_off();
-    if (!panicking) { /* a fault while reporting: the drives are off, there is no more to be said */
+    if (!panicking) { /* else a fault during the report: the drives are off, and nothing more can be reported */
         panicking = true;
         slcan_hal_report_panic(cause);
     }

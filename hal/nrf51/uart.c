@@ -1,4 +1,4 @@
-/* The nRF51's UART (manual, chapter 29), 1 Mbaud: a byte of buffer out, six in. */
+/* The nRF51's UART (manual, chapter 29), 1 Mbaud: it buffers one byte to send and six received ones. */
 #include "../cortex_m/drivers.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -20,9 +20,9 @@
 #define UART_RX_DATA UART(0x518u)
 #define UART_TX_DATA UART(0x51Cu)
 #define UART_BAUD_RATE UART(0x524u)
-#define UART_BAUD_RATE_1M 0x10000000u /* the fastest; see docs/porting.md for what is needed */
+#define UART_BAUD_RATE_1M 0x10000000u /* the maximum; docs/porting.md says what is needed */
 
-/* The UART announces that a byte has gone out, not that there is room for one. */
+/* The UART signals that a byte has been sent, not that it can take one. */
 static volatile bool sending;
 
 void uart_start(void) {
@@ -68,13 +68,13 @@ void uart_handler(void) {
 }
 
 void serial_start_transmission(void) {
-    /* By the interrupt, so that the link's bytes have one consumer. */
+    /* The interrupt sends, so that the link's bytes have one consumer. */
     NVIC_SET_PENDING(BOARD_UART_INTERRUPT) = NVIC_BIT(BOARD_UART_INTERRUPT);
 }
 
 void serial_wait(void) {
     wait_for_interrupt();
-    /* QEMU asks for no interrupt when a byte has gone out that its reader let wait. */
+    /* QEMU raises no interrupt for a byte that its reader has delayed. */
     serial_start_transmission();
 }
 

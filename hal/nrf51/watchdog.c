@@ -1,5 +1,5 @@
-/* The nRF51's watchdog (manual, chapter 24) can do nothing but reset, and cannot be stopped. So the tick's interrupt
- * looks first, and tells the cause; the watchdog comes in, after twice the time, where even interrupts hang. */
+/* The nRF51's watchdog (manual, chapter 24) can only reset, and cannot be stopped. The tick's interrupt therefore
+ * checks first, and reports the cause; the watchdog resets after twice the time, if even interrupts hang. */
 #include "watchdog.h"
 
 #include "../cortex_m/drivers.h"
@@ -15,7 +15,7 @@
 static struct {
     uint32_t timeout_us;
     volatile bool fed;
-    uint32_t fed_us; /* tick at which it was seen to be fed */
+    uint32_t fed_us; /* tick at which the last feed was seen */
 } watchdog;
 
 void watchdog_start(uint32_t timeout_us) {

@@ -1,4 +1,4 @@
-/* QEMU's "virt" machine: what the drivers must know of it. */
+/* QEMU's "virt" machine: constants for the drivers. */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 

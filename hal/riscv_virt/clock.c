@@ -25,7 +25,7 @@ static uint64_t timer_now(void) {
 }
 
 static void set_compare(uint64_t count) {
-    TIMER_COMPARE_HIGH = UINT32_MAX; /* no early match while the halves do not belong together */
+    TIMER_COMPARE_HIGH = UINT32_MAX; /* no early match while only one half is new */
     TIMER_COMPARE_LOW = (uint32_t)count;
     TIMER_COMPARE_HIGH = (uint32_t)(count >> 32);
 }
@@ -56,7 +56,7 @@ uint32_t clock_tick_us(void) {
 uint32_t clock_us(void) {
     uint32_t tick;
     uint32_t count;
-    do { /* again if a tick passed meanwhile */
+    do { /* again if a tick came meanwhile */
         tick = tick_us;
         count = TIMER_LOW - tick_low;
     } while (tick != tick_us);

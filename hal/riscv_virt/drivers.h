@@ -1,4 +1,4 @@
-/* The port's drivers among themselves. */
+/* Functions that the port's files share. */
 #ifndef COMANIP_RISCV_DRIVERS_H
 #define COMANIP_RISCV_DRIVERS_H
 
@@ -10,7 +10,7 @@
 void clock_start(void);
 void clock_handler(void);
 
-/* ns16550.c: 8N1, interrupt-driven, into slcan_hal_link. */
+/* ns16550.c: 8N1, interrupt-driven, connected to slcan_hal_link. */
 void uart_start(void);
 void uart_handler(void);
 
@@ -18,11 +18,11 @@ void uart_handler(void);
 void plic_start(void);
 void plic_handler(void);
 
-/* port.c: panics if the firmware has not fed the watchdog for too long. Called by the tick. */
+/* port.c: panics if the firmware has not fed the watchdog in time. Called by the tick's interrupt. */
 void watchdog_check(void);
 
-/* trap.c: called by startup.S, on the stack of traps. cause: mcause; thread_stack: where the interrupted thread's stack
- * was. */
+/* trap.c: called by startup.S, on the stack of traps. cause: mcause; thread_stack: the stack pointer of the interrupted
+ * thread. */
 void trap_handler(uint32_t cause, uintptr_t thread_stack);
 
 #endif

@@ -23,8 +23,7 @@
 #define UART_SCRATCH BYTE_REGISTER(BOARD_UART_BASE + 7u)
 
 #define UART_TX_FIFO_BYTES 16
-#define UART_DIVISOR                                                                                                   \
-    1u /* the fastest: 230,400 baud on this machine's 3.6864 MHz clock, which the emulator does not obey */
+#define UART_DIVISOR 1u /* the maximum: 230,400 baud on this machine's 3.6864 MHz clock, which the emulator ignores */
 
 void uart_start(void) {
     UART_SCRATCH = 0xA5u;

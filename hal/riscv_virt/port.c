@@ -1,8 +1,8 @@
 /* The HAL on QEMU's virt machine. CAN goes over the UART (hal/slcan).
  *
- * The machine has no watchdog: the tick's interrupt checks that the firmware's loop goes on. That finds a loop that
- * hangs, but not one with interrupts off, which a watchdog would. Nor has it an output that could take the drives'
- * power away: a panic stops the commands, and each drive brakes by itself when none has come for its timeout (3 ms). */
+ * The machine has no watchdog: the tick's interrupt checks that the firmware's loop runs. It detects a loop that hangs,
+ * but, unlike a watchdog, not one that hangs with interrupts off. The machine has no output either that could take the
+ * drives' power away: a panic stops the commands, and each drive brakes by its own timeout (3 ms). */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -11,7 +11,7 @@
 #define WATCHDOG_TIMEOUT_US 10000u
 
 static volatile uint32_t fed_us;
-static bool enabled; /* in the place of the line */
+static bool enabled; /* instead of a line */
 
 void hal_init(void) {
     uart_start();
@@ -21,7 +21,7 @@ void hal_init(void) {
 }
 
 can_profile_t hal_can_profile(void) {
-    return CAN_PROFILE_FD; /* the machine has no input to choose by */
+    return CAN_PROFILE_FD; /* the machine has no input to select by */
 }
 
 void hal_watchdog_feed(void) {
@@ -46,7 +46,7 @@ _Noreturn void hal_panic(const char *cause) {
     static bool panicking;
     hal_enable_drives(false);
     interrupts_off();
-    if (!panicking) { /* a fault while reporting: there is no more to be said */
+    if (!panicking) { /* else a fault during the report: nothing more can be reported */
         panicking = true;
         slcan_hal_report_panic(cause);
     }

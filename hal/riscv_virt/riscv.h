@@ -28,7 +28,7 @@ static inline void interrupts_enable(uint32_t mie) {
     __asm__ volatile(CSR_ASM("csrs mie, %0")::"r"(mie) : "memory");
 }
 
-/* Returns when an interrupt is pending, even while they are off. */
+/* Returns when an interrupt is pending, even with interrupts off. */
 static inline void wait_for_interrupt(void) {
     __asm__ volatile("wfi" ::: "memory");
 }

@@ -48,7 +48,7 @@ size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]) {
     return n;
 }
 
-/* What the first letter of a line announces. */
+/* The state after the first letter of a line. */
 static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
     self->digits = 0;
     switch (letter) {
@@ -114,7 +114,7 @@ static slcan_event_t finish(slcan_decoder_t *self) {
     self->state = SLCAN_STATE_START;
     switch (last) {
     case SLCAN_STATE_COMPLETE: return SLCAN_FRAME;
-    case SLCAN_STATE_START: /* an empty line is an adapter's consent */
+    case SLCAN_STATE_START: /* an empty line is an adapter's acknowledgement */
     case SLCAN_STATE_IGNORE: return SLCAN_IGNORED;
     default: return SLCAN_MALFORMED;
     }

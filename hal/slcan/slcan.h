@@ -1,11 +1,12 @@
-/* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol with the CAN FD letters of the CANable 2
- * firmware). Portable: shared by every port without a CAN controller, and by the tests.
+/* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol, extended by the CAN FD letters of the
+ * CANable 2 firmware). Portable: shared by every port without a CAN controller, and by the tests.
  *
  *   tIIIL...   classic frame        dIIIL...   FD frame        bIIIL...   FD frame with bit-rate switch
  *
  * III: 11-bit id, L: data length code, each one hexadecimal digit (9..F = 12, 16, 20, 24, 32, 48, 64 bytes, FD only),
- * then two digits per byte, then CR. Both cases are read, upper case is written, and always as b. The capital letters
- * (29-bit ids), r and R (remote frames) and the adapter's channel commands (O, C, S8, Y5, ...) are none of this bus. */
+ * then two digits per byte, then CR. Digits are read in both cases and written in upper case; FD frames are written
+ * with b. The capital letters (29-bit ids), r and R (remote frames) and the adapter's channel commands (O, C, S8, Y5,
+ * ...) are ignored. */
 #ifndef COMANIP_SLCAN_H
 #define COMANIP_SLCAN_H
 
@@ -21,9 +22,9 @@
 size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]);
 
 typedef enum {
-    SLCAN_PENDING,   /* the line goes on */
+    SLCAN_PENDING,   /* the line is not complete */
     SLCAN_FRAME,     /* the line is complete, the frame is valid */
-    SLCAN_IGNORED,   /* the line is complete: empty, or SLCAN that is none of this bus */
+    SLCAN_IGNORED,   /* the line is complete: empty, or SLCAN that this bus does not use */
     SLCAN_MALFORMED, /* the line is complete and is not SLCAN */
 } slcan_event_t;
 
@@ -41,15 +42,15 @@ typedef enum {
 typedef struct {
     slcan_state_t state;
     uint8_t max_length_code; /* 8: classic, 15: FD */
-    uint8_t digits;          /* of the field under way */
+    uint8_t digits;          /* of the current field */
 } slcan_decoder_t;
 
-/* Takes the next byte of the line. A few tens of instructions: it runs in receive interrupts of UARTs that buffer one
- * byte only. frame: the same one for all bytes of a line; written as they come, id and length and data are good at
- * SLCAN_FRAME only; the timestamp is the caller's. */
+/* Takes the next byte of the line, in a few tens of instructions: it runs in receive interrupts of UARTs that buffer
+ * only one byte. frame: the same one for all bytes of a line; id, length and data are valid only at SLCAN_FRAME; the
+ * caller sets the timestamp. */
 slcan_event_t slcan_decode(slcan_decoder_t *self, uint8_t byte, can_frame_t *frame);
 
-/* Bytes were lost: the line under way counts as malformed. */
+/* Bytes were lost: the current line is treated as malformed. */
 void slcan_spoil(slcan_decoder_t *self);
 
 #endif

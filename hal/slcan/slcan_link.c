@@ -1,5 +1,5 @@
-/* The rings between thread and interrupt. Producers release what they wrote by storing the head, consumers by storing
- * the tail. */
+/* The rings between thread and interrupt. A producer publishes its elements by storing the head, a consumer frees them
+ * by storing the tail. */
 #include "slcan_link.h"
 
 static uint16_t after(uint16_t index, uint16_t size) {

@@ -1,4 +1,4 @@
-/* A serial line as CAN controller: bounded rings between the firmware's thread and the UART's interrupt.
+/* A serial line in the role of a CAN controller: bounded rings between the firmware's thread and the UART's interrupt.
  * Each ring has one producer and one consumer on one core, so that plain atomic indices are enough. */
 #ifndef COMANIP_SLCAN_LINK_H
 #define COMANIP_SLCAN_LINK_H
@@ -9,16 +9,17 @@
 
 #include "slcan.h"
 
-#define SLCAN_LINK_RX_FRAMES                                                                                           \
-    16u /* one place stays free: 15 frames; eight drives, tracker and operator send 13 in a millisecond */
-#define SLCAN_LINK_TX_BYTES 1024u /* one place stays free: a tick sends 288 bytes as a rule */
+/* One element of each ring stays free. Eight drives, tracker and operator send 13 frames in a millisecond. A tick
+ * usually sends 288 bytes. */
+#define SLCAN_LINK_RX_FRAMES 16u
+#define SLCAN_LINK_TX_BYTES 1024u
 
-/* Nothing is lost in silence. Each has one writer. */
+/* Every loss is counted. Each counter has one writer. */
 typedef struct {
     uint32_t rx_malformed; /* lines */
     uint32_t rx_overflow;  /* frames that found the ring full */
     uint32_t rx_overrun;   /* times that the UART lost bytes */
-    uint32_t tx_dropped;   /* frames that found no room, or that no line can carry */
+    uint32_t tx_dropped;   /* frames that found the ring full, or that a line cannot carry */
 } slcan_link_counters_t;
 
 /* Zero-initialise. */
@@ -33,7 +34,7 @@ typedef struct {
     slcan_link_counters_t counters;
 } slcan_link_t;
 
-/* Thread: the next received frame. False: none left. */
+/* Thread: the next received frame. False: there is none. */
 bool slcan_link_receive(slcan_link_t *self, can_frame_t *frame);
 
 /* Thread: queues a frame's line, whole or not at all. */

@@ -23,8 +23,8 @@ KINDS = ("text", "data", "bss")  # code and constants; variables with a value; v
 SECTION = re.compile(r"^\.(\w[\w.]*)(?:\s+0x[0-9a-f]+\s+0x([0-9a-f]+))?")
 PART = re.compile(r"^ (?:\.\S+|COMMON|\*fill\*)?\s+0x([0-9a-f]+)\s+0x([0-9a-f]+)(?:\s+(\S.*))?\s*$")
 PADDING, STACK = "padding", "stack"
-HEAD = """# Bytes that each image, and each module in it, may take at most: `make size` fails beyond. Made by `make size UPDATE=1` with the
-# compilers of Debian 12; a change that needs more writes it anew, and says why in its commit.
+HEAD = """# Maximum bytes of each image and of each module in it: `make size` fails above them. Written by `make size UPDATE=1` with
+# the compilers of Debian 12; a change that needs more updates them, and gives the reason in its commit.
 """
 
 
