@@ -15,17 +15,19 @@ CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GE
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
 LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 
-CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c firmware/*/*/*.c)) $(GENERATED)/comanip_dbc.c
+CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c firmware/*/*/*.c)) \
+    $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch] firmware/*/*/*.[ch])
-# The simulated world, less what its three programs differ in: the bus, and where the firmware is.
+# The simulated world, without the sources that differ between its three programs: the bus, and the access to the
+# firmware.
 SIM_SOURCES := $(filter-out sim/programs/% sim/port/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*/*.c)) \
     hal/common/frame_time.c hal/linux/hub_path.c
-HOST_SOURCES := firmware/main.c hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c sim/port/local_firmware.c \
-    sim/programs/simulator.c
+HOST_SOURCES := firmware/main.c hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c \
+    sim/port/local_firmware.c sim/programs/simulator.c
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
-# What a machine needs besides git and make, by the names of Debian and Ubuntu.
+# Required packages besides git and make, by their names in Debian and Ubuntu.
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev can-utils python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
@@ -35,18 +37,21 @@ PLANT_PROCESS := $(BUILD)/linux/comanip-plant
 CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c
 FIRMWARE_PROCESS_SOURCES := $(CORE_SOURCES) firmware/main.c $(wildcard hal/linux/*.c)
 PLANT_PROCESS_SOURCES := $(CORE_SOURCES) $(CAN_SOURCES) $(SIM_SOURCES) sim/bus/live_bus.c sim/programs/plant.c
-LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o))
+LINUX_OBJECTS := $(sort $(FIRMWARE_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o) \
+    $(PLANT_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o))
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help deps build golden sim run-firmware run-plant experiments gain-search following test test-socketcan test-images bench arms bus-doc schema bus-report target target-deps clean
+.PHONY: help deps build golden sim run-firmware run-plant experiments gain-search following test test-socketcan
+.PHONY: test-images bench arms bus-doc schema bus-report target target-deps clean
 
 help: ## print this text
 	@echo "comanip: a person and a robot arm work together over a CAN bus"
 	@echo
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## ?/  make \1\t/' | expand -t 22
 	@echo
-	@echo "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
+	@printf '%s' "  make sim SCENARIO=pour|teleop|mirror|handover|crank|file.yaml"
+	@echo " TRACKER=file.csv SEED=n OUT=dir PLOT=1 ARGS='...'"
 	@echo "      PLOT=1 writes OUT/report/*.png; ARGS are further options of the simulator: make sim ARGS=--help"
 	@echo "      PROFILE=classic: classic CAN at 250 Hz instead of CAN FD at 1 kHz; also for run-firmware and run-plant"
 	@echo "      CAN=hub REALTIME=1 runs in real time and shows the bus to make candump"
@@ -67,10 +72,11 @@ $(VENV)/.installed-tests: tests/requirements.txt | deps
 
 # ---- build
 
-build: deps $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS) $(BUILD)/python/.built ## build the simulator, firmware and plant processes, and the Python binding
+HOST_PROGRAMS := $(SIMULATOR) $(FIRMWARE_PROCESS) $(PLANT_PROCESS)
+build: deps $(HOST_PROGRAMS) $(BUILD)/python/.built ## build simulator, firmware and plant processes, Python binding
 
-$(GENERATED)/.generated: $(DEVELOPMENT)/codegen.py $(wildcard $(DEVELOPMENT)/schema/*.py) host_tools/comanip/parameters.py \
-    host_tools/comanip/tasks.py $(wildcard firmware/schema/*) $(FIRMWARE_FILES) | deps
+$(GENERATED)/.generated: $(DEVELOPMENT)/codegen.py $(wildcard $(DEVELOPMENT)/schema/*.py) \
+    host_tools/comanip/parameters.py host_tools/comanip/tasks.py $(wildcard firmware/schema/*) $(FIRMWARE_FILES) | deps
 	@echo "  GENERATE $(GENERATED)/"
 	$(Q)$(PYTHON) -m comanip_dev.codegen $(GENERATED)
 	@touch $@
@@ -98,7 +104,8 @@ $(BUILD)/host/%.o: %.c Makefile $(GENERATED)/.generated
 	@echo "  CC $<"
 	$(Q)$(CC) $(CORE_CFLAGS) -MMD -MP -c $< -o $@
 
-$(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/comanip/_binding/*) $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
+$(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/comanip/_binding/*) \
+    $(GENERATED)/.generated $(FIRMWARE_FILES) host_tools/pyproject.toml
 	@echo "  BIND host_tools/comanip/_core"
 	$(Q)$(PYTHON) -m comanip_dev.build_core --generated $(GENERATED) --build-dir $(BUILD)/python --cflags "$(CORE_CFLAGS)"
 	@touch $@
@@ -107,7 +114,7 @@ $(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/coman
 
 # ---- use
 
-# Passed through the environment, so that names may contain quotes and spaces; unset variables are not passed on.
+# Variables are passed through the environment, so that names may contain quotes and spaces. Unset ones are not passed.
 sim run-plant pil: export RUN_SCENARIO := $(SCENARIO)
 sim run-plant pil: export RUN_TRACKER := $(TRACKER)
 sim run-plant pil: export RUN_SEED := $(SEED)
@@ -124,17 +131,18 @@ sim: build ## run a scenario; prints a pass/fail table and the paths of the file
 	@$(RUN_ARGUMENTS); \
 	[ -z "$(filter-out 0 no,$(REALTIME))" ] || set -- "$$@" --real-time; \
 	case '$(CAN)' in '') ;; hub) set -- "$$@" --hub vcan0;; \
-		*) echo "make sim: CAN='$(CAN)': expected hub; for a bus of the kernel: make run-plant and make run-firmware" >&2; \
+		*) echo "make sim: CAN='$(CAN)': expected hub; for a bus of the kernel use make run-plant and run-firmware" >&2; \
 		exit 2;; esac; \
 	$(SIMULATOR) "$$@" $(ARGS); status=$$?; \
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plotting "$$RUN_OUT" || exit; \
 	exit $$status
 
-# CAN names an interface of the kernel, or else a hub.
+# CAN is the name of an interface of the kernel, or of a hub.
 RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
 run-firmware: export RUN_PARAMETERS := $(PARAMETERS)
 run-firmware: build ## run the firmware as a process on CAN=vcan0 until Ctrl-C; SLOW=n: n times slower; PARAMETERS=file
-	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN) $${RUN_PROFILE:+--profile "$$RUN_PROFILE"} $${RUN_PARAMETERS:+--parameters "$$RUN_PARAMETERS"}
+	@$(FIRMWARE_PROCESS) $(RUN_ON_CAN) $${RUN_PROFILE:+--profile "$$RUN_PROFILE"} \
+	    $${RUN_PARAMETERS:+--parameters "$$RUN_PARAMETERS"}
 
 run-plant: build ## run the simulated plant as a second process on CAN=vcan0; options as for `make sim`
 	@$(RUN_ARGUMENTS); \
@@ -150,36 +158,37 @@ gain-search: build ## repeat the search for the gains of docs/gains.md (up to an
 	@$(PYTHON) -m comanip_dev.experiments.gain_search --out "$$RUN_OUT" $(ARGS)
 
 $(VENV)/.installed-following: host_tools/following-requirements.txt | deps
-	@echo "comanip: installing the programs that make following compares with into $(VENV)/"
+	@echo "comanip: installing the other programs for make following into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
 following: export RUN_OUT := $(or $(OUT),out/following)
 following: export RUN_RECORDINGS := $(RECORDINGS)
-following: build $(VENV)/.installed-following ## measure how closely the robot follows recorded hands; QUICK=1, RECORDINGS=folder
+following: build $(VENV)/.installed-following ## measure how closely the robot follows hands; QUICK=1, RECORDINGS=folder
 	@$(PYTHON) -m comanip_dev.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
-# One worker per processor; tests/groups.py says which tests share one. PYTEST_ARGS='-n 0': none, as for --pdb.
+# One worker per processor; tests/groups.py groups the tests that must share one. PYTEST_ARGS='-n 0' runs without
+# workers, for example with --pdb.
 PYTEST_WORKERS := -n auto --no-loadscope-reorder
 
 test: build $(VENV)/.installed-tests ## run all tests: maths, bus, closed loop, recordings, two target images
 	@$(PYTHON) -m pytest tests $(PYTEST_WORKERS) $(PYTEST_ARGS)
 
 # Boots the kernel's CAN modules in user-mode Linux, which is installed through apt if missing.
-test-socketcan: build $(VENV)/.installed-tests ## run the tests on the kernel's SocketCAN, in user-mode Linux (two minutes)
+test-socketcan: build $(VENV)/.installed-tests ## run the tests on the kernel's SocketCAN, in user-mode Linux (2 min)
 	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
 
 test-images: build $(VENV)/.installed-tests ## run the tests of all target images; `make test` covers two (five minutes)
-	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py tests/test_size_report.py \
-	    tests/test_bitexact.py $(PYTEST_ARGS)
+	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py \
+	    tests/test_size_report.py tests/test_bitexact.py $(PYTEST_ARGS)
 
-golden: build $(VENV)/.installed-tests ## record the golden logs again after a change of behaviour; see tests/golden/golden.py
+golden: build $(VENV)/.installed-tests ## record the golden logs again, after a change of behaviour; see tests/golden
 	@$(PYTHON) tests/golden/golden.py $(ARGS)
 
 include tests/bench/bench.mk
 
-bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## compare our tick with Pinocchio's, KDL's, MuJoCo's and dqrobotics'; build/reports/bench.json
+bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## compare our tick with Pinocchio's, KDL's, MuJoCo's, dqrobotics'
 	@$(PYTHON) tests/bench/bench.py $(BUILD)
 
 arms: deps ## generate firmware/arms/*.c from the arms' descriptions, firmware/arms/*.toml

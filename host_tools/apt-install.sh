@@ -3,7 +3,8 @@
 set -eu
 who=$1
 shift
-if dpkg-query -W -f '${db:Status-Abbrev}\n' "$@" 2>/dev/null | awk '!/^ii/ { missing = 1 } END { exit missing || NR < '$#' }'; then
+if dpkg-query -W -f '${db:Status-Abbrev}\n' "$@" 2>/dev/null |
+    awk '!/^ii/ { missing = 1 } END { exit missing || NR < '$#' }'; then
     exit 0
 fi
 if ! command -v apt-get >/dev/null; then
@@ -15,7 +16,7 @@ if [ "$(id -u)" = 0 ]; then
 elif command -v sudo >/dev/null; then
     sudo=sudo
 else
-    echo "$who: needs root or sudo. Ask for: apt-get install $*" >&2
+    echo "$who: needs root or sudo. Ask an administrator to run: apt-get install $*" >&2
     exit 1
 fi
 echo "comanip: installing $*"

@@ -10,12 +10,13 @@ $(VENV)/.installed-check: host_tools/check-requirements.txt | deps
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
-check: check-format check-directions check-c check-schema ## check formatting, schema and include directions, lint, compile all C with clang (warnings as errors)
+check: check-format check-directions check-c check-schema ## check formatting, lint, schema, includes; compile by clang
 	@echo "check: passed"
 
 check-format: $(VENV)/.installed-check
 	@$(CLANG_FORMAT) --dry-run --Werror $(C_FILES)
-	@$(RUFF) format --quiet --check . || { $(RUFF) format --check . | head -20; echo "check: not formatted: make format" >&2; exit 1; }
+	@$(RUFF) format --quiet --check . || \
+	    { $(RUFF) format --check . | head -20; echo "check: not formatted: make format" >&2; exit 1; }
 	@$(RUFF) check --quiet .
 
 format: $(VENV)/.installed-check ## format all C and Python
@@ -33,7 +34,8 @@ check-deps: ## install clang through apt
 	@host_tools/apt-install.sh "make $@" clang
 
 check-c: $(GENERATED)/.generated
-	@command -v clang >/dev/null || { echo "make check: needs clang. On Debian or Ubuntu: make check-deps" >&2; exit 1; }
+	@command -v clang >/dev/null || \
+	    { echo "make check: needs clang. On Debian or Ubuntu: make check-deps" >&2; exit 1; }
 	@for source in $(CORE_SOURCES) firmware/main.c; do for profile in BOTH FD_ONLY CLASSIC_ONLY; do \
 	    clang $(CORE_CFLAGS) -DCAN_$$profile -fsyntax-only $$source || exit 1; done; done
 	@for source in $(wildcard hal/linux/*.c); do clang $(LINUX_CFLAGS) -fsyntax-only $$source || exit 1; done

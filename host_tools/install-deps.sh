@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs what is missing and nothing else. Usage: install-deps.sh "DEBIAN PACKAGES" VENV REQUIREMENTS
-# System packages: through apt, as root or with sudo; elsewhere they are named and the script fails.
-# Python packages: pinned, into VENV; the repository's own are linked there, not copied.
+# Installs only what is missing. Usage: install-deps.sh "DEBIAN PACKAGES" VENV REQUIREMENTS
+# System packages are installed through apt, as root or with sudo; without apt the script names them and fails.
+# Python packages are installed into VENV in the pinned versions; the packages of this repository are linked there.
 set -eu
 packages=$1 venv=$2 requirements=$3
 here=$(cd "$(dirname "$0")" && pwd)
@@ -15,27 +15,29 @@ system_is_complete() {
     command -v gcc >/dev/null && command -v candump >/dev/null && command -v python3 >/dev/null &&
         printf '#include <%s>\n' ode/ode.h ccd/ccd.h yaml.h | gcc -E - >/dev/null 2>&1 &&
         python3 -c 'import ensurepip, sys, sysconfig, pathlib
-sys.exit(sys.version_info < (3, 11) or not pathlib.Path(sysconfig.get_path("include"), "Python.h").exists())' 2>/dev/null
+header = pathlib.Path(sysconfig.get_path("include"), "Python.h")
+sys.exit(sys.version_info < (3, 11) or not header.exists())' 2>/dev/null
 }
 
 install_system_packages() {
     if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
     if ! command -v apt-get >/dev/null; then
         fail "missing system packages, and this machine has no apt-get." \
-            "Please install, under their names here, then try again: $packages (Python 3.11 or newer)"
+            "Please install the equivalents of these Debian packages, then try again: $packages (Python 3.11 or newer)"
     fi
     if [ -n "$sudo" ] && ! command -v sudo >/dev/null; then
-        fail "missing system packages, and you are neither root nor have sudo. Ask for:" \
+        fail "missing system packages, and you neither are root nor have sudo. Ask an administrator to run:" \
             "    apt-get install $packages" "then try again."
     fi
     echo "comanip: installing system packages: $packages"
     $sudo apt-get update -qq
     # shellcheck disable=SC2086
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages >/dev/null
-    system_is_complete || fail "still incomplete after installing $packages: is Python older than 3.11?"
+    system_is_complete || fail "packages are still missing after installing $packages: is Python older than 3.11?"
 }
 
-# Of this folder (a moved or copied one has paths of the old place in it), finished, and with these requirements.
+# True if the environment was created in this folder (a moved or copied one has the paths of its old folder), is
+# complete, and has these requirements.
 venv_is_complete() {
     [ "$(cat "$venv/.folder" 2>/dev/null)" = "$here" ] && cmp -s "$requirements" "$venv/.installed"
 }
@@ -46,14 +48,14 @@ install_python_packages() {
     [ ! -L "$venv" ] || rm "$venv" # clearing would follow the link and empty another folder's environment
     python3 -m venv --clear "$venv"
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$requirements" ||
-        fail "the Python packages could not be installed: is PyPI within reach (proxy, PIP_INDEX_URL)?"
+        fail "the Python packages could not be installed: is PyPI reachable (proxy, PIP_INDEX_URL)?"
     printf '#!%s\nfrom comanip.__main__ import main\n\nmain()\n' "$(cd "$venv" && pwd)/bin/python" >"$venv/bin/comanip"
     chmod +x "$venv/bin/comanip"
     echo "$here" >"$venv/.folder"
-    cp "$requirements" "$venv/.installed" # last: an interrupted run starts over
+    cp "$requirements" "$venv/.installed" # last, so that an interrupted run starts over
 }
 
-# comanip, and comanip_dev for developers. Also into an environment that is complete otherwise.
+# Links comanip, and comanip_dev for developers. Runs every time, also if the environment is complete otherwise.
 link_packages() {
     for link in "$venv"/lib/python3*/site-packages; do
         link=$link/comanip.pth

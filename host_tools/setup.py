@@ -1,7 +1,7 @@
-"""Compiles the firmware into the package when it is installed from a clone of the repository: see
+"""Compiles the firmware into the package when the package is installed from a clone of the repository: see
 development/comanip_dev/build_core.py.
 
-Where that cannot be (no C compiler), the package is installed without it; the tools that need it say so.
+If that fails (no C compiler), the package is installed without the compiled core; tools that need it report that.
 """
 
 import sys
@@ -12,12 +12,8 @@ from setuptools import Distribution, setup
 from setuptools.command.build_py import build_py
 
 HERE = Path(__file__).resolve().parent
-CORE_FLAGS = [
-    "-std=c11",
-    "-O2",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-]  # the Makefile's CORE_CFLAGS, less its warnings
+# CORE_CFLAGS of the Makefile, without the warnings.
+CORE_FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno"]
 
 
 class BuildWithCore(build_py):

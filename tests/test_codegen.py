@@ -25,7 +25,7 @@ def changed(signal: str, old: str, new: str):
 def test_a_joint_with_a_different_scale():
     codegen.check_joints_are_scaled_alike(load_string(DBC, "dbc").get_message_by_name("JointCmd"))
     database = changed("velocity_3_radps", "(0.001,0)", "(0.002,0)")
-    with pytest.raises(SystemExit, match="JointCmd: velocity_3_radps is scaled otherwise"):
+    with pytest.raises(SystemExit, match="JointCmd.velocity_3_radps: expected the length and scale"):
         codegen.check_joints_are_scaled_alike(database.get_message_by_name("JointCmd"))
 
 
@@ -76,10 +76,10 @@ def generated(schema) -> None:
 PARAMETER_MISTAKES = {
     "no range": (r"^range = \[0, 500\]\n", "", "parameter 'gain_*_per_s': no range"),
     "no unit": (r'^unit = "rad/s\^2"\n', "", "parameter 'acceleration_limit_radps2': no unit"),
-    "two with one number": (r"^number = 17$", "number = 16", "number 16 is also that of 'damping'"),
-    "a vector over another": (r"^number = 16$", "number = 15", "number 15 is also that of 'weight_dual_z'"),
+    "two with one number": (r"^number = 17$", "number = 16", "number 16 is already used by 'damping'"),
+    "a vector over another": (r"^number = 16$", "number = 15", "number 15 is already used by 'weight_dual_z'"),
     "a retired number": (r"^retired = \[\]", "retired = [36]", "number 36 is retired"),
-    "one name twice": (r'^name = "error_frame"', 'name = "damping"', "'damping' is given twice"),
+    "one name twice": (r'^name = "error_frame"', 'name = "damping"', "'damping' is used twice"),
     "default out of range": (r"^default = 0.005$", "default = 0.06", "default 0.06"),
     "a part as integer": (r'(name = "error_frame".*?)default = 1$', r"\1default = 0.5", "of type integer"),
     "range upside down": (r"^range = \[1, 70\]", "range = [70, 1]", "expected least < greatest"),
@@ -87,14 +87,18 @@ PARAMETER_MISTAKES = {
     "a number too many": (r"^number = 42$", "number = 64", "number 64: expected 0 to 63"),
 }
 TASK_MISTAKES = {
-    "two with one number": (r"^number = 2$", "number = 1", "task 'mirror': number 1 is also that of 'teleop'"),
-    "the custom task's number": (r"^number = 2$", "number = 3", "but 3, the custom task's"),
+    "two with one number": (r"^number = 2$", "number = 1", "task 'mirror': number 1 is already used by 'teleop'"),
+    "the custom task's number": (r"^number = 2$", "number = 3", "except 3, the custom task"),
     "no unit quaternion": (r"^q_task = \[1, 0, 0, 0\]", "q_task = [1, 1, 0, 0]", "q_task has norm 1.41421, expected 1"),
     "unknown form": (r'^form = "mirrored"', 'form = "twisted"', "form 'twisted': expected one of constant, mirrored"),
     "no form": (r'^form = "mirrored"\n', "", "task 'mirror': keys"),
 }
 DBC_MISTAKES = {
-    "another value table on classic CAN": (r'^VAL_ 1040 mode 0 "idle"', 'VAL_ 1040 mode 0 "off"', "FirmwareStatus has"),
+    "another value table on classic CAN": (
+        r'^VAL_ 1040 mode 0 "idle"',
+        'VAL_ 1040 mode 0 "off"',
+        "table of FirmwareStatus",
+    ),
     "a part of nothing": (
         r'^BA_ "PartOf" BO_ 1040 "FirmwareStatus"',
         'BA_ "PartOf" BO_ 1040 "Nobody"',
@@ -102,7 +106,7 @@ DBC_MISTAKES = {
     ),
     "a received frame that TickTrace lacks": (r"^ SG_ task_define_counter [^\n]*\n", "", "TickTrace has counters of"),
     "a parameter's name": (r'"damping"', '"dampening"', "make schema"),
-    "a signal of no message": (r"^( SG_) t_high ", r"\1 t_highest ", "has nothing of this name"),
+    "a signal of no message": (r"^( SG_) t_high ", r"\1 t_highest ", "has no such signal"),
 }
 
 

@@ -114,7 +114,9 @@ def test_recordings_are_given_to_both_people(tmp_path, simulator, recordings):
 
 def test_missing_recordings_are_reported(tmp_path, simulator, recordings, capsys):
     assert run(simulator, tmp_path / "out", "--recordings", tmp_path / "none") == 0
-    assert f"recordings not run: there is no folder {tmp_path / 'none'}" in " ".join(capsys.readouterr().out.split())
+    assert f"recordings were not run: there is no folder {tmp_path / 'none'}" in " ".join(
+        capsys.readouterr().out.split()
+    )
     (recordings / RECORDINGS[0].file).unlink()
     assert run(simulator, tmp_path / "out", "--recordings", recordings) == 2
     assert f"{recordings}: lacks {RECORDINGS[0].file}" in capsys.readouterr().err
@@ -202,7 +204,7 @@ def test_only_what_changed_is_run_again(tmp_path, simulator, recordings, monkeyp
     first = {name: (out / name).read_text() for name in RESULT_FILES}
     capsys.readouterr()
     assert run(simulator, out, *arguments) == 1 and runs_made(simulator) == []
-    assert "47 of 47 runs are there already, with the same inputs" in capsys.readouterr().out
+    assert "47 of 47 runs are already finished with the same inputs" in capsys.readouterr().out
     assert {name: (out / name).read_text() for name in RESULT_FILES} == first
     (recordings / "kul_pour1_com.csv").write_text("another")
     run(simulator, out, *arguments)
@@ -259,7 +261,7 @@ def test_an_interrupt_stops_the_children_and_writes_nothing(tmp_path, simulator)
     process.send_signal(signal.SIGTERM)
     _, error = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
-    again = "; the same command goes on from here"
+    again = "; run the same command again to continue"
     assert error == f"comanip_dev.experiments: interrupted: results are incomplete and not written{again}\n"
     for pid in pids.read_text().split():
         with pytest.raises(ProcessLookupError):

@@ -328,7 +328,7 @@ def test_a_duplicate_recording_with_gaps_is_left_out(tmp_path):
     (tmp_path / "force.csv").write_text("t_s,Fx_N\n0,1\n")
     paths, left_out = cases.recordings(tmp_path)
     assert [path.stem for path in paths] == ["a", "b_raw"]
-    assert left_out == {"a_raw": "the same motion as a", "force": "no motion of a hand: another header"}
+    assert left_out == {"a_raw": "the same motion as a", "force": "not a motion of a hand: its header differs"}
 
 
 def test_limits_match_the_joint_limits_module():

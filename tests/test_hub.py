@@ -141,7 +141,7 @@ def test_a_stalled_listener_is_dropped_and_delays_nobody():
             assert receive(listener, 128) == expected
         assert re.fullmatch(
             r"comanip-hub: unix client \d is dropped: it reads too slowly, "
-            rf"more than {JOURNAL_FRAMES} frames wait for it\n",
+            rf"more than {JOURNAL_FRAMES} frames are waiting\n",
             hub.stderr(),
         )
         got = 0
@@ -209,7 +209,7 @@ def test_a_world_writable_folder_is_refused(tmp_path):
 def test_one_hub_per_bus(tmp_path):
     with running(folder=tmp_path) as first:
         done = call("--socketcand", "off", folder=tmp_path)
-        assert (done.returncode, done.stderr) == (1, "comanip-hub: bus vcan0: a hub for it is running already\n")
+        assert (done.returncode, done.stderr) == (1, "comanip-hub: bus vcan0: another hub already runs this bus\n")
         with running(folder=tmp_path, bus="vcan1") as other:
             assert other.path.exists()
         first.process.kill()

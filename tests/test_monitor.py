@@ -116,7 +116,7 @@ def test_a_live_bus(monkeypatch, capsys):
 def test_a_bus_without_firmware(monkeypatch, capsys):
     status, out, _ = call_here(monkeypatch, capsys, "monitor", "--duration", "0.3", "-i", "virtual", "-c", "nobody")
     assert status == 0
-    assert "the firmware is not there" in out
+    assert "the firmware does not run on this bus" in out
 
 
 def test_monitor_needs_an_end_for_one_table():

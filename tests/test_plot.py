@@ -55,8 +55,8 @@ def broken(text: str, how: str) -> str:
     ("how", "expected"),
     [
         ("empty", "trace.csv:1: no column t_s"),
-        ("header only", "holds no ticks"),
-        ("cut in a line", "trace.csv:101: the last line is not whole"),
+        ("header only", "has no rows"),
+        ("cut in a line", "trace.csv:101: the last line is incomplete"),
         ("short line", "trace.csv:6: 2 cells, expected 56"),
         ("word", "not a number"),
         ("another table", "trace.csv:1: no column t_s"),

@@ -151,7 +151,7 @@ def test_each_pose_is_a_frame(monkeypatch, capsys, rng):
         csv(4294.9 + 0.005 * i, *points[i], *np.roll(turns[i].as_quat(), 1)) for i in range(200)
     ]  # the clock wraps
     status, err, messages = publish(monkeypatch, capsys, lines)
-    assert (status, err) == (0, "200 poses sent, 0 lost, 0 of them out of the frame's range\n")
+    assert (status, err) == (0, "200 poses sent, 0 lost, 0 of them out of the signals' range\n")
     poses = signals(messages, "HandPose")
     assert [pose["t_us"] for pose in poses] == [round(1e6 * (4294.9 + 0.005 * i)) % 2**32 for i in range(200)]
     assert all(pose["valid"] == 1 for pose in poses)
@@ -169,7 +169,7 @@ def test_bad_lines_are_reported_and_sent_as_lost_samples(monkeypatch, capsys):
     assert status == 1
     assert err.splitlines() == [
         "comanip: line 2: 'nonsense' is no number",
-        "2 poses sent, 2 lost, 1 of them out of the frame's range",
+        "2 poses sent, 2 lost, 1 of them out of the signals' range",
     ]
     poses = signals(messages, "HandPose")
     assert [pose["valid"] for pose in poses] == [1, 0, 0, 1]

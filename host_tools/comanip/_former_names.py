@@ -1,4 +1,4 @@
-"""Modules under the names that they had before the package was divided into rooms. Goes with the next release."""
+"""Keeps the modules' names from before the package was divided into folders. To be removed with the next release."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ NEW_NAMES = {
 
 
 class FormerNames(MetaPathFinder, Loader):
-    """Asked last: finds a module of an old name, and gives the one of the new name with a DeprecationWarning."""
+    """The last finder of sys.meta_path: imports the new module for an old name, with a DeprecationWarning."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -53,7 +53,7 @@ class FormerNames(MetaPathFinder, Loader):
         return spec_from_loader(fullname, self) if fullname in NEW_NAMES else None
 
     def get_code(self, fullname: str) -> CodeType:
-        """For ``python -m``."""
+        """The code that ``python -m`` runs for an old name: it runs the new module."""
         new = NEW_NAMES[fullname].removesuffix(".__main__")
         print(f"{fullname} is now {new}; the old name will go with the next release", file=sys.stderr)
         return compile(f"import runpy; runpy.run_module('{new}', run_name='__main__', alter_sys=True)", new, "exec")

@@ -1,4 +1,4 @@
-"""All commands of ``comanip`` together."""
+"""Assembles the commands of ``comanip``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
-    help="A person and a robot arm work together over a CAN bus: simulate, watch, record, replay, operate.",
+    help="Lets a person and a robot arm work together over a CAN bus: simulate, monitor, record, replay, operate.",
     epilog="Each command has examples: comanip COMMAND --help. Shell completion: comanip --install-completion",
 )
 app.command(epilog=sim.HELP, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(sim.sim)

@@ -1,7 +1,7 @@
-"""What goes wrong in the tools for a reason that the user can mend."""
+"""The error that the tools report to the user."""
 
 from __future__ import annotations
 
 
 class ToolError(Exception):
-    """One line that names the thing, its value and what was expected."""
+    """An error that the user can correct. The message is one line with the thing, its value and what was expected."""

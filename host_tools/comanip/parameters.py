@@ -1,6 +1,6 @@
-"""The firmware's parameters as ``schema/parameters.toml`` describes them.
+"""Reads and checks the description of the firmware's parameters, ``schema/parameters.toml``.
 
-ToolError names the file, the entry, what was found and what was expected.
+A ToolError names the file, the entry, what was found and what was expected.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _PI = re.compile(r"(-?)pi(?:/(\d+))?")
 
 @dataclass(frozen=True)
 class Parameter:
-    """minimum, maximum, default: in `unit`. kind: one of KINDS. vector: the name without its component."""
+    """minimum, maximum, default: in `unit`. kind: one of KINDS. vector: the name without the component."""
 
     number: int
     name: str
@@ -50,7 +50,7 @@ def _value(path: Path, entry: dict, key: str, value: object) -> float:
     if match:
         return (-1.0 if match[1] else 1.0) * math.pi / int(match[2] or 1)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise _refusal(path, entry, f"{key} {value!r}: expected a number, or a part of pi such as '-pi/2'")
+        raise _refusal(path, entry, f"{key} {value!r}: expected a number, or a fraction of pi such as '-pi/2'")
     return float(value)
 
 
@@ -73,7 +73,7 @@ def _check_keys(path: Path, entry: dict) -> None:
 def _names(path: Path, entry: dict) -> list[str]:
     components = entry.get("components", [])
     if ("*" in entry["name"]) != bool(components):
-        raise _refusal(path, entry, "expected a * in the name if there are components, and none else")
+        raise _refusal(path, entry, "expected a * in the name if there are components, otherwise none")
     names = [entry["name"].replace("*", component) for component in components] or [entry["name"]]
     for name in names:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or len(name) > NAME_MAX_CHARACTERS:
@@ -84,7 +84,7 @@ def _names(path: Path, entry: dict) -> list[str]:
 
 
 def _expanded(path: Path, entry: dict) -> Iterator[Parameter]:
-    """A vector's components, or the parameter alone."""
+    """Yields the components of a vector, or the one parameter."""
     _check_keys(path, entry)
     names, kind = _names(path, entry), entry.get("type", "float")
     if not isinstance(entry["range"], list) or len(entry["range"]) != 2:
@@ -119,11 +119,11 @@ def read(path: Path = PATH) -> list[Parameter]:
         for parameter in _expanded(path, entry):
             other = found.get(parameter.number)
             if other:
-                raise _refusal(path, entry, f"number {parameter.number} is also that of '{other.name}'")
+                raise _refusal(path, entry, f"number {parameter.number} is already used by '{other.name}'")
             if parameter.number in document.get("retired", []) or parameter.number >= NUMBERS:
                 raise _refusal(path, entry, f"number {parameter.number} is retired, or above {NUMBERS - 1}")
             if parameter.name in {p.name for p in found.values()}:
-                raise _refusal(path, entry, f"the name '{parameter.name}' is given twice")
+                raise _refusal(path, entry, f"the name '{parameter.name}' is used twice")
             found[parameter.number] = parameter
     if not found:
         raise ToolError(f"{path}: no [[parameter]]")
@@ -132,5 +132,5 @@ def read(path: Path = PATH) -> list[Parameter]:
 
 @functools.cache
 def all_parameters() -> dict[str, Parameter]:
-    """By name, in the order of their numbers."""
+    """All parameters by name, in the order of their numbers."""
     return {parameter.name: parameter for parameter in read()}

@@ -1,9 +1,9 @@
 """Replays a recorded bus: the C core, fed with the frames of a log, must send what the firmware had sent.
 
-Each TickTrace tells the time of its tick and which frames it had read; ``_binding/replay.h`` says how. The log must begin
-at the firmware's boot. It may come from another build, if TickTrace and the frames that the firmware receives have the
-same layout and meaning (FirmwareIdentity.trace_version and trace_hash). Two kinds of frames
-are not compared, but named: those that only one of the two builds sends, and those that the DBC marks as not replayed,
+Each TickTrace tells the time of its tick and which frames it had read; ``_binding/replay.h`` says how. The log must
+begin at the firmware's boot. It may come from another build, if TickTrace and the frames that the firmware receives
+have the same layout and meaning (FirmwareIdentity.trace_version and trace_hash). Two kinds of frames are left out of
+the comparison, and named: those that only one of the two builds sends, and those that the DBC marks as not replayed,
 since a log does not contain what they report (PortStatus).
 """
 
@@ -27,7 +27,8 @@ FIRMWARE = "Firmware"
 
 @dataclass(frozen=True)
 class Difference:
-    """The first one. `recorded`: the log's frame; `sent`: the payload that the firmware sends there, if it sends one."""
+    """The first one. `recorded`: the log's frame; `sent`: the payload that the firmware sends there, if it sends
+    one."""
 
     what: str
     place: int  # in the log, from 0
@@ -120,8 +121,8 @@ def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
 
 
 def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
-    """ToolError unless the log begins at the boot of a firmware whose trace this core understands. A damaged identity is
-    no other build: the replay will come upon it."""
+    """ToolError unless the log begins at the boot of a firmware whose trace this core understands. A damaged identity
+    is no other build: the replay will come upon it."""
     trace = _first(frames, profile.message("TickTrace").name)
     if trace is None:
         raise ToolError(
@@ -196,11 +197,11 @@ class Replay:
         self._next = ffi.new("uint32_t[]", len(frames))
         self._state = ffi.new("replay_t *")
         self._arm = ffi.addressof(arm)
-        lib.replay_init(
-            self._state, self._arm, lib.CAN_PROFILE_CLASSIC if profile is Profile.CLASSIC else lib.CAN_PROFILE_FD,
-            self._log, len(frames), self._stream_of, self._next,
-            [FIRMWARE in message.receivers for message in by_kind], [FIRMWARE in message.senders for message in by_kind],
-        )  # fmt: skip
+        can_profile = lib.CAN_PROFILE_CLASSIC if profile is Profile.CLASSIC else lib.CAN_PROFILE_FD
+        to_firmware = [FIRMWARE in message.receivers for message in by_kind]
+        from_firmware = [FIRMWARE in message.senders for message in by_kind]
+        log = (self._log, len(frames), self._stream_of, self._next)
+        lib.replay_init(self._state, self._arm, can_profile, *log, to_firmware, from_firmware)
 
         self._leave_out(profile, by_kind)
         if self._other_build is not None:

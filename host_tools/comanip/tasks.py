@@ -1,6 +1,6 @@
-"""The built-in cooperative tasks as ``schema/tasks.toml`` describes them.
+"""Reads and checks the description of the built-in tasks, ``schema/tasks.toml``.
 
-ToolError names the file, the task, what was found and what was expected.
+A ToolError names the file, the task, what was found and what was expected.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from comanip.errors import ToolError
 
 PATH = Path(__file__).with_name("schema") / "tasks.toml"
 FORMS = ("constant", "mirrored")
-CUSTOM_NUMBER, CUSTOM_NAME = 3, "custom"  # the operator's own task (TaskDefine)
-NUMBERS = 256  # a byte on the wire
+CUSTOM_NUMBER, CUSTOM_NAME = 3, "custom"  # the task that the operator defines (TaskDefine)
+NUMBERS = 256  # one byte on the bus
 UNIT_TOLERANCE = 1e-6
 _KEYS = ("number", "name", "form", "t_task_m", "q_task", "q_inv", "meaning")
 
@@ -49,7 +49,9 @@ def _task(path: Path, entry: dict) -> Task:
     if sorted(entry) != sorted(_KEYS):
         raise refusal(f"keys {', '.join(sorted(entry))}: expected {', '.join(sorted(_KEYS))}")
     if not isinstance(entry["number"], int) or not 0 <= entry["number"] < NUMBERS or entry["number"] == CUSTOM_NUMBER:
-        raise refusal(f"number {entry['number']!r}: expected 0 to {NUMBERS - 1} but {CUSTOM_NUMBER}, the custom task's")
+        raise refusal(
+            f"number {entry['number']!r}: expected 0 to {NUMBERS - 1} except {CUSTOM_NUMBER}, the custom task"
+        )
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", str(entry["name"])) or entry["name"] == CUSTOM_NAME:
         raise refusal("expected a name of a-z, 0-9 and _, at most 31 characters, other than 'custom'")
     if entry["form"] not in FORMS:
@@ -69,10 +71,10 @@ def read(path: Path = PATH) -> list[Task]:
         task = _task(path, entry)
         if task.number in tasks:
             raise ToolError(
-                f"{path}: task '{task.name}': number {task.number} is also that of '{tasks[task.number].name}'"
+                f"{path}: task '{task.name}': number {task.number} is already used by '{tasks[task.number].name}'"
             )
         if task.name in {other.name for other in tasks.values()}:
-            raise ToolError(f"{path}: task '{task.name}': the name is given twice")
+            raise ToolError(f"{path}: task '{task.name}': the name is used twice")
         tasks[task.number] = task
     if not tasks:
         raise ToolError(f"{path}: no [[task]]")
@@ -80,5 +82,5 @@ def read(path: Path = PATH) -> list[Task]:
 
 
 def names(path: Path = PATH) -> dict[int, str]:
-    """Name by wire number, the custom task's included."""
+    """The names of all tasks, the custom one included, by their numbers on the bus."""
     return dict(sorted({CUSTOM_NUMBER: CUSTOM_NAME, **{task.number: task.name for task in read(path)}}.items()))

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Shows the traffic of a bus, from the kernel's interface of this name or else from the hub. Starts no bus by itself.
+# Prints the traffic of a bus: of the kernel's interface of this name, or else of the hub. Does not start a bus.
 # Usage: candump.sh WITH_CAN BUS [OPTION OF CANDUMP...]
 set -eu
 with_can=$1 bus=$2
@@ -16,11 +16,11 @@ if [ "$(cat "/sys/class/net/$bus/type" 2>/dev/null)" = $ARPHRD_CAN ]; then
 fi
 hub=${COMANIP_HUB_DIR:-/tmp/comanip-hub-$(id -u)}/$bus
 if [ ! -S "$hub" ]; then
-    echo "make candump: the kernel has no CAN interface $bus, and no hub is at $hub. One of:" >&2
-    echo "    make sim CAN=hub REALTIME=1      the simulator, which brings a hub with it" >&2
+    echo "make candump: the kernel has no CAN interface $bus, and no hub runs at $hub. Start one of:" >&2
+    echo "    make sim CAN=hub REALTIME=1      the simulator, with a hub" >&2
     echo "    make hub CAN=$bus                a hub alone" >&2
-    echo "    ip link add dev $bus type vcan; ip link set $bus mtu 72 up      as root, where the kernel has CAN" >&2
+    echo "    ip link add dev $bus type vcan; ip link set $bus mtu 72 up      as root, if the kernel has CAN" >&2
     exit 1
 fi
-echo "make candump: the kernel has no CAN interface $bus; this is the hub at $hub" >&2
+echo "make candump: the kernel has no CAN interface $bus; showing the hub at $hub" >&2
 exec "$with_can" candump "$@" "$bus"

@@ -1,3 +1,4 @@
+/* The hub's clients, listeners and event loop: see hub.h. */
 #include "hub.h"
 
 #include <errno.h>
@@ -20,9 +21,9 @@ bool hub_init(hub_t *self, const char *bus) {
     return self->epoll_fd >= 0;
 }
 
-/* Places of clients come first, then those of listeners. */
-static bool watch(const hub_t *self, int operation, int fd, uint32_t place, uint32_t events) {
-    struct epoll_event event = {.events = events, .data.u32 = place};
+/* index: of a client, or HUB_MAX_CLIENTS + that of a listener. */
+static bool watch(const hub_t *self, int operation, int fd, uint32_t index, uint32_t events) {
+    struct epoll_event event = {.events = events, .data.u32 = index};
     return epoll_ctl(self->epoll_fd, operation, fd, &event) == 0;
 }
 
@@ -52,28 +53,28 @@ static void count(const client_t *client, uint64_t frames, const char *what) {
 }
 
 static void remove_client(client_t *client) {
-    count(client, client->refused, "packets or commands were refused in all");
-    count(client, client->silenced, "frames were not forwarded, for it may only listen");
-    count(client, client->left_out, "frames were left out: its protocol cannot carry them");
-    (void)close(client->fd); /* which ends the watching, too */
+    count(client, client->refused, "packets or commands were refused in total");
+    count(client, client->silenced, "frames were not forwarded, because it may only listen");
+    count(client, client->left_out, "frames were left out, because its protocol cannot carry them");
+    (void)close(client->fd); /* also removes it from epoll */
     free(client->session);
     client->endpoint = NULL;
 }
 
 client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool may_send) {
-    uint32_t place = 0;
-    while (place < HUB_MAX_CLIENTS && self->client[place].endpoint != NULL) {
-        place++;
+    uint32_t index = 0;
+    while (index < HUB_MAX_CLIENTS && self->client[index].endpoint != NULL) {
+        index++;
     }
-    void *session = place < HUB_MAX_CLIENTS ? calloc(1, endpoint->session_bytes + 1) : NULL;
-    if (session == NULL || !watch(self, EPOLL_CTL_ADD, fd, place, EPOLLIN)) {
-        (void)fprintf(stderr, "comanip-hub: %s client turned away: expected at most %d clients\n", endpoint->name,
+    void *session = index < HUB_MAX_CLIENTS ? calloc(1, endpoint->session_bytes + 1) : NULL;
+    if (session == NULL || !watch(self, EPOLL_CTL_ADD, fd, index, EPOLLIN)) {
+        (void)fprintf(stderr, "comanip-hub: %s client rejected: expected at most %d clients\n", endpoint->name,
                       HUB_MAX_CLIENTS);
         free(session);
         (void)close(fd);
         return NULL;
     }
-    client_t *client = &self->client[place];
+    client_t *client = &self->client[index];
     *client = (client_t){.endpoint = endpoint,
                          .session = session,
                          .fd = fd,
@@ -112,7 +113,8 @@ bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes
     }
     if (!client->may_send) {
         if (client->silenced++ == 0) {
-            (void)fprintf(stderr, "comanip-hub: %s client %u sends, but may only listen: nothing of it is forwarded\n",
+            (void)fprintf(stderr,
+                          "comanip-hub: %s client %u sends, but may only listen: its frames are not forwarded\n",
                           client->endpoint->name, client->number);
         }
         return true;
@@ -124,12 +126,12 @@ bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes
 }
 
 static void handle(hub_t *self, const struct epoll_event *event) {
-    const uint32_t place = event->data.u32;
-    if (place >= HUB_MAX_CLIENTS) {
+    const uint32_t index = event->data.u32;
+    if (index >= HUB_MAX_CLIENTS) {
         hub_accept(self);
         return;
     }
-    client_t *client = &self->client[place];
+    client_t *client = &self->client[index];
     if (client->endpoint == NULL) {
         return;
     }
@@ -142,7 +144,7 @@ static void handle(hub_t *self, const struct epoll_event *event) {
     }
 }
 
-/* True if the client got something, or has something still to get. */
+/* True if frames were sent to the client, or still wait for it. */
 static bool serve(hub_t *self, client_t *client) {
     if (!client->is_listening) {
         client->position = self->journal.end;
@@ -152,7 +154,7 @@ static bool serve(hub_t *self, client_t *client) {
     }
     if (!journal_has(&self->journal, client->position)) {
         (void)fprintf(stderr,
-                      "comanip-hub: %s client %u is dropped: it reads too slowly, more than %u frames wait for it\n",
+                      "comanip-hub: %s client %u is dropped: it reads too slowly, more than %u frames are waiting\n",
                       client->endpoint->name, client->number, JOURNAL_FRAMES);
         remove_client(client);
         return false;

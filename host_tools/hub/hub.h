@@ -1,5 +1,5 @@
-/* The hub: every frame of a client goes to all others, in one order. One thread, one epoll loop, no waiting for
- * anybody: a client that cannot follow is dropped. */
+/* The hub forwards every frame of a client to all other clients, in one order. It has one thread and one epoll loop and
+ * never waits for a client: one that reads too slowly is dropped. */
 #ifndef COMANIP_HUB_H
 #define COMANIP_HUB_H
 
@@ -17,27 +17,28 @@ typedef struct client client_t;
 
 typedef enum {
     CLIENT_GOES_ON,
-    CLIENT_IS_FULL, /* writing would wait: again when the socket has room */
+    CLIENT_IS_FULL, /* writing would block: try again when the socket has room */
     CLIENT_IS_GONE,
 } client_result_t;
 
-/* A kind of client. None of the functions waits. */
+/* A kind of client. None of the functions blocks. */
 typedef struct {
     const char *name;
-    client_result_t (*greet)(const client_t *client); /* NULL, or: frames come when the endpoint says so */
+    /* Called for a new client. NULL: the client receives frames at once; otherwise the endpoint sets is_listening. */
+    client_result_t (*greet)(const client_t *client);
     client_result_t (*read)(hub_t *hub, client_t *client);
-    /* Sends frames from client->position on, and moves it; not beyond the journal's end. */
+    /* Sends frames from client->position up to the journal's end at most, and advances client->position. */
     client_result_t (*write)(hub_t *hub, client_t *client);
-    size_t session_bytes; /* of client->session, zero at the start */
+    size_t session_bytes; /* size of client->session, which is zero at the start */
 } endpoint_t;
 
 struct client {
-    const endpoint_t *endpoint; /* NULL: a free place */
-    void *session;              /* what the endpoint remembers of it */
+    const endpoint_t *endpoint; /* NULL: this entry is free */
+    void *session;              /* state of the endpoint for this client */
     int fd;
-    uint32_t number;   /* for messages, and to know its own frames */
-    uint64_t position; /* in the journal: the next frame to be sent to it */
-    bool is_listening; /* wants frames */
+    uint32_t number;   /* identifies the client in messages, and as the sender of a frame */
+    uint64_t position; /* in the journal: the next frame to send to the client */
+    bool is_listening; /* receives frames */
     bool may_send;
     bool is_full;
     uint64_t refused;  /* packets or commands that were not frames */
@@ -46,8 +47,8 @@ struct client {
 };
 
 struct hub {
-    const char *bus; /* its name */
-    int settle_ms;   /* from the answer to a socketcand client to its first frame */
+    const char *bus; /* name of the bus */
+    int settle_ms;   /* time from the answer to a socketcand client to its first frame */
     int epoll_fd;
     uint32_t last_number;
     struct {
@@ -60,25 +61,26 @@ struct hub {
     journal_t journal;
 };
 
-/* `bus` must outlive the hub. */
+/* bus: name of the bus; the string must outlive the hub. False if epoll is not available. */
 bool hub_init(hub_t *self, const char *bus);
 
-/* Clients of listen_fd, which is non-blocking and from now on the hub's, are accepted. At most HUB_MAX_LISTENERS. */
+/* Accepts clients of listen_fd, which is non-blocking and owned by the hub from now on. False if there are
+ * HUB_MAX_LISTENERS already. */
 bool hub_listen(hub_t *self, int listen_fd, const endpoint_t *endpoint, bool may_send);
 
-/* Takes a connected, non-blocking socket. NULL, and the socket closed with a message, if there is no place. */
+/* Adds a client with a connected, non-blocking socket. If there are HUB_MAX_CLIENTS already, prints a message, closes
+ * the socket and returns NULL. */
 client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool may_send);
 
-/* For endpoints, after taking packets from a socket and before hub_receive(): whoever connected before a packet was
- * sent gets it. */
+/* Accepts the clients that are waiting. Endpoints call it after reading packets and before hub_receive(), so that every
+ * client that connected before a packet was sent receives it. */
 void hub_accept(hub_t *self);
 
-/* For endpoints: a packet came from the client. It is forwarded, or counted with a message if it is no frame, or if the
- * client may not send. False if it is no frame. */
+/* Called by endpoints for a packet from the client. Forwards it if it is a frame and the client may send; otherwise
+ * counts it, with a message for the first. False if it is not a frame. */
 bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes);
 
-/* Waits up to timeout_ms for something to do, and does it. False if there was nothing, and
- * all have all frames. */
+/* Waits up to timeout_ms for events and handles them. False if there were none and all clients have all frames. */
 bool hub_step(hub_t *self, int timeout_ms);
 
 void hub_free(hub_t *self);

@@ -1,5 +1,5 @@
-# The hub, and the shim through which can-utils and python-can use it. Included by the Makefile, which defines BUILD, CC, Q,
-# WARNINGS and VENV.
+# The hub, and the shim through which can-utils and python-can use it. Included by the Makefile, which defines BUILD,
+# CC, Q, WARNINGS and VENV.
 
 HUB_CFLAGS := -std=c11 -O2 -D_GNU_SOURCE $(WARNINGS)
 HUB_SOURCES := $(wildcard host_tools/hub/*.c) hal/linux/hub_path.c
@@ -37,13 +37,14 @@ hub: build ## run a CAN bus without CAN in the kernel, for processes on this mac
 candump: build ## print live traffic of CAN=vcan0, the kernel's interface or else the hub; ARGS for candump
 	@host_tools/hub/candump.sh "$(WITH_CAN)" "$(CAN_BUS)" $(ARGS)
 
-test-hub-load: build $(VENV)/.installed-tests ## load the hub with 20,000 frames/s for a minute, four listeners and a stalled one
+test-hub-load: build $(VENV)/.installed-tests ## load the hub: 20,000 frames/s for a minute, four listeners, one stalled
 	@$(PYTHON) tests/hub_load.py $(ARGS)
 
 fuzz-deps: ## install clang and libFuzzer for fuzz-hub (apt)
 	@[ "$$(id -u)" = 0 ] || sudo=sudo; $$sudo apt-get install -y -qq --no-install-recommends $(FUZZ_PACKAGES)
 
-$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard host_tools/hub/*.h tests/fuzz/*.h) hal/linux/hub_path.h
+$(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard host_tools/hub/*.h tests/fuzz/*.h) \
+    hal/linux/hub_path.h
 	@mkdir -p $(@D)
 	@echo "  CC LINK $@"
 	$(Q)clang $(HUB_CFLAGS) -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $< tests/fuzz/fuzz_hub.c \
@@ -54,8 +55,9 @@ fuzz-hub: $(FUZZ_PROGRAMS) ## fuzz both interfaces of the hub under ASan and UBS
 	@for program in $(FUZZ_PROGRAMS); do \
 	    corpus=$(BUILD)/fuzz/corpus-$$(basename $$program); mkdir -p $$corpus; \
 	    echo "$$program: $(FUZZ_SECONDS) s"; \
-	    (ulimit -c 0; ASAN_OPTIONS=abort_on_error=0 $$program -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -close_fd_mask=2 \
-	        -artifact_prefix=$(BUILD)/fuzz/ $$corpus 2>$$corpus.log) || { tail -n 40 $$corpus.log >&2; exit 1; }; \
+	    (ulimit -c 0; ASAN_OPTIONS=abort_on_error=0 $$program -max_total_time=$(FUZZ_SECONDS) -max_len=4096 \
+	        -close_fd_mask=2 -artifact_prefix=$(BUILD)/fuzz/ $$corpus 2>$$corpus.log) || \
+	        { tail -n 40 $$corpus.log >&2; exit 1; }; \
 	    tail -n 2 $$corpus.log; \
 	done
 

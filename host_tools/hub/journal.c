@@ -1,14 +1,15 @@
+/* The ring buffer of the bus's last frames: see journal.h. */
 #include "journal.h"
 
 #include <string.h>
 
-_Static_assert((JOURNAL_FRAMES & (JOURNAL_FRAMES - 1)) == 0, "positions are counted on past 2^64 by a power of two");
+_Static_assert((JOURNAL_FRAMES & (JOURNAL_FRAMES - 1)) == 0, "a power of two, so that positions may wrap at 2^64");
 
 bool journal_accepts(const void *packet, size_t bytes) {
     if (bytes != CAN_MTU && bytes != CANFD_MTU) {
         return false;
     }
-    struct can_frame head; /* both kinds begin with id and length */
+    struct can_frame head; /* both kinds of frame begin with id and length */
     memcpy(&head, packet, sizeof head);
     const canid_t id = head.can_id & CAN_EFF_MASK;
     const bool is_extended = (head.can_id & (CAN_EFF_FLAG | CAN_ERR_FLAG)) != 0;

@@ -1,5 +1,5 @@
-/* The last frames of the bus, in the one order that all clients see. Each client reads at its own pace; one that is
- * further behind than the journal reaches back has lost frames. */
+/* The last frames of the bus, in the order that all clients see. Each client reads at its own pace. A client has lost
+ * frames if it is more than JOURNAL_FRAMES behind. */
 #ifndef COMANIP_HUB_JOURNAL_H
 #define COMANIP_HUB_JOURNAL_H
 
@@ -14,24 +14,26 @@
 typedef struct {
     struct canfd_frame frame; /* or a struct can_frame, which begins in the same way */
     size_t bytes;             /* CAN_MTU or CANFD_MTU */
-    uint32_t sender;          /* a client's number */
-    struct timespec time;     /* of its coming to the hub; CLOCK_REALTIME */
+    uint32_t sender;          /* the sending client's number */
+    struct timespec time;     /* when the hub received it; CLOCK_REALTIME */
 } journal_entry_t;
 
 typedef struct {
     journal_entry_t entry[JOURNAL_FRAMES];
-    uint64_t end; /* frames that there ever were */
+    uint64_t end; /* number of frames appended so far */
 } journal_t;
 
-/* A packet is one frame: its size, its length, and an id of 11 bits unless flagged as extended. */
+/* True if the packet is one frame: it has the right size, a valid length, and an id of 11 bits unless it is flagged as
+ * extended. */
 bool journal_accepts(const void *packet, size_t bytes);
 
 /* Copies a frame that journal_accepts(). */
 void journal_append(journal_t *self, const void *packet, size_t bytes, uint32_t sender, const struct timespec *time);
 
+/* False if the frame at the position was overwritten. */
 bool journal_has(const journal_t *self, uint64_t position);
 
-/* The frame at the position, which the journal has. */
+/* The frame at the position, for which journal_has() must be true. */
 const journal_entry_t *journal_at(const journal_t *self, uint64_t position);
 
 #endif

@@ -1,4 +1,4 @@
-/* comanip-hub: one bus for the tools on this machine, without CAN in the kernel. */
+/* comanip-hub: a CAN bus for the processes on this machine, without CAN in the kernel. */
 #include <errno.h>
 #include <fcntl.h>
 #include <getopt.h>
@@ -18,7 +18,7 @@
 #define EXIT_WRONG_USE 2
 #define ERROR_BYTES 512
 #define STEP_MS 100
-#define FLUSH_STEPS 2000 /* at the end: of about 1 ms, until all have what was sent */
+#define FLUSH_STEPS 2000 /* at the end, of about 1 ms each: time for the clients to read the frames already sent */
 
 static const char usage[] =
     "comanip-hub: a CAN bus for the processes on this machine, without CAN in the kernel\n"
@@ -26,15 +26,13 @@ static const char usage[] =
     "usage: build/host/comanip-hub [--bus NAME] [--socketcand PORT|off] [--listen-only]\n"
     "       make hub CAN=NAME\n"
     "\n"
-    "  --bus NAME             of the bus (default vcan0)\n"
-    "  --socketcand PORT|off  for python-can and SavvyCAN, at 127.0.0.1 only; 0 takes any free port (default 29536, or "
-    "off\n"
-    "                         where another hub has it)\n"
-    "  --listen-only          only who connects to the socket NAME.source may send; all others only listen\n"
-    "  -h, --help             this text\n"
+    "  --bus NAME             name of the bus (default vcan0)\n"
+    "  --socketcand PORT|off  port for python-can and SavvyCAN, at 127.0.0.1 only; 0: any free port\n"
+    "                         (default 29536, or off if that port is in use)\n"
+    "  --listen-only          only clients of the socket NAME.source may send; all others only listen\n"
+    "  -h, --help             print this text\n"
     "\n"
-    "The socket is $COMANIP_HUB_DIR/NAME, by default /tmp/comanip-hub-UID/NAME. can-utils and python-can use it "
-    "through\n"
+    "The socket is $COMANIP_HUB_DIR/NAME, by default /tmp/comanip-hub-UID/NAME. Run can-utils and python-can with\n"
     "build/host/with-can, for example: build/host/with-can candump -ta vcan0\n"
     "\n"
     "exit status: 0 ended by a signal, 1 cannot run, 2 wrong use\n";
@@ -71,7 +69,7 @@ static bool parse_port(const char *text, int *port) {
     return *port <= 65535;
 }
 
-/* Gives -1 to go on, else the exit status. */
+/* Returns the exit status, or -1 if the program is to run. */
 static int parse_options(options_t *self, int argc, char *argv[]) {
     static const struct option table[] = {{"bus", required_argument, NULL, 'b'},
                                           {"socketcand", required_argument, NULL, 's'},
@@ -108,7 +106,7 @@ static int parse_options(options_t *self, int argc, char *argv[]) {
     return -1;
 }
 
-/* Held as long as the process lives: one hub per bus. */
+/* Ensures one hub per bus. The process holds the lock until it ends. */
 static bool lock(const char *path, const char *bus, char error[ERROR_BYTES]) {
     const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR);
     if (fd < 0) {
@@ -116,7 +114,7 @@ static bool lock(const char *path, const char *bus, char error[ERROR_BYTES]) {
         return false;
     }
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
-        (void)snprintf(error, ERROR_BYTES, "bus %s: a hub for it is running already", bus);
+        (void)snprintf(error, ERROR_BYTES, "bus %s: another hub already runs this bus", bus);
         return false;
     }
     return true;
@@ -133,7 +131,8 @@ static bool listen_socketcand(hub_t *hub, const options_t *options, char error[E
     }
     const int fd = socketcand_endpoint_open(options->port);
     if (fd < 0) {
-        (void)snprintf(error, ERROR_BYTES, "socketcand: port %d of 127.0.0.1: %s; --socketcand takes another, or off",
+        (void)snprintf(error, ERROR_BYTES,
+                       "socketcand: port %d of 127.0.0.1: %s; choose another with --socketcand PORT, or off",
                        options->port, strerror(errno));
         if (options->is_port_given || errno != EADDRINUSE) {
             return false;
@@ -179,7 +178,7 @@ int main(int argc, char *argv[]) {
         return complain(error, EXIT_FAILURE);
     }
     (void)printf("comanip-hub: bus %s at %s%s\n", options.bus, path,
-                 options.is_listen_only ? ", listen-only: who sends is at .source" : "");
+                 options.is_listen_only ? ", listen-only: senders connect to NAME.source" : "");
     (void)fflush(stdout);
     run(&hub);
     (void)unlink(path);

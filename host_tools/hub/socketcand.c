@@ -1,3 +1,4 @@
+/* Parses and formats socketcand's text protocol: see socketcand.h. */
 #include "socketcand.h"
 
 #include <ctype.h>
@@ -5,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORDS_MAX (3 + CANFD_MAX_DLEN + 1) /* one more than any command has */
+#define WORDS_MAX (3 + CANFD_MAX_DLEN + 1) /* one more than the longest command has */
 #define STANDARD_ID_DIGITS 3
 
 static const socketcand_command_t malformed = {.kind = SOCKETCAND_MALFORMED};
 
-/* Splits at blanks, in place. Gives the number of words, at most WORDS_MAX. */
+/* Splits at blanks, in place. Returns the number of words, at most WORDS_MAX. */
 static int split(char *text, char *word[WORDS_MAX]) {
     int count = 0;
     char *rest = text;
@@ -39,7 +40,7 @@ static bool is_frame_length(unsigned long length) {
     return is_one;
 }
 
-/* send ID LENGTH BYTE...: all in hex; python-can writes the length so, too. */
+/* send ID LENGTH BYTE...: all in hexadecimal, the length included, as python-can writes it. */
 static socketcand_command_t parse_send(char *word[], int count) {
     socketcand_command_t command = {.kind = SOCKETCAND_SEND};
     unsigned long id, length, byte;
@@ -106,7 +107,7 @@ size_t socketcand_format(const journal_entry_t *entry, char line[SOCKETCAND_LINE
     }
     if (end[-1] != ' ') {
         *end++ = ' ';
-    } else if (!is_error) { /* an empty frame: python-can looks for a third word, which may be empty */
+    } else if (!is_error) { /* an empty frame: python-can expects a third word, which may be empty */
         *end++ = ' ';
     }
     *end++ = '>';

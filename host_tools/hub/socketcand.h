@@ -1,9 +1,9 @@
-/* The language of socketcand: commands between '<' and '>', frames as `< frame 123 1700000000.123456 DEADBEEF >`.
+/* The protocol of socketcand: commands between '<' and '>', frames as `< frame 123 1700000000.123456 DEADBEEF >`.
  *
- * It has no word for CAN FD that python-can reads. A frame of CAN FD is written as any other, with up to 64 bytes,
- * which python-can and cantools take; a command to send more than 8 bytes makes a frame of CAN FD with bit rate switch.
- * So all data and ids come through, and only the mark of CAN FD on a frame of up to 8 bytes is lost. Remote frames
- * cannot be told from empty ones and are left out. */
+ * The protocol has no notation for CAN FD that python-can reads. A frame of CAN FD is therefore written like any other,
+ * with up to 64 bytes, which python-can and cantools accept, and a command to send more than 8 bytes sends a frame of
+ * CAN FD with bit rate switch. All data and ids are preserved; only the CAN FD flag of a frame of up to 8 bytes is
+ * lost. Remote frames would look like empty data frames and are left out. */
 #ifndef COMANIP_HUB_SOCKETCAND_H
 #define COMANIP_HUB_SOCKETCAND_H
 
@@ -11,9 +11,9 @@
 
 #include "journal.h"
 
-#define SOCKETCAND_LINE_BYTES 200 /* python-can throws away what is longer */
-/* With blanks before it, every line takes so much: python-can reads 1024 bytes at a time, and complains of a line that
- * is cut, on the terminal where cantools monitor draws. */
+#define SOCKETCAND_LINE_BYTES 200 /* python-can discards longer lines */
+/* Every line is padded with leading blanks to this size. python-can reads 1024 bytes at a time and prints a warning if
+ * that cuts a line, which would disturb the display of cantools monitor. */
 #define SOCKETCAND_PADDED_BYTES 256
 #define SOCKETCAND_COMMAND_BYTES 256
 
@@ -27,15 +27,15 @@ typedef enum {
 
 typedef struct {
     socketcand_kind_t kind;
-    char bus[16];             /* of SOCKETCAND_OPEN */
-    struct canfd_frame frame; /* of SOCKETCAND_SEND */
+    char bus[16];             /* for SOCKETCAND_OPEN */
+    struct canfd_frame frame; /* for SOCKETCAND_SEND */
     size_t bytes;             /* CAN_MTU or CANFD_MTU */
 } socketcand_command_t;
 
-/* What stands between '<' and '>', both left out. */
+/* Parses one command. text: what is between '<' and '>'. */
 socketcand_command_t socketcand_parse(const char *text, size_t length);
 
-/* The line for a frame, without a newline. Gives its length; 0 if the language cannot carry it. */
+/* Writes the line for a frame, without a newline. Returns its length, 0 if the protocol cannot carry the frame. */
 size_t socketcand_format(const journal_entry_t *entry, char line[SOCKETCAND_LINE_BYTES]);
 
 #endif

@@ -1,3 +1,4 @@
+/* TCP clients that speak socketcand: see socketcand_endpoint.h. */
 #include "socketcand_endpoint.h"
 
 #include <arpa/inet.h>
@@ -18,8 +19,8 @@ typedef struct {
     size_t in_bytes;
     char out[OUT_BYTES];
     size_t out_bytes, out_sent;
-    bool is_open;         /* of a bus */
-    int64_t raw_since_ms; /* 0: not yet */
+    bool is_open;         /* the client has opened the bus */
+    int64_t raw_since_ms; /* start of rawmode; 0: not yet */
 } session_t;
 
 static int64_t now_ms(void) {
@@ -42,7 +43,7 @@ static client_result_t flush(const client_t *client) {
     return CLIENT_GOES_ON;
 }
 
-/* A client that does not read its answers is gone. */
+/* A client that does not read its answers is treated as gone. */
 static client_result_t answer(const client_t *client, const char *text) {
     session_t *session = client->session;
     const size_t length = strlen(text);
@@ -93,7 +94,7 @@ static client_result_t execute(hub_t *hub, client_t *client, const char *text, s
     return refuse(client, "< error unknown or malformed command >");
 }
 
-/* Executes what is complete in session->in and keeps the rest. */
+/* Executes the complete commands in session->in and keeps the rest. */
 static client_result_t execute_all(hub_t *hub, client_t *client) {
     session_t *session = client->session;
     size_t done = 0;
@@ -135,15 +136,15 @@ static client_result_t read_commands(hub_t *hub, client_t *client) {
     return execute_all(hub, client);
 }
 
-/* Gives the length of the line; 0 if there is none for this frame. */
+/* Appends the frame's line to the output. Returns its length, 0 if the protocol cannot carry the frame. */
 static size_t put_line(session_t *session, const journal_entry_t *entry) {
     char line[SOCKETCAND_LINE_BYTES];
     const size_t bytes = socketcand_format(entry, line);
     if (bytes > 0) {
-        char *place = session->out + session->out_bytes;
+        char *out = session->out + session->out_bytes;
         const size_t blanks = SOCKETCAND_PADDED_BYTES - bytes;
-        memset(place, ' ', blanks);
-        memcpy(place + blanks, line, bytes);
+        memset(out, ' ', blanks);
+        memcpy(out + blanks, line, bytes);
         session->out_bytes += SOCKETCAND_PADDED_BYTES;
     }
     return bytes;
@@ -151,8 +152,8 @@ static size_t put_line(session_t *session, const journal_entry_t *entry) {
 
 static client_result_t write_frames(hub_t *hub, client_t *client) {
     session_t *session = client->session;
-    /* A client must have read its `< ok >` before the first frame comes: python-can takes what one recv() gives for the
-     * answer. The frames of this time are sent afterwards. */
+    /* The client must have read its `< ok >` before the first frame arrives, because python-can treats all that one
+     * recv() returns as the answer. The frames of the meantime are sent afterwards. */
     if (now_ms() < session->raw_since_ms + hub->settle_ms) {
         return CLIENT_GOES_ON;
     }
@@ -167,8 +168,8 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
             const size_t bytes = put_line(session, entry);
             if (bytes == 0 && client->left_out++ == 0) {
                 (void)fprintf(stderr,
-                              "comanip-hub: socketcand client %u: a remote frame is left out, which its protocol "
-                              "cannot carry\n",
+                              "comanip-hub: socketcand client %u: a remote frame is left out, because its protocol "
+                              "cannot carry it\n",
                               client->number);
             }
         }
@@ -183,7 +184,7 @@ int socketcand_endpoint_open(int port) {
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     const int on = 1;
     if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
-        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) != 0 || /* which connections inherit */
+        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) != 0 || /* inherited by the connections */
         bind(fd, (const struct sockaddr *)&address, sizeof address) != 0 || listen(fd, HUB_MAX_CLIENTS) != 0) {
         const int cause = errno;
         if (fd >= 0) {

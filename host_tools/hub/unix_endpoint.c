@@ -1,3 +1,4 @@
+/* Clients of the Unix socket: see unix_endpoint.h. */
 #include "unix_endpoint.h"
 
 #include <errno.h>
@@ -16,7 +17,7 @@ int unix_endpoint_open(const char *path, char error[], size_t error_size) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     memcpy(address.sun_path, path, strnlen(path, HUB_PATH_BYTES - 1));
     const int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    (void)unlink(path); /* of a hub that was killed: that none runs is known by the lock */
+    (void)unlink(path); /* left by a hub that was killed: the lock ensures that no other hub runs */
     const mode_t mask = umask(S_IRWXG | S_IRWXO);
     const bool is_open =
         fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 && listen(fd, HUB_MAX_CLIENTS) == 0;
@@ -33,7 +34,7 @@ int unix_endpoint_open(const char *path, char error[], size_t error_size) {
 }
 
 static client_result_t read_frames(hub_t *hub, client_t *client) {
-    char packet[BATCH][CANFD_MTU + 1]; /* one byte more, to see that a packet is too long */
+    char packet[BATCH][CANFD_MTU + 1]; /* the spare byte detects packets that are too long */
     struct iovec part[BATCH];
     struct mmsghdr message[BATCH];
     memset(message, 0, sizeof message);
@@ -48,7 +49,7 @@ static client_result_t read_frames(hub_t *hub, client_t *client) {
     }
     hub_accept(hub);
     for (int i = 0; i < received; i++) {
-        if (message[i].msg_len == 0) { /* the end; an empty packet cannot be told from it */
+        if (message[i].msg_len == 0) { /* end of file; an empty packet looks the same */
             return CLIENT_IS_GONE;
         }
         (void)hub_receive(hub, client, packet[i], message[i].msg_len);
@@ -75,7 +76,7 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
         }
         const int sent = count > 0 ? sendmmsg(client->fd, message, count, MSG_DONTWAIT | MSG_NOSIGNAL) : 0;
         if (sent < 0 && errno == EPIPE) {
-            client->is_listening = false; /* it only sends; if it went away, reading tells */
+            client->is_listening = false; /* it only sends; if it has disconnected, read() reports that */
             return CLIENT_GOES_ON;
         }
         if (sent < 0) {

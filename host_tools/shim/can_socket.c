@@ -1,3 +1,4 @@
+/* Emulates raw CAN sockets by connections to a hub: see can_socket.h. */
 #include "can_socket.h"
 
 #include <errno.h>
@@ -26,8 +27,8 @@ int can_socket_adopt(int fd) {
         return -1;
     }
     *self = (can_socket_t){.fd = fd, .device = status.st_dev, .inode = status.st_ino, .loopback = true, .sender = -1};
-    receive_filter_init(&self->wanted);
-    free(atomic_exchange(&table[fd], self)); /* of a socket that was closed behind our back */
+    receive_filter_init(&self->filter);
+    free(atomic_exchange(&table[fd], self)); /* left if a socket was closed other than through close() */
     return fd;
 }
 
@@ -38,9 +39,9 @@ can_socket_t *can_socket_find(int fd) {
     }
     struct stat status;
     const int cause = errno;
-    const bool is_it = fstat(fd, &status) == 0 && status.st_dev == self->device && status.st_ino == self->inode;
+    const bool is_same = fstat(fd, &status) == 0 && status.st_dev == self->device && status.st_ino == self->inode;
     errno = cause;
-    return is_it ? self : NULL;
+    return is_same ? self : NULL;
 }
 
 void can_socket_forget(can_socket_t *self) {
@@ -63,14 +64,14 @@ static bool connect_to(int fd, unsigned index) {
 
 int can_socket_bind(can_socket_t *self, unsigned index) {
     const bool is_any = index == 0;
-    const bool wants_nothing = self->wanted.count == 0 && self->wanted.errors == 0;
+    const bool receives_nothing = self->filter.count == 0 && self->filter.errors == 0;
     if (self->is_bound) {
         errno = EINVAL;
         return -1;
     }
     index = is_any ? interface_only() : index;
-    if (index != 0 || !is_any || !wants_nothing) { /* a mere sender names the interface with each frame */
-        if (receive_filter_attach(&self->wanted, self->fd) != 0 || !connect_to(self->fd, index)) {
+    if (index != 0 || !is_any || !receives_nothing) { /* a socket that only sends names the interface with each frame */
+        if (receive_filter_attach(&self->filter, self->fd) != 0 || !connect_to(self->fd, index)) {
             return -1;
         }
         self->index = index;
@@ -108,24 +109,24 @@ int can_socket_route(can_socket_t *self, unsigned index) {
     return self->sender;
 }
 
-static int set_filters(receive_filter_t *wanted, const void *value, socklen_t length) {
-    if (length % sizeof wanted->filter[0] != 0 || length > sizeof wanted->filter) {
+static int set_filters(receive_filter_t *self, const void *value, socklen_t length) {
+    if (length % sizeof self->filter[0] != 0 || length > sizeof self->filter) {
         errno = EINVAL;
         return -1;
     }
     if (length > 0) {
-        memcpy(wanted->filter, value, length);
+        memcpy(self->filter, value, length);
     }
-    wanted->count = (int)(length / sizeof wanted->filter[0]);
+    self->count = (int)(length / sizeof self->filter[0]);
     return 0;
 }
 
-/* Where an option of one int is kept. NULL if there is no such option. */
+/* The flag of an option that is one int. NULL if there is no such option. */
 static bool *find_flag(can_socket_t *self, int name) {
     return name == CAN_RAW_LOOPBACK        ? &self->loopback
            : name == CAN_RAW_RECV_OWN_MSGS ? &self->receives_own
-           : name == CAN_RAW_FD_FRAMES     ? &self->wanted.fd_frames
-           : name == CAN_RAW_JOIN_FILTERS  ? &self->wanted.join
+           : name == CAN_RAW_FD_FRAMES     ? &self->filter.fd_frames
+           : name == CAN_RAW_JOIN_FILTERS  ? &self->filter.join
                                            : NULL;
 }
 
@@ -133,7 +134,7 @@ int can_socket_set_option(can_socket_t *self, int name, const void *value, sockl
     bool *flag = find_flag(self, name);
     int number = 0;
     if (name == CAN_RAW_FILTER) {
-        if (set_filters(&self->wanted, value, length) != 0) {
+        if (set_filters(&self->filter, value, length) != 0) {
             return -1;
         }
     } else if (flag != NULL || name == CAN_RAW_ERR_FILTER) {
@@ -145,22 +146,22 @@ int can_socket_set_option(can_socket_t *self, int name, const void *value, sockl
         if (flag != NULL) {
             *flag = number != 0;
         } else {
-            self->wanted.errors = (can_err_mask_t)number & CAN_ERR_MASK;
+            self->filter.errors = (can_err_mask_t)number & CAN_ERR_MASK;
         }
     } else {
         errno = ENOPROTOOPT;
         return -1;
     }
-    return self->index != 0 ? receive_filter_attach(&self->wanted, self->fd) : 0;
+    return self->index != 0 ? receive_filter_attach(&self->filter, self->fd) : 0;
 }
 
 int can_socket_get_option(const can_socket_t *self, int name, void *value, socklen_t *length) {
-    can_socket_t copy = *self; /* for find_flag(), which gives writers a place */
+    can_socket_t copy = *self; /* for find_flag(), which returns a writable pointer */
     const bool *flag = find_flag(&copy, name);
-    const int number = flag != NULL ? *flag : (int)self->wanted.errors;
-    const void *from = name == CAN_RAW_FILTER ? (const void *)self->wanted.filter : &number;
+    const int number = flag != NULL ? *flag : (int)self->filter.errors;
+    const void *from = name == CAN_RAW_FILTER ? (const void *)self->filter.filter : &number;
     const size_t bytes =
-        name == CAN_RAW_FILTER ? (size_t)self->wanted.count * sizeof self->wanted.filter[0] : sizeof number;
+        name == CAN_RAW_FILTER ? (size_t)self->filter.count * sizeof self->filter.filter[0] : sizeof number;
     if (flag == NULL && name != CAN_RAW_FILTER && name != CAN_RAW_ERR_FILTER) {
         errno = ENOPROTOOPT;
         return -1;

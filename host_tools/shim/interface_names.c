@@ -1,3 +1,4 @@
+/* Maps the names of hubs to interface indices: see interface_names.h. */
 #include "interface_names.h"
 
 #include <dirent.h>
@@ -16,7 +17,7 @@
 static char known[INTERFACES_MAX][IFNAMSIZ];
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 
-static bool is_there(const char *name) {
+static bool hub_exists(const char *name) {
     char folder[HUB_PATH_BYTES], path[HUB_PATH_BYTES], error[ERROR_BYTES];
     struct stat status;
     return hub_name_is_valid(name) && hub_folder(folder, error, sizeof error) &&
@@ -27,7 +28,7 @@ static bool is_there(const char *name) {
 unsigned interface_index(const char *name) {
     unsigned index = 0;
     const int cause = errno;
-    if (is_there(name)) {
+    if (hub_exists(name)) {
         (void)pthread_mutex_lock(&mutex);
         for (unsigned i = 0; i < INTERFACES_MAX && index == 0; i++) {
             if (known[i][0] == '\0') {

@@ -1,14 +1,14 @@
-/* CAN interfaces that are hubs: a hub's name gets an index, which holds within this process. */
+/* CAN interfaces that are hubs. Each hub's name has an interface index, which is valid within this process. */
 #ifndef COMANIP_SHIM_INTERFACE_NAMES_H
 #define COMANIP_SHIM_INTERFACE_NAMES_H
 
-/* 0 if no hub of this name is there. */
+/* The index of the hub with this name, 0 if there is none. */
 unsigned interface_index(const char *name);
 
-/* NULL if no interface has this index. */
+/* The name of the hub with this index, NULL if there is none. */
 const char *interface_name(unsigned index);
 
-/* The only hub there is. 0 if there is none, or several. */
+/* The index of the only hub, 0 if there is none or several. */
 unsigned interface_only(void);
 
 #endif

@@ -1,6 +1,6 @@
-/* libcomanip-can.so, for LD_PRELOAD: raw CAN sockets on a machine whose kernel has none. A call on a CAN socket is led
- * to the hub; every other call goes to libc as it is. Not there: CAN_BCM, ISO-TP, J1939, MSG_CONFIRM on own frames,
- * sockets that are duplicated or inherited by another program. */
+/* libcomanip-can.so, for LD_PRELOAD: raw CAN sockets on a machine whose kernel has none. Calls on a CAN socket are
+ * redirected to the hub; all other calls are passed to libc unchanged. Not supported: CAN_BCM, ISO-TP, J1939,
+ * MSG_CONFIRM on own frames, sockets that are duplicated or inherited by another program. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -17,9 +17,9 @@
 #include "can_socket.h"
 #include "interface_names.h"
 
-#pragma GCC visibility push(default) /* the rest of the library stays inside it */
+#pragma GCC visibility push(default) /* all other symbols of the library are hidden */
 
-/* next_NAME: the function of libc that ours stands before. */
+/* next_NAME: the function of libc that ours replaces. */
 #define NEXT(name)                                                                                                     \
     static __typeof__(name) *next_##name;                                                                              \
     if (next_##name == NULL) {                                                                                         \
@@ -41,7 +41,8 @@ char *if_indextoname(unsigned index, char name[IF_NAMESIZE]) {
     return ours != NULL ? strcpy(name, ours) : next_if_indextoname(index, name);
 }
 
-/* Answers what is asked of a hub. False if it is none, or another request: the kernel says what is wrong with it. */
+/* Answers a request about a hub. False if it is about another interface, or is another request: the kernel answers it.
+ * */
 static bool answer(unsigned long request, struct ifreq *interface) {
     if (request == SIOCGIFNAME) {
         const char *name = interface_name((unsigned)interface->ifr_ifindex);
@@ -72,7 +73,7 @@ int ioctl(int fd, unsigned long request, ...) {
     return can_socket_find(fd) != NULL && answer(request, argument) ? 0 : next_ioctl(fd, request, argument);
 }
 
-/* ---- a socket's life. __SOCKADDR_ARG: glibc declares addresses as a union of all kinds of them */
+/* ---- opening, binding, options, closing. __SOCKADDR_ARG: glibc declares addresses as a union of all kinds */
 
 int socket(int domain, int type, int protocol) {
     NEXT(socket)
@@ -103,7 +104,7 @@ static unsigned index_of(const struct sockaddr *address, socklen_t length) {
     return (unsigned)can.can_ifindex;
 }
 
-static void tell_address(unsigned index, void *address, socklen_t *length) {
+static void write_address(unsigned index, void *address, socklen_t *length) {
     const struct sockaddr_can can = {.can_family = AF_CAN, .can_ifindex = (int)index};
     memcpy(address, &can, *length < sizeof can ? *length : sizeof can);
     *length = sizeof can;
@@ -128,7 +129,7 @@ int getsockname(int fd, __SOCKADDR_ARG address, socklen_t *restrict length) {
     if (can == NULL) {
         return next_getsockname(fd, address, length);
     }
-    tell_address(can->index, address.__sockaddr__, length);
+    write_address(can->index, address.__sockaddr__, length);
     return 0;
 }
 
@@ -147,15 +148,18 @@ int getsockopt(int fd, int level, int name, void *value, socklen_t *length) {
     }
     const int result = next_getsockopt(fd, level, name, value, length);
     if (can != NULL && result == 0 && level == SOL_SOCKET && *length == sizeof(int)) {
-        const int told = name == SO_DOMAIN ? AF_CAN : name == SO_TYPE ? SOCK_RAW : name == SO_PROTOCOL ? CAN_RAW : -1;
-        if (told >= 0) {
-            memcpy(value, &told, sizeof told);
+        const int emulated = name == SO_DOMAIN     ? AF_CAN
+                             : name == SO_TYPE     ? SOCK_RAW
+                             : name == SO_PROTOCOL ? CAN_RAW
+                                                   : -1;
+        if (emulated >= 0) {
+            memcpy(value, &emulated, sizeof emulated);
         }
     }
     return result;
 }
 
-/* ---- receiving: a hub that ended, or dropped us, is an interface that went away */
+/* ---- receiving: if the hub ended or dropped this client, the error is that of a removed interface */
 
 static ssize_t received(ssize_t bytes) {
     if (bytes == 0 || (bytes < 0 && errno == ECONNRESET)) {
@@ -184,7 +188,7 @@ ssize_t recvmsg(int fd, struct msghdr *message, int flags) {
     const ssize_t bytes = received(next_recvmsg(fd, message, flags));
     message->msg_name = address;
     if (address != NULL && bytes >= 0) {
-        tell_address(can->index, address, &length);
+        write_address(can->index, address, &length);
     }
     message->msg_namelen = length;
     return bytes;
@@ -214,7 +218,7 @@ ssize_t recv(int fd, void *buffer, size_t size, int flags) {
                                        : next_recv(fd, buffer, size, flags);
 }
 
-/* Waits for the first message only, as with MSG_WAITFORONE. */
+/* Blocks for the first message only, as with MSG_WAITFORONE. */
 int recvmmsg(int fd, struct mmsghdr *message, unsigned count, int flags, struct timespec *timeout) {
     NEXT(recvmmsg)
     if (can_socket_find(fd) == NULL) {
@@ -249,12 +253,12 @@ ssize_t sendmsg(int fd, const struct msghdr *message, int flags) {
         return next_sendmsg(fd, message, flags);
     }
     const size_t bytes = size_of(message);
-    if (bytes != CAN_MTU && (bytes != CANFD_MTU || !can->wanted.fd_frames)) {
+    if (bytes != CAN_MTU && (bytes != CANFD_MTU || !can->filter.fd_frames)) {
         errno = EINVAL;
         return -1;
     }
     const int route = can_socket_route(can, index_of(message->msg_name, message->msg_namelen));
-    if (route < 0 || !can->loopback) { /* without loopback nobody on this machine hears of it */
+    if (route < 0 || !can->loopback) { /* without loopback nobody on this machine receives the frame */
         return route < 0 ? -1 : (ssize_t)bytes;
     }
     struct msghdr plain = *message;

@@ -1,3 +1,4 @@
+/* Compiles the filters of a raw CAN socket to classic BPF: see receive_filter.h. */
 #include "receive_filter.h"
 
 #include <arpa/inet.h>
@@ -18,7 +19,7 @@ static void emit(program_t *self, unsigned code, unsigned char if_true, unsigned
     self->code[self->length++] = (struct sock_filter){(unsigned short)code, if_true, if_false, value};
 }
 
-/* BPF loads in network order, the id is in the machine's. */
+/* BPF loads in network byte order; the id is in the byte order of the machine. */
 static void emit_masked_id(program_t *self, uint32_t mask) {
     emit(self, BPF_LD | BPF_W | BPF_ABS, 0, 0, 0);
     emit(self, BPF_ALU | BPF_AND | BPF_K, 0, 0, htonl(mask));
@@ -28,12 +29,12 @@ static void emit_return(program_t *self, uint32_t verdict) {
     emit(self, BPF_RET | BPF_K, 0, 0, verdict);
 }
 
-/* Ends with the verdict if the id matches the filter, or does not. */
+/* Returns the verdict if the id matches the filter (when_matching), or if it does not match (otherwise). */
 static void emit_filter(program_t *self, const struct can_filter *filter, bool when_matching, uint32_t verdict) {
     const bool is_inverted = (filter->can_id & CAN_INV_FILTER) != 0;
     uint32_t mask = filter->can_mask & ~CAN_ERR_FLAG;
     if ((mask & CAN_EFF_FLAG) != 0 && (filter->can_id & CAN_EFF_FLAG) == 0) {
-        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* as the kernel does: an id of 11 bits has no others */
+        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* as in the kernel: a standard id has 11 bits */
     }
     const bool ends_if_equal = is_inverted != when_matching;
     emit_masked_id(self, mask);
@@ -53,7 +54,7 @@ int receive_filter_attach(const receive_filter_t *self, int fd) {
         emit_return(&program, REJECT);
     }
     emit_masked_id(&program, CAN_ERR_FLAG);
-    emit(&program, BPF_JMP | BPF_JEQ | BPF_K, 5, 0, 0); /* a data frame goes on to the filters */
+    emit(&program, BPF_JMP | BPF_JEQ | BPF_K, 5, 0, 0); /* data frames: jump to the filters */
     emit_masked_id(&program, self->errors & CAN_ERR_MASK);
     emit(&program, BPF_JMP | BPF_JEQ | BPF_K, 1, 0, 0);
     emit_return(&program, ACCEPT);

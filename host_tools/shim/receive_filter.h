@@ -1,5 +1,5 @@
-/* What a raw CAN socket wants to receive, as a classic BPF program: the kernel applies it before a frame is queued, so
- * that poll() and select() tell of wanted frames only. */
+/* The receive filter of a raw CAN socket, as a classic BPF program. The kernel applies it before a frame is queued, so
+ * that poll() and select() report only frames that pass the filter. */
 #ifndef COMANIP_SHIM_RECEIVE_FILTER_H
 #define COMANIP_SHIM_RECEIVE_FILTER_H
 
@@ -9,16 +9,16 @@
 
 typedef struct {
     struct can_filter filter[CAN_RAW_FILTER_MAX];
-    int count;             /* 0: no data frames at all */
-    bool join;             /* all filters must match, not any */
-    bool fd_frames;        /* CAN FD as well */
-    can_err_mask_t errors; /* classes of error frames */
+    int count;             /* 0: no data frames pass */
+    bool join;             /* all filters must match, not just one */
+    bool fd_frames;        /* frames of CAN FD pass as well */
+    can_err_mask_t errors; /* classes of error frames that pass */
 } receive_filter_t;
 
-/* All data frames of classic CAN, as a new socket. */
+/* The filter of a new socket: all data frames of classic CAN pass. */
 void receive_filter_init(receive_filter_t *self);
 
-/* Gives 0, or -1 with errno. */
+/* Attaches the filter to the socket. Returns 0, or -1 with errno. */
 int receive_filter_attach(const receive_filter_t *self, int fd);
 
 #endif

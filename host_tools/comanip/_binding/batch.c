@@ -1,4 +1,4 @@
-/* Loops over arrays for the Python harness: see batch.h. */
+/* Loops over arrays for Python: see batch.h. */
 #include "batch.h"
 
 void batch_multiply(size_t count, const dual_quaternion_t a[], const dual_quaternion_t b[], dual_quaternion_t out[]) {

@@ -1,5 +1,5 @@
-/* Loops over arrays for the Python harness: each calls one function of the firmware per row and computes nothing
- * itself. Arrays are dense, row by row; `out` may not overlap the inputs. */
+/* Loops over arrays for Python. Each loop calls one function of the firmware per row and computes nothing itself.
+ * Arrays are dense, row by row; `out` must not overlap the inputs. */
 #ifndef COMANIP_BATCH_H
 #define COMANIP_BATCH_H
 

@@ -1,3 +1,4 @@
+/* Runs the firmware against a kinematic arm: see kinematic_loop.h. */
 #include "kinematic_loop.h"
 
 #include <math.h>
@@ -5,8 +6,8 @@
 
 #define TICK_US 1000u
 #define TICK_S 1e-3
-#define PULSES_PER_RAD (209.0 * 180.0 / 3.14159265358979324) /* of HOAP-3's encoders */
-#define JOINT_STATE_US 440u /* when the first drive's answer is there, as on the simulated bus */
+#define PULSES_PER_RAD (209.0 * 180.0 / 3.14159265358979324) /* resolution of HOAP-3's encoders */
+#define JOINT_STATE_US 440u /* from the tick to the first drive's answer, as on the simulated bus */
 #define JOINT_STATE_SPACING_US 57u
 #define STATUS_PERIOD_TICKS 100u
 #define SELECT_BEFORE_START_TICKS 10u
@@ -33,10 +34,10 @@ typedef struct {
     const kinematic_loop_config_t *config;
     controller_t controller;
     controller_inbox_t inbox;
-    uint32_t received_us;      /* of what is being sent to the firmware */
-    transport_sender_t others; /* tracker, drives and operator: none sends what another does */
+    uint32_t received_us;      /* time of reception of the frame that is being sent to the firmware */
+    transport_sender_t others; /* tracker, drives and operator, who send different frames and share the counters */
     joint_cmd_t command;
-    bool accepted; /* nothing was refused until now */
+    bool accepted; /* nothing has been refused so far */
 } loop_t;
 
 static void to_firmware(void *context, const can_frame_t *frame) {

@@ -1,6 +1,7 @@
-/* The firmware in a loop without physics, some hundred times faster than real time: controller_step() over frames on
- * CAN FD, drives that follow their commands with a lag, encoders. The order of events within a tick is the simulator's
- * (sim/world/world.c): a command acts from its tick on; what the encoders read at that tick arrives for the next one. */
+/* The firmware in a closed loop without physics, about a hundred times faster than real time: controller_step() with
+ * frames of CAN FD, drives that follow their commands with a lag, and encoders. The order of events within a tick is
+ * that of the simulator (sim/world/world.c): a command takes effect at its tick; the encoder readings of a tick arrive
+ * for the next one. */
 #ifndef COMANIP_KINEMATIC_LOOP_H
 #define COMANIP_KINEMATIC_LOOP_H
 
@@ -8,7 +9,7 @@
 
 #include "../../../firmware/controller.h"
 
-/* ---- the arm: joints behind the lag of their drives */
+/* ---- the arm: joints that follow their drives with a lag */
 
 typedef struct {
     int joint_count;
@@ -27,28 +28,28 @@ void kinematic_arm_step(kinematic_arm_t *self, const float command_radps[], floa
 
 /* One HandPose on the bus. */
 typedef struct {
-    uint32_t received_us; /* by the firmware's clock: the end of the frame; ascending */
+    uint32_t received_us; /* end of the frame by the firmware's clock; ascending */
     hand_pose_t pose;
 } kinematic_sample_t;
 
 typedef struct {
     const arm_ik_t *ik;
     parameters_t parameters;
-    double lag_s;                   /* of the drives */
-    uint32_t period_us, latency_us; /* as TrackerStatus announces them, 10 times a second */
-    uint8_t task;                   /* that the operator selects, task_id_t */
-    uint32_t start_tick;            /* in which he starts it */
+    double lag_s;                   /* time constant of the drives */
+    uint32_t period_us, latency_us; /* in TrackerStatus, which is sent 10 times a second */
+    uint8_t task;                   /* task_id_t that the operator selects */
+    uint32_t start_tick;            /* tick in which the operator starts the task */
 } kinematic_loop_config_t;
 
-/* At a tick's beginning, and what was commanded then. */
+/* The state at the beginning of a tick, and the command of that tick. */
 typedef struct {
     control_mode_t mode;
     double position_rad[ARM_MAX_JOINTS];
     float command_radps[ARM_MAX_JOINTS];
 } kinematic_tick_t;
 
-/* Tick k is at k ms. start_rad: the arm's joint_count values; ticks: tick_count, written. False: the firmware refused a
- * frame, a parameter or the start. */
+/* Runs tick_count ticks; tick k is at k ms. start_rad: joint_count values. ticks: written, tick_count elements. False
+ * if the firmware refused a frame, a parameter or the start. */
 bool kinematic_loop_run(const kinematic_loop_config_t *config, const double start_rad[], size_t sample_count,
                         const kinematic_sample_t samples[], size_t tick_count, kinematic_tick_t ticks[]);
 

@@ -1,3 +1,4 @@
+/* Stores the frames that the firmware sends: see outbox.h. */
 #include "outbox.h"
 
 static void append(void *context, const can_frame_t *frame) {

@@ -9,7 +9,7 @@ _OF_LIVE = ("BusAddress", "CONNECT_S", "LISTEN_S", "LiveBus", "open_bus")
 
 
 def __getattr__(name: str):
-    """``comanip.bus`` used to be the module that is now ``comanip.bus.live``. Goes with the next release."""
+    """``comanip.bus`` used to be the module that is now ``comanip.bus.live``. To be removed with the next release."""
     if name not in _OF_LIVE:
         raise AttributeError(f"module 'comanip.bus' has no attribute '{name}'")
     warnings.warn(

@@ -1,4 +1,4 @@
-"""One frame as it was on a bus, and what the DBC makes of it."""
+"""One CAN frame, its decoding by the DBC and its end-to-end check."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ import cantools
 from cantools.database.can.message import Message
 
 DBC_PATH = Path(__file__).parents[1] / "comanip.dbc"
-CLASSIC = "Classic"  # names of the frames for classic CAN begin so
+CLASSIC = "Classic"  # prefix of the names of the frames for classic CAN
 COUNTERS, CLASSIC_COUNTERS = 256, 16
 
 
 class Frame(NamedTuple):
-    """`t_us`: by whatever clock the log or the bus has. `remote`: asks for data, of which only the length counts."""
+    """t_us: time by the clock of the log or of the bus. remote: a remote frame; only the length of its data counts."""
 
     t_us: int
     frame_id: int
     data: bytes
     fd: bool = True
-    brs: bool = True  # FD: the data phase is at the higher rate
-    esi: bool = False  # FD: the sender is error passive
+    brs: bool = True  # FD: bit rate switch, the data phase is at the higher rate
+    esi: bool = False  # FD: error state indicator, the sender is error-passive
     extended: bool = False
     remote: bool = False
-    error: bool = False  # `frame_id` then is SocketCAN's error class
+    error: bool = False  # an error frame: frame_id is SocketCAN's error class
     channel: str = "vcan0"
 
     @property
     def message(self) -> Message | None:
-        """The DBC's, if it has this id."""
+        """The DBC's message with this id, or None."""
         return None if self.extended or self.remote or self.error else messages().get(self.frame_id)
 
     @property
@@ -40,7 +40,7 @@ class Frame(NamedTuple):
 
     @property
     def counter(self) -> int:
-        """Of its end-to-end header."""
+        """The counter of the end-to-end header."""
         return self.data[1] % CLASSIC_COUNTERS if is_classic(self.name) else self.data[2]
 
 
@@ -56,25 +56,27 @@ def messages() -> dict[int, Message]:
 
 @functools.cache
 def data_id(name: str) -> int | None:
-    """The message's E2E Data ID; None: it is not protected."""
+    """The message's E2E Data ID, or None if it is not protected."""
     attribute = database().get_message_by_name(name).dbc.attributes.get("E2EDataId")
     return int(attribute.value) if attribute else None
 
 
 def is_classic(name: str) -> bool:
-    """The message is for classic CAN: in parts, and with end-to-end protection by Profile 2."""
+    """True for a message of classic CAN, which is sent in parts and protected by E2E Profile 2."""
     return name.startswith(CLASSIC)
 
 
 @functools.cache
 def classic_parts(name: str) -> list[str]:
-    """The frames in which classic CAN carries a message of CAN FD; none: it is the same in both profiles."""
+    """The frames in which classic CAN carries a message of CAN FD. Empty if the message is the same in both
+    profiles."""
     attributes = {message.name: message.dbc.attributes.get("PartOf") for message in database().messages}
     return [part for part, whole in attributes.items() if whole and str(whole.value) == name]
 
 
 def crc(data: bytes, data_id: int) -> int:
-    """AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) over what follows it, and the Data ID, low byte first."""
+    """AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) over the bytes after the CRC, then the Data ID, low byte
+    first."""
     return binascii.crc_hqx(bytes(data[2:]) + data_id.to_bytes(2, "little"), 0xFFFF)
 
 
@@ -87,8 +89,8 @@ def _crc8_table() -> list[int]:
 
 
 def classic_crc(data: bytes, data_id: int) -> int:
-    """AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial and final XOR 0xFF) over what follows it, and the Data ID of the
-    counter: `data_id` + 16 times the counter, modulo 256."""
+    """AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial and final XOR 0xFF) over the bytes after the CRC, then the counter's
+    Data ID, which is (data_id + 16 * counter) modulo 256."""
     table, value = _crc8_table(), 0xFF
     for byte in (*data[1:], (data_id + 16 * (data[1] % CLASSIC_COUNTERS)) % 256):
         value = table[value ^ byte]
@@ -96,14 +98,15 @@ def classic_crc(data: bytes, data_id: int) -> int:
 
 
 def has_right_crc(frame: Frame) -> bool:
-    """Of a protected message of the DBC."""
+    """True if the CRC of a frame is right. The frame's message must be a protected one of the DBC."""
     if is_classic(frame.name):
         return frame.data[0] == classic_crc(frame.data, data_id(frame.name))
     return int.from_bytes(frame.data[:2], "little") == crc(frame.data, data_id(frame.name))
 
 
 def protected(name: str, signals: dict, counter: int) -> bytes:
-    """The payload of a CAN FD message with its end-to-end header. Signals out of their range raise cantools' EncodeError."""
+    """The payload of a CAN FD message with its end-to-end header. A signal out of range raises cantools'
+    EncodeError."""
     message = database().get_message_by_name(name)
     data = bytearray(message.encode(signals | {"e2e_crc": 0, "e2e_counter": counter % COUNTERS}))
     data[0:2] = crc(data, data_id(name)).to_bytes(2, "little")
@@ -111,7 +114,7 @@ def protected(name: str, signals: dict, counter: int) -> bytes:
 
 
 def decode(frame: Frame) -> dict | None:
-    """Its signals by name; None for an id that the DBC has not, or too few bytes."""
+    """The signals by name. None if the DBC does not have the id, or the frame is too short."""
     message = frame.message
     if message is None or len(frame.data) < message.length:
         return None
@@ -119,7 +122,7 @@ def decode(frame: Frame) -> dict | None:
 
 
 def decode_raw(frame: Frame) -> dict | None:
-    """As decode(), but enumerated values as numbers."""
+    """Like decode(), but with numbers for enumerated values."""
     message = frame.message
     if message is None or len(frame.data) < message.length:
         return None
@@ -144,7 +147,7 @@ def _short(value: object) -> str:
 
 
 class Verdict(NamedTuple):
-    """`ok`: None for a frame without protection."""
+    """The result of an end-to-end check. ok: None for a frame without protection."""
 
     ok: bool | None
     text: str

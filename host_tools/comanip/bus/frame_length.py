@@ -1,9 +1,10 @@
-"""How long a CAN frame occupies the bus, at most and at least, over all payloads of its length: exact, not a bound.
+"""The longest and the shortest time that a CAN frame occupies the bus, over all payloads of its length: exact values.
 
-Stuff bits depend on what was sent before only through the last bit and the length of its run, and, in a classic frame,
-whose CRC is stuffed as well, through the CRC so far. So the most stuff bits that can follow are found backwards, bit by
-bit, over all these states (dynamic programming over 10 states; 10 x 32768 with the CRC), and a payload that causes them is
-found by walking forwards. Frames of ISO 11898-1 with 11-bit ids, from SOF to the end of the intermission, without errors.
+The number of stuff bits still to come depends on the bits sent so far only through the last bit and the length of its
+run. In a classic frame, whose CRC is stuffed as well, it also depends on the CRC so far. Dynamic programming over these
+states (10, or 10 x 32768 with the CRC) therefore finds the greatest number of stuff bits, from the last payload bit
+backwards. A pass forwards then finds a payload that causes it. Frames are those of ISO 11898-1 with 11-bit ids, from
+SOF to the end of the intermission, without errors.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ NS_PER_S = 1_000_000_000
 
 @dataclass(frozen=True)
 class BitRates:
-    """`data_bps`: of the data phase of CAN FD; None for classic frames."""
+    """Bit rates of a bus. data_bps: rate of CAN FD's data phase; None for classic frames."""
 
     nominal_bps: int
     data_bps: int | None = None
@@ -40,7 +41,7 @@ class BitRates:
 
 @dataclass(frozen=True)
 class FrameLength:
-    """`payload` is one that makes the frame so long."""
+    """The duration of a frame, and a payload that causes it."""
 
     duration_ns: int
     payload: bytes
@@ -48,14 +49,15 @@ class FrameLength:
 
 # ---- stuffing
 
-# State 2 * (run - 1) + bit: the last bit sent and how often it came in a row. A stuff bit counts when the bit after it is
-# sent: in CAN FD a run that ends with the data causes none, for the fixed stuff bit of the CRC field takes its place.
+# State 2 * (run - 1) + bit: the last bit sent, and the length of the run that it ends. A stuff bit is counted when the
+# bit after it is sent: in CAN FD a run that ends with the data causes no stuff bit, because the fixed stuff bit of the
+# CRC field takes its place.
 STATES = 2 * STUFF_RUN
 START_OF_FRAME = 0  # one dominant bit
 
 
 def _step(state: int, bit: int) -> tuple[int, int]:
-    """The state after the bit, and how many stuff bits (0 or 1) were sent before it."""
+    """The state after the bit, and the number of stuff bits (0 or 1) sent before it."""
     last, run = state % 2, state // 2 + 1
     stuffed = int(run == STUFF_RUN)
     if stuffed:
@@ -73,7 +75,7 @@ def _crc15(crc: np.ndarray | int, bit: int) -> np.ndarray | int:
 
 
 def _crc_stuff_bits(state: int) -> np.ndarray:
-    """Of each CRC, when it is sent after the state: with the one before the CRC delimiter."""
+    """The number of stuff bits of each CRC that is sent after this state, the one before the CRC delimiter included."""
     crc = np.arange(CRC15_VALUES)
     states, count = np.full(CRC15_VALUES, state), np.zeros(CRC15_VALUES, np.int16)
     steps = np.array([[_step(s, bit) for bit in (0, 1)] for s in range(STATES)])
@@ -85,8 +87,8 @@ def _crc_stuff_bits(state: int) -> np.ndarray:
 
 @functools.cache
 def _ahead(is_fd: bool, is_longest: bool) -> list[np.ndarray]:
-    """[n][state, CRC]: the stuff bits, at most or at least, of n payload bits and what is stuffed after them. CAN FD's
-    frames have no CRC here: one column."""
+    """[n][state, CRC]: the greatest or least number of stuff bits of n payload bits and the stuffed bits after them.
+    For CAN FD, whose CRC has fixed stuff bits, there is one column."""
     extreme = np.maximum if is_longest else np.minimum
     crc = np.zeros(1, int) if is_fd else np.arange(CRC15_VALUES)
     end = [np.zeros(1, np.int16) if is_fd else _crc_stuff_bits(state) for state in range(STATES)]
@@ -116,9 +118,9 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
     nominal = _bits(identifier, 11) + ([0, 0, 1, 0, 1] if is_fd else [0, 0, 0, *_bits(length, 4)])
     fast = [0, *_bits(FD_LENGTHS.index(length), 4)] if is_fd else []
     state, crc, stuff = START_OF_FRAME, 0, [0, 0]
-    for place, bit in enumerate(nominal + fast):
+    for index, bit in enumerate(nominal + fast):
         state, stuffed = _step(state, bit)
-        stuff[place >= len(nominal)] += stuffed
+        stuff[index >= len(nominal)] += stuffed
         crc = 0 if is_fd else _crc15(crc, bit)
 
     ahead = _ahead(is_fd, is_longest)
@@ -136,8 +138,9 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
     nominal_bits = 1 + len(nominal) + stuff[0] + CRC_DELIMITER_TO_INTERMISSION
     data_bits = len(fast) + stuff[1]
     if is_fd:
-        # Stuff count and CRC, with a fixed stuff bit before the first and after every fourth of these bits. BRS and CRC
-        # delimiter change the rate within the bit: together they last one nominal and one data bit.
+        # The CRC field holds the stuff count and the CRC, with a fixed stuff bit before its first and after every
+        # fourth bit. The rate changes within the BRS bit and within the CRC delimiter: together they last one nominal
+        # bit and one data bit.
         crc_field = 4 + (17 if length <= FD_CRC17_MAX_BYTES else 21)
         nominal_bits -= 1
         data_bits += 8 * length + crc_field + 1 + crc_field // 4 + 1
@@ -148,11 +151,11 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
 
 @functools.cache
 def longest(identifier: int, length: int, rates: BitRates) -> FrameLength:
-    """The longest frame with this id and so many bytes. ValueError for an id or a length that no frame has."""
+    """The longest frame with this id and number of bytes. ValueError for an invalid id or length."""
     return _extreme(identifier, length, rates, True)
 
 
 @functools.cache
 def shortest(identifier: int, length: int, rates: BitRates) -> FrameLength:
-    """The shortest one."""
+    """The shortest frame with this id and number of bytes. ValueError for an invalid id or length."""
     return _extreme(identifier, length, rates, False)

@@ -15,14 +15,14 @@ from comanip.bus.transport import Profile, Receiver, Sender, profile_of
 from comanip.errors import ToolError
 
 CONNECT_S = 2.0
-LISTEN_S = (
-    0.8  # for what tells the bus's profile: a status comes each 2 or 8 ms, the hub's socketcand begins after 300 ms
-)
+# The time to detect the profile from the traffic: a status comes every 2 or 8 ms; the hub's socketcand starts to
+# forward frames after 300 ms.
+LISTEN_S = 0.8
 
 
 @dataclass(frozen=True)
 class BusAddress:
-    """interface, channel: as python-can names them. host, port: for the interface socketcand only."""
+    """interface, channel: python-can's names. host, port: used with the interface socketcand only."""
 
     interface: str = "socketcan"
     channel: str = "vcan0"
@@ -35,7 +35,7 @@ class BusAddress:
 
 
 class LiveBus:
-    """Use it as a context manager: it closes the bus at the end."""
+    """An open bus. As a context manager it closes the bus at the end."""
 
     def __init__(self, bus: can.BusABC, address: BusAddress):
         self._bus, self._address = bus, address
@@ -82,7 +82,8 @@ class LiveBus:
                 return message
 
     def receive_frame(self, timeout_s: float) -> Frame | None:
-        """The next frame, unchecked, or None. Some of python-can's interfaces return None before the timeout."""
+        """The next frame, without an end-to-end check, or None. Some interfaces of python-can return None before the
+        timeout."""
         try:
             message = self._bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
@@ -90,22 +91,22 @@ class LiveBus:
         return None if message is None else from_message(message)
 
     def receive_until(self, deadline_s: float) -> Frame | None:
-        """As receive(), until this time of time.monotonic()."""
+        """Like receive(), with a deadline by time.monotonic()."""
         return self.receive(max(0.0, deadline_s - time.monotonic()))
 
 
 def open_bus(address: BusAddress) -> LiveBus:
-    """ToolError if python-can cannot open it."""
+    """Opens the bus. ToolError if python-can cannot open it."""
     logging.getLogger("can").addHandler(logging.NullHandler())  # errors that matter are raised as exceptions
     options = {"host": address.host, "port": address.port} if address.interface == "socketcand" else {}
     try:
-        if options:  # python-can itself would try for ten seconds
+        if options:  # fails after CONNECT_S; python-can itself would try for ten seconds
             socket.create_connection((address.host, address.port), CONNECT_S).close()
         bus = can.Bus(
             interface=address.interface, channel=address.channel, fd=address.profile is not Profile.CLASSIC, **options
         )
     except (can.CanError, OSError, ImportError, ValueError, TypeError, NotImplementedError) as error:
         raise ToolError(
-            f"{address}: cannot be opened: {error}; `comanip doctor` tells which buses this machine has"
+            f"{address}: cannot be opened: {error}; `comanip doctor` lists the buses of this machine"
         ) from error
     return LiveBus(bus, address)

@@ -1,6 +1,7 @@
-"""Reads logs of a CAN bus, frame by frame: candump's own format, and those that python-can reads.
+"""Reads logs of a CAN bus, frame by frame: candump's format, and the formats that python-can reads.
 
-candump's lines are parsed here, which is faster for long logs. python-can appends ` R` or ` T` to them.
+candump's lines are parsed here, which is faster for long logs than python-can. python-can writes such lines with ` R`
+(received) or ` T` (sent) at the end.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from comanip.errors import ToolError
 
 CANDUMP_SUFFIX = ".log"
 PYTHON_CAN_SUFFIXES = (".asc", ".blf", ".trc")
-_OPENERS = {".gz": gzip.open, ".xz": lzma.open}  # of compressed candump logs
+_OPENERS = {".gz": gzip.open, ".xz": lzma.open}  # for compressed candump logs
 FD_BRS, FD_ESI, FD_FDF = 1, 2, 4  # SocketCAN's flags
 ERROR_FLAG = 0x20000000
 ID_MASK = 0x1FFFFFFF
@@ -30,9 +31,10 @@ _LOG_LINE = re.compile(
     r"#(?:#([0-9A-F])((?:[0-9A-F]{2})*)|R([0-8]?)|((?:[0-9A-F]{2}){0,8}))(?: [RT])?",
     re.IGNORECASE,
 )
-# What candump prints for people, with one of -ta, -tz or no time; two digits in the brackets are CAN FD.
+# candump's output without -L, with -ta, -tz or no time. Two digits in the brackets mean CAN FD.
 _SCREEN_LINE = re.compile(
-    r" *(?:\((\d+)\.(\d{1,9})\) +)?(\S+) +([0-9A-F]{3}|[0-9A-F]{8}) +\[(\d{1,2})\] *((?:[0-9A-F]{2} *)*|remote request)",
+    r" *(?:\((\d+)\.(\d{1,9})\) +)?(\S+) +([0-9A-F]{3}|[0-9A-F]{8}) +\[(\d{1,2})\]"
+    r" *((?:[0-9A-F]{2} *)*|remote request)",
     re.IGNORECASE,
 )
 
@@ -42,7 +44,7 @@ def _microseconds(seconds: str, fraction: str) -> int:
 
 
 def _identified(identifier: str) -> tuple[int, bool, bool]:
-    """(id without flags, whether it is extended, whether it is an error frame)."""
+    """(id without flags, is extended, is an error frame)"""
     number = int(identifier, 16)
     error = len(identifier) == 8 and bool(number & ERROR_FLAG)
     return number & ID_MASK, len(identifier) == 8 and not error, error
@@ -78,7 +80,7 @@ def parse_candump_line(line: str) -> Frame | None:
 
 
 def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
-    """The frames of these lines. Empty lines are skipped. ToolError names the line that is not a frame."""
+    """The frames of these lines; empty lines are skipped. ToolError names a line that is not a frame."""
     for number, line in enumerate(lines, 1):
         text = line.rstrip("\r\n ")
         if not text:
@@ -86,13 +88,14 @@ def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
         frame = parse_candump_line(text)
         if frame is None:
             raise ToolError(
-                f"{name}:{number}: '{text[:80]}' is no frame, expected lines as of `candump -L`: (seconds) interface ID#DATA"
+                f"{name}:{number}: '{text[:80]}' is no frame, expected lines as `candump -L` writes them: "
+                "(seconds) interface ID#DATA"
             )
         yield frame
 
 
 def from_message(message: can.Message) -> Frame:
-    """A message of python-can as a Frame."""
+    """Converts a message of python-can to a Frame."""
     data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
     return Frame(
         round(message.timestamp * MICROSECONDS), message.arbitration_id, data, message.is_fd, message.bitrate_switch,
@@ -102,20 +105,20 @@ def from_message(message: can.Message) -> Frame:
 
 
 def _open_text(path: Path):
-    """A candump log, which may be compressed."""
+    """Opens a candump log, which may be compressed."""
     opener = _OPENERS.get(path.suffix.lower(), open)
     return opener(path, mode="rt", encoding="ascii", errors="replace")
 
 
 def read(path: Path) -> Iterator[Frame]:
-    """The frames of a log file, whose suffix gives its format. ToolError if it cannot be read."""
+    """The frames of a log file. The suffix determines the format. ToolError if the file cannot be read."""
     is_compressed = path.suffix.lower() in _OPENERS
     suffix = (path.with_suffix("") if is_compressed else path).suffix.lower()
     if is_compressed and suffix != CANDUMP_SUFFIX:
-        raise ToolError(f"{path}: expected a compressed candump log, a name that ends in .log{path.suffix}")
+        raise ToolError(f"{path}: expected a compressed candump log, with a name that ends in .log{path.suffix}")
     if suffix not in (CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES):
         known = ", ".join((CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES))
-        raise ToolError(f"{path}: unknown kind of log '{suffix}', expected a name that ends in one of {known}")
+        raise ToolError(f"{path}: unknown log format '{suffix}', expected a name that ends in one of {known}")
     try:
         if suffix == CANDUMP_SUFFIX:
             with _open_text(path) as lines:

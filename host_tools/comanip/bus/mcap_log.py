@@ -1,4 +1,4 @@
-"""Writes logs as MCAP, for Foxglove and Lichtblick: one channel per message of the DBC, its signals as JSON."""
+"""Writes logs as MCAP, for Foxglove and Lichtblick: one channel per message of the DBC, with its signals as JSON."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def foreign_schema() -> dict:
 
 
 def signals_json(frame: Frame) -> dict:
-    """The signals; enumerated values by name, or as a decimal number where they have none."""
+    """The signals, with the names of enumerated values (a value without a name as its decimal number)."""
     enumerated = {signal.name for signal in frame.message.signals if signal.choices}
     return {name: str(value) if name in enumerated else value for name, value in decode(frame).items()}
 

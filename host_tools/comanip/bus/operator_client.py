@@ -17,14 +17,14 @@ from comanip.errors import ToolError
 
 ATTEMPTS = 5
 ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
-SAVE_S = 2.0  # but this only when the record is in the store, which may be a slow card
+SAVE_S = 2.0  # a save is answered only when the record is in the store, which may be a slow card
 ACCEPTED = "accepted"
 UNSTABLE = "parameters_unstable"
 
 
 class RefusedError(ToolError):
-    """The firmware refused. result: the name of the reason. involved: the parameters and values that it reports with
-    it."""
+    """The firmware refused a request. result: the name of the reason. involved: the parameters and values that the
+    firmware reports with the refusal."""
 
     def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
         self.result, self.involved = result, involved or {}
@@ -35,18 +35,20 @@ class RefusedError(ToolError):
 
 
 _WHY = {
-    "wrong_mode": " (commands want cooperation, `start` wants mode ready, parameters want the arm at rest)",
-    "tracker_stale": " (the arm holds, for the hand's poses have stopped)",
-    "fault_present": " (the cause of the fault is still there: `comanip monitor` shows it)",
-    "out_of_range": " (docs/bus.md and `comanip param list` have the ranges)",
-    UNSTABLE: " (together these cannot come to rest: {named}; bring them nearer to the defaults that `comanip param list` shows)",
-    "not_supported": " (this firmware has no store: its port has none, or, on Linux, it runs without --parameters FILE)",
-    "store_failed": " (the firmware's port could not write; what was saved before is still there. Its console says why)",
+    "wrong_mode": " (`start` requires mode ready, other commands the cooperation, parameters the arm at rest)",
+    "tracker_stale": " (the arm holds because poses of the hand no longer arrive)",
+    "fault_present": " (the cause of the fault is still present: `comanip monitor` shows it)",
+    "out_of_range": " (docs/bus.md and `comanip param list` show the ranges)",
+    UNSTABLE: " (with these values together the arm cannot come to rest: {named}; choose values nearer to the defaults "
+    "that `comanip param list` shows)",
+    "not_supported": " (this firmware has no parameter store: on Linux, run it with --parameters FILE)",
+    "store_failed": " (the firmware could not write its store; the parameters saved before are unchanged. Its console "
+    "shows the reason)",
 }
 
 
 def choices(message: str, signal: str) -> list[str]:
-    """The value table of an enumerated signal: names by number."""
+    """The names of an enumerated signal's values, in the order of their numbers."""
     table = database().get_message_by_name(message).get_signal_by_name(signal).choices
     return [str(table[number]) for number in sorted(table)]
 
@@ -56,7 +58,7 @@ def parameter_names() -> list[str]:
 
 
 def as_float32(value: float) -> float:
-    """The value rounded to float32, as the bus carries it."""
+    """The value rounded to float32, as on the bus. ToolError if it does not fit."""
     try:
         return struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:
@@ -77,7 +79,8 @@ class OperatorClient:
     # ---- requests
 
     def command(self, name: str, task: str = "pour") -> None:
-        """task: for `select` only. RefusedError if the firmware refuses, ToolError if it does not answer."""
+        """Sends a command. task: used by `select` only. RefusedError if the firmware refuses, ToolError if it does not
+        answer."""
         answer = self._request("OperatorCommand", {"command": name, "task": task}, "CommandAck", {"command": name})
         if answer["result"] != ACCEPTED:
             raise self._refused(f"{name} {task}" if name == "select" else name, str(answer["result"]))
@@ -90,16 +93,16 @@ class OperatorClient:
 
     def write(self, parameter: str, value: float) -> None:
         """Writes the value, and reads it back."""
-        wanted = as_float32(value)
-        answer = self._access("write", parameter, wanted)
+        requested = as_float32(value)
+        answer = self._access("write", parameter, requested)
         if answer.result != ACCEPTED:
             raise RefusedError(f"{parameter} = {value:g} (in force: {answer.value:g})", answer.result)
         found = self.read(parameter)
-        if found != wanted:
-            raise ToolError(f"{parameter}: accepted as {wanted:g}, but reads back as {found:g}")
+        if found != requested:
+            raise ToolError(f"{parameter}: accepted as {requested:g}, but reads back as {found:g}")
 
     def save(self) -> None:
-        """Saves all parameters for the next boot. They are in non-volatile memory when this returns."""
+        """Saves all parameters for the next boot. When this returns, they are in non-volatile memory."""
         answer = self._access("save", parameter_names()[0], 0.0, max(SAVE_S, self._answer_s))
         if answer.result != ACCEPTED:
             raise self._refused("save", answer.result)
@@ -107,7 +110,7 @@ class OperatorClient:
     # ---- one request and its answer
 
     def _refused(self, request: str, result: str) -> RefusedError:
-        """The refusal, with the parameters that the firmware reports after its answer, one per tick."""
+        """The refusal, with the parameters that the firmware reports after its answer, one in each tick."""
         involved = {}
         deadline_s = time.monotonic() + self._answer_s
         while result == UNSTABLE and time.monotonic() < deadline_s:
@@ -125,8 +128,8 @@ class OperatorClient:
 
     def _request(self, request: str, signals: dict, answer: str, expected: dict, answer_s: float | None = None) -> dict:
         answer_s = self._answer_s if answer_s is None else answer_s
-        self._sequence = self._sequence % 255 + 1  # 0 is the boot announcement's
-        wanted = expected | {"sequence": self._sequence}
+        self._sequence = self._sequence % 255 + 1  # 0 is reserved for the announcement at boot
+        expected = expected | {"sequence": self._sequence}
         for _ in range(self._attempts):
             self._bus.send(request, signals | {"sequence": self._sequence})
             deadline_s = time.monotonic() + answer_s
@@ -134,8 +137,9 @@ class OperatorClient:
                 if frame is None or frame.name != answer:
                     continue
                 found = decode(frame)
-                if found and all(found[name] == value for name, value in wanted.items()):
+                if found and all(found[name] == value for name, value in expected.items()):
                     return found
         raise ToolError(
-            f"{request}: no {answer} in {self._attempts} attempts of {1000 * answer_s:g} ms: does the firmware run on this bus?"
+            f"{request}: no {answer} in {self._attempts} attempts of {1000 * answer_s:g} ms: "
+            "does the firmware run on this bus?"
         )

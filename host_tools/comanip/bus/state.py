@@ -1,4 +1,4 @@
-"""The state of a bus, computed from its frames: rates, ages, load, errors, latest signals. Time is that of the
+"""The state of a bus, computed from its frames: rates, ages, load, errors, latest signals. All times are those of the
 frames."""
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ CLASSIC_RATES = BitRates(1_000_000)
 
 @dataclass
 class IdState:
-    """The state of one id. times_us: arrival of the frames within the last WINDOW_US."""
+    """The state of one id. times_us: arrival times of the frames within the last WINDOW_US."""
 
     last: Frame
     count: int = 0
@@ -64,7 +64,8 @@ class BusState:
         self._busy_ns += duration_ns
 
     def load_percent(self, now_us: int | None = None) -> float:
-        """Upper bound of the bus load, at 1 and 5 Mbit/s: each frame counts as the longest one of its id and length."""
+        """Upper bound of the bus load at 1 and 5 Mbit/s: each frame counts as the longest one with its id and
+        length."""
         now_us = self.now_us if now_us is None else now_us
         while self._busy and self._busy[0][0] <= now_us - WINDOW_US:
             self._busy_ns -= self._busy.popleft()[1]
@@ -75,21 +76,20 @@ class BusState:
         return sum(state.rate_hz(now_us) for state in self.ids.values())
 
     def of(self, name: str) -> IdState | None:
-        """The state of this message's id; None if it was never seen."""
+        """The state of this message's id, or None if it was never seen."""
         frame_id = next(i for i, message in messages().items() if message.name == name)
         return self.ids.get((frame_id, False))
 
     def signals(self, name: str) -> dict:
-        """The latest signals of this message, on a bus of either profile; empty before the first."""
+        """The latest signals of this message, on a bus of either profile. Empty before the first message."""
         message = self._messages.get(name)
         return (decode(message) or {}) if message else {}
 
 
 def frame_duration_ns(frame: Frame) -> int:
     """Duration of the longest frame with this id and length. An extended id counts as a standard one plus 20 bits."""
-    classic = (
-        not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)
-    )  # socketcand does not report FD
+    # socketcand does not report whether a frame is CAN FD; the DBC does.
+    classic = not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)
     length = len(frame.data) if classic else next((n for n in FD_LENGTHS if n >= len(frame.data)), FD_LENGTHS[-1])
     duration_ns = longest(
         frame.frame_id & 0x7FF, 0 if frame.remote else length, CLASSIC_RATES if classic else FD_RATES

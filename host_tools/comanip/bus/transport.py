@@ -13,19 +13,19 @@ from comanip.bus.frame import COUNTERS, Frame, classic_parts, database, is_class
 
 
 class Profile(str, Enum):
-    """Which CAN a bus speaks."""
+    """The kind of CAN on a bus."""
 
     FD = "fd"
     CLASSIC = "classic"
 
     def message(self, name: str):
-        """The DBC's for this bus; on classic CAN its first part."""
+        """The DBC's message for this bus; on classic CAN its first part."""
         parts = classic_parts(name) if self is Profile.CLASSIC else []
         return database().get_message_by_name(parts[0] if parts else name)
 
 
 def profile_of(frame: Frame) -> Profile | None:
-    """The profile of the bus that carries this frame; None if the frame may be on either."""
+    """The profile of a bus that carries this frame, or None if both profiles have such a frame."""
     if frame.message is None:
         return None
     if is_classic(frame.name):
@@ -34,7 +34,8 @@ def profile_of(frame: Frame) -> Profile | None:
 
 
 class Sender:
-    """One sender and its counters. They start at random: a receiver would take a restart at 0 for a repetition."""
+    """One sender and its counters. They start at random values, because a receiver would treat a restart at 0 as a
+    repetition."""
 
     def __init__(self, profile: Profile):
         self._profile = profile
@@ -57,13 +58,13 @@ class Sender:
         parts = self._ffi.new("can_frame_t[]", self._lib.TRANSPORT_MAX_FRAMES)
         count = self._lib.outbox_frames(self._state, message, parts)
         if count == 0:
-            raise ValueError(f"{name}: a value that classic CAN cannot carry")
+            raise ValueError(f"{name}: a value is out of the range of the frames for classic CAN")
         return [(parts[i].id, bytes(self._ffi.buffer(parts[i].data, parts[i].length))) for i in range(count)]
 
 
 class Receiver:
-    """Reassembles messages from the frames of a bus of either profile. Not JointCmd on classic CAN: its number of parts
-    is that of the arm's joints, which the bus does not tell."""
+    """Reassembles messages from the frames of a bus of either profile. On classic CAN it does not reassemble JointCmd,
+    whose number of parts depends on the arm's number of joints, which is not on the bus."""
 
     def __init__(self):
         self._state = None
@@ -75,13 +76,14 @@ class Receiver:
         self._lib.transport_receiver_init(self._state, self._lib.CAN_PROFILE_CLASSIC, self._lib.ARM_MAX_JOINTS, kinds)
 
     def message(self, frame: Frame) -> Frame | None:
-        """The message that this frame completes, or None. A CAN FD frame is returned unchanged."""
+        """The message that this frame completes, or None. Returns a CAN FD frame unchanged."""
         if not is_classic(frame.name):
             return frame
         if self._state is None:
             self._load()
         ffi, lib = self._ffi, self._lib
-        wire = ffi.new("can_frame_t *", {"timestamp_us": frame.t_us % 2**32, "id": frame.frame_id, "length": len(frame.data), "data": frame.data.ljust(64, b"\0")})  # fmt: skip
+        payload = {"length": len(frame.data), "data": frame.data.ljust(64, b"\0")}
+        wire = ffi.new("can_frame_t *", {"timestamp_us": frame.t_us % 2**32, "id": frame.frame_id, **payload})
         kind = ffi.new("frame_kind_t *")
         if lib.transport_receive(self._state, wire, kind) != lib.PROTOCOL_OK:
             return None

@@ -1,4 +1,4 @@
-"""``comanip calibrate``: how the tracker is turned against the robot."""
+"""``comanip calibrate``: estimates the tracker's rotation relative to the robot."""
 
 from __future__ import annotations
 
@@ -33,31 +33,31 @@ from comanip.tracker import pose_lines
 from comanip.tracker.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
 
 HELP = examples(
-    "comanip calibrate                                guides you, reads the bus, prints the commands",
-    "comanip calibrate --set -i socketcand            and writes them into the firmware",
+    "comanip calibrate                                guides you, reads the bus, prints the `param set` commands",
+    "comanip calibrate --set -i socketcand            writes the parameters into the firmware instead",
     "comanip calibrate --from moves.csv               from a recording: t_s,x_m,y_m,z_m,qw,qx,qy,qz",
     "comanip calibrate --from out/calibration/bus.log",
 )
-PATIENCE_S = 60.0
+MOVES_TIMEOUT_S = 60.0
 CLOCK_US = 2**32
 Sample = tuple[float, np.ndarray]  # time [s], position [m] in the tracker's frame
 
 
 class _Unwrapped:
-    """The tracker's 32-bit clock as seconds that go on."""
+    """Converts the tracker's 32-bit clock to seconds without wraparound."""
 
     def __init__(self):
-        self._last_us, self._turns = 0, 0
+        self._last_us, self._wraps = 0, 0
 
     def seconds(self, t_us: int) -> float:
         if t_us < self._last_us - CLOCK_US // 2:
-            self._turns += 1
+            self._wraps += 1
         self._last_us = t_us
-        return (self._turns * CLOCK_US + t_us) / 1e6
+        return (self._wraps * CLOCK_US + t_us) / 1e6
 
 
 def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
-    """Of the valid HandPose frames."""
+    """The samples of the valid HandPose frames."""
     clock, receiver = _Unwrapped(), Receiver()
     for frame in (received and receiver.message(received) for received in frames):
         if frame is None or frame.name != "HandPose" or (pose := decode(frame)) is None or not pose["valid"]:
@@ -66,7 +66,7 @@ def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
 
 
 def recorded_samples(path: Path) -> Iterator[Sample]:
-    """Of a recording (docs/recordings.md) or of any lines that `comanip tracker` takes, with time stamps."""
+    """The samples of a recording (docs/recordings.md), or of lines for `comanip tracker` with time stamps."""
     try:
         with open(path, encoding="utf-8") as lines:
             for number, line in enumerate(lines, 1):
@@ -77,7 +77,7 @@ def recorded_samples(path: Path) -> Iterator[Sample]:
                 if pose is None:
                     continue
                 if pose.t_s is None:
-                    raise ToolError(f"{path}:{number}: no time stamp, expected one before each pose")
+                    raise ToolError(f"{path}:{number}: no time stamp, expected one at the start of each line")
                 yield pose.t_s, np.array(pose.position_m)
     except (OSError, UnicodeDecodeError) as error:
         raise ToolError(f"{path}: cannot be read as text: {error}") from error
@@ -92,7 +92,7 @@ def found_moves(samples: Iterable[Sample]) -> Iterator[Move]:
 
 
 def _frames(bus: LiveBus) -> Iterator[Frame | None]:
-    deadline_s = time.monotonic() + PATIENCE_S
+    deadline_s = time.monotonic() + MOVES_TIMEOUT_S
     while time.monotonic() < deadline_s:
         yield bus.receive(0.1)
 
@@ -106,7 +106,7 @@ def _guide(bus: LiveBus) -> list[Move]:
         move = detector.feed(t_s, position_m)
         if detector.is_resting and not was_resting:
             out.print(
-                f"1/{len(MOVES)}: move it 20 cm or more straight {MOVES[0]}, as the robot looks, and hold it there."
+                f"1/{len(MOVES)}: move it straight {MOVES[0]} by 20 cm or more, in the robot's direction, and hold it."
             )
         if move is None:
             continue
@@ -116,29 +116,40 @@ def _guide(bus: LiveBus) -> list[Move]:
             return moves
         out.print(f"{len(moves) + 1}/{len(MOVES)}: from there straight {MOVES[len(moves)]}, and hold it there.")
     raise CalibrationError(
-        f"{len(moves)} of {len(MOVES)} moves within {PATIENCE_S:g} s: is the tracker running? `comanip monitor` shows HandPose"
+        f"{len(moves)} of {len(MOVES)} moves within {MOVES_TIMEOUT_S:g} s: is the tracker running? "
+        "`comanip monitor` shows HandPose"
     )
 
 
-def _tell(result: Calibration) -> None:
+def _print(result: Calibration) -> None:
     out = console()
     vector = result.rotation_vector
     off = ", ".join(f"{name} {angle:.1f}" for name, angle in zip(MOVES, result.residual_deg))
     out.print(
-        f"rotation vector {' '.join(f'{value:.4f}' for value in vector)} rad, standard error {result.standard_error_deg:.1f} degrees"
+        f"rotation vector {' '.join(f'{value:.4f}' for value in vector)} rad, "
+        f"standard error {result.standard_error_deg:.1f} degrees"
     )
     out.print(f"degrees between each move and its axis: {off}")
 
 
 def calibrate(
-    from_: Annotated[Path | None, typer.Option("--from", help="A log (.log, .asc, .blf, .trc) or a recording (.csv) instead of the bus.")] = None,
-    write: Annotated[bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")] = False,
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
-) -> None:  # fmt: skip
-    """Find the tracker's rotation (q_Tv^E) from three moves of the hand: forward, left, up, with rests between.
+    from_: Annotated[
+        Path | None,
+        typer.Option("--from", help="A log (.log, .asc, .blf, .trc) or a recording (.csv) instead of the bus."),
+    ] = None,
+    write: Annotated[
+        bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")
+    ] = False,
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
+) -> None:
+    """Estimate the tracker's rotation (q_Tv^E) from three moves of the hand: forward, left, up, with rests between.
 
-    Forward, left and up are the robot's: x, y and z of its torso. The moves follow one another: not back in between.
-    Refuses when the moves do not tell the rotation to 5 degrees.
+    Forward, left and up are the x, y and z axes of the robot's torso. Each move starts where the previous one ended.
+    Fails if the moves do not determine the rotation to 5 degrees.
     """
     if from_ is not None:
         is_recording = from_.suffix.lower() == ".csv"
@@ -146,7 +157,7 @@ def calibrate(
     else:
         with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
             result = solve(_guide(bus))
-    _tell(result)
+    _print(result)
     values = [float(value) for value in result.rotation_vector]
     if not write:
         for name, value in zip(PARAMETERS, values):
@@ -156,4 +167,4 @@ def calibrate(
         client = OperatorClient(bus)
         for name, value in zip(PARAMETERS, values):
             client.write(name, value)
-    console().print("written, and read back the same")
+    console().print("written; the firmware reads back the same values")

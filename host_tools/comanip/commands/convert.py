@@ -1,4 +1,4 @@
-"""``comanip convert``: a log in another format."""
+"""``comanip convert``: writes a log in another format."""
 
 from __future__ import annotations
 
@@ -34,17 +34,18 @@ WRITERS = {".log": write_candump, ".pcap": pcap.write, ".mcap": mcap_log.write}
 def convert(
     log: LogPath,
     output: Annotated[
-        Path, typer.Argument(help="Its suffix says the format: .log (candump -L), .pcap, .mcap", show_default=False)
+        Path,
+        typer.Argument(help="The suffix determines the format: .log (candump -L), .pcap, .mcap", show_default=False),
     ],
 ) -> None:
-    """Write a log as candump's, as pcap (LINKTYPE 227) or as MCAP with decoded signals."""
+    """Write a log in candump's format, as pcap (LINKTYPE 227) or as MCAP with decoded signals."""
     writer = WRITERS.get(output.suffix.lower())
     if writer is None:
         raise ToolError(
             f"{output}: unknown format '{output.suffix}', expected a name that ends in one of {', '.join(WRITERS)}"
         )
     if output.exists() and log.exists() and output.samefile(log):
-        raise ToolError(f"{output}: is the log itself, expected another name")
+        raise ToolError(f"{output}: is the log itself, expected another file")
     unfinished = output.with_name(output.name + ".partial")
     try:
         with open(unfinished, "wb") as file:

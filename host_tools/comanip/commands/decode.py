@@ -1,4 +1,4 @@
-"""``comanip decode``: frames as text."""
+"""``comanip decode``: prints frames as text."""
 
 from __future__ import annotations
 
@@ -22,10 +22,12 @@ HELP = examples(
 
 def decode(
     log: Annotated[
-        Path, typer.Argument(help="A log (.log, .asc, .blf, .trc); - or none: candump's lines from standard input.")
+        Path,
+        typer.Argument(help="A log (.log, .asc, .blf, .trc); - or none: candump's lines on standard input."),
     ] = Path("-"),
     only: Annotated[
-        list[str] | None, typer.Option("--only", help="This message of the DBC alone, on either bus; may be repeated.")
+        list[str] | None,
+        typer.Option("--only", help="Print this message of the DBC only (in either profile); may be repeated."),
     ] = None,
 ) -> None:
     """Print each frame with its time, id, name, end-to-end verdict and decoded signals."""
@@ -40,8 +42,7 @@ def decode(
         if only and not {frame.name, frame.name.removeprefix(CLASSIC)} & set(only):
             continue
         kind = "error frame" if frame.error else "remote request" if frame.remote else signals_text(frame)
-        # as it comes: somebody may watch
         print(
             f"({frame.t_us / 1e6:.6f}) {frame.channel} {frame.frame_id:03X} {frame.name} [{verdict.text}] {kind}",
-            flush=str(log) == "-",
+            flush=str(log) == "-",  # live traffic appears at once
         )

@@ -1,4 +1,4 @@
-"""``comanip doctor``: what this machine has, and how to mend what it lacks."""
+"""``comanip doctor``: lists what this machine has, and how to install what is missing."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ PYTHON_LEAST = (3, 11)
 
 @dataclass(frozen=True)
 class Finding:
-    """`needed`: without it nothing works; else it is a matter of what one wants to do."""
+    """One line of the report. needed: nothing works without it; the other findings concern single commands."""
 
     what: str
     found: str | None  # None: missing
-    mend: str
+    remedy: str
     needed: bool = False
 
 
@@ -80,12 +80,11 @@ def _kernel_can() -> Finding:
         found = "socket(PF_CAN) works"
     except (OSError, AttributeError):
         found = None
-    return Finding("CAN in the kernel", found, "modprobe can-raw, or, where that cannot be, a hub: `make hub`")
+    return Finding("CAN in the kernel", found, "modprobe can-raw; if that is not possible, use a hub: `make hub`")
 
 
 def _interfaces() -> Finding:
-    """ARPHRD_CAN is 280."""
-    names = [
+    names = [  # 280 is ARPHRD_CAN
         folder.name for folder in sorted(Path("/sys/class/net").glob("*"))
         if (folder / "type").is_file() and (folder / "type").read_text().strip() == "280"
     ]  # fmt: skip
@@ -106,7 +105,7 @@ def _socketcand() -> Finding:
         found = f"{HOST}:{PORT}"
     except OSError:
         found = None
-    return Finding("socketcand tap", found, "a hub has one: `make hub` (for -i socketcand)")
+    return Finding("socketcand", found, "a hub provides it: `make hub` (for -i socketcand)")
 
 
 def _program(name: str, package: str, purpose: str) -> Callable[[], Finding]:
@@ -117,12 +116,12 @@ CHECKS: tuple[Callable[[], Finding], ...] = (
     _python,
     *(lambda name=name: _package(name) for name in PACKAGES),
     _core, _simulator, _kernel_can, _interfaces, _hub, _socketcand,
-    _program("gcc", "gcc libc6-dev", "builds simulator and core"),
-    _program("make", "make", "builds"),
-    _program("clang", "clang", "make check-c"),
+    _program("gcc", "gcc libc6-dev", "builds the simulator and the core"),
+    _program("make", "make", "runs the build"),
+    _program("clang", "clang", "make check"),
     _program("arm-none-eabi-gcc", "gcc-arm-none-eabi", "make target; or: make target-deps"),
     _program("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "make target; or: make target-deps"),
-    _program("candump", "can-utils", "listens on a bus"),
+    _program("candump", "can-utils", "prints the traffic of a bus"),
 )  # fmt: skip
 
 
@@ -131,11 +130,11 @@ def findings() -> list[Finding]:
 
 
 def doctor() -> None:
-    """Tell what is installed, which buses this machine has, and how to mend what is missing.
+    """Show what is installed, which buses this machine has, and how to install what is missing.
 
-    Exit status: 0, or 1 if something is missing without which nothing works.
+    Exit status: 0, or 1 if something is missing that every command needs.
     """
-    table = Table("", "what", "found, or how to mend it", box=None, pad_edge=False)
+    table = Table("", "what", "found, or remedy", box=None, pad_edge=False)
     found = findings()
     for finding in found:
         mark = (
@@ -143,7 +142,7 @@ def doctor() -> None:
             if finding.found
             else Text("MISSING" if finding.needed else "none", "red" if finding.needed else "yellow")
         )
-        table.add_row(mark, finding.what, Text(finding.found or finding.mend))
+        table.add_row(mark, finding.what, Text(finding.found or finding.remedy))
     console().print(table)
     if any(finding.needed and not finding.found for finding in found):
         raise typer.Exit(1)

@@ -1,4 +1,4 @@
-"""``comanip monitor``: what the bus is doing, as a live table."""
+"""``comanip monitor``: shows the traffic and the firmware's state as a live table."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ PORT_COUNTS = {  # of PortStatus: one, several
 
 
 def render(state: BusState, now_us: int, source: str) -> Group:
-    """`now_us`: by the clock of the frames."""
+    """The whole display. now_us: by the clock of the frames."""
     return Group(_head(state, now_us, source), _table(state, now_us))
 
 
@@ -65,11 +65,11 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
         text.append(f"({status['reason']}), task {status['task']}{', latched' if status['latched'] else ''}, ")
         text.append(f"speed limit {status['speed_limit_percent']:g} %, refused frames {status['rejected_frames']}\n")
         if status["rest_not_assured"]:
-            text.append("with these parameters the arm may go on moving while the hand rests\n", "yellow")
+            text.append("with these parameters the arm may keep moving while the hand rests\n", "yellow")
         if status["changes_posture"]:
-            text.append("the arm changes its posture by itself, to reach the target\n", "yellow")
+            text.append("the arm is changing its posture to reach the target\n", "yellow")
     else:
-        text.append("no FirmwareStatus: the firmware is not there\n", "yellow")
+        text.append("no FirmwareStatus: the firmware does not run on this bus\n", "yellow")
     if line := port_faults(state.signals("PortStatus")):
         text.append(f"{line}\n", "bold red" if "bus-off now" in line else "yellow")
     if trace:
@@ -127,7 +127,7 @@ def _from_bus(bus) -> Iterator[Frame | None]:
 
 
 def _from_log(path: Path) -> Iterator[Frame | None]:
-    """At the pace of its times; None while nothing is due."""
+    """The frames of a log at their recorded pace; None while no frame is due."""
     begin_s = first_us = None
     for frame in logs.read(path):
         if first_us is None:
@@ -139,7 +139,7 @@ def _from_log(path: Path) -> Iterator[Frame | None]:
 
 
 class _Clock:
-    """The frames' own, carried on by this machine's between them, so that ages grow while the bus is silent."""
+    """The frames' clock, extrapolated by this machine's clock, so that ages grow while the bus is silent."""
 
     def __init__(self):
         self._newest_us, self._at_s = 0, time.monotonic()
@@ -186,14 +186,22 @@ def _show(frames: Iterator[Frame | None], source: str, duration_s: float | None,
 
 
 def monitor(
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
     log: Annotated[Path | None, typer.Option(help="A log instead of a bus, at its recorded pace.")] = None,
-    duration: Annotated[float | None, typer.Option(min=0.0, help="Seconds, then end. Else until Ctrl-C, or the log's end.")] = None,
-    once: Annotated[bool, typer.Option("--once", help="One table at the end instead of a live one; wants --duration or --log.")] = False,
-) -> None:  # fmt: skip
+    duration: Annotated[
+        float | None, typer.Option(min=0.0, help="Stop after so many seconds instead of at Ctrl-C or the log's end.")
+    ] = None,
+    once: Annotated[
+        bool, typer.Option("--once", help="Print one table at the end; requires --duration or --log.")
+    ] = False,
+) -> None:
     """Show mode, reason, ages, rates, load, errors and decoded signals. Sends nothing."""
     if once and duration is None and log is None:
-        raise ToolError("--once: nothing says when to end: give --duration SECONDS or --log LOG as well")
+        raise ToolError("--once: the end is not given: add --duration SECONDS or --log LOG")
     if log is not None:
         _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
         return

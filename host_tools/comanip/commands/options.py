@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""Options shared by several commands."""
 
 from __future__ import annotations
 
@@ -13,35 +13,38 @@ from comanip.bus.transport import Profile
 Interface = Annotated[
     str,
     typer.Option(
-        "--interface", "-i", envvar="COMANIP_INTERFACE", help="python-can's name: socketcan, socketcand, pcan, ..."
+        "--interface",
+        "-i",
+        envvar="COMANIP_INTERFACE",
+        help="Interface as python-can names it: socketcan, socketcand, pcan, ...",
     ),
 ]
 Channel = Annotated[
-    str, typer.Option("--channel", "-c", envvar="COMANIP_CHANNEL", help="which bus of the interface: vcan0, can0, ...")
+    str, typer.Option("--channel", "-c", envvar="COMANIP_CHANNEL", help="Bus of the interface: vcan0, can0, ...")
 ]
-Host = Annotated[str, typer.Option(help="of socketcand")]
-Port = Annotated[int, typer.Option(min=1, max=65535, help="of socketcand")]
+Host = Annotated[str, typer.Option(help="Host of socketcand.")]
+Port = Annotated[int, typer.Option(min=1, max=65535, help="Port of socketcand.")]
 BusProfile = Annotated[
     Profile | None,
     typer.Option(
         "--profile",
         envvar="COMANIP_PROFILE",
-        help="Of the bus; else as its frames tell, fd if there are none.",
+        help="CAN FD or classic CAN. By default detected from the traffic; fd if there is none.",
         show_default=False,
     ),
 ]
 INTERFACE, CHANNEL, HOST, PORT = "socketcan", "vcan0", "127.0.0.1", 29536
 
 LogPath = Annotated[
-    Path, typer.Argument(help="of candump -L or python-can: .log, .asc, .blf, .trc", show_default=False)
+    Path, typer.Argument(help="A log of candump -L or python-can: .log, .asc, .blf, .trc", show_default=False)
 ]
 
 
 def examples(*lines: str) -> str:
-    """The end of a command's help."""
+    """The examples at the end of a command's help."""
     return "[bold]Examples[/bold]\n\n" + "\n\n".join(f"  {line}" for line in lines)
 
 
 def console() -> Console:
-    """For what people read."""
+    """The console for output to people."""
     return Console(highlight=False)

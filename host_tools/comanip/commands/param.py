@@ -1,4 +1,4 @@
-"""``comanip param``: the firmware's parameters over the bus."""
+"""``comanip param``: lists, reads, writes and saves the firmware's parameters over the bus."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ HELP = examples(
     "comanip param set motion_scale 0.5",
     "comanip param save",
 )
-Name = Annotated[str, typer.Argument(help="as `comanip param list` shows it", show_default=False)]
+Name = Annotated[str, typer.Argument(help="A name from `comanip param list`.", show_default=False)]
 
 LIST_COLUMNS = 200
 
@@ -61,7 +61,7 @@ def list_(
             bounds = (f"{bound:.7g}" for bound in (parameter.minimum, parameter.maximum, parameter.default))
             table.add_row(name, f"{client.read(name):.7g}", *bounds, parameter.unit, parameter.meaning)
     out = console()
-    out.width = max(out.width, LIST_COLUMNS)  # a row is a line, for scripts
+    out.width = max(out.width, LIST_COLUMNS)  # one line per row, for scripts
     out.print(table)
 
 
@@ -85,10 +85,16 @@ def get(
     epilog=examples("comanip param set speed_fraction 0.3", "comanip param set tracker_rotation_x_rad -- -1.5708"),
 )
 def set_(
-    name: Name, value: Annotated[float, typer.Argument(help="SI units; a negative one after --", show_default=False)],
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
-) -> None:  # fmt: skip
-    """Write one parameter, and read it back. The arm must be at rest. Lost at the next boot unless saved."""
+    name: Name,
+    value: Annotated[float, typer.Argument(help="In SI units; write -- before a negative value.", show_default=False)],
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
+) -> None:
+    """Write one parameter and read it back. The arm must be at rest. The value is lost at the next boot unless
+    saved."""
     _require_name(name)
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).write(name, value)
@@ -103,10 +109,10 @@ def save(
     port: Port = PORT,
     profile: BusProfile = None,
 ) -> None:
-    """Have the firmware keep all parameters for its next boot. The arm must be at rest.
+    """Save all parameters in the firmware's store for the next boot. The arm must be at rest.
 
-    Where the firmware has no store it says not_supported: on Linux it keeps them in the file of --parameters.
+    The firmware answers not_supported if it has no store. On Linux the store is the file of its option --parameters.
     """
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
         OperatorClient(bus).save()
-    console().print("saved: the firmware begins with these parameters at its next boot")
+    console().print("saved: the firmware uses these parameters from its next boot on")

@@ -1,4 +1,4 @@
-"""``comanip replay``: does the firmware, fed with a log, send what it had sent?"""
+"""``comanip replay``: replays a log and compares what the firmware sends with what was recorded."""
 
 from __future__ import annotations
 
@@ -19,31 +19,32 @@ STATUS_DIFFERENT = 1
 PACE_STEP_S = 0.02
 HELP = examples(
     "comanip replay out/pour/bus.log            at full speed",
-    "comanip replay out/pour/bus.log --pace     at the recorded speed, with the modes as they come",
+    "comanip replay out/pour/bus.log --pace     at the recorded speed, printing each change of mode",
     "comanip replay recorded.blf",
 )
 
 
 def _run_paced(replaying: Replay) -> None:
-    """At recorded speed, by the log's own times; tells each change of mode."""
+    """Replays at the recorded speed, by the times of the log, and prints each change of mode."""
     frames = replaying.frames
     times_us = [frame.t_us for frame in frames]
-    begin_s, told, place, more = time.monotonic(), None, 0, True
-    while more and place < len(frames):
+    begin_s, mode, index, more = time.monotonic(), None, 0, True
+    while more and index < len(frames):
         elapsed_us = round(1e6 * (time.monotonic() - begin_s))
         end = bisect.bisect_right(times_us, times_us[0] + elapsed_us)
         more = replaying.run_to(end)
-        for frame in frames[place:end]:
-            told = _tell_mode(frame, told, times_us[0])
-        place = end
+        for frame in frames[index:end]:
+            mode = _print_mode_change(frame, mode, times_us[0])
+        index = end
         time.sleep(PACE_STEP_S)
 
 
-def _tell_mode(frame: Frame, told: tuple | None, begin_us: int) -> tuple | None:
+def _print_mode_change(frame: Frame, previous: tuple | None, begin_us: int) -> tuple | None:
+    """Returns the mode and the reason after this frame."""
     if frame.name != "FirmwareStatus" or (status := decode(frame)) is None:
-        return told
+        return previous
     mode = (str(status["mode"]), str(status["reason"]))
-    if mode != told:
+    if mode != previous:
         console().print(f"{(frame.t_us - begin_us) / 1e6:9.3f} s  {mode[0]} ({mode[1]})")
     return mode
 
@@ -56,11 +57,14 @@ def _run_fast(replaying: Replay) -> None:
             progress.update(task, completed=done)
 
 
-def _tell_difference(difference: Difference, begin_us: int) -> None:
+def _print_difference(difference: Difference, begin_us: int) -> None:
     out = console()
     frame = difference.recorded
-    out.print(f"[red]different[/red] at {frame.t_us / 1e6:.6f} s ({(frame.t_us - begin_us) / 1e6:.6f} s into the log), "
-              f"frame {difference.place + 1}, id 0x{frame.frame_id:03X} {frame.name}: {difference.what}", soft_wrap=True)  # fmt: skip
+    out.print(
+        f"[red]different[/red] at {frame.t_us / 1e6:.6f} s ({(frame.t_us - begin_us) / 1e6:.6f} s into the log), "
+        f"frame {difference.place + 1}, id 0x{frame.frame_id:03X} {frame.name}: {difference.what}",
+        soft_wrap=True,
+    )
     out.print(f"  recorded {frame.data.hex().upper()}", soft_wrap=True)
     out.print(f"           {signals_text(frame)}", soft_wrap=True, markup=False)
     sent = difference.sent
@@ -77,11 +81,13 @@ def _tell_difference(difference: Difference, begin_us: int) -> None:
 
 def replay(
     log: LogPath,
-    pace: Annotated[bool, typer.Option("--pace", help="At the recorded speed, else as fast as it goes.")] = False,
+    pace: Annotated[
+        bool, typer.Option("--pace", help="Replay at the recorded speed instead of as fast as possible.")
+    ] = False,
 ) -> None:
-    """Feed a log into the C core: it must send what was recorded, byte for byte.
+    """Feed a log into the C core, which must send the recorded frames, byte for byte.
 
-    Exit status: 0 equal, 1 different (the first difference is shown), 2 it cannot be replayed.
+    Exit status: 0 equal, 1 different (the first difference is shown), 2 the log cannot be replayed.
     """
     frames = list(logs.read(log))
     try:
@@ -103,10 +109,12 @@ def replay(
         )
     boots = f", {report.boots} boots" if report.boots > 1 else ""
     if report.difference is not None:
-        _tell_difference(report.difference, frames[0].t_us)
-    told = f"{report.ticks} ticks{boots}: fed with {report.fed} frames, the firmware sent {report.compared}; {took_s:.1f} s"
+        _print_difference(report.difference, frames[0].t_us)
+    verdict = "[red]DIFFERENT[/red]" if report.difference else "[green]EQUAL[/green]"
     console().print(
-        f"{log}: {'[red]DIFFERENT[/red]' if report.difference else '[green]EQUAL[/green]'}: {told}", soft_wrap=True
+        f"{log}: {verdict}: {report.ticks} ticks{boots}: fed with {report.fed} frames, "
+        f"the firmware sent {report.compared}; {took_s:.1f} s",
+        soft_wrap=True,
     )
     if report.difference is not None:
         raise typer.Exit(STATUS_DIFFERENT)

@@ -1,4 +1,4 @@
-"""``comanip sim``: the simulator, as it was built."""
+"""``comanip sim``: runs the simulator that `make build` built."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HELP = examples(
 
 
 def find_simulator() -> Path | None:
-    """In this repository, in the one around the working folder, or in the PATH."""
+    """Looks in this repository, in the working folder and the folders above it, and in PATH."""
     roots = [Path(__file__).resolve().parents[3], Path.cwd(), *Path.cwd().parents]
     built = [root / BUILT for root in roots if (root / BUILT).is_file()]
     found = shutil.which("comanip-sim")
@@ -28,10 +28,11 @@ def find_simulator() -> Path | None:
 
 
 def sim(context: typer.Context) -> None:
-    """Run the simulator: person, arm and bus. All options are its own."""
+    """Run the simulator of person, arm and bus. All options are passed to it."""
     simulator = find_simulator()
     if simulator is None:
         raise ToolError(
-            f"there is no {BUILT} in or above {Path.cwd()}, nor comanip-sim in PATH: run `make build` in a clone of the repository"
+            f"there is no {BUILT} in or above {Path.cwd()}, nor comanip-sim in PATH: "
+            "run `make build` in a clone of the repository"
         )
     os.execv(simulator, [str(simulator), *context.args])

@@ -1,4 +1,4 @@
-"""``comanip task``: what the operator tells the firmware to do."""
+"""``comanip task``: sends the operator's commands to the firmware."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ HELP = examples(
     "comanip task start -i socketcand -c vcan0",
     "comanip task stop",
 )
-CUSTOM = "custom"  # is defined by a TaskDefine, not selected
+CUSTOM = "custom"  # defined by TaskDefine, cannot be selected by name
 
 app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, clutch, stop.", epilog=HELP)
 
 
-def _tell(
+def _command(
     interface: str, channel: str, host: str, port: int, profile: Profile | None, command: str, task: str = "pour"
 ) -> None:
     with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
@@ -45,13 +45,17 @@ def _tell(
 @app.command(epilog=examples("comanip task select pour"))
 def select(
     task: Annotated[str, typer.Argument(help="pour, teleop or mirror", show_default=False)],
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
-) -> None:  # fmt: skip
-    """Select the task: which relative pose the two hands shall keep."""
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
+) -> None:
+    """Select the task, which is the relative pose that the two hands keep."""
     known = [name for name in choices("OperatorCommand", "task") if name != CUSTOM]
     if task not in known:
         raise ToolError(f"task '{task}': no such task, expected one of {', '.join(known)}")
-    _tell(interface, channel, host, port, profile, "select", task)
+    _command(interface, channel, host, port, profile, "select", task)
 
 
 def _add(command: str, text: str) -> None:
@@ -62,12 +66,12 @@ def _add(command: str, text: str) -> None:
         port: Port = PORT,
         profile: BusProfile = None,
     ) -> None:
-        _tell(interface, channel, host, port, profile, command)
+        _command(interface, channel, host, port, profile, command)
 
     app.command(command, help=text, epilog=examples(f"comanip task {command}"))(run)
 
 
-_add("start", "Begin to cooperate: the arm follows the hand from here on.")
-_add("latch", "Keep the relative pose of this moment as the task.")
-_add("clutch", "Let the hand move away without the arm: the relation is taken anew.")
-_add("stop", "End the cooperation; also leaves a fault whose cause is gone.")
+_add("start", "Start the cooperation: from now on the arm follows the hand.")
+_add("latch", "Latch the task: keep the relative pose of this moment.")
+_add("clutch", "Take the present poses of both hands as the new reference. The task continues; the arm does not jump.")
+_add("stop", "Stop the cooperation; also clears a fault whose cause is gone.")

@@ -1,4 +1,4 @@
-"""``comanip tracker``: publishes a person's hand from lines of text."""
+"""``comanip tracker``: publishes the poses of a person's hand, read from lines of text."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from comanip.tracker.publisher import TrackerPublisher, status_period_s
 
 HELP = examples(
     "my_tracker | comanip tracker --stdin",
-    "comanip tracker --stdin --pace < hand.csv          a recording, at its own pace",
+    "comanip tracker --stdin --pace < hand.csv          a recording, at its recorded pace",
     "ros2_poses_as_json | comanip tracker --stdin --quaternion xyzw -i socketcand",
 )
-LINES_AHEAD = 1000
+QUEUE_LINES = 1000
 
 
 def _lines(queue_: queue.Queue) -> None:
@@ -43,7 +43,7 @@ def _lines(queue_: queue.Queue) -> None:
 
 
 def _read(lines: queue.Queue, order: str, status_s: float, on_bad) -> Iterator[Pose | None]:
-    """Each pose, or None when it is time for a status. Ends with the input."""
+    """Yields each pose, and None whenever a TrackerStatus is due. Ends with the input."""
     number = 0
     due_s = time.monotonic()
     while True:
@@ -69,35 +69,44 @@ def _read(lines: queue.Queue, order: str, status_s: float, on_bad) -> Iterator[P
 
 
 class _Pace:
-    """Waits until a pose is due by its own time."""
+    """Waits until a pose is due by its time stamp."""
 
     def __init__(self):
         self._offset_s: float | None = None
 
     def wait(self, pose: Pose) -> None:
         if pose.t_s is None:
-            raise ToolError("--pace: a line without a time stamp, expected one before each pose")
+            raise ToolError("--pace: a line has no time stamp, expected one at the start of each line")
         if self._offset_s is None:
             self._offset_s = time.monotonic() - pose.t_s
         time.sleep(max(0.0, self._offset_s + pose.t_s - time.monotonic()))
 
 
 def tracker(
-    stdin: Annotated[bool, typer.Option("--stdin", help="Read poses from standard input, one a line.")] = False,
-    quaternion: Annotated[str, typer.Option(help="Order of its components in the lines: wxyz or xyzw.")] = "wxyz",
-    rate: Annotated[float | None, typer.Option(min=10, max=1000, help="Of the tracker, in Hz. Else taken from the times of its poses.")] = None,
-    pace: Annotated[bool, typer.Option("--pace", help="Wait for each pose's own time: for a recording.")] = False,
-    interface: Interface = INTERFACE, channel: Channel = CHANNEL, host: Host = HOST, port: Port = PORT, profile: BusProfile = None,
-) -> None:  # fmt: skip
+    stdin: Annotated[bool, typer.Option("--stdin", help="Read poses from standard input, one per line.")] = False,
+    quaternion: Annotated[
+        str, typer.Option(help="Order of the quaternion's components in the lines: wxyz or xyzw.")
+    ] = "wxyz",
+    rate: Annotated[
+        float | None,
+        typer.Option(min=10, max=1000, help="Rate of the tracker in Hz. By default estimated from the time stamps."),
+    ] = None,
+    pace: Annotated[bool, typer.Option("--pace", help="Send each pose at its recorded time: for a recording.")] = False,
+    interface: Interface = INTERFACE,
+    channel: Channel = CHANNEL,
+    host: Host = HOST,
+    port: Port = PORT,
+    profile: BusProfile = None,
+) -> None:
     """Publish poses as HandPose and TrackerStatus, with end-to-end protection.
 
-    Lines are CSV or JSON, metres, in the tracker's frame, with or without a time stamp in seconds before:
+    Lines are CSV or JSON, in metres, in the tracker's frame, with or without a leading time stamp in seconds:
 
-    x,y,z,qw,qx,qy,qz   or 12 or 16 numbers of a matrix, row by row   or {"t": 0.1, "position": [x,y,z], "quaternion": [w,x,y,z]}
-    or {"matrix": [[...],[...],[...]]}.
+    x,y,z,qw,qx,qy,qz   or 12 or 16 numbers of a matrix, row by row   or
+    {"t": 0.1, "position": [x,y,z], "quaternion": [w,x,y,z]}   or {"matrix": [[...],[...],[...]]}.
 
-    A bad line is told, counts as a lost sample and goes out as an invalid pose: the firmware never sees a made-up one.
-    Exit status: 0 all lines were good, 1 some were not, 2 wrong use.
+    A malformed line is reported, counts as a lost sample and is sent as an invalid pose.
+    Exit status: 0 all lines were valid, 1 some were malformed, 2 wrong use.
     """
     if not stdin:
         raise ToolError("tracker: no source of poses, expected --stdin")
@@ -113,22 +122,23 @@ def tracker(
             print(f"comanip: line {number}: {what}", file=sys.stderr)
             publisher.lose()
 
-        lines: queue.Queue = queue.Queue(LINES_AHEAD)
+        lines: queue.Queue = queue.Queue(QUEUE_LINES)
         threading.Thread(target=_lines, args=(lines,), daemon=True).start()
-        waiting = _Pace()
+        pacing = _Pace()
         try:
             for pose in _read(lines, quaternion, status_period_s(bus), on_bad):
                 if pose is None:
                     publisher.publish_status()
                     continue
                 if pace:
-                    waiting.wait(pose)
+                    pacing.wait(pose)
                 publisher.publish(pose)
         except KeyboardInterrupt:
             pass
-        publisher.publish_status()  # with the last counts
+        publisher.publish_status()  # with the final counts
     print(
-        f"{publisher.sent} poses sent, {publisher.lost} lost, {publisher.range_errors} of them out of the frame's range",
+        f"{publisher.sent} poses sent, {publisher.lost} lost, "
+        f"{publisher.range_errors} of them out of the signals' range",
         file=sys.stderr,
     )
     if bad:

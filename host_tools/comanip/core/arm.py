@@ -1,4 +1,4 @@
-"""The firmware's arms by name, and your own arms from arrays."""
+"""The firmware's built-in arms by name, and further arms from arrays."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from comanip._core import ffi, lib
 from comanip.core import checks as check
 
-JERK_DEFAULT_RADPS3 = 1e4  # also of an arm's description, firmware/arms/*.toml
+JERK_DEFAULT_RADPS3 = 1e4  # also the default of an arm's description, firmware/arms/*.toml
 _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 
 
@@ -24,21 +24,21 @@ _BUILT_IN = _built_in()
 
 
 def _pose(x: np.ndarray):
-    """A dual quaternion (8,) as pose_t."""
+    """Converts a dual quaternion (8,) to pose_t."""
     return lib.pose_from_dual_quaternion(ffi.from_buffer("dual_quaternion_t *", x)[0])
 
 
 def arms() -> list[str]:
-    """Names of the firmware's built-in arms."""
+    """The names of the firmware's built-in arms."""
     return sorted(_BUILT_IN)
 
 
 class Arm:
     """A serial arm of n = 1..8 revolute joints, for use wherever the name of an arm is accepted.
 
-    Joint i is reached from the previous one's moving frame (the torso for the first) by the pose fixed[i], and turns
-    about axis[i]; `effector` leads from the last joint's moving frame to the hand. Float32 arrays: fixed (n, 8) unit,
-    axis (n, 3) unit, limits (n,); the jerk limit is 10,000 rad/s^3 unless given.
+    The pose fixed[i] leads from the moving frame of the previous joint (for the first joint: the torso) to joint i,
+    which turns about axis[i]; `effector` leads from the last joint's moving frame to the end effector. Float32 arrays:
+    fixed (n, 8) unit, axis (n, 3) unit, limits (n,); the jerk limit is 10,000 rad/s^3 unless given.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Arm:
 
     @classmethod
     def named(cls, name: str) -> Arm:
-        """One of arms()."""
+        """A built-in arm. ValueError if arms() does not have the name."""
         if name not in _BUILT_IN:
             raise ValueError(f"arm: unknown name {name!r}: known are {', '.join(arms())}")
         self = cls.__new__(cls)

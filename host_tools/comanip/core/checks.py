@@ -1,4 +1,4 @@
-"""Checks of arguments. Each error names the argument, its value and what was expected."""
+"""Checks of arguments. Each error message names the argument, its value and what was expected."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def same_length(first_name: str, first: np.ndarray, second_name: str, second: np
 
 
 def scalar(name: str, value: object, minimum: float = -math.inf, *, above: bool = False) -> float:
-    """The value as a number, finite in float32 and at least the minimum (with above: greater than it)."""
+    """The value as a number that is finite in float32 and at least the minimum (greater than it if `above`)."""
     bound = "" if minimum == -math.inf else f" {'above' if above else 'of at least'} {minimum:g}"
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, np.floating)):
         raise ValueError(f"{name}: expected a number{bound}, got {type(value).__name__}")

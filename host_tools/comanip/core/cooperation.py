@@ -1,4 +1,4 @@
-"""The firmware's Algorithm 1, driven from Python: one instance per cooperation."""
+"""Algorithm 1 of the paper as the firmware computes it, from Python."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from comanip.core import checks as check
 
 
 def enumerators(kind: str, prefix: str) -> dict[str, int]:
-    """The members of a C enumeration by their names without the prefix, in lower case: {"pour": 0, ...}."""
+    """The numbers of a C enumeration's members by name, in lower case without the prefix: {"pour": 0, ...}."""
     elements = sorted(ffi.typeof(kind).elements.items())
     return {name.removeprefix(prefix).lower(): number for number, name in elements}
 
@@ -31,12 +31,12 @@ def _pose(name: str, value: object):
 
 
 class Cooperation:
-    """Maps the pose of the human's hand (tracker frame) to the target pose of the robot's hand (torso frame).
+    """Maps the pose of the person's hand (tracker frame) to the target pose of the end effector (torso frame).
 
-    task: "pour", "teleop" or "mirror" (Table I). tracker_rotation: the torso's axes seen from the tracker, a unit
-    quaternion (4,); the paper's (9) by default. latch: what grasp() keeps, the "commanded" q_task or the "measured"
-    one. scale: multiplies the hand's displacement, not its rotation. start_offset: (3,) in m in torso axes, the
-    position of the person's hand at the start minus that of the robot's hand; 0, the paper's assumption, by default.
+    task: "pour", "teleop" or "mirror" (Table I). tracker_rotation: rotation of the torso's axes in the tracker's frame,
+    a unit quaternion (4,); by default (9) of the paper. latch: grasp() keeps the "commanded" or the "measured" q_task.
+    scale: factor on the hand's displacement, not on its rotation. start_offset: (3,) in m in torso axes, the position
+    of the person's hand at the start minus that of the end effector; by default 0, as the paper assumes.
     """
 
     def __init__(
@@ -71,15 +71,16 @@ class Cooperation:
         self._started = True
 
     def target(self, hand: np.ndarray) -> np.ndarray:
-        """The target (8,) of the robot's hand for this pose (8,) of the human's hand."""
+        """The target (8,) of the end effector for this pose (8,) of the person's hand."""
         self._require_start("target")
         lib.cooperation_update(self._state, ffi.new("pose_t *", _pose("hand", hand)), 1.0)
         vec8 = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(self._state.target))
         return np.frombuffer(ffi.buffer(vec8), np.float32).copy()
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
-        """Holds q_task constant from now on. latch "commanded": that of the latest target() or start(). "measured": the
-        one that the hands have now, which needs the robot's measured pose (8,)."""
+        """Latches q_task: it is constant from now on. With latch "commanded" it is the q_task of the latest target() or
+        start(). With "measured" it is the present relative pose of the hands, computed from the end effector's measured
+        pose `robot` (8,)."""
         self._require_start("grasp")
         measured = None if robot is None else _pose("robot", robot)
         if self._latch == "commanded":

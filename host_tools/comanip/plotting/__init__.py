@@ -1,1 +1,1 @@
-"""Plots of a finished run. Only the modules that draw import matplotlib."""
+"""Plots of a finished run. run_data and scenes work without matplotlib."""

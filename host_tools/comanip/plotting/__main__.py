@@ -11,7 +11,8 @@ from comanip.plotting.run_data import RunDataError, read_run
 
 
 def draw(folder: Path) -> list[Path]:
-    """Draws all plots that the run has data for. Returns their paths. RunDataError says what the folder lacks."""
+    """Draws all plots that the run has data for. Returns their paths. RunDataError if a file is missing or
+    malformed."""
     run = read_run(folder)
     try:
         from comanip.plotting import experiment, paths, style, time_plots
@@ -33,7 +34,7 @@ def draw(folder: Path) -> list[Path]:
     written = []
     for name, make in pictures.items():
         path = report / f"{name}.png"
-        path.unlink(missing_ok=True)  # of an earlier run
+        path.unlink(missing_ok=True)  # may be left from an earlier run
         figure = make(run)
         if figure is not None:
             written.append(style.save(figure, path))
@@ -41,7 +42,9 @@ def draw(folder: Path) -> list[Path]:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="comanip.plotting", description="Draws a finished run into DIR/report/*.png.")
+    parser = argparse.ArgumentParser(
+        prog="comanip.plotting", description="Draws the plots of a finished run into DIR/report/*.png."
+    )
     parser.add_argument("dir", type=Path, metavar="DIR", help="the folder that the simulator wrote")
     arguments = parser.parse_args(argv)
     try:

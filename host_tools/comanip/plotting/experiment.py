@@ -1,4 +1,4 @@
-"""One figure per experiment: four instants of the scene, and the curve that decides its success."""
+"""One figure per experiment: four snapshots of the scene, and the curves that show whether it succeeded."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from comanip.plotting.scenes import SCENES, Scene
 
 SNAPSHOTS = 4
 WIDTH_INCH = 11.0
-TORSO_M = np.array([[0.0, 0.0, 0.0], [-0.035, 0.0, 0.125]])  # waist and chest, HOAP-3 manual
-FOREARM_M = 0.16  # length drawn of the person's
+TORSO_M = np.array([[0.0, 0.0, 0.0], [-0.035, 0.0, 0.125]])  # waist and chest, from the HOAP-3 manual
+FOREARM_M = 0.16  # drawn length of the person's forearm
 SCALE_BAR_M = 0.1
 CARRIER_COLOURS = {"hand": style.ROBOT, "person": style.PERSON, "second": style.SECOND}
 RING = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
 def plain_scene(run: RunData) -> Scene:
-    """The scene of a user's scenario: its curve follows from the objects in it."""
-    of_thing = {"rod": "handing", "crank": "crank"}
-    decisive = "water" if run.has("water_robot") else of_thing[run.thing.kind] if run.thing else "tracking"
+    """The scene of a user's scenario. The objects in it determine the curves."""
+    curves = {"rod": "handing", "crank": "crank"}
+    decisive = "water" if run.has("water_robot") else curves[run.thing.kind] if run.thing else "tracking"
     return Scene(run.scenario, (), decisive)
 
 
 def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
-    """(time, caption) of the snapshots: the scene's own if all of them occurred, else spread evenly over the
-    cooperation."""
+    """(time, caption) of the snapshots: those of the scene if all its events occurred, otherwise evenly spaced over
+    the cooperation."""
     starts = [(run.event_s(event), after_s, caption) for event, after_s, caption in scene.instants]
     if starts and all(start is not None for start, _, _ in starts):
         return [(start + after_s, caption) for start, after_s, caption in starts]
@@ -71,7 +71,7 @@ def _draw_cup(axes: Axes, view: View, run: RunData, row: int, cup: Cup, colour: 
     low, high = bottom + ring, bottom + cup.height_m * axis + ring
     _line(axes, view, low, color=colour, lw=1.0, zorder=6)
     _line(axes, view, high, color=colour, lw=1.4, zorder=6)
-    # The outline: the two lines of the wall that are furthest from the middle across the cup's axis on paper.
+    # The outline of the wall: the two generating lines farthest apart across the cup's axis in the projection.
     along = view(axis)
     across = np.array([-along[1], along[0]])
     side = view(ring) @ across
@@ -165,7 +165,7 @@ def _legend(figure: Figure, run: RunData, height: float) -> None:
     figure.legend(handles=handles, loc="upper right", ncols=len(handles), bbox_to_anchor=(0.995, 1 - 0.05 / height))
 
 
-# ---- the curves that decide
+# ---- the curves that show the success
 
 
 def _displacement_mm(run: RunData, what: str, since_s: float) -> np.ndarray:

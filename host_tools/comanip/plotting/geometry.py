@@ -22,7 +22,7 @@ def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
 def angle_between_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Angle of the rotation from a to b, unit quaternions (N, 4) of either sign -> (N,), 0..180."""
     cosine = np.abs((a * b).sum(axis=1))
-    # |a - b| and |a + b| are exact near 0, where the arc cosine is not.
+    # Unlike the arc cosine, |a - b| and |a + b| are accurate near 0.
     nearer = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
     return np.degrees(4.0 * np.arctan2(nearer / 2.0, np.sqrt((1.0 + cosine) / 2.0)))
 

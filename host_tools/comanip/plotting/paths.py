@@ -14,10 +14,10 @@ from mpl_toolkits.mplot3d import Axes3D, proj3d
 from comanip.plotting import style
 from comanip.plotting.run_data import RunData
 
-LEAST_HALF_MM = 60.0  # of an axis' range
+LEAST_HALF_MM = 60.0  # minimum half range of an axis
 TICK_MM = 50.0
 FRAME = (0.02, 0.02, 0.96, 0.84)  # left, bottom, width, height of the figure: below heading and legend
-FITTINGS = 3  # names and numbers keep their size when the box changes: the fit is found in a few rounds
+FITTINGS = 3  # labels keep their size when the box changes, so the fit takes a few iterations
 WAYS = (
     ("target", "target", style.TARGET, 0.8),
     ("hand", "robot's hand", style.ROBOT, 1.6),
@@ -35,11 +35,11 @@ def _corners(axes: Axes3D) -> np.ndarray:
 
 
 def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
-    """Scales the box, with sides in this proportion, to the room that FRAME leaves beside labels and ticks."""
+    """Scales the box, with sides in this proportion, to fill FRAME together with its labels and ticks."""
     left, bottom, width, height = FRAME
     zoom = 1.0
     for line in axes.lines:
-        line.set_clip_on(False)  # the box is drawn beyond the rectangle of its axes
+        line.set_clip_on(False)  # the box extends beyond the rectangle of its axes
     for _ in range(FITTINGS):
         axes.set_box_aspect(tuple(sides), zoom=zoom)  # one scale for all axes
         figure.canvas.draw()
@@ -47,10 +47,10 @@ def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
         low, high = _corners(axes).min(axis=0), _corners(axes).max(axis=0)
         box = Bbox.union([*drawn, Bbox([low, high])]).transformed(figure.transFigure.inverted())
         zoom *= min(width / box.width, height / box.height)
-        place = axes.get_position()
+        position = axes.get_position()
         x_shift = left + width / 2 - (box.x0 + box.x1) / 2
         y_shift = bottom + height / 2 - (box.y0 + box.y1) / 2
-        axes.set_position((place.x0 + x_shift, place.y0 + y_shift, place.width, place.height))
+        axes.set_position((position.x0 + x_shift, position.y0 + y_shift, position.width, position.height))
 
 
 def paths(run: RunData) -> Figure:

@@ -13,7 +13,7 @@ JOINTS = 4
 
 
 class RunDataError(Exception):
-    """One line that says what is missing or malformed."""
+    """A file of the run is missing or malformed. The message is one line."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Event:
 class Cup:
     """A cup relative to the hand that carries it: centre of its inner bottom, and axis towards its opening."""
 
-    carrier: str  # "hand", "person" or "second", as the trace's columns
+    carrier: str  # "hand", "person" or "second", as in the trace's columns
     mount_m: tuple[float, float, float]
     axis: tuple[float, float, float]
     radius_m: float
@@ -35,7 +35,8 @@ class Cup:
 
 @dataclass(frozen=True)
 class Thing:
-    """The object of the trace's object_* columns. For a crank, length_m is the handle's and radius_m the lever arm."""
+    """The object of the trace's object_* columns. Of a crank, length_m is the handle's length and radius_m the lever
+    arm."""
 
     kind: str  # "rod" or "crank"
     length_m: float
@@ -44,7 +45,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class RunData:
-    """One row per tick. An empty cell is NaN, as are all cells of a column that the file lacks."""
+    """One row per tick. An empty cell is NaN, as are all cells of a column that the file does not have."""
 
     folder: Path
     summary: dict
@@ -65,7 +66,7 @@ class RunData:
         return sorted(found, key=lambda event: event.t_s)
 
     def event_s(self, *names: str) -> float | None:
-        """Time of the first of these events, in this order of preference, that occurred; None: none did."""
+        """Time of the first of these events, in this order of preference, that occurred; None if none did."""
         times = {event.name: event.t_s for event in reversed(self.events)}
         return next((times[name] for name in names if name in times), None)
 
@@ -125,7 +126,7 @@ def read_summary(path: Path) -> dict:
     except OSError as error:
         raise RunDataError(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:
-        raise RunDataError(f"{path}: not whole JSON: {error}") from error
+        raise RunDataError(f"{path}: not valid JSON: {error}") from error
     for key, kind in SUMMARY_KEYS.items():
         value = summary.get(key) if isinstance(summary, dict) else None
         if not isinstance(value, kind):
@@ -135,7 +136,7 @@ def read_summary(path: Path) -> dict:
 
 def _with_nan(text: str) -> str:
     """Writes "nan" into empty cells, for numpy's fast reader."""
-    for _ in range(2):  # an empty cell may have an empty one beside it
+    for _ in range(2):  # the second pass is for adjacent empty cells
         text = text.replace(",,", ",nan,")
     return text.replace(",\n", ",nan\n")
 
@@ -152,9 +153,9 @@ def read_trace(path: Path) -> dict[str, np.ndarray]:
     if missing:
         raise RunDataError(f"{path}:1: no column {missing[0]}: not a trace of comanip-sim")
     if not body:
-        raise RunDataError(f"{path}: holds no ticks")
+        raise RunDataError(f"{path}: has no rows, expected one per tick")
     if not body.endswith("\n"):
-        raise RunDataError(f"{path}:{text.count(chr(10)) + 1}: the last line is not whole: the run was cut off")
+        raise RunDataError(f"{path}:{text.count(chr(10)) + 1}: the last line is incomplete: the run was cut off")
     lines = _with_nan(body).splitlines()
     uneven = next((i for i, line in enumerate(lines) if line.count(",") != len(names) - 1), None)
     if uneven is not None:

@@ -1,4 +1,4 @@
-"""The snapshots of the five experiments, as in the paper's Figs. 5 to 7, and the curves that decide their success."""
+"""The snapshots of the five experiments, as in the paper's Figs. 5 to 7, and the curves that show their success."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class Scene:
 
     title: str
     instants: tuple[tuple[str, float, str], ...]
-    decisive: str  # "water", "carrying", "handing", "crank", "tracking"
+    decisive: str  # curves that show the success: "water", "carrying", "handing", "crank" or "tracking"
     view_deg: tuple[float, float] = (-62.0, 16.0)
 
 

@@ -26,9 +26,9 @@ JOINT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 MODE_COLOURS = {"cooperating": "#EAF3FA", "hold": "#FDEFD3", "fault": "#F8D9CC"}
 
 DPI = 160
-MAX_DRAWN = 4000  # points per curve: more than pixels
-LABEL_INCH = 0.115  # of an event's label, across its text
-CHARACTER_INCH = 0.055  # and along it
+MAX_DRAWN = 4000  # points per curve, more than the figure has pixels
+LABEL_INCH = 0.115  # an event label's size across its text
+CHARACTER_INCH = 0.055  # an event label's size along its text, per character
 
 plt.rcParams.update(
     {
@@ -55,7 +55,7 @@ plt.rcParams.update(
 
 
 def thinned(run: RunData) -> slice:
-    """Every k-th tick, such that at most MAX_DRAWN are drawn."""
+    """Every k-th tick, with k such that at most MAX_DRAWN ticks are drawn."""
     return slice(None, None, max(1, -(-len(run.t_s) // MAX_DRAWN)))
 
 
@@ -72,17 +72,17 @@ def legend_beside(axes: Axes) -> None:
 
 
 def spread(positions: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
-    """Moves ascending positions apart to at least `gap` (less if there is no room) within low..high, each about as far
-    as its neighbours."""
-    wanted = np.asarray(positions, float)
-    if len(wanted) < 2:
-        return np.clip(wanted, low, high)
-    gap = min(gap, (high - low) / (len(wanted) - 1))
-    steps = gap * np.arange(len(wanted))
-    left = np.maximum.accumulate(wanted - steps) + steps
-    right = np.minimum.accumulate((wanted - steps)[::-1])[::-1] + steps
+    """Moves ascending positions apart by at least `gap` (less if there is no room) within low..high. Positions that
+    are too close move to either side."""
+    ideal = np.asarray(positions, float)
+    if len(ideal) < 2:
+        return np.clip(ideal, low, high)
+    gap = min(gap, (high - low) / (len(ideal) - 1))
+    steps = gap * np.arange(len(ideal))
+    left = np.maximum.accumulate(ideal - steps) + steps
+    right = np.minimum.accumulate((ideal - steps)[::-1])[::-1] + steps
     middle = (left + right) / 2.0
-    middle = np.minimum(middle, high - gap * np.arange(len(wanted))[::-1])
+    middle = np.minimum(middle, high - gap * np.arange(len(ideal))[::-1])
     return np.maximum(middle, low + steps)
 
 
@@ -107,7 +107,7 @@ def _explain_modes(run: RunData, axes: Axes) -> None:
     """A legend of the bands, beside the label of the time axis."""
     seen = [mode for mode in MODE_COLOURS if mode in {name for _, _, name in run.modes()}]
     handles = [Patch(facecolor=MODE_COLOURS[mode], edgecolor=PALE, label=mode) for mode in seen]
-    # Of its own, so that the axes' legend stays.
+    # An artist of the figure, because a second axes.legend() would replace the first.
     legend = Legend(axes.figure, handles, seen, loc="lower right", bbox_to_anchor=(0.995, 0.002), ncols=len(seen) or 1)
     axes.figure.add_artist(legend)
 
@@ -115,13 +115,13 @@ def _explain_modes(run: RunData, axes: Axes) -> None:
 def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
     width_inch = axes.get_position().width * axes.figure.get_figwidth()
     gap_s = span_s * LABEL_INCH / width_inch
-    places = spread([event.t_s for event in run.events], gap_s, run.t_s[0], run.t_s[-1])
-    for event, place_s in zip(run.events, places, strict=True):
+    label_times_s = spread([event.t_s for event in run.events], gap_s, run.t_s[0], run.t_s[-1])
+    for event, label_s in zip(run.events, label_times_s, strict=True):
         axes.annotate(
             event.name.replace("_", " "),
             xy=(event.t_s, 1.0),
             xycoords=axes.get_xaxis_transform(),
-            xytext=(place_s, 1.0 + 0.16 / (axes.get_position().height * axes.figure.get_figheight())),
+            xytext=(label_s, 1.0 + 0.16 / (axes.get_position().height * axes.figure.get_figheight())),
             textcoords=axes.get_xaxis_transform(),
             rotation=90,
             ha="center",

@@ -13,11 +13,11 @@ from comanip.core.arm import Arm
 from comanip.plotting import geometry, style
 from comanip.plotting.run_data import JOINTS, RunData
 
-LOG_RATIO = 30.0  # of the largest to the least clearance: from there on a logarithmic axis
+LOG_RATIO = 30.0  # ratio of the largest to the least clearance above which the axis is logarithmic
 
 
 def tracking(run: RunData) -> Figure | None:
-    """Target and simulated hand per axis, with the error below."""
+    """Target and simulated end effector per axis, with the error below."""
     if not run.has("target_x_m"):
         return None
     figure, rows = style.time_figure(run, "Target and robot's hand", 6, 1.05)

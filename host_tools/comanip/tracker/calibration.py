@@ -1,10 +1,9 @@
 """Estimates the rotation between tracker and robot, q_Tv^E, from three guided moves of the hand.
 
-The person moves the hand forward, to the left and up, as the robot's torso sees it (its x, y and z), with rests
-between. Each move has a direction in the tracker's frame; the rotation that takes the torso's axes to these three, in
-the least squares sense, is Wahba's problem, solved by a singular value decomposition (Kabsch; Markley 1988). The
-residuals of the directions give the uncertainty: the covariance of the attitude is the inverse of the Fisher
-information.
+The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
+between. The tracker measures the three directions. The rotation that maps the torso's axes to them in the least
+squares sense is Wahba's problem, solved by a singular value decomposition (Kabsch; Markley 1988). The residuals of the
+directions give the uncertainty: the covariance of the attitude is the inverse of the Fisher information.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ MOVES = ("forward", "left", "up")
 REST_SPEED_MPS = 0.04
 REST_S = 0.4
 LEAST_MOVE_M = 0.12
-MOST_CROOKED = 0.15  # RMS distance from the straight line, over the move's length
-MOST_UNSURE_DEG = 5.0
+MOST_CROOKED = 0.15  # RMS distance from the straight line, divided by the move's length
+MOST_UNSURE_DEG = 5.0  # standard error of the rotation
 SPEED_WINDOW_S = 0.1
 PARAMETERS = tuple(f"tracker_rotation_{axis}_rad" for axis in "xyz")
-DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles a direction, less the three of the rotation
+DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles per direction, minus the three of the rotation
 
 
 class CalibrationError(ToolError):
@@ -33,8 +32,8 @@ class CalibrationError(ToolError):
 
 @dataclass(frozen=True)
 class Move:
-    """A straight move between two rests. `direction`: unit, in the tracker's frame; `crooked`: RMS off the line, over
-    length."""
+    """A straight move between two rests. direction: unit vector in the tracker's frame. crooked: RMS distance from the
+    straight line, divided by the length."""
 
     direction: np.ndarray
     length_m: float
@@ -43,7 +42,7 @@ class Move:
 
 @dataclass
 class MoveDetector:
-    """Fed with positions, finds the moves between rests. Returns to where one came from count like any other."""
+    """Detects the moves between rests in a sequence of positions. A move back to the start counts as a move."""
 
     _times: list[float] = field(default_factory=list)
     _points: list[np.ndarray] = field(default_factory=list)
@@ -55,7 +54,7 @@ class MoveDetector:
         return self._rest_point is not None
 
     def feed(self, t_s: float, position_m: np.ndarray) -> Move | None:
-        """The move that ends with the rest that has now lasted long enough."""
+        """The move that ended with the present rest, once the rest has lasted REST_S. Otherwise None."""
         if self._times and t_s <= self._times[-1]:
             return None
         self._times.append(t_s)
@@ -80,7 +79,7 @@ class MoveDetector:
         self._times, self._points = self._times[start:], self._points[start:]
         self._rest_since = self._times[0]
         if before is None or np.linalg.norm(here - before) < LEAST_MOVE_M:
-            self._rest_point = here if before is None else before  # a slow creep adds up to no move
+            self._rest_point = here if before is None else before  # kept, so that slow drift adds up to a move
             return None
         return _move(before, here, path)
 
@@ -96,7 +95,8 @@ def _move(start: np.ndarray, end: np.ndarray, path: np.ndarray) -> Move:
 
 @dataclass(frozen=True)
 class Calibration:
-    """`rotation`: takes torso axes into the tracker's frame; `standard_error_deg`: of it, about its least sure axis."""
+    """rotation: maps torso axes to the tracker's frame. standard_error_deg: standard error of the rotation about its
+    most uncertain axis."""
 
     rotation: np.ndarray  # (3, 3)
     residual_deg: tuple[float, float, float]
@@ -104,12 +104,12 @@ class Calibration:
 
     @property
     def rotation_vector(self) -> np.ndarray:
-        """(3,) rad, of norm up to pi: the three parameters."""
+        """The three parameters: (3,) in rad, of norm up to pi."""
         return rotation_vector(self.rotation)
 
 
 def rotation_vector(rotation: np.ndarray) -> np.ndarray:
-    """Axis times angle."""
+    """The rotation vector (axis times angle) of a rotation matrix."""
     symmetric = (rotation + rotation.T) / 2
     skew = 0.5 * np.array(
         [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
@@ -118,7 +118,7 @@ def rotation_vector(rotation: np.ndarray) -> np.ndarray:
     angle = float(np.arctan2(sine, cosine))
     if sine > 1e-3 or cosine > 0.0:
         return skew * (angle / sine) if sine > 1e-12 else skew
-    # near half a turn the axis is the symmetric part's: R + R^T = 2 cos 1 + 2 (1 - cos) a a^T
+    # Near half a turn the symmetric part determines the axis a: R + R^T = 2 cos I + 2 (1 - cos) a a^T.
     axis = np.linalg.eigh(symmetric)[1][:, -1]
     axis = axis if axis @ skew >= 0.0 else -axis
     return axis * angle
@@ -135,7 +135,8 @@ def rotation_from_vector(vector: np.ndarray) -> np.ndarray:
 
 
 def solve(moves: Iterable[Move]) -> Calibration:
-    """From the moves forward, left and up. CalibrationError if they do not tell the rotation well enough."""
+    """Estimates the rotation from the moves forward, left and up. CalibrationError if they do not determine it well
+    enough."""
     moves = list(moves)
     if len(moves) != len(MOVES):
         raise CalibrationError(
@@ -144,12 +145,14 @@ def solve(moves: Iterable[Move]) -> Calibration:
     for name, move in zip(MOVES, moves):
         if move.crooked > MOST_CROOKED:
             raise CalibrationError(
-                f"the move {name} is crooked: {100 * move.crooked:.0f} % of its length off the line, expected {100 * MOST_CROOKED:.0f} % at most"
+                f"the move {name} is crooked: {100 * move.crooked:.0f} % of its length off the line, "
+                f"expected {100 * MOST_CROOKED:.0f} % at most"
             )
     directions = np.array([move.direction for move in moves])  # rows: images of x, y, z
     if np.linalg.det(directions) < 0.0:
         raise CalibrationError(
-            "the moves form a left-handed frame, expected a right-handed one: was one of them to the other side (right, back or down)?"
+            "the moves form a left-handed frame, expected a right-handed one: "
+            "was one of them in the opposite direction (right, back or down)?"
         )
     u, _, vt = np.linalg.svd(directions.T)
     rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
@@ -162,7 +165,7 @@ def solve(moves: Iterable[Move]) -> Calibration:
     if standard_error > MOST_UNSURE_DEG:
         off = ", ".join(f"{name} {angle:.0f}" for name, angle in zip(MOVES, result.residual_deg))
         raise CalibrationError(
-            f"too unsure: standard error {standard_error:.1f} degrees, expected {MOST_UNSURE_DEG:g} at most; "
-            f"the moves miss right angles (degrees off: {off})"
+            f"too uncertain: standard error {standard_error:.1f} degrees, expected {MOST_UNSURE_DEG:g} at most; "
+            f"the moves are not at right angles (degrees off: {off})"
         )
     return result

@@ -1,7 +1,7 @@
-"""Parses poses of a hand from lines of text, CSV or JSON, so that any tracker can be attached.
+"""Parses poses of a hand from lines of text, CSV or JSON, so that any tracker can be connected.
 
 CSV, separated by commas, semicolons or blanks, each with or without a leading time stamp in seconds:
-    x, y, z, qw, qx, qy, qz                  metres and a unit quaternion (order `wxyz`, or `xyzw` if asked for)
+    x, y, z, qw, qx, qy, qz                  metres and a unit quaternion (order `wxyz`, or `xyzw` as an option)
     3 x 4 or 4 x 4 numbers, row by row       a homogeneous matrix
 JSON, one object per line:
     {"t": s, "position": [x, y, z], "quaternion": [w, x, y, z]}    or    {"t": s, "matrix": [[...], ...]}
@@ -17,13 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 ORDERS = ("wxyz", "xyzw")
-UNIT_TOLERANCE = 1e-3  # the firmware's
-NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header's first name
-_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # numbers in a line: has a time stamp
+UNIT_TOLERANCE = 1e-3  # as in the firmware
+NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header line
+_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has a time stamp
 
 
 class Pose(NamedTuple):
-    """position_m, quaternion: in the tracker's frame. t_s: the tracker's own time, if the line has one."""
+    """position_m, quaternion: in the tracker's frame. t_s: time by the tracker's clock, if the line has one."""
 
     position_m: tuple[float, float, float]
     quaternion: tuple[float, float, float, float]  # w x y z
@@ -122,7 +122,8 @@ def parse(line: str, order: str = "wxyz") -> Pose | None:
             raise ValueError(f"'{word[:40]}' is not finite")
     if len(numbers) not in _COUNTS:
         raise ValueError(
-            f"{len(numbers)} numbers, expected 7 (position, quaternion), 12 or 16 (matrix), or one more with a time stamp before"
+            f"{len(numbers)} numbers, expected 7 (position, quaternion) or 12 or 16 (matrix), "
+            "and one more for a leading time stamp"
         )
     t_s = numbers.pop(0) if _COUNTS[len(numbers)] else None
     if len(numbers) == 7:

@@ -1,8 +1,9 @@
 """Compiles the firmware into the extension module ``comanip._core``.
 
-Run as ``python -m comanip_dev.build_core --generated DIR --build-dir DIR --cflags FLAGS``, after comanip_dev.codegen has
-written the generated CAN sources. The declarations that Python sees are the real headers, preprocessed, so that they cannot
-drift; cffi compares every struct's layout with the compiler's when the module is used.
+Run as ``python -m comanip_dev.build_core --generated DIR --build-dir DIR --cflags FLAGS``, after comanip_dev.codegen
+has written the generated CAN sources. The declarations for Python are the preprocessed headers of the firmware, not a
+copy that could differ from them. cffi compares the layout of every struct with the compiler's when the module is
+loaded.
 """
 
 from __future__ import annotations
@@ -40,19 +41,19 @@ def run(command: list[str]) -> str:
 
 
 def core_sources() -> list[Path]:
-    """All of the firmware but its entry, which needs a HAL; then the loops for Python around it."""
+    """The firmware without main.c, which needs a HAL, and the C sources of the binding."""
     return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 
 def umbrella(sources: list[Path]) -> str:
-    """Includes the header of each source that has one of its own."""
+    """Includes the header of each source that has one."""
     headers = [source.with_suffix(".h") for source in sources]
     return "".join(f'#include "{header}"\n' for header in headers if header.is_file())
 
 
 def preprocessed(includes: str, folder: Path, *options: str) -> str:
-    """The headers as the compiler sees them, for cffi: without the standard ones, whose types it knows by itself, and with inline
-    functions declared as others are, for it knows no bodies."""
+    """The preprocessed headers for cffi: without the standard headers, whose types cffi knows, and with declarations in
+    place of inline functions, because cffi does not parse bodies."""
     source = folder / "umbrella.c"
     source.write_text(includes)
     no_headers = folder / "no_headers"
@@ -64,7 +65,7 @@ def preprocessed(includes: str, folder: Path, *options: str) -> str:
 
 
 def declarations(includes: str, generated: Path, build_dir: Path) -> str:
-    """What cffi shall know: the headers, and their numeric constants."""
+    """The declarations for cffi: the headers and their numeric constants."""
     text = preprocessed(includes, build_dir, f"-I{generated}", "-P")
     macros = preprocessed(includes, build_dir, f"-I{generated}", "-dM", "-undef")
     integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
@@ -75,7 +76,7 @@ def declarations(includes: str, generated: Path, build_dir: Path) -> str:
 
 
 def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path = PACKAGE) -> Path:
-    """The module in `folder`. SystemExit if something does not compile."""
+    """Builds the module in `folder`. SystemExit if something does not compile."""
     if not (generated / "comanip_dbc.c").is_file():
         raise SystemExit(
             f"build_core: {generated}/comanip_dbc.c is missing: run python -m comanip_dev.codegen {generated} first"
@@ -92,7 +93,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path 
         ffi.emit_c_code(str(module))
 
     strict = [*compiler(), *core_flags, *SHARED, f"-I{generated}"]
-    common = [flag for flag in strict if not flag.startswith("-W")]  # generated code is not ours to mend
+    common = [flag for flag in strict if not flag.startswith("-W")]  # generated code may cause warnings
     python_headers = {f"-I{sysconfig.get_path(key)}" for key in ("include", "platinclude")}
     jobs = [(strict, source) for source in sources]
     jobs += [(common, generated / "comanip_dbc.c"), ([*common, *sorted(python_headers)], module)]
@@ -109,7 +110,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path 
     library = folder / "_core.abi3.so"
     unfinished = build_dir / library.name
     run([*compiler(), "-shared", *objects, "-o", str(unfinished)])
-    # Replaced in one step: a process that runs the old one keeps it.
+    # Replaced atomically: a process that has loaded the old module keeps it.
     temporary = library.with_suffix(".tmp")
     temporary.write_bytes(unfinished.read_bytes())
     temporary.replace(library)
@@ -118,11 +119,9 @@ def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Compiles the firmware into the Python module comanip._core.")
-    parser.add_argument("--generated", type=Path, required=True, help="where codegen.py wrote its sources")
-    parser.add_argument("--build-dir", type=Path, required=True, help="for objects and intermediate files")
-    parser.add_argument(
-        "--cflags", required=True, help="how the firmware is compiled: standard, optimisation, warnings"
-    )
+    parser.add_argument("--generated", type=Path, required=True, help="folder of the sources that codegen.py wrote")
+    parser.add_argument("--build-dir", type=Path, required=True, help="folder for objects and intermediate files")
+    parser.add_argument("--cflags", required=True, help="compiler flags: standard, optimisation, warnings")
     arguments = parser.parse_args()
     build(arguments.generated.resolve(), arguments.build_dir.resolve(), shlex.split(arguments.cflags))
 

@@ -1,23 +1,23 @@
-"""Generates the firmware's C from the schema, firmware/schema/: frames, parameters and tasks.
+"""Generates C sources of the firmware from the schema, firmware/schema/: frames, parameters and tasks.
 
-Run as ``python -m comanip_dev.codegen OUT_DIR``. SystemExit names what does not match. Writes:
+Run as ``python -m comanip_dev.codegen OUT_DIR``. SystemExit names an inconsistency of the schema. Writes:
 
 ``comanip_dbc.h/.c``
-    cantools' structs with pack/unpack of *raw integers*. Its encode, decode and range functions are left out: they
-    convert out-of-range floats (undefined behaviour in C) and pull in double arithmetic; comanip_messages scales and
-    checks ranges instead. Packing writes each byte once, instead of zeros first. The generation date is dropped, so
-    that a build is reproducible.
+    cantools' structs, with pack and unpack functions for *raw integers*. cantools' encode, decode and range functions
+    are removed: they convert out-of-range floats (undefined behaviour in C) and need double arithmetic.
+    comanip_messages scales and checks ranges instead. Packing writes each byte once, instead of clearing the payload
+    first. The generation date is removed, so that the build is reproducible.
 ``comanip_schema.h``
     what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
     one X-macro row per frame, for CAN FD and for classic CAN.
 ``comanip_messages.h/.inc``, ``comanip_classic.inc``, ``comanip_parameters.h``, ``comanip_tasks.h``
     see messages.py, classic.py, tables.py.
 ``comanip_identity.h``
-    what FirmwareIdentity tells: 64 bits of SHA-256 over the firmware's sources and the schema (the same sources have the
-    same hash on the host and on every target), and a version and a hash of what a replay depends on.
+    the contents of FirmwareIdentity: 64 bits of SHA-256 over the firmware's sources and the schema (the same sources
+    give the same hash on the host and on every target), and a version and a hash of what a replay depends on.
 
-``python -m comanip_dev.codegen --schema`` brings the rows of comanip.dbc that repeat parameters and tasks up to date (``make
-schema``). A file that would not change is left alone, so that make rebuilds only what it must.
+``python -m comanip_dev.codegen --schema`` (``make schema``) updates the rows of comanip.dbc that repeat parameters and
+tasks. An unchanged file is not rewritten, so that make rebuilds only what depends on changes.
 """
 
 from __future__ import annotations
@@ -46,16 +46,15 @@ UNWANTED = r"(?:init|encode|decode|is_in_range|is_in_phys_range)"
 
 
 def drop_unwanted_functions(text: str) -> str:
-    """Removes declarations and definitions of every function but pack and unpack, each with its doc comment."""
+    """Removes declarations and definitions of all functions except pack and unpack, with their doc comments."""
     signature = rf"(?:/\*\*(?:(?!\*/).)*?\*/\n)?(?:int|bool|double|int\d+_t|uint\d+_t) comanip_\w+_{UNWANTED}\([^)]*\)"
     text = re.sub(signature + r"\n\{\n.*?\n\}\n", "", text, flags=re.DOTALL)
     return re.sub(signature + r";\n", "", text, flags=re.DOTALL)
 
 
 def write_each_byte_once(text: str) -> str:
-    """Packing begins with zeros in all bytes, into which each signal is ored: the first of a byte is written instead.
-
-    For straight-line code, which it is unless signals are multiplexed."""
+    """cantools' packing clears all bytes and combines each signal with OR. This replaces the first OR of a byte by an
+    assignment. It requires straight-line code, so messages with multiplexed signals are refused."""
 
     def rewritten(match: re.Match) -> str:
         body, seen = match["body"], set()
@@ -75,15 +74,15 @@ def write_each_byte_once(text: str) -> str:
     return re.sub(whole, rewritten, text, flags=re.DOTALL)
 
 
-RAW_MAX = 2**23  # quantise() in firmware/protocol/messages.c: adds half in float32
+RAW_MAX = 2**23  # quantise() in firmware/protocol/messages.c adds 0.5 in float32
 
 
 def names_by_value(signal) -> str:
-    """Designated initialisers of an array of strings: the value table of an enumerated signal."""
+    """The value table of an enumerated signal as designated initialisers of an array of strings."""
     return ", ".join(f'[{value}] = "{name}"' for value, name in sorted(signal.choices.items()))
 
 
-# ---- what must match
+# ---- consistency of the schema
 
 
 def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
@@ -96,31 +95,31 @@ def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
     reference = layouts[prefix + "0"]
     for name, layout in layouts.items():
         if layout != reference:
-            raise SystemExit(f"codegen: {name} has another layout than {prefix}0: one codec serves all eight")
+            raise SystemExit(f"codegen: {name}: expected the layout of {prefix}0, because one codec serves all eight")
 
 
 def check_joints_are_scaled_alike(message: Message) -> None:
-    """One loop serves the joints' signals NAME_0_UNIT..NAME_7_UNIT of JointCmd."""
+    """One loop serves the signals NAME_0_UNIT..NAME_7_UNIT of JointCmd, so they must have the same scale and length."""
     scaling: dict[str, tuple] = {}
     for signal in message.signals:
         own = (signal.length, signal.is_signed, signal.scale)
         if scaling.setdefault(re.sub(r"_\d(?=_|$)", "", signal.name), own) != own:
-            raise SystemExit(f"codegen: {message.name}: {signal.name} is scaled otherwise than joint 0's")
+            raise SystemExit(f"codegen: {message.name}.{signal.name}: expected the length and scale of joint 0")
 
 
 def check_classic_tables(messages: list[Message]) -> None:
-    """A signal of the same name has the same value table in either profile."""
+    """A signal must have the same value table in both profiles."""
     parts = classic_codec.parts_of(messages)
     for message in messages:
         own = {signal.name: signal.choices for signal in message.signals if signal.choices}
         for part in parts.get(message.name, []):
             for signal in part.signals:
                 if signal.name in own and signal.choices != own[signal.name]:
-                    raise SystemExit(f"codegen: {part.name}.{signal.name}: another value table than {message.name} has")
+                    raise SystemExit(f"codegen: {part.name}.{signal.name}: expected the value table of {message.name}")
 
 
 def check_readers(messages: list[Message]) -> None:
-    """Each frame has a sender and a receiver among the DBC's nodes."""
+    """Each frame must have a sender and a receiver among the DBC's nodes."""
     for message in messages:
         if not message.senders or not message.receivers:
             raise SystemExit(
@@ -129,7 +128,7 @@ def check_readers(messages: list[Message]) -> None:
 
 
 def check_trace(messages: list[Message]) -> None:
-    """TickTrace has the counter of every frame that the firmware receives, in the order of the bits of `received`."""
+    """TickTrace must have the counter of every frame that the firmware receives, and `received` one bit for each."""
     trace = next(message for message in messages if message.name == "TickTrace")
     counters = [s.name for s in trace.signals if s.name.endswith("_counter") and not s.name.startswith("e2e_")]
     expected = [trace_counter(message) for message in to_firmware(messages)]
@@ -140,12 +139,13 @@ def check_trace(messages: list[Message]) -> None:
 
 
 def to_firmware(messages: list[Message]) -> list[Message]:
-    """Those of CAN FD."""
+    """The messages of CAN FD that the firmware receives."""
     return [m for m in messages if "Firmware" in m.receivers and not m.name.startswith(CLASSIC)]
 
 
 def trace_counter(message: Message) -> str:
-    """hand_pose_counter; joint_state_3_counter of JointState3."""
+    """The name of a message's counter in TickTrace, such as hand_pose_counter, or joint_state_3_counter for
+    JointState3."""
     return re.sub(r"(\D)(\d)$", r"\1_\2", camel_to_snake_case(message.name)) + "_counter"
 
 
@@ -166,7 +166,7 @@ def x_macro(name: str, rows: list[str]) -> list[str]:
 
 
 def trace_rows(messages: list[Message]) -> list[str]:
-    """In the order of the counters in TickTrace, which is that of the bits in `received`."""
+    """The rows in the order of the counters in TickTrace, which is that of the bits in `received`."""
     trace = next(message for message in messages if message.name == "TickTrace")
     by_counter = {trace_counter(m): m for m in to_firmware(messages)}
     rows = []
@@ -185,7 +185,7 @@ def received_rows(messages: list[Message]) -> list[str]:
 
 
 def multipart_rows(messages: list[Message]) -> list[str]:
-    """Messages that have several frames on classic CAN."""
+    """The messages that have several frames on classic CAN."""
     long = [name for name, parts in classic_codec.parts_of(messages).items() if len(parts) > 1]
     return [f"    KIND({camel_to_snake_case(name).upper()}, {i})" for i, name in enumerate(long)]
 
@@ -202,16 +202,18 @@ def schema_header(database) -> str:
         " *       whether the firmware receives it) */",
         *x_macro("COMANIP_FRAMES(FRAME)", frame_rows(fd)),
         *x_macro("COMANIP_CLASSIC_FRAMES(FRAME)", frame_rows(classic)),
-        "/* RECEIVED(NAME, its struct less _t): frames that the firmware receives */",
+        "/* RECEIVED(NAME, name of its struct without _t): frames that the firmware receives */",
         *x_macro("COMANIP_RECEIVED(RECEIVED)", received_rows(database.messages)),
-        "/* COUNTER(NAME, member of tick_trace_t): frames that the firmware receives, in the order of TickTrace.received */",
+        "/* COUNTER(NAME, member of tick_trace_t): frames that the firmware receives, in the order of",
+        " * TickTrace.received */",
         *x_macro("COMANIP_TRACED(COUNTER)", trace_rows(database.messages)),
         "/* KIND(NAME, index): messages that have several frames on classic CAN */",
         *x_macro("COMANIP_MULTIPART(KIND)", multipart_rows(database.messages)),
         f"#define COMANIP_MULTIPART_COUNT {len(multipart_rows(database.messages))}",
         "",
-        "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw within RAW_MIN..RAW_MAX. Plain counts have none.",
-        " * NAMES: initialisers of an array of an enumerated signal's names. BYTE: of 4 bytes the first, or that of a flag. */",
+        "/* Physical value = raw * RESOLUTION = raw / PER_UNIT; raw is within RAW_MIN..RAW_MAX. Signals of scale 1",
+        " * have none of these. NAMES: initialisers of an array with the names of an enumerated signal. BYTE: index of",
+        " * the first byte of a 32-bit signal, or of the byte with a flag. */",
     ]
     for message in database.messages:
         for signal in message.signals:
@@ -241,8 +243,8 @@ def schema_header(database) -> str:
 
 
 def trace_hash(database) -> int:
-    """32 bits of SHA-256 over what a replay depends on: the version of the trace's meaning, and the layouts of TickTrace
-    and of the frames that the firmware receives, on CAN FD and classic CAN."""
+    """32 bits of SHA-256 over what a replay depends on: the trace version, and the layouts of TickTrace and of the
+    frames that the firmware receives, on CAN FD and classic CAN."""
     parts = classic_codec.parts_of(database.messages)
     names = [m.name for m in to_firmware(database.messages)] + ["TickTrace"]
     names += [part.name for name in names for part in parts.get(name, [])]
@@ -303,7 +305,7 @@ def check(database) -> None:
 
 
 def main(out_dir: Path, schema: Path = SCHEMA) -> None:
-    """Writes the sources into out_dir. SystemExit says what does not match."""
+    """Writes the sources into out_dir. SystemExit names an inconsistency of the schema."""
     try:
         all_parameters, all_tasks = parameters.read(schema / "parameters.toml"), tasks.read(schema / "tasks.toml")
     except ToolError as error:
@@ -311,7 +313,8 @@ def main(out_dir: Path, schema: Path = SCHEMA) -> None:
     dbc = (schema / "comanip.dbc").read_text()
     if tables.dbc_with_tables(dbc, all_parameters, all_tasks) != dbc:
         raise SystemExit(
-            f"codegen: {schema}/comanip.dbc has other parameters or tasks than parameters.toml and tasks.toml: make schema"
+            f"codegen: {schema}/comanip.dbc: the names or ranges differ from parameters.toml or tasks.toml: "
+            "update it with `make schema`"
         )
     database = cantools.database.load_string(dbc, "dbc")
     check(database)
@@ -330,7 +333,7 @@ def main(out_dir: Path, schema: Path = SCHEMA) -> None:
 
 
 def update_schema(schema: Path = SCHEMA) -> None:
-    """Writes the rows of comanip.dbc that repeat parameters and tasks."""
+    """Updates the rows of comanip.dbc that repeat parameters and tasks."""
     path = schema / "comanip.dbc"
     try:
         own = parameters.read(schema / "parameters.toml"), tasks.read(schema / "tasks.toml")

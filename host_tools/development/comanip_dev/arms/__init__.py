@@ -1,1 +1,1 @@
-"""From the description of an arm to its table and kinematics in C (``make arms``)."""
+"""Generates an arm's table and kinematics in C from its description (``make arms``)."""

@@ -1,8 +1,9 @@
-"""``make arms``: from each firmware/arms/NAME.toml the arm's table with its forward kinematics, firmware/arms/NAME.[ch], and
-its inverse kinematics, firmware/control/arms/NAME_ik.[ch], both written out for just this arm.
+"""``make arms``: generates the C sources of each arm from its description, firmware/arms/NAME.toml.
 
-Run as ``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]``; what it writes to ROOT/arms and ROOT/control/arms is
-committed.
+firmware/arms/NAME.[ch] hold the arm's table and its forward kinematics, firmware/control/arms/NAME_ik.[ch] its inverse
+kinematics, both as straight-line code for this arm. The generated files are committed.
+
+Run as ``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]``; the files go to ROOT/arms and ROOT/control/arms.
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ def pose(p: Pose) -> str:
     return f"{{{{{numbers(p.rotation)}}}, {{{numbers(p.translation_m)}}}}}"
 
 
-def made_from(arm: Arm) -> str:
+def generated_from(arm: Arm) -> str:
     return f"/* Made by `make arms` from {arm.name}.toml: edit that. */"
 
 
 def header(arm: Arm, name: str, room: str, include: str, declaration: str) -> str:
     guard = f"COMANIP_{room}_{name.upper()}_H"
     return "\n".join([
-        f"/* {arm.title} */", made_from(arm), f"#ifndef {guard}", f"#define {guard}", "",
+        f"/* {arm.title} */", generated_from(arm), f"#ifndef {guard}", f"#define {guard}", "",
         f'#include "{include}"', "", declaration, "", "#endif", "",
     ])  # fmt: skip
 
@@ -49,14 +50,15 @@ def table_source(arm: Arm) -> str:
         for fixed, limits, jerk in zip(arm.fixed, arm.range_rad, arm.jerk_max_radps3, strict=True)
     ]
     return "\n".join([
-        made_from(arm), "/* clang-format off */", f'#include "{arm.name}.h"', "",
+        generated_from(arm), "/* clang-format off */", f'#include "{arm.name}.h"', "",
         '#include "../maths/trigonometry.h"', "",
         f"static const arm_joint_t joints[{len(rows)}] = {{", *rows, "};", "",
         "/* arm_forward_kinematics() for this arm. */",
         "static pose_t forward_kinematics(const arm_t *arm, const float position_rad[]) {",
         *differential_ik.forward_kinematics(arm), "}", "",
         f"const arm_t arm_{arm.name} = {{",
-        f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},", "    .joints = joints,",
+        f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},",
+        "    .joints = joints,",
         f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,", "};", "",
     ])  # fmt: skip
 
@@ -68,7 +70,7 @@ def ik_header(arm: Arm) -> str:
 def ik_source(arm: Arm) -> str:
     isotropic = differential_ik.fewest_operations(arm)
     return "\n".join([
-        made_from(arm), "/* clang-format off */", f'#include "{arm.name}_ik.h"', "",
+        generated_from(arm), "/* clang-format off */", f'#include "{arm.name}_ik.h"', "",
         f'#include "../../arms/{arm.name}.h"', '#include "../../maths/trigonometry_inline.h"',
         '#include "../position_priority_terms.h"', "",
         "/* The isotropic equations, for joints_at_limit_solve(). */", *isotropic.at_limit, "",
@@ -86,7 +88,8 @@ def ik_source(arm: Arm) -> str:
 
 
 def files(path: Path) -> dict[Path, str]:
-    """What is written for ROOT/arms/NAME.toml: each file with its text. ArmError, OSError: the description cannot be read."""
+    """The text of each generated file for ROOT/arms/NAME.toml. ArmError or OSError if the description cannot be
+    read."""
     arm = read(path)
     ik = path.parent.parent / "control" / "arms" / f"{path.stem}_ik"
     return {

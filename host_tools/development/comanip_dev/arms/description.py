@@ -1,6 +1,9 @@
-"""An arm as firmware/arms/NAME.toml describes it, in modified DH: frames from the torso to the hand, each
-Rot_x(alpha) Trans_x(a) Trans_z(d) Rot_z(theta); one with a range is a joint, which adds its angle to theta. Lengths in m, angles in
-degrees."""
+"""Reads the description of an arm, firmware/arms/NAME.toml.
+
+The description uses modified DH parameters. It lists the frames from the torso to the end effector, each
+Rot_x(alpha) Trans_x(a) Trans_z(d) Rot_z(theta). A frame with a range is a joint: the joint's angle is added to theta.
+Lengths are in m, angles in degrees.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = (
-    8,
-    8.0,
-    32.0,
-    100.0,
-)  # arm_check() in firmware/arms/arm.c
-JERK_RADPS3 = (1e3, 1e6)  # arm_check(), too
+# The limits of arm_check() in firmware/arms/arm.c.
+JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = 8, 8.0, 32.0, 100.0
+JERK_RADPS3 = (1e3, 1e6)
 JERK_DEFAULT_RADPS3 = 1e4
 LENGTHS, ANGLES = ("a_m", "d_m"), ("alpha_deg", "theta_deg")
 JOINT_KEYS = {"range_deg", "jerk_max_radps3"}
@@ -28,12 +27,12 @@ ARM_KEYS = {"name", "id", "velocity_max_radps", "frame", *OPTIONAL_KEYS}
 
 
 class ArmError(ValueError):
-    """A line that names the file, the value and what was expected."""
+    """The description is wrong. The message is one line with the file, the value and what was expected."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """rotation: (4,) unit, w first; matrix: the same, (3, 3); translation_m: (3,)."""
+    """rotation: unit quaternion (4,), w first. matrix: the same rotation, (3, 3). translation_m: (3,)."""
 
     rotation: np.ndarray
     translation_m: np.ndarray
@@ -61,8 +60,8 @@ def turn(axis: Sequence[float], angle_deg: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Arm:
-    """twist: from the previous joint's moving frame (the torso for the first) to the joint, but for the offset of its angle;
-    effector: from the last to the hand."""
+    """twist: pose from the moving frame of the previous joint (for the first joint: the torso) to the joint, without
+    the offset of its angle. effector: pose from the last joint to the end effector."""
 
     name: str
     id: int
@@ -76,7 +75,7 @@ class Arm:
 
     @property
     def fixed(self) -> list[Pose]:
-        """With the offset, so that the joint only adds its angle."""
+        """The twists including the offsets, so that each joint only adds its angle."""
         return [twist * about_z(offset) for twist, offset in zip(self.twist, self.offset_deg, strict=True)]
 
 
@@ -99,16 +98,16 @@ def _range_rad(place: str, value: object, margin_deg: float) -> tuple[float, flo
     if not isinstance(value, list) or len(value) != 2:
         raise ArmError(f"{place}: {value!r}: expected two numbers, the lowest and the highest angle")
     most = math.degrees(POSITION_MAX_RAD)
-    low, high = (_number(place, end, -most - margin_deg, most + margin_deg) for end in value)
+    low, high = (_number(place, limit, -most - margin_deg, most + margin_deg) for limit in value)
     if not low + margin_deg < high - margin_deg:
         raise ArmError(
-            f"{place}: {value!r}: expected the lower end first, and room for the margin of {margin_deg:g} at both"
+            f"{place}: {value!r}: expected the lower limit first, and a range above twice the margin of {margin_deg:g}"
         )
     return math.radians(low + margin_deg), math.radians(high - margin_deg)
 
 
 def _load(path: Path) -> tuple[dict, str]:
-    """The description, and its first line as a title."""
+    """(description, title); the title is the file's first line."""
     try:
         text = path.read_text()
         description = tomllib.loads(text)
@@ -125,13 +124,13 @@ def _check_keys(place: str, found: object, known: set[str]) -> None:
 
 
 def read(path: Path) -> Arm:
-    """The arm that a file describes; ArmError for what is missing, unknown or out of range in it."""
+    """Reads the arm that a file describes. ArmError if something is missing, unknown or out of range."""
     description, title = _load(path)
     _check_keys(str(path), description, ARM_KEYS)
     if missing := ARM_KEYS - OPTIONAL_KEYS - set(description):
         raise ArmError(f"{path}: {min(missing)} is missing")
     if description["name"] != path.stem or not path.stem.isidentifier():
-        raise ArmError(f"{path}: name: {description['name']!r}: expected the file's own, an identifier of C")
+        raise ArmError(f"{path}: name: {description['name']!r}: expected the file's name, a C identifier")
     frames = description["frame"]
     if not isinstance(frames, list):
         raise ArmError(f"{path}: frame: {frames!r}: expected a list of tables, [[frame]]")
@@ -152,7 +151,7 @@ def read(path: Path) -> Arm:
             reached = Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
         else:
             if "jerk_max_radps3" in frame:
-                raise ArmError(f"{place}: jerk_max_radps3: of a frame without a range_deg, which is no joint")
+                raise ArmError(f"{place}: jerk_max_radps3: expected in joints only (frames with a range_deg)")
             reached = reached * about_z(angles["theta_deg"])
     if not 1 <= len(twists) <= JOINTS_MAX:
         raise ArmError(f"{path}: {len(twists)} joints (frames with a range_deg), expected 1 to {JOINTS_MAX}")

@@ -1,8 +1,10 @@
-"""Law (4), and the hand's pose, written out for one arm, as the lines of C functions.
+"""Generates differential inverse kinematics (equation (4)) and forward kinematics of one arm, as the lines of C
+functions.
 
-The law is that of firmware/control/differential_ik_isotropic.c: errors and the joints' axes may be seen from any frame, as rotations change
-neither J^T W J nor J^T W K e. Here it is seen from the frame of one of the arm's joints in the middle, where the axes are constant or
-depend on few joints; that joint is chosen for which the fewest operations remain. Joints turn about z.
+The equations are those of firmware/control/differential_ik_isotropic.c. Errors and joint axes may be expressed in any
+frame, because rotations change neither J^T W J nor J^T W K e. Here they are expressed in the frame of one of the middle
+joints, where the axes are constant or depend on few joints. The generator tries every joint and keeps the one with the
+fewest operations. Joints turn about z.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from comanip_dev.arms.straight_line import ONE, ZERO, Block, Term, Vector, liter
 Quaternion = list[Term]
 
 
-# ---- the same formulas for numbers and for what is known at run time only
+# ---- formulas on terms, which are constants or variables of the C code
 
 
 def constants(numbers: np.ndarray) -> list[Term]:
@@ -50,7 +52,7 @@ def conjugate(q: Quaternion) -> Quaternion:
 
 @dataclass
 class Joint:
-    """Cosine and sine of the angle, and of half of it."""
+    """Cosine and sine of a joint's angle and of half the angle."""
 
     cosine: Term
     sine: Term
@@ -58,7 +60,7 @@ class Joint:
     half_sine: Term
 
     def turned(self, block: Block, v: Vector, sign: int = 1) -> Vector:
-        """Rot_z(angle) v, or with the sign of -1 Rot_z(-angle) v."""
+        """Rot_z(angle) v, or Rot_z(-angle) v if sign is -1."""
         sine = self.sine if sign > 0 else -self.sine
         x = block.add(block.multiply(self.cosine, v[0]), -block.multiply(sine, v[1]))
         y = block.add(block.multiply(sine, v[0]), block.multiply(self.cosine, v[1]))
@@ -70,7 +72,8 @@ class Joint:
 
 
 def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> list[Joint]:
-    """From the variables of the C code that are sine and cosine of half the angle, as measured: without the joint's offset."""
+    """The joints, from the C variables for the sine and cosine of half the measured angle (without the joint's
+    offset)."""
     joints = []
     for offset_deg, sine, cosine in zip(
         arm.offset_deg, (Term(1.0, s) for s in sines), (Term(1.0, c) for c in cosines), strict=True
@@ -82,7 +85,7 @@ def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> l
 
 
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
-    """Cosine and sine of the angle that is `angle_deg` further."""
+    """Cosine and sine of the angle plus `angle_deg`."""
     c, s = constants([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
     return [
         block.add(block.multiply(c, cosine), -block.multiply(s, sine)),
@@ -96,8 +99,9 @@ def rotated(block: Block, matrix: np.ndarray, v: Vector) -> Vector:
 
 @dataclass
 class Seen:
-    """The arm from the frame of joint `middle`: axes (n x 3), the way from each axis to the hand (n x 3), the hand (3), the
-    target (3), and the rotation from the hand to the target (4), all in this frame's axes."""
+    """The arm in the frame of joint `middle`: axes (n x 3), levers from each axis to the end effector (n x 3),
+    positions of the end effector (3) and of the target (3), and the rotation from the end effector to the target
+    (4)."""
 
     axes: list[Vector]
     levers: list[Vector]
@@ -109,7 +113,7 @@ class Seen:
 def to_middle(
     block: Block, arm: Arm, joints: list[Joint], middle: int, v: Vector, start: int, is_point: bool
 ) -> Vector:
-    """From the moving frame of joint start - 1 (the torso for 0) to the frame of joint `middle`, before that one turns."""
+    """Transforms from the moving frame of joint start - 1 (for 0: the torso) to the fixed frame of joint `middle`."""
     for i in range(start, middle + 1):
         if is_point:
             v = add(block, v, constants(-arm.twist[i].translation_m))
@@ -131,7 +135,8 @@ def see(
     n = len(arm.twist)
 
     def from_hand_side(v: Vector, end: int, is_point: bool) -> Vector:
-        """From the frame of joint `end` (before it turns; the hand for n) to the frame of joint `middle`."""
+        """Transforms from the fixed frame of joint `end` (for n: the end effector) to the fixed frame of joint
+        `middle`."""
         for i in range(end, middle, -1):
             pose = arm.twist[i] if i < n else arm.effector
             v = rotated(block, pose.matrix, v)
@@ -141,7 +146,7 @@ def see(
         return v
 
     def seen(v: Vector, joint: int, is_point: bool) -> Vector:
-        """From the frame of a joint before it turns, on either side."""
+        """Transforms from the fixed frame of a joint on either side of `middle`."""
         if joint >= middle:
             return from_hand_side(v, joint, is_point)
         return to_middle(block, arm, joints, middle, joints[joint].turned(block, v, -1), joint + 1, is_point)
@@ -152,7 +157,7 @@ def see(
     levers = [add(block, hand, [-x for x in point]) for point in points]
 
     def before(q: Quaternion) -> Quaternion:
-        """conj(rotation from the torso to the middle) q."""
+        """conj(r) q, where r is the rotation from the torso to the middle joint."""
         for i in range(middle + 1):
             q = quaternion_product(block, conjugate(constants(arm.twist[i].rotation)), q)
             if i < middle:
@@ -160,7 +165,7 @@ def see(
         return q
 
     def after(q: Quaternion) -> Quaternion:
-        """q conj(rotation from the middle to the hand)."""
+        """q conj(r), where r is the rotation from the middle joint to the end effector."""
         q = quaternion_product(block, q, conjugate(constants(arm.effector.rotation)))
         for i in range(n - 1, middle - 1, -1):
             q = quaternion_product(block, q, conjugate(joints[i].quaternion))
@@ -172,12 +177,12 @@ def see(
     return Seen(axes, levers, hand, to_middle(block, arm, joints, middle, target, 0, is_point=True), rotation)
 
 
-# ---- law (4)
+# ---- differential inverse kinematics, equation (4)
 
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
-    """What the two error frames differ in: g, and the error's parts with their pulls; see differential_ik_isotropic.c. What the
-    equations do not use, as with few joints, is left out."""
+    """The quantities that depend on the error frame: g, and the weighted parts of the error; see
+    differential_ik_isotropic.c. Those that the equations do not use, as for arms with few joints, are left out."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)
@@ -196,8 +201,10 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
     }
 
     torso = to_middle(in_torso, arm, joints, middle, [ZERO] * 3, 0, is_point=True)
-    target, hand = ([in_torso.whole(in_torso.multiply(half, in_torso.add(x, -o))) for x, o in zip(p, torso, strict=True)]
-                    for p in (seen.target, seen.hand))  # fmt: skip
+    target, hand = (
+        [in_torso.whole(in_torso.multiply(half, in_torso.add(x, -o))) for x, o in zip(p, torso, strict=True)]
+        for p in (seen.target, seen.hand)
+    )
     side = Term(1.0, "side")
     moved = add(in_torso, [in_torso.multiply(Term(1.0, "turn_w"), x) for x in target], cross(in_torso, target, turn))
     dual = add(in_torso, [in_torso.multiply(side, x) for x in moved], [-x for x in hand])
@@ -255,7 +262,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
 def assign(
     lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]
 ) -> str | None:
-    """first - a b - c d ...; without the products of which a factor is 0."""
+    """Assigns first - a b - c d ... to a new variable, without the products that have a factor 0. Returns its name."""
     terms = [f"{a} * {b}" for a, b in products if a and b]
     if not terms:
         return first
@@ -266,8 +273,8 @@ def assign(
 
 @dataclass
 class Factors:
-    """L D L^T of the normal equations, row by row; None: 0 by construction. The last two rows are solved as one block, with one division
-    instead of two; a block in the place of earlier rows costs accuracy."""
+    """The factors L D L^T of the normal equations, row by row; None means 0 by construction. The last two rows are
+    solved as one block, with one division instead of two. A block of earlier rows would be less accurate."""
 
     n: int
     eliminated: int  # rows, before the last two
@@ -301,7 +308,8 @@ def factorise(n: int, matrix: dict[tuple[int, int], Term], inverse: str = "1.0f 
 
 
 def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
-    """From the right-hand side, variables PULLS_0, PULLS_1, ..., to the array `speeds`. Variables on the way begin with the former's name."""
+    """Solves for the right-hand side in the variables PULLS_0, PULLS_1, ... and stores the result in the array
+    `speeds`. The names of intermediate variables begin with `pulls`."""
     lines: list[str] = []
     n, row, factor, eliminated = factors.n, factors.row, factors.factor, factors.eliminated
     pull = [f"{pulls}_{i}" for i in range(n)]
@@ -316,8 +324,8 @@ def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
     else:
         across = row[n - 1, n - 2]
         for i, other in ((n - 2, n - 1), (n - 1, n - 2)):
-            wanted = assign(lines, f"{pulls}_wanted_{i}", f"{row[other, other]} * {pull[i]}", [(across, pull[other])])
-            lines.append(f"    const float {speed[i]} = ({wanted}) * over;")
+            scaled = assign(lines, f"{pulls}_wanted_{i}", f"{row[other, other]} * {pull[i]}", [(across, pull[other])])
+            lines.append(f"    const float {speed[i]} = ({scaled}) * over;")
     for i in reversed(range(eliminated)):
         alone = f"{pull[i]} * inverse_{i}"
         if assign(lines, speed[i], alone, [(factor[k, i], speed[k]) for k in range(i + 1, n)]) == alone:
@@ -331,20 +339,21 @@ def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 
 
 def wrapped(items: list[str], begin: str, indent: str, end: str) -> list[str]:
-    """Four items a line, the first line after `begin`, the others indented."""
+    """Four items per line; the first line starts with `begin`, the others with `indent`."""
     rows = [", ".join(items[i : i + 4]) for i in range(0, len(items), 4)]
     begins = [begin, *[indent] * (len(rows) - 1)]
     return [f"{begin}{row}{',' if i < len(rows) - 1 else end}" for i, (begin, row) in enumerate(zip(begins, rows))]
 
 
 def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """The variables of the normal equations: the matrix's entries that are not 0 by construction, and the right-hand side."""
+    """The variables of the normal equations: the matrix's entries that are not 0 by construction, and the right-hand
+    side."""
     return [*(term.variable for term in matrix.values() if term.variable), *(f"right_{i}" for i in range(n))]
 
 
 def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """The equations, and their solution with joints at their limits. A function of its own, so that the code for no
-    joint at a limit need not keep the equations."""
+    """The struct of the equations, and the function that solves them with joints at their limits. It is a separate
+    function, so that the code without joints at limits need not store the equations."""
     names = unknown(n, matrix)
     lines = ["typedef struct {", *wrapped(names, "    float ", " " * 10, ";"), "} equations_t;", "",
              "static inline void solve(void *equations, float velocity_radps[]) {",
@@ -367,7 +376,8 @@ def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]
 
 
 def sines_and_cosines(n: int) -> list[str]:
-    """sine_cosine_inline() of the half angles, all joints at each step, so that each coefficient is loaded once: the same bits."""
+    """sine_cosine_inline() of the half angles. Each step is done for all joints, so that each coefficient is loaded
+    once. The results are bit-identical to those of sine_cosine_inline()."""
     joints = range(n)
     lines = [f"    const float half_{i} = 0.5f * position_rad[{i}];" for i in joints]
     lines.append(f"    float {', '.join(f'sine_{i}' for i in joints)}, {', '.join(f'cosine_{i}' for i in joints)};")
@@ -395,7 +405,8 @@ def sines_and_cosines(n: int) -> list[str]:
 
 @dataclass
 class Law:
-    """body: of differential_ik_isotropic() for the arm; at_limit: what it needs where joints are at their limits."""
+    """body: body of differential_ik_isotropic() for the arm. at_limit: the definitions that it needs for joints at
+    their limits."""
 
     body: list[str]
     at_limit: list[str]
@@ -403,15 +414,18 @@ class Law:
 
 def law(arm: Arm, middle: int, right_first: bool) -> Law:
     n = len(arm.twist)
-    lines = ["    const differential_ik_isotropic_t *const law = &config->isotropic;", "    const float *const position_rad = request->position_rad;",
-             "    const pose_t *const target = request->target;"]  # fmt: skip
+    lines = [
+        "    const differential_ik_isotropic_t *const law = &config->isotropic;",
+        "    const float *const position_rad = request->position_rad;",
+        "    const pose_t *const target = request->target;",
+    ]
     lines += sines_and_cosines(n)
     block = Block("m")
     joints = joints_of(block, arm, *([f"{part}_{i}" for i in range(n)] for part in ("sine", "cosine")))
     target = [Term(1.0, f"target->translation_m.{axis}") for axis in "xyz"]
     rotation = [Term(1.0, f"target->rotation.{axis}") for axis in "wxyz"]
     seen = see(block, arm, joints, target, rotation, middle, right_first)
-    scale = abs(seen.turn[0].factor)  # the rotation's, taken out where all its parts have the same
+    scale = abs(seen.turn[0].factor)  # a common factor of the rotation's components is taken out
     turn = [block.whole(Term(term.factor / scale, term.variable)) for term in seen.turn]
     equations, matrix = normal_equations(seen)
     difference = errors(arm, joints, middle, seen, equations)
@@ -432,11 +446,11 @@ def fewest_operations(arm: Arm) -> Law:
     return min(laws, key=lambda law: operations(law.body))
 
 
-# ---- the hand
+# ---- forward kinematics
 
 
 def forward_kinematics(arm: Arm) -> list[str]:
-    """Equation (3), from the hand towards the torso."""
+    """Equation (3), evaluated from the end effector towards the torso."""
     n = len(arm.twist)
     lines = ["    (void)arm;"]
     lines += [f"    const sine_cosine_t half_{i} = sine_cosine(0.5f * position_rad[{i}]);" for i in range(n)]

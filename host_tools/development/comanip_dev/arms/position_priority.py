@@ -1,7 +1,7 @@
-"""The law of firmware/control/position_priority.c, written out for one arm as the lines of a C function.
+"""Generates the equations of firmware/control/position_priority.c for one arm, as the lines of a C function.
 
-As with law (4) (differential_ik.py) errors, motion and axes are seen from the frame of one of the arm's joints in the middle, for which the fewest
-operations remain. Where joints stand at an end, position_priority_solve() solves the equations, for any arm.
+As in differential_ik.py, errors, motion and axes are expressed in the frame of the middle joint that needs the fewest
+operations. If joints are at their limits, position_priority_solve() solves the equations, as for any arm.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def scaled(block: Block, factor: Term, v: Vector) -> Vector:
 
 
 def task_damping(block: Block, moments: list[Vector]) -> list[Vector]:
-    """A = I + damping (J_p J_p^T + floor I)^-1, 3 x 3, by cofactors."""
+    """A = I + damping (J_p J_p^T + floor I)^-1, 3 x 3, computed by cofactors."""
     floor = Term(1.0, "POSITION_PRIORITY_TASK_FLOOR_M2")
     m = [[ZERO] * 3 for _ in range(3)]
     cofactor = [[ZERO] * 3 for _ in range(3)]
@@ -58,10 +58,11 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     whole_way = [block.add(t, -h) for t, h in zip(seen.target, seen.hand, strict=True)]
     distance = block.apply("__builtin_sqrtf({})", block.dot(whole_way, whole_way))
     way = scaled(block, block.apply("position_priority_share({})", distance), whole_way)
-    scale = abs(seen.turn[0].factor)  # taken out where all parts have the same
+    scale = abs(seen.turn[0].factor)  # a common factor of the rotation's components is taken out
     w, *vector = (Term(term.factor / scale, term.variable) for term in seen.turn)
     twice = literal(2.0 * scale)
-    side = block.apply(f"{{}} < 0.0f ? -{twice} : {twice}", w)  # target and -target are the same pose: the nearer one
+    # target and -target are the same pose: choose the nearer one
+    side = block.apply(f"{{}} < 0.0f ? -{twice} : {twice}", w)
     turn = scaled(block, side, vector)
     stiffness = block.apply("position_priority_stiffness({})", block.dot(turn, turn))
     weighted_stiffness = block.multiply(weight, stiffness)
@@ -74,13 +75,13 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     curvatures = [ZERO] * n
     for i, (axis, moment) in enumerate(zip(seen.axes, moments, strict=True)):
         limits = ", ".join(literal(limit) for limit in arm.range_rad[i])
-        out = block.apply(f"position_priority_margin({limits}, position_rad[{i}])")
-        pull = block.add(block.multiply(weight, block.dot(axis, turn)), block.multiply(weighted_stiffness, out))
+        margin = block.apply(f"position_priority_margin({limits}, position_rad[{i}])")
+        pull = block.add(block.multiply(weight, block.dot(axis, turn)), block.multiply(weighted_stiffness, margin))
         results[f"feedback_{i}"] = block.multiply(gain, block.add(block.dot(moment, way), pull))
         results[f"feedforward_{i}"] = block.add(
             block.dot(moment, velocity), block.multiply(weight, block.dot(axis, angular_velocity))
         )
-        damping.append(block.apply("position_priority_damping({}, {})", weighted_stiffness, out))
+        damping.append(block.apply("position_priority_damping({}, {})", weighted_stiffness, margin))
         damped = [block.dot(row, moment) for row in task]
         for j in range(i + 1):
             turned = block.multiply(weight, block.dot(axis, seen.axes[j]) if j < i else ONE)

@@ -1,1 +1,1 @@
-"""The bus as the DBC describes it: its documentation, its load and its response times."""
+"""Documentation, load and response times of the bus, computed from the DBC."""

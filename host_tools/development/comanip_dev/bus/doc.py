@@ -1,7 +1,7 @@
-"""docs/bus.md, written from comanip.dbc: ``python -m comanip_dev.bus.doc [FILE]`` writes the file, or prints it.
+"""Writes docs/bus.md from comanip.dbc: ``python -m comanip_dev.bus.doc [FILE]`` writes the file, or prints the text.
 
-The DBC is the only description of frames (ids, layouts, scales, periods, Data IDs); this module renders it. Frames
-that share a layout (JointState0..7) and signals that repeat per joint appear once.
+The DBC is the only description of frames (ids, layouts, scales, periods, Data IDs). Frames that share a layout
+(JointState0..7) and signals that repeat per joint appear once.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def signal_row(signal: Signal, is_repeated: bool) -> list[str]:
 
 
 def signal_rows(message: Message) -> list[list[str]]:
-    """A row per signal; signals that repeat per joint have one row, joint 0's, with N in the name."""
+    """One row per signal. Signals that repeat per joint have one row, that of joint 0, with N in the name."""
     names = [JOINT.sub("_N", signal.name) for signal in message.signals]
     rows = []
     for signal, name in zip(message.signals, names, strict=True):
@@ -171,7 +171,7 @@ def section(family: Sequence[Message]) -> list[str]:
 
 
 def markdown(database: cantools.database.Database, max_delta: int, classic_max_delta: int) -> str:
-    """The whole text. `max_delta`, `classic_max_delta`: the firmware's limits for E2E counters."""
+    """The whole text. max_delta, classic_max_delta: the firmware's limits for E2E counters."""
     fd = families(message for message in database.messages if not is_classic(message.name))
     classic = families(message for message in database.messages if is_classic(message.name))
     header = ("id", "frame", "bytes", "period", "timeout", "E2E Data ID", "sent by", "for")
@@ -186,7 +186,7 @@ def markdown(database: cantools.database.Database, max_delta: int, classic_max_d
 
 
 def max_delta(name: str) -> int:
-    """The macro's value in firmware/protocol/e2e.h: how far a counter may be ahead."""
+    """The value of a macro in firmware/protocol/e2e.h: the largest accepted step of a counter."""
     text = (REPOSITORY / "firmware" / "protocol" / "e2e.h").read_text()
     return int(re.search(rf"#define {name} (\d+)", text)[1])
 

@@ -1,7 +1,7 @@
 """Load and worst-case response times of the bus: ``python -m comanip_dev.bus.report [FILE]`` (``make bus-report``).
 
-Prints the worst case of each frame for 4, 6, 7 and 8 joints, CAN FD and classic, and marks those beyond their deadline.
-Also writes all of it to FILE (JSON). Exit status: 0, even if frames are late; 2 wrong use.
+Prints the worst case of each frame for 4, 6, 7 and 8 joints, CAN FD and classic CAN, and marks frames that miss their
+deadline. Also writes the results to FILE (JSON). Exit status: 0, even if frames are late; 2 wrong use.
 """
 
 from __future__ import annotations
@@ -50,9 +50,8 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class Row:
-    """Times in ms to the end of the frame. queued_ms: since it was queued. response_ms: since its event, which is the
-    tick for frames of firmware and drives, and the queueing for frames on events. None: unbounded, the bus is
-    overloaded."""
+    """Times in ms to the end of the frame. queued_ms: from its queueing. response_ms: from its event, which is the tick
+    for frames of firmware and drives, and the queueing for frames on events. None: unbounded, the bus is overloaded."""
 
     name: str
     id: int
@@ -68,7 +67,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Result:
-    """Loads assume the longest frames. late_at_boot: names of the frames that are late while those of the boot are
+    """Loads assume the longest frames. late_at_boot: names of the frames that are late while the boot frames are
     sent."""
 
     profile: str
@@ -120,7 +119,7 @@ def result(profile: Profile, joints: int) -> Result:
     )
 
 
-# ---- what is printed
+# ---- output
 
 
 def names(late: Sequence[str]) -> str:
@@ -133,7 +132,7 @@ def names(late: Sequence[str]) -> str:
 
 
 def overview(results: Sequence[Result]) -> Table:
-    table = Table(title="Load of the bus, and what comes too late in the worst case", title_justify="left")
+    table = Table(title="Bus load, and frames that are late in the worst case", title_justify="left")
     for header in ("profile", "joints", "load, all", "cyclic", "last joint state", "too late", "too late at boot"):
         table.add_column(header, justify="right" if header in ("joints", "load, all", "cyclic") else "left")
     for item in results:
@@ -151,7 +150,7 @@ def overview(results: Sequence[Result]) -> Table:
 
 
 def time_text(row: Row | None) -> str:
-    """The time; if it is late in colour, or with an exclamation mark where there is no colour."""
+    """The time, in red and with an exclamation mark if it is late."""
     if row is None:
         return ""
     text = "no bound" if row.response_ms is None else f"{row.response_ms:.3f}"
@@ -178,10 +177,8 @@ def show(results: Sequence[Result], console: Console) -> None:
     for profile in dict.fromkeys(item.profile for item in results):
         console.print()
         console.print(details([item for item in results if item.profile == profile]))
-    console.print(
-        "\nFrames count in their longest form over all payloads, with stuffing. Response: from the tick or the queueing"
-    )
-    console.print("to the end of the frame; ! marks what is late: after its period. Assumed:")
+    console.print("\nFrame durations are the longest over all payloads, with stuff bits. Response time: from the tick")
+    console.print("or the queueing to the end of the frame; ! marks frames that end after their period. Assumptions:")
     for line in ASSUMPTIONS:
         console.print(f"- {line}", highlight=False)
 

@@ -1,19 +1,23 @@
 """Worst-case response times on a CAN bus: non-preemptive fixed priorities.
 
-R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability analysis: refuted,
-revisited and revised. Real-Time Systems 35 (2007), over all instances of the busy period. Frames that answer others
-inherit their jitter from them, iterated to a fixed point (holistic analysis: K. Tindell, J. Clark, 1994).
+The method is that of R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability
+analysis: refuted, revisited and revised. Real-Time Systems 35 (2007), over all instances of the busy period. A frame
+that answers another inherits its jitter from that frame, iterated to a fixed point (holistic analysis: K. Tindell,
+J. Clark, 1994).
 
-Assumed: ids are priorities; each node offers its lowest id first; frames of two streams with one id delay each other;
-no errors. All times are whole nanoseconds.
+Assumptions: ids are priorities; each node offers its lowest id first; frames of two streams with the same id delay each
+other; there are no errors. All times are whole nanoseconds.
 
-An answer is not independent of the frame it answers, and the sum of both worst cases would count most frames twice. So
-if the answers to a frame are through before it is queued again, and no other frame comes between them in the order of
-priority, then from the start of the busy period on in which the asking frame is queued, all of them are sent once, as
-is what is queued together with it: while frames of higher priority wait, no earlier answer starts, and earlier answers
-could not be through if those had waited for a period. This bounds an answer that is queued while that busy period
-lasts. Otherwise the bus was free of these frames at some time between the end of the asking frame and the queueing of
-the answer, and a busy period without what was queued together with the asking frame bounds it.
+An answer depends on its request, the frame that it answers, so the sum of both worst cases would count most frames
+twice. A tighter bound holds if all answers to a request are sent before the next request is queued, and no other frame
+has a priority between theirs. There are two cases.
+
+The answer is queued within the busy period in which its request was queued. From the start of that busy period on, the
+request, its answers and the frames queued together with the request are each sent once. No earlier answer is sent in
+it: it could not start while frames of higher priority wait, and it was sent before the request was queued.
+
+The answer is queued later. Then the bus was idle at this priority at some time between the end of the request and the
+queueing of the answer, and a busy period without the frames that were queued together with the request bounds it.
 """
 
 from __future__ import annotations
@@ -21,19 +25,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-UNBOUNDED_NS = 10_000_000_000  # a response beyond is none
+UNBOUNDED_NS = 10_000_000_000  # a longer response time counts as unbounded
 
 
 @dataclass(frozen=True)
 class Stream:
-    """Frames of one kind. The n-th is queued `earliest_ns` to `earliest_ns + jitter_ns` after its event, the events are
-    `period_ns` or more apart. Jitter is also how frames on events come in bursts: with a period of 20 ms and a jitter
-    of 19 ms two are at least 1 ms apart, and in the long run one comes in 20 ms.
+    """Frames of one kind. Each is queued earliest_ns to earliest_ns + jitter_ns after its event; the events are
+    period_ns or more apart. Jitter also models bursts of frames on events: with a period of 20 ms and a jitter of 19 ms
+    two frames are at least 1 ms apart, and on average there is one in 20 ms.
 
-    `batch`: streams of one batch are queued at the same instants, those of one period always together. `one_of`: of the
-    streams with this name, alike in period and jitter, only one is sent at a time. `answers`: is queued
-    `answer_delay_ns` after the end of that frame; its event and period are that frame's, `earliest_ns` and `jitter_ns`
-    are then found by ``analyse``.
+    batch: streams of one batch are queued at the same instants; those with the same period are always queued together.
+    one_of: of the streams with this name, which have the same period and jitter, only one is sent at a time. answers:
+    name of the frame that this one answers: it is queued answer_delay_ns after the end of that frame and has its event
+    and period; `analyse` computes earliest_ns and jitter_ns.
     """
 
     name: str
@@ -51,15 +55,14 @@ class Stream:
 
 @dataclass(frozen=True)
 class Response:
-    """Times to the end of the frame, since it was queued and since its event. None: unbounded, the bus is
-    overloaded."""
+    """Times to the end of the frame, from its queueing and from its event. None: unbounded, the bus is overloaded."""
 
     queued_ns: int | None
     event_ns: int | None
 
 
 def load(streams: Sequence[Stream]) -> float:
-    """Bus load if all frames are their longest."""
+    """Bus load if all frames have their greatest length."""
     return sum(stream.longest_ns / stream.period_ns for stream in one_of_each(streams))
 
 
@@ -74,7 +77,8 @@ def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
 
 
 def analyse(streams: Sequence[Stream], bit_ns: int) -> dict[str, Response]:
-    """Responses by name. bit_ns: of the arbitration phase. KeyError if a stream answers one that does not exist."""
+    """Response times by name. bit_ns: bit time of the arbitration phase. KeyError if a stream answers an unknown
+    one."""
     known = {stream.name: Response(0, 0) for stream in streams}
     while True:
         by_name = {stream.name: stream for stream in streams}
@@ -108,12 +112,12 @@ def _response(streams: Sequence[Stream], stream: Stream, known: dict[str, Respon
 
 
 def _instances(stream: Stream, window_ns: int) -> int:
-    """Maximum number of instances queued in a window."""
+    """The greatest number of instances queued in a window."""
     return -(-(window_ns + stream.jitter_ns) // stream.period_ns)
 
 
 def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
-    """The shortest window that is as long as the work queued in it."""
+    """The shortest window that equals the work queued in it."""
     window_ns = start_ns
     while (needed_ns := work_ns(window_ns)) != window_ns:
         window_ns = needed_ns
@@ -121,8 +125,8 @@ def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
 
 
 def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int = 0) -> int:
-    """Time until a frame starts: base_ns of work, plus all of higher priority that is queued meanwhile, up to the bit
-    in which arbitration begins."""
+    """Time until a frame starts: base_ns of work, plus all frames of higher priority that are queued meanwhile, up to
+    the bit in which arbitration starts."""
     return _least_window(
         max(base_ns, at_least_ns),
         lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher),
@@ -149,7 +153,7 @@ def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit
 def _answer(
     stream: Stream, higher: Sequence[Stream], blocking_ns: int, known: dict[str, Response], bit_ns: int
 ) -> Response | None:
-    """The bound described at the top of this file; None where its conditions do not hold."""
+    """The bound for answers described at the top of this file, or None if its conditions do not hold."""
     asked = next((other for other in higher if other.name == stream.answers), None)
     if asked is None:
         return None
@@ -174,7 +178,7 @@ def _answer(
     connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)
 
     follows = [o for o in together if o.identifier > asked.identifier and o.shortest_ns >= stream.answer_delay_ns]
-    if follows:  # one more frame was queued with the asking one and comes after it: the busy period lasts
+    if follows:  # a frame queued with the request is sent after it, so the busy period lasts until the answer is queued
         return connected
     ends_ns = _waits(base_ns, [other for other in rest if other not in batch], bit_ns) + stream.longest_ns
     apart = Response(ends_ns, known[asked.name].event_ns + stream.answer_delay_ns + ends_ns)

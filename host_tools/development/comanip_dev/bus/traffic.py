@@ -1,7 +1,7 @@
-"""The traffic of the bus as streams for ``response_time``, from the DBC: CAN FD's frames, or those for classic CAN.
+"""The traffic of the bus as streams for ``response_time``, from the DBC: the frames of CAN FD, or those of classic CAN.
 
-What the DBC does not say is assumed here and printed by ``make bus-report``: how often frames on events come, how long
-the firmware computes, how fast a drive answers.
+The DBC does not contain the rate of frames on events, the computing time of the firmware, and the response time of the
+drives. They are assumed here and printed by ``make bus-report``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from comanip_dev.bus.response_time import Stream
 
 NS_PER_MS, NS_PER_US = 1_000_000, 1_000
 FD_TICK_MS, CLASSIC_TICK_MS = 1, 4
-FD_EVENT_TICKS, CLASSIC_EVENT_TICKS = 2, 1  # from one request to the next, in the long run
+FD_EVENT_TICKS, CLASSIC_EVENT_TICKS = 2, 1  # average interval between requests
 EVENT_DEADLINE_MS = 20
 DEFINE_MS = 100
 BOOT_MS = 1000
@@ -29,21 +29,22 @@ REQUEST, ACKNOWLEDGEMENT = "request", "acknowledgement"
 BOOT_ONLY = ("FirmwareIdentity", f"{CLASSIC}FirmwareIdentity", f"{CLASSIC}FirmwareBuild")
 OTHER_PARTS_OF_A_REQUEST = tuple(CLASSIC + part for part in ("TaskTranslation", "TaskRotation", "TaskInverse"))
 ASSUMPTIONS = (
-    "One operator, who waits for the acknowledgement, which takes a tick: requests are at least one tick apart, on CAN FD in the long"
-    f" run {FD_EVENT_TICKS}. Each of their frames is to arrive within {EVENT_DEADLINE_MS} ms.",
+    "There is one operator, who waits for each acknowledgement, which takes a tick. Requests are at least one tick"
+    f" apart, on CAN FD {FD_EVENT_TICKS} ticks on average. Each of their frames must arrive within"
+    f" {EVENT_DEADLINE_MS} ms.",
     f"The firmware queues its frames together, 0 to {COMPUTING_US} us after its tick.",
     f"Drives and gripper queue an answer {ANSWER_US} us after the end of the command.",
-    "Each node offers its lowest id first. No errors, hence no repetitions.",
-    "At boot: FirmwareIdentity, and one ParameterValue a tick until all are told.",
-    "On classic CAN drives answer the last joint's command, and of requests a TaskDefine, which has four parts, comes once in"
-    f" {DEFINE_MS} ms at most.",
+    "Each node offers its lowest id first. There are no errors, hence no retransmissions.",
+    "At boot the firmware sends FirmwareIdentity, and one ParameterValue per tick until it has sent all of them.",
+    "On classic CAN drives answer the last joint's command, and a TaskDefine, which has four parts, is sent at most"
+    f" once in {DEFINE_MS} ms.",
 )
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Frames of one kind: every `period_ms`, or on events, in the long run one in a period. `batch`, `one_of` and
-    `answers` as in Stream."""
+    """Frames of one kind: sent every period_ms, or on events, on average one per period. batch, one_of and answers: as
+    in Stream."""
 
     name: str
     identifier: int
@@ -52,7 +53,7 @@ class Frame:
     batch: str | None = None
     one_of: str | None = None
     answers: str | None = None
-    early_ms: int = 0  # one may come so much before its period is over
+    early_ms: int = 0  # a frame may be sent this much before its period has elapsed
 
     @property
     def is_cyclic(self) -> bool:
@@ -79,13 +80,14 @@ class Frame:
 
 
 def _number(name: str, kind: str) -> int | None:
-    """Which joint's frame it is."""
+    """The number of the frame's joint, or None."""
     found = re.fullmatch(rf"(?:{CLASSIC})?{kind}(\d)", name)
     return int(found[1]) if found else None
 
 
 def _messages(is_for_classic: bool) -> list[Message]:
-    """Those without frames of their own for classic CAN are the same on both, as the heartbeat."""
+    """The messages of a profile. A message without parts for classic CAN, such as the heartbeat, is in both
+    profiles."""
     return [
         message
         for message in database().messages
@@ -94,7 +96,7 @@ def _messages(is_for_classic: bool) -> list[Message]:
 
 
 def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
-    """All but what comes at boot only; of the joints' frames those of an arm with so many joints."""
+    """All frames of an arm with this number of joints, without those that are sent at boot only."""
     prefix, tick_ms = (CLASSIC, CLASSIC_TICK_MS) if is_for_classic else ("", FD_TICK_MS)
     event_ms = tick_ms * (CLASSIC_EVENT_TICKS if is_for_classic else FD_EVENT_TICKS)
     sync = f"{CLASSIC}JointCmd{joints - 1}" if is_for_classic else "JointCmd"
@@ -122,7 +124,7 @@ def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
 
 
 def _boot_frames(is_for_classic: bool) -> list[Frame]:
-    """What comes at boot, beside all others."""
+    """The frames that are sent at boot in addition to all others."""
     tick_ms = CLASSIC_TICK_MS if is_for_classic else FD_TICK_MS
     periods_ms = dict.fromkeys(BOOT_ONLY, BOOT_MS) | dict.fromkeys(
         ("ParameterValue", f"{CLASSIC}ParameterValue"), tick_ms

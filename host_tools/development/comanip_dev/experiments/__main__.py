@@ -1,10 +1,11 @@
 """Runs the paper's three experiments and the two further tasks of its Fig. 1 over many seeds and on recordings.
 
 ``python -m comanip_dev.experiments --seeds 20 --out DIR`` prints one table and writes DIR/experiments.json (each run's
-verdict and checks), DIR/laws.json, DIR/laws.md (our law beside the paper's own) and DIR/conditions.json (what is judged
-over all seeds of a condition together). Exit status: 0 all runs and conditions with our law passed, 1 one failed, 2
-wrong use, 130 interrupted; after 2 and 130 none of these files is written. Finished runs stay in DIR: when the same
-command is run again, it repeats only those whose program, scenario, recording or options have changed.
+verdict and checks), DIR/laws.json and DIR/laws.md (comparison of our control law with the paper's) and
+DIR/conditions.json (the verdicts over all seeds of a condition). Exit status: 0 all runs and conditions with our law
+passed, 1 one failed, 2 wrong use, 130 interrupted; after 2 and 130 none of these files is written. Finished runs stay
+in DIR: when the same command is run again, it repeats only those whose program, scenario, recording or options have
+changed.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
     for name in RESULT_FILES:
         (out / name).unlink(missing_ok=True)
     folder: Path = arguments.recordings
-    missing = None if folder.is_dir() else f"recordings not run: there is no folder {folder}"
+    missing = None if folder.is_dir() else f"recordings were not run: there is no folder {folder}"
     ours = seed_jobs(arguments.seeds, out) + (recording_jobs(folder, out) if missing is None else [])
     jobs = ours + paper_law_jobs(arguments.seeds, out)
 
@@ -79,13 +80,13 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
     parser.add_argument("--jobs", type=positive_integer, default=2, help="processes at a time (default 2)")
     parser.add_argument("--keep", action="store_true", help="keep each run's bus.log and trace.csv")
-    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the program to run")
+    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the simulator to run")
     return parser.parse_args(argv)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parse(argv)
-    again = "; the same command goes on from here"
+    again = "; run the same command again to continue"
     return guarded("comanip_dev.experiments", lambda: run_experiments(arguments, console()), again)
 
 

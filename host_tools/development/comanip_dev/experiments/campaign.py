@@ -20,16 +20,16 @@ SCENARIOS_FROM_SIMULATOR = "../../sim/scenarios"
 INPUTS_FILE = "inputs.sha256"
 RUN_TIMEOUT_S = 900.0
 POLL_S = 0.01
-END_S = 2.0  # for a child to end by itself when told to
+END_S = 2.0  # time for a child to end after SIGTERM
 
 
 class CampaignError(Exception):
-    """One line that says why the runs cannot be done."""
+    """The runs cannot be done. The message is one line with the reason."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run. parameters: written over the bus. arguments: further options of the simulator."""
+    """One run of the simulator. parameters: written over the bus. arguments: further options of the simulator."""
 
     scenario: str
     seed: int
@@ -41,7 +41,7 @@ class Job:
 
     @property
     def label(self) -> str:
-        """For messages: "pour, seed 7" or "pour, kul_pour1_com.csv, seed 2"."""
+        """The job's name in messages: "pour, seed 7" or "pour, kul_pour1_com.csv, seed 2"."""
         played = f", {self.recording.name}" if self.recording else ""
         return f"{self.scenario}{played}, seed {self.seed}"
 
@@ -59,7 +59,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a job. Without a summary the run ended before it was judged."""
+    """The outcome of a job. summary is empty if the run ended before the simulator judged it."""
 
     job: Job
     result: str  # "pass", "fail"; "error" without a summary
@@ -75,11 +75,11 @@ class Outcome:
         return self.summary.get("checks", [])
 
 
-# ---- what an earlier campaign has done already
+# ---- results of an earlier campaign
 
 
 def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
-    """One digest per job, of program, scenario, recordings and command line: equal digests mean equal results."""
+    """One digest per job, over program, scenario, recordings and command line. Equal digests mean equal results."""
 
     @functools.cache
     def content(path: Path) -> str:
@@ -95,13 +95,13 @@ def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
 
 
 def remember(outcome: Outcome, digest: str) -> None:
-    """Marks a run that was judged, passed or failed, so that it is not repeated."""
+    """Stores the digest of a run that passed or failed, so that the run is not repeated."""
     if outcome.result != "error":
         (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
 
 
 def recall(job: Job, digest: str, files: Sequence[str]) -> Outcome | None:
-    """The outcome of an earlier run with these inputs, if it left these files; else None."""
+    """The outcome of an earlier run with this digest, if its folder has these files; otherwise None."""
     try:
         if (job.out / INPUTS_FILE).read_text().strip() != digest:
             return None
@@ -125,7 +125,7 @@ class _Child:
 
 def _judge(job: Job, status: int, stderr: str) -> Outcome:
     """The verdict of the summary, if the exit status agrees with it."""
-    last_line = stderr.strip().splitlines()[-1] if stderr.strip() else "it said nothing"
+    last_line = stderr.strip().splitlines()[-1] if stderr.strip() else "no message"
     if status not in (0, 1):
         return Outcome(job, "error", f"exit status {status}: {last_line}")
     path = job.out / "summary.json"
@@ -141,7 +141,7 @@ def _judge(job: Job, status: int, stderr: str) -> Outcome:
 
 def _start(index: int, job: Job, simulator: Path) -> _Child:
     job.out.mkdir(parents=True, exist_ok=True)
-    for name in (INPUTS_FILE, "summary.json"):  # older ones must not stand for this run
+    for name in (INPUTS_FILE, "summary.json"):  # files of an earlier run must not be taken for this run's
         (job.out / name).unlink(missing_ok=True)
     stderr = tempfile.TemporaryFile("w+")
     process = subprocess.Popen(job.command(simulator), stdout=subprocess.DEVNULL, stderr=stderr)
@@ -161,7 +161,7 @@ def _end(children: list[_Child]) -> None:
 
 
 def _collect(child: _Child, job: Job, timeout_s: float) -> Outcome | None:
-    """The outcome of a child that has ended; None while it runs."""
+    """The outcome of a child that has ended, or None while it runs."""
     status = child.process.poll()
     if status is None:
         if time.monotonic() - child.started_s < timeout_s:
@@ -186,8 +186,8 @@ def run_jobs(
     on_done: Callable[[Outcome], None] = lambda outcome: None,
     timeout_s: float = RUN_TIMEOUT_S,
 ) -> list[Outcome]:
-    """Runs all jobs, `workers` at a time. Returns the outcomes in the order of the jobs. Ends its children if
-    interrupted."""
+    """Runs all jobs, `workers` at a time. Returns the outcomes in the order of the jobs. If interrupted, it terminates
+    its children."""
     require_simulator(simulator)
     outcomes: list[Outcome | None] = [None] * len(jobs)
     waiting = list(reversed(range(len(jobs))))

@@ -1,4 +1,4 @@
-"""Searches for the gains of the paper's law (4) and of ours (firmware/control/position_priority.h).
+"""Searches for the gains of the paper's control law (4) and of ours (firmware/control/position_priority.h).
 
 ``python -m comanip_dev.experiments.gain_search --out DIR`` (``make gain-search``).
 
@@ -8,17 +8,17 @@ acceptable value:
     score = position RMS / 5 mm + orientation RMS / 20 deg + share of ticks at the acceleration limit / 10 %
             + force RMS / 5 N + 10 if a check failed
 
-averaged over the runs; the lowest wins. A term that a run did not measure (it never cooperated, nothing was held)
-counts 0, but its failed check counts; a run without a summary counts WORST. Checks weigh most, because gains that fail
-the task are useless. Orientation has a large divisor because four joints cannot follow it.
+averaged over the runs; the lowest score is the best. A term that a run did not measure (it never cooperated, nothing
+was held) counts 0, but the failed check counts; a run without a summary counts WORST. Checks weigh most, because gains
+that fail the task are useless. Orientation has a large divisor because four joints cannot follow it.
 
 (a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid. (b)
 ours, with prediction: the gain k = following_gain_per_s, and the ratio 1 / orientation_weight_m2 on a grid.
 
-The search tries a coarse grid on one seed, in a shuffled but repeatable order, so that one cut short by --budget-s
-still covers the whole range; then the neighbours of the best, half a grid step away; then the best again with more
-seeds. It writes tried.csv (every candidate) and gains.md (the best of each law, and the share of the grid that was
-tried).
+The search first tries a coarse grid with one seed, in a shuffled but repeatable order, so that a search cut short by
+--budget-s still covers the whole range. It then tries the neighbours of the best candidates, half a grid step away, and
+finally the best candidates with more seeds. It writes tried.csv (every candidate) and gains.md (the best of each law,
+and the share of the grid that was tried).
 """
 
 from __future__ import annotations
@@ -46,24 +46,24 @@ from comanip_dev.experiments.program import guarded, positive_integer
 
 POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, FAILED = 5.0, 20.0, 0.1, 5.0, 0.1
 WORST = 100.0
-MAX_GAIN_PER_S = 500.0  # of the firmware's parameters
+MAX_GAIN_PER_S = 500.0  # maximum of the firmware's parameters
 ACCELERATION_RADPS2, TICK_S = 25.0, 1e-3
-RATE_STEP_RADPS = 1e-3  # of the trace
+RATE_STEP_RADPS = 1e-3  # resolution of the trace
 ROTATION_GAINS_PER_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 GAIN_RATIOS = (1.0, 4.0, 16.0, 64.0, 256.0, 1024.0)
 DAMPINGS = (1e-4, 1e-3, 1e-2, 1e-1)
 OUR_GAINS_PER_S = (10.0, 20.0, 25.0, 35.0, 50.0, 60.0)
-OUR_GAIN_RANGE_PER_S = (1.0, 60.0)  # of the firmware's parameter
+OUR_GAIN_RANGE_PER_S = (1.0, 60.0)  # range of the firmware's parameter
 OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1e3: the parameter's maximum, 1e-3 m^2
-BEST = 5  # are refined, and confirmed
+BEST = 5  # number of candidates to refine and to confirm
 SHOWN = 10
 ORDER_SEED = 1
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """`gain_per_s`: k_r of the paper's law, k of ours. `ratio`: k_t / k_r of the paper's, 1 / orientation_weight_m2 of
-    ours. `damping`: the paper's; 0 for ours, which has none to choose."""
+    """gain_per_s: k_r of the paper's law, k of ours. ratio: k_t / k_r of the paper's law, 1 / orientation_weight_m2 of
+    ours. damping: lambda of the paper's law; 0 for ours, which has no such parameter."""
 
     law: str  # "paper" or "ours"
     gain_per_s: float
@@ -109,7 +109,7 @@ class Tried:
     score: Score
 
 
-# ---- one run's part
+# ---- the score of one run
 
 
 def acceleration_share(trace: dict[str, np.ndarray]) -> float:
@@ -123,7 +123,7 @@ def acceleration_share(trace: dict[str, np.ndarray]) -> float:
 
 
 def figures(outcome: Outcome) -> tuple[float, float, float, float, float]:
-    """Position [mm], orientation [deg], share at the acceleration limit, force [N], 1 if it failed."""
+    """(position [mm], orientation [deg], share at the acceleration limit, force [N], 1 if the run failed)"""
     tracking = outcome.summary.get("tracking") or {}
     forces = [p.get("force_rms_N") for p in outcome.summary.get("people") or []]
     forces = [force for force in forces if force is not None]
@@ -180,7 +180,7 @@ def best_of(tried: Iterable[Tried], count: int) -> list[Candidate]:
 
 
 class Search:
-    """Tries candidates until the time is up. tried: their scores."""
+    """Tries candidates until the time is up. tried: the candidates with their scores."""
 
     def __init__(self, run: Callable[[Candidate, int], Score], budget_s: float) -> None:
         self._run = run
@@ -188,7 +188,7 @@ class Search:
         self.tried: list[Tried] = []
 
     def stage(self, name: str, candidates: Sequence[Candidate], seeds: int, share_end_s: float) -> list[Tried]:
-        """Tries these candidates. The first is always tried, so that there is a result."""
+        """Tries these candidates. The first one is always tried, so that there is a result."""
         done: list[Tried] = []
         for candidate in candidates:
             if done and time.monotonic() > share_end_s:
@@ -205,7 +205,8 @@ class Search:
         return done
 
     def law(self, law: str, seeds: int, end_s: float) -> None:
-        """Searches one law until end_s: half of the time on the grid, a quarter each on refining and on more seeds."""
+        """Searches one law until end_s: half of the time for the grid, a quarter each for refining and for more
+        seeds."""
         begin_s = time.monotonic()
         span_s = max(0.0, min(end_s, self._end_s) - begin_s)
         coarse = self.stage("coarse", coarse_grid(law), 1, begin_s + 0.5 * span_s)
@@ -238,7 +239,7 @@ def csv_text(tried: Sequence[Tried]) -> str:
 
 
 def markdown(tried: Sequence[Tried], scenarios: Sequence[str]) -> str:
-    """The best of each law; those confirmed on more seeds come first."""
+    """The best candidates of each law. Those confirmed with more seeds come first."""
     names = ", ".join(scenarios)
     lines = [
         "# Gains found",
@@ -270,7 +271,7 @@ def run_search(arguments: argparse.Namespace) -> int:
             for seed in range(1, seeds + 1)
         ]
         for job in jobs:
-            (job.out / "trace.csv").unlink(missing_ok=True)  # of the candidate before
+            (job.out / "trace.csv").unlink(missing_ok=True)  # left from the previous candidate
         outcomes = run_jobs(jobs, arguments.simulator, arguments.jobs)
         if not search.tried and not any(o.summary for o in outcomes):
             raise CampaignError(f"no run could be scored: {outcomes[0].job.label}: {outcomes[0].reason}")
@@ -299,17 +300,21 @@ def positive_number(text: str) -> float:
 
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
-        prog="comanip_dev.experiments.gain_search", description="Searches gains for law (4)."
+        prog="comanip_dev.experiments.gain_search", description="Searches for the gains of both control laws."
     )
     parser.add_argument("--out", type=Path, required=True, help="folder for tried.csv and gains.md")
     parser.add_argument(
-        "--budget-s", type=positive_number, default=3600.0, help="wall time at most, about (default 3600)"
+        "--budget-s", type=positive_number, default=3600.0, help="approximate limit of the wall time (default 3600)"
     )
-    parser.add_argument("--seeds", type=positive_integer, default=5, help="of the confirming runs (default 5)")
-    parser.add_argument("--scenarios", nargs="+", choices=SCENARIOS, default=list(SCENARIOS), help="default: all")
-    parser.add_argument("--laws", nargs="+", choices=("paper", "ours"), default=["paper", "ours"], help="default: both")
+    parser.add_argument("--seeds", type=positive_integer, default=5, help="seeds of the confirming runs (default 5)")
+    parser.add_argument(
+        "--scenarios", nargs="+", choices=SCENARIOS, default=list(SCENARIOS), help="scenarios to run (default: all)"
+    )
+    parser.add_argument(
+        "--laws", nargs="+", choices=("paper", "ours"), default=["paper", "ours"], help="laws to search (default: both)"
+    )
     parser.add_argument("--jobs", type=positive_integer, default=2, help="processes at a time (default 2)")
-    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the program to run")
+    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the simulator to run")
     arguments = parser.parse_args(argv)
     return guarded("comanip_dev.experiments.gain_search", lambda: run_search(arguments))
 

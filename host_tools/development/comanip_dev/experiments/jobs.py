@@ -17,7 +17,7 @@ LAW_SEEDS = 5
 
 @dataclass(frozen=True)
 class Recording:
-    """A recorded motion of the tracked person; `second` moves the other one."""
+    """A recorded motion of the tracked person. second: recording for the second person."""
 
     scenario: str
     file: str
@@ -25,12 +25,12 @@ class Recording:
     second: str | None = None
 
 
-# How far each is scaled into the arm's reach stands in the scenario, and in each run's summary.
+# The factor by which each recording is scaled into the arm's reach is in the scenario and in each run's summary.
 RECORDINGS = (
-    Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of the very task"),
-    Recording("pour", "kul_pour2_com.csv", "the same with a longer way; every sample is logged twice"),
+    Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of this task"),
+    Recording("pour", "kul_pour2_com.csv", "the same with a longer path; every sample is logged twice"),
     Recording("pour", "cmu_13_08_rhand.csv", "unscrews a cap and drinks: a vessel in the hand, other axes"),
-    Recording("teleop", "ethz_handheld1.csv", "an object led freely in all six directions: teleoperation in kind"),
+    Recording("teleop", "ethz_handheld1.csv", "an object moved in all six degrees of freedom, as in teleoperation"),
     Recording("teleop", "dfki_pillow_grasp.csv", "repeated reach and grasp"),
     Recording(
         "teleop",
@@ -49,7 +49,7 @@ def seed_jobs(seeds: int, out: Path) -> list[Job]:
 
 
 def recording_jobs(folder: Path, out: Path) -> list[Job]:
-    """CampaignError if the folder lacks a file: an incomplete campaign must not pass for a complete one."""
+    """The runs on recordings. CampaignError if the folder lacks a file, because the campaign would be incomplete."""
     missing = sorted({r.file for r in RECORDINGS if not (folder / r.file).is_file()})
     missing += sorted({r.second for r in RECORDINGS if r.second and not (folder / r.second).is_file()} - set(missing))
     if missing:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from comanip_dev.experiments.campaign import Outcome
 
-CAUGHT_TOGETHER_MIN_PERCENT = 95.0  # of the particles that left the robot's glass, over all seeds of a condition
+# Share of the particles that left the robot's glass, over all seeds of a condition.
+CAUGHT_TOGETHER_MIN_PERCENT = 95.0
 
 
 def shown(value: float | None) -> str:
-    """The value with four digits; a dash if it was not measured."""
+    """The value with four digits, or a dash if it was not measured."""
     return "-" if value is None else f"{value:.4g}"
 
 
@@ -30,9 +31,8 @@ def record(outcome: Outcome) -> dict:
 
 @dataclass(frozen=True)
 class Condition:
-    """A scenario with its built-in motion or one recording, over all its seeds. In a single run of `pour` about 60 of
-    160 particles leave the glass, 5 % of which are three: the verdict would be chance. All seeds together are
-    enough."""
+    """A scenario with its built-in motion or one recording, over all its seeds. In a single run of `pour` only about 60
+    of 160 particles leave the glass, and 5 % of these are three particles: the verdict would be down to chance."""
 
     scenario: str
     recording: str | None

@@ -1,4 +1,4 @@
-"""Compares our law with the paper's over the same seeds."""
+"""Compares our control law with the paper's over the same seeds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _tracking(key: str) -> Callable[[dict], float | None]:
 
 
 def _force(key: str) -> Callable[[dict], float | None]:
-    """Reads the largest value of all people."""
+    """A function that reads the largest value of all people from a summary."""
 
     def read(summary: dict) -> float | None:
         values = [person[key] for person in summary.get("people") or [] if person.get(key) is not None]
@@ -31,7 +31,7 @@ def _force(key: str) -> Callable[[dict], float | None]:
 
 
 def law_figures(outcomes: Sequence[Outcome]) -> dict:
-    """Medians over the runs, and the number that passed; None if no run measured the quantity."""
+    """Medians over the runs, and the number of runs that passed. A median is None if no run measured the quantity."""
     return {
         "runs": len(outcomes),
         "passed": sum(o.passed for o in outcomes),
@@ -56,7 +56,7 @@ def compare_laws(ours: Sequence[Outcome], paper: Sequence[Outcome]) -> list[dict
 def laws_markdown(rows: Sequence[dict]) -> str:
     gains = dict(PAPER_GAINS)
     lines = [
-        "# The default law and the paper's own",
+        "# The default control law and the paper's",
         "",
         f"Medians over {rows[0]['paper']['runs']} seeds. The paper's law: error in the torso's frame, W = 1, "
         f"K = diag({gains['gain_w_per_s']:g} x4, {gains['gain_dual_w_per_s']:g} x4)/s, lambda = {gains['damping']:g} "

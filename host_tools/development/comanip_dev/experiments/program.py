@@ -1,4 +1,4 @@
-"""Common to the programs of this package: arguments, console, and how they end."""
+"""Functions shared by the programs of this package: arguments, console, signals and exit status."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def positive_integer(text: str) -> int:
 
 
 def interrupt_on_sigterm() -> None:
-    """Handles SIGTERM as Ctrl-C, so that a program ends its children."""
+    """Handles SIGTERM like Ctrl-C, so that a program terminates its children."""
 
     def interrupt(signal_number: int, frame: object) -> None:
         raise KeyboardInterrupt

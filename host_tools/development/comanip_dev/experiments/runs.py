@@ -1,4 +1,4 @@
-"""Runs the jobs that are not done yet, and shows the progress."""
+"""Runs the jobs that an earlier campaign has not finished, and shows the progress."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def run_with_progress(
     if not console.is_terminal:
         done = 0
 
-        def tell(outcome: Outcome) -> None:
+        def print_line(outcome: Outcome) -> None:
             nonlocal done
             done += 1
             finish(outcome)
             law = " (paper's law)" if outcome.job.parameters else ""
             print(f"{done}/{len(jobs)} {outcome.job.label}{law}: {outcome.result}", file=console.file, flush=True)
 
-        return run_jobs(jobs, simulator, workers, tell)
+        return run_jobs(jobs, simulator, workers, print_line)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console) as progress:
         task = progress.add_task("experiments", total=len(jobs))
@@ -70,7 +70,9 @@ def run_what_is_left(jobs: Sequence[Job], arguments: argparse.Namespace, console
     files = BULKY_FILES if arguments.keep else ()
     done = {job: outcome for job in jobs if (outcome := recall(job, digests[job], files)) is not None}
     if done:
-        print(f"{len(done)} of {len(jobs)} runs are there already, with the same inputs", file=console.file, flush=True)
+        print(
+            f"{len(done)} of {len(jobs)} runs are already finished with the same inputs", file=console.file, flush=True
+        )
 
     def finish(outcome: Outcome) -> None:
         if not arguments.keep:

@@ -16,7 +16,7 @@ from comanip_dev.experiments.judgement import CAUGHT_TOGETHER_MIN_PERCENT, Condi
 
 @dataclass(frozen=True)
 class Figure:
-    """A check whose value is shown. higher_is_better: which extreme is the worst."""
+    """A check whose value is shown. higher_is_better: the lowest value is the worst."""
 
     check: str
     higher_is_better: bool
@@ -59,7 +59,7 @@ def figure_lines(outcomes: Sequence[Outcome], figures: Sequence[Figure]) -> list
 
 
 def condition_lines(conditions: Sequence[Condition]) -> list[tuple[str, str, str, str]]:
-    """As figure_lines(), over conditions instead of runs."""
+    """Like figure_lines(), over conditions instead of runs."""
     if not conditions:
         return []
     values = [c.caught_percent for c in conditions if c.caught_percent is not None]

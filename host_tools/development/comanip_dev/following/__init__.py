@@ -1,2 +1,2 @@
-"""How closely the robot's hand follows the person's: recorded motions in a fast loop around the firmware (``make
-following``)."""
+"""Measures how closely the end effector follows the person's hand, with recorded motions and the firmware in a fast
+closed loop (``make following``)."""

@@ -1,8 +1,8 @@
-"""Measures how closely the robot's hand follows the person's, over recordings, trackers and followers.
+"""Measures how closely the end effector follows the person's hand, over recordings, trackers and followers.
 
 ``python -m comanip_dev.following --out DIR`` prints one table and the criteria, and writes DIR/following.json and
-DIR/following.png. Results are kept in DIR/results.jsonl, so that an interrupted campaign continues. Exit status: 0 all
-criteria passed, or there are no recordings and nothing is measured; 1 one failed, 2 wrong use, 130 interrupted.
+DIR/following.png. Results are kept in DIR/results.jsonl, from which an interrupted campaign continues. Exit status: 0
+all criteria passed, or there are no recordings and nothing is measured; 1 one failed, 2 wrong use, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ from comanip_dev.following.plan import Setting
 from comanip_dev.following.recorded_hand import RecordingError, read
 from comanip_dev.following.results import Results, fingerprint, scene_key
 
-TELL_EVERY_S = 10.0
+PRINT_EVERY_S = 10.0
 
 
 class Progress:
-    """Prints a line from time to time."""
+    """Prints a line at least every PRINT_EVERY_S and at the end."""
 
     def __init__(self, what: str, count: int) -> None:
-        self._what, self._count, self._done, self._told_s = what, count, 0, time.monotonic()
+        self._what, self._count, self._done, self._printed_s = what, count, 0, time.monotonic()
 
     def step(self) -> None:
         self._done += 1
-        if self._done == self._count or time.monotonic() - self._told_s > TELL_EVERY_S:
-            self._told_s = time.monotonic()
+        if self._done == self._count or time.monotonic() - self._printed_s > PRINT_EVERY_S:
+            self._printed_s = time.monotonic()
             print(f"{self._what}: {self._done}/{self._count}", flush=True)
 
 
@@ -55,7 +55,7 @@ def _leave_signals_to_the_parent() -> None:
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
-    """Calls each (function, argument, ...) of work in a process; each returns a key and its value."""
+    """Calls each (function, argument, ...) of `work` in a process and stores the (key, value) that it returns."""
     work = list(work)
     progress = Progress(what, len(work))
     with ProcessPoolExecutor(workers, initializer=_leave_signals_to_the_parent) as pool:
@@ -70,11 +70,11 @@ def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: s
 
 def _prepare(results: Results, paths: Sequence[Path], workers: int) -> dict[Setting, list[tuple[Path, float]]]:
     """For each setting, the recordings that the arm can follow, with their scales."""
-    places = [(setting, path) for setting in plan.SETTINGS for path in paths]
-    missing = [(prepare, *place) for place in places if scene_key(place[0], place[1].stem) not in results.values]
+    pairs = [(setting, path) for setting in plan.SETTINGS for path in paths]
+    missing = [(prepare, *pair) for pair in pairs if scene_key(pair[0], pair[1].stem) not in results.values]
     _in_processes(results, missing, workers, "optima")
     scenes: dict[Setting, list[tuple[Path, float]]] = {setting: [] for setting in plan.SETTINGS}
-    for setting, path in places:
+    for setting, path in pairs:
         found = results.values[scene_key(setting, path.stem)]
         if found["followable"]:
             scenes[setting].append((path, found["position_scale"]))
@@ -116,7 +116,7 @@ def _left_out(results: Results, paths: Sequence[Path], unseen: dict[str, str]) -
             if not found["followable"]:
                 settings.append(f"{setting.label}: {found['rms_mm']:.2f} mm")
         if settings:
-            reasons[path.stem] = f"the best that the arm's limits allow, 0.5 mm or more in {'; '.join(settings)}"
+            reasons[path.stem] = f"the arm's limits allow no error below 0.5 mm in {'; '.join(settings)}"
     return reasons
 
 
@@ -155,7 +155,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise CampaignError(f"{folder}: no such folder: expected one with recordings (docs/recordings.md)")
     if not folder.is_dir():
         print(
-            f"comanip_dev.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); give another one"
+            f"comanip_dev.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); "
+            "choose another one with --recordings"
         )
         return 0
     paths, unseen = recordings(folder)
@@ -182,23 +183,23 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog="comanip_dev.following", description="How closely the robot follows a recorded hand."
+        prog="comanip_dev.following", description="Measures how closely the robot follows a recorded hand."
     )
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
     parser.add_argument(
-        "--quick", action="store_true", help="four recordings, the judged conditions, no other programs"
+        "--quick", action="store_true", help="four recordings, the judged conditions only, no other programs"
     )
     parser.add_argument(
         "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)"
     )
-    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the program to run")
+    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the simulator to run")
     return parser.parse_args(argv)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parse(argv)
-    again = "; what was measured is kept, and the same command goes on from there"
+    again = "; measured results are kept: run the same command again to continue"
     return guarded("comanip_dev.following", lambda: run(arguments), again)
 
 

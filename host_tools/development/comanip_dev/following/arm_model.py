@@ -35,12 +35,12 @@ class ArmModel:
         self.velocity_max_radps = self.arm.velocity_max_radps.astype(float)
 
     def hand(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Pose of the hand at joint angles (N, n): positions in m (N, 3) and rotations (N, 4) in the torso frame."""
+        """End effector poses at joint angles (N, n): positions in m (N, 3) and rotations (N, 4) in the torso frame."""
         position_m, rotation, _, _ = self._chain(q)
         return position_m, rotation
 
     def position_jacobian(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Hand positions (N, 3) and their derivatives (N, 3, n) in m/rad."""
+        """End effector positions (N, 3) and their derivatives (N, 3, n) in m/rad."""
         position_m, _, axis, origin_m = self._chain(q)
         return position_m, np.stack(
             [rotations.cross(a, position_m - o) for a, o in zip(axis, origin_m, strict=True)], axis=2
@@ -61,8 +61,8 @@ class ArmModel:
         return position_m, rotations.multiply(rotation, turn), axis, origin_m
 
     def reach(self, target_m: np.ndarray, start_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Postures (N, n) within the joints' ranges whose hands are as near to the targets (N, 3) as damped
-        Gauss-Newton steps from start_rad (N, n) come, and the distances left in m (N,)."""
+        """Moves the end effectors to the targets (N, 3) by damped Gauss-Newton steps from start_rad (N, n), within the
+        joint limits. Returns the nearest postures (N, n) and the remaining distances in m (N,)."""
         q = np.clip(start_rad, self.position_min_rad, self.position_max_rad)
         best, nearest_m = q.copy(), np.full(len(q), np.inf)
         for _ in range(MAX_ITERATIONS):

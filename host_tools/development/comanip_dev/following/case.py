@@ -14,19 +14,21 @@ from comanip_dev.following.recorded_hand import HandMotion, Recording
 from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import Samples, Tracker, measure
 
-BEGIN_S = 3.0  # the motion's: cooperation has begun and the task is in force
+BEGIN_S = 3.0  # start of the motion: by then the cooperation has started and the task is in force
 AFTER_S = 0.5
-REST_S = 20.0  # of a still hand, for the noise
+REST_S = 20.0  # duration of the hand's rest, to measure the noise
 ACCELERATION_MAX_RADPS2 = 25.0
-START_DEG = {"teleop": (60, -30, -10, -80), "mirror": (90, -5, 0, -90), "pour": (90, -60, 0, -100)}  # the scenarios'
+# The start postures of the scenarios.
+START_DEG = {"teleop": (60, -30, -10, -80), "mirror": (90, -5, 0, -90), "pour": (90, -60, 0, -100)}
 
-# A follower: (arm, task, start, hand's motion, tracker, its samples) to what the arm did.
+# A follower is a function of (arm, task, start, motion of the hand, tracker, the tracker's samples). It returns the
+# arm's motion.
 Follower = Callable[[ArmModel, str, np.ndarray, HandMotion, Tracker, Samples], Run]
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A recording, scaled into the arm's reach, and the task by which the arm follows it."""
+    """A recording, scaled into the arm's reach, and the task that the arm performs."""
 
     recording: Recording
     task: str
@@ -44,7 +46,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Figures:
-    """Errors are distances to the instantaneous target while the motion lasts."""
+    """The figures of a run. Errors are distances to the instantaneous target during the motion."""
 
     rms_mm: float
     max_mm: float
@@ -58,7 +60,7 @@ class Figures:
 
 
 def target_path(arm: ArmModel, scene: Scene, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Target of the robot's hand at each instant: positions (T, 3) and rotations (T, 4)."""
+    """The target of the end effector at each time: positions (T, 3) and rotations (T, 4)."""
     start_m, start_rotation = arm.hand(scene.start_rad[None])
     return targets(scene.task, start_m[0], start_rotation[0], *scene.motion.displacement(t_s))
 
@@ -90,7 +92,7 @@ def judge(arm: ArmModel, scene: Scene, run: Run) -> Figures:
 
 
 def noise_at_rest_um(arm: ArmModel, task: str, tracker: Tracker, follower: Follower) -> float:
-    """Noise of the robot's hand while the person's hand is at rest, with the same tracker."""
+    """Noise of the end effector while the person's hand is at rest."""
     motion = HandMotion(None, 1.0, 1.0, BEGIN_S, REST_S)
     start_rad = np.radians(START_DEG[task])
     run = follower(arm, task, start_rad, motion, tracker, measure(tracker, motion))

@@ -23,7 +23,7 @@ ARM = "hoap3_right"
 
 @dataclass(frozen=True)
 class Case:
-    """recording None: the hand is at rest. position_scale: of the recording in this setting."""
+    """recording None: the hand is at rest. position_scale: scale of the recording in this setting."""
 
     loop: str
     follower: str
@@ -69,7 +69,7 @@ def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
             is_motion = file.readline().strip() == HEADER
         twin = path.stem.removesuffix("_raw")
         if not is_motion:
-            left_out[path.stem] = "no motion of a hand: another header"
+            left_out[path.stem] = "not a motion of a hand: its header differs"
         elif twin != path.stem and path.with_stem(twin).is_file():
             left_out[path.stem] = f"the same motion as {twin}"
         else:
@@ -78,7 +78,7 @@ def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
 
 
 def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
-    """The position scale of the recording in this setting, and the optimum there."""
+    """The position scale of the recording in this setting, and the optimum at this scale."""
     from comanip_dev.following.optimum import optimum
 
     recording = _recording(path)
@@ -90,7 +90,7 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 
 
 def measure(case: Case) -> tuple[Key, dict]:
-    """Measures in the loop without physics. An arm that refuses to cooperate is a result, too."""
+    """Measures in the loop without physics. A refusal to cooperate is a result as well."""
     follower = followers.named(case.follower)
     tracker = case.condition.tracker(case.seed)
     try:

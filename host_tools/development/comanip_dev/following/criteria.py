@@ -1,5 +1,5 @@
-"""The criteria that the default must meet, compared with the former default, on each half of the recordings. A
-criterion that was not measured has not passed."""
+"""The criteria that the default control law must meet, compared with the former default, on each half of the
+recordings. A criterion that was not measured has not passed."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ MAX_RATIO = 0.45
 ACCELERATION_RATIO = 1.1
 TURNING_RATIO, TAKER_RMS_MM, TAKER_MAX_MM = 0.25, 2.0, 10.0
 OTHER_TASKS_RATIO = 0.35
-WRONG_NOISE_RATIO = 1.1  # an announced latency that is wrong must not make the arm swing
+WRONG_NOISE_RATIO = 1.1  # a wrong announced latency must not cause oscillations of the arm
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """value NaN: not measured."""
+    """A measured value and its upper limit. value NaN: not measured."""
 
     loop: str
     what: str
@@ -46,14 +46,14 @@ class Judge:
     def figure(
         self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str
     ) -> float:
-        """Mean over the seeds of the tracker's noise. name None: the hand at rest."""
+        """The mean of a figure over the seeds of the tracker's noise. name None: the hand at rest."""
         seeds = plan.seeds(follower, condition) if name else (1,)
         keys = [case_key(loop, follower, condition, setting, name, seed) for seed in seeds]
         found = [self._results.values.get(key, {}).get(figure, math.nan) for key in keys]
         return sum(found) / len(found)
 
     def ratio(self, loop: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
-        """Ratio of the default to the former default."""
+        """The figure of the default divided by that of the former default."""
         former = self.figure(loop, plan.FORMER, condition, setting, name, figure)
         return self.figure(loop, plan.DEFAULT, condition, setting, name, figure) / former if former else math.nan
 
@@ -64,7 +64,7 @@ class Judge:
         self, loop: str, what: str, setting: Setting, limit: float, one: Callable[[str], float], unit: str = "",
         without: Sequence[str] = (),
     ) -> list[Criterion]:  # fmt: skip
-        """Mean over the recordings of each fold."""
+        """One criterion per fold: the mean of one(name) over its recordings."""
         found = []
         for number, fold in enumerate(self.folds(setting), 1):
             values = [one(name) for name in fold if name not in without]
@@ -122,7 +122,7 @@ class Judge:
         return found
 
     def wrong_latency(self) -> list[Criterion]:
-        """At rest, where only an oscillation of the arm would show."""
+        """The noise at rest with a wrong announced latency: at rest, only an oscillation of the arm would raise it."""
         found = []
         for condition in plan.WRONG:
             right = Condition(condition.rate_hz, condition.latency_ms, condition.noise_mm)
@@ -139,8 +139,8 @@ class Judge:
 
 
 def tuned(judge: Judge, peer: str, condition: Condition, figure: str) -> tuple[float, list[str]]:
-    """Mean of a figure over all recordings, each half with the values that were best on the other half (least mean
-    RMS), and these values."""
+    """The mean of a figure over all recordings, and the tuning values used. Each half is measured with the values that
+    had the least mean RMS on the other half."""
     halves, total, count, chosen = judge.folds(plan.TELEOP), 0.0, 0, []
     names = [plan.peer_name(peer, values) for values in plan.PEERS[peer]]
 

@@ -1,4 +1,4 @@
-"""One run: a hand's motion, a tracker and the firmware in the loop without physics (_binding/kinematic_loop.h)."""
+"""Runs the firmware on a hand's motion and a tracker, in the loop without physics (_binding/kinematic_loop.h)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from comanip_dev.following.target import TASKS
 from comanip_dev.following.tracker import Samples, Tracker
 
 TICK_S = 1e-3
-START_S = 0.5  # of the cooperation
+START_S = 0.5  # start of the cooperation
 DRIVE_LAG_S = 3e-3
 COOPERATING = lib.MODE_COOPERATING
 
 
 class LoopError(Exception):
-    """One line that says why there is no run."""
+    """There is no valid run. The message is one line with the reason."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,8 @@ def knows(parameter: str) -> bool:
 
 
 def parameter_set(values: Mapping[str, float]):
-    """The firmware's defaults with these values in their place."""
+    """The firmware's parameters: the defaults, except for these values. LoopError for an unknown name or a value out of
+    range."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
     for name, value in values.items():
@@ -93,7 +94,7 @@ def run_firmware(
     out = ffi.new("kinematic_tick_t[]", ticks)
     start = ffi.new("double[]", list(map(float, start_rad)))
     if not lib.kinematic_loop_run(config, start, len(samples.valid), _frames(samples), ticks, out):
-        raise LoopError("the firmware refused the start, or a frame")
+        raise LoopError("the firmware refused a frame, a parameter or the start")
     rows = np.frombuffer(ffi.buffer(out), _tick_type())
     count = arm.joint_count
     return Run(

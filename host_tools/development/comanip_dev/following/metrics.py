@@ -1,13 +1,13 @@
-"""Error, delay and noise of a path of the robot's hand against its target path. Paths are (T, 3) in m, one row per tick
-of 1 ms."""
+"""Error, delay and noise of the end effector's path compared with its target path. Paths are (T, 3) in m, with one row
+per tick of 1 ms."""
 
 from __future__ import annotations
 
 import numpy as np
 
 TICK_S = 1e-3
-DELAYS = range(-40, 201)  # ms, tried
-COARSE_MS = 5  # the first search: one in five delays, on one in five ticks
+DELAYS = range(-40, 201)  # candidate delays in ms
+COARSE_MS = 5  # step of the first search, in delays and in ticks
 
 
 def errors_mm(path_m: np.ndarray, truth_m: np.ndarray) -> np.ndarray:
@@ -20,9 +20,9 @@ def rms(values: np.ndarray) -> float:
 
 
 def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
-    """By how much the truth, shifted, fits the path best in the least squares of the displacement, a constant offset
-    left out; between the ticks by a parabola through the three best. NaN: the hand did not move, or no shift that was
-    tried is best."""
+    """The shift of truth_m that fits path_m best in the least squares sense, without regard to a constant offset. A
+    parabola through the three best delays interpolates between ticks. NaN if the hand did not move, or if the best
+    delay is at the limit of the search range."""
     reach = max(abs(DELAYS.start), DELAYS.stop)
     begin, end = reach, len(path_m) - reach
     if end - begin < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
@@ -48,14 +48,14 @@ def acceleration_rms_mps2(path_m: np.ndarray) -> float:
 
 
 def noise_um(path_m: np.ndarray) -> float:
-    """RMS distance from the mean position, of a hand that should be at rest."""
+    """RMS distance from the mean position, for an end effector that should be at rest."""
     return 1e6 * rms(np.linalg.norm(path_m - path_m.mean(axis=0), axis=1))
 
 
 def limit_share(command_radps: np.ndarray, velocity_max_radps: np.ndarray, acceleration_max_radps2: float) -> float:
-    """Share of the ticks in which a joint is commanded at its limit of speed or of acceleration; command_radps (T, n)
-    has whole mrad/s."""
-    step_radps = 1e-3  # of the bus
+    """The share of the ticks in which a joint is commanded at its limit of speed or acceleration. command_radps (T, n)
+    has a resolution of 1 mrad/s."""
+    step_radps = 1e-3  # resolution of the commands on the bus
     change = np.abs(np.diff(command_radps, axis=0)).max(axis=1)
     at_acceleration = change > acceleration_max_radps2 * TICK_S - 0.5 * step_radps
     at_speed = (np.abs(command_radps[1:]) > velocity_max_radps - 1.5 * step_radps).any(axis=1)

@@ -48,19 +48,19 @@ def _within(low: float, high: float):
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="comanip_dev.following.one", description=__doc__)
-    parser.add_argument("recordings", nargs="+", type=Path, help="CSV files of docs/recordings.md")
+    parser.add_argument("recordings", nargs="+", type=Path, help="CSV files as in docs/recordings.md")
     parser.add_argument("--set", dest="parameters", nargs="+", type=_assignment, default=[], metavar="NAME=VALUE")
-    parser.add_argument("--paper-law", action="store_true", help="the paper's law with its best gains")
+    parser.add_argument("--paper-law", action="store_true", help="use the paper's control law with its best gains")
     parser.add_argument("--task", choices=sorted(START_DEG), default="teleop")
     parser.add_argument("--rate-hz", type=_within(15, 1000), default=250.0)
     parser.add_argument("--latency-ms", type=_within(0, 500), default=4.0)
     parser.add_argument("--noise-mm", type=_within(0, 100), default=0.05)
     parser.add_argument(
-        "--announced-error-ms", type=_within(-500, 500), default=0.0, help="the announced latency less the true one"
+        "--announced-error-ms", type=_within(-500, 500), default=0.0, help="the announced latency minus the true one"
     )
     parser.add_argument("--rotation-scale", type=_within(0, 1), default=0.3)
     parser.add_argument(
-        "--position-scale", type=_within(0, 10), help=f"default {SHARE:g} of the largest that is in reach"
+        "--position-scale", type=_within(0, 10), help=f"default: {SHARE:g} times the largest scale in reach"
     )
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args(argv)

@@ -1,6 +1,6 @@
-"""The One-Euro filter in front of a follower: Casiez, Roussel, Vogel, "1 Euro Filter: A Simple Speed-based Low-pass
-Filter for Noisy Input in Interactive Systems", CHI 2012. On positions each axis by itself; on rotations along the great
-circle, by the angular speed."""
+"""The One-Euro filter for a follower's input: Casiez, Roussel, Vogel, "1 Euro Filter: A Simple Speed-based Low-pass
+Filter for Noisy Input in Interactive Systems", CHI 2012. Positions are filtered per axis, rotations along the great
+circle with a cutoff that depends on the angular speed."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 from comanip_dev.following import rotations
 from comanip_dev.following.tracker import Samples
 
-DERIVATIVE_CUTOFF_HZ = 1.0  # the paper's
+DERIVATIVE_CUTOFF_HZ = 1.0  # from the paper
 
 
 def _share(cutoff_hz: np.ndarray | float, period_s: float) -> np.ndarray | float:
-    """Weight of the new sample in a low-pass filter of this cutoff."""
+    """The weight of the new sample in a low-pass filter with this cutoff."""
     return 1.0 / (1.0 + 1.0 / (2.0 * np.pi * cutoff_hz * period_s))
 
 
 def filtered(samples: Samples, min_cutoff_hz: float, beta_per_m: float) -> Samples:
-    """The valid samples, filtered. beta_per_m: increase of the cutoff, in Hz, per m/s of the hand's speed."""
+    """Filters the valid samples. beta_per_m: increase of the cutoff in Hz per m/s of the hand's speed."""
     position_m, rotation = samples.position_m.copy(), samples.rotation.copy()
     seen = np.flatnonzero(samples.valid)
     speed_mps, turning_radps = np.zeros(3), np.zeros(3)
@@ -40,5 +40,5 @@ def filtered(samples: Samples, min_cutoff_hz: float, beta_per_m: float) -> Sampl
 
 
 def _vector(step: np.ndarray) -> np.ndarray:
-    """Rotation vector of the shorter of both rotations."""
+    """The rotation vector of the shorter of the two rotations."""
     return rotations.to_vector(step if step[0] >= 0.0 else -step)

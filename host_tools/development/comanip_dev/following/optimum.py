@@ -1,8 +1,8 @@
-"""Lower bound of the following error: how closely the arm could follow a motion known in advance, within its limits.
+"""Estimates how closely the arm could follow a motion that is known in advance, within its limits.
 
-The joint path of the instantaneous targets (inverse kinematics) is projected onto the limits of position, speed and
-acceleration with the least change, in the least squares sense, by ADMM. The result keeps the limits, so its error is an
-upper bound of the optimum.
+Inverse kinematics gives the joint path of the instantaneous targets. ADMM projects it onto the limits of position,
+speed and acceleration, with the least change in the least squares sense. The result keeps the limits, so its error is
+an upper bound of the smallest possible error.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from comanip_dev.following.posture_path import posture_path
 
 STEP_S = 5e-3
 ITERATIONS = 400
-RESERVE = 0.995  # of the limits, so that what the iterations leave of a violation stays within them
+RESERVE = 0.995  # share of the limits that is used, so that the remaining violations stay within the limits
 PENALTY = 30.0
 FOLLOWABLE_MM = 0.5
 
@@ -28,8 +28,8 @@ FOLLOWABLE_MM = 0.5
 class Optimum:
     rms_mm: float
     max_mm: float
-    unreached_mm: float  # the largest distance of a target from what the joints' ranges allow
-    acceleration_radps2: float  # largest of the path that has this error
+    unreached_mm: float  # largest distance between a target and the nearest reachable position
+    acceleration_radps2: float  # largest acceleration of the path
     speed_radps: float
 
     @property
@@ -42,7 +42,7 @@ def _differences(q: np.ndarray, order: int) -> np.ndarray:
 
 
 def _transposed(d: np.ndarray, order: int) -> np.ndarray:
-    """The adjoint of _differences: (T - order, n) to (T, n)."""
+    """The adjoint of _differences(): (T - order, n) -> (T, n)."""
     for _ in range(order):
         d = np.diff(d, axis=0, prepend=0.0, append=0.0) * -1.0
     return d
@@ -61,7 +61,7 @@ def _gram(count: int, order: int) -> np.ndarray:
 def within_limits(
     q: np.ndarray, step_s: float, position: tuple[np.ndarray, np.ndarray], speed: np.ndarray, acceleration: float
 ) -> np.ndarray:
-    """The path (T, n) nearest to q that keeps the limits: positions between the two (n,), speed (n,) in rad/s,
+    """The path (T, n) nearest to q that keeps the limits: position between two arrays (n,), speed (n,) in rad/s, and
     acceleration in rad/s^2."""
     bounds = {
         0: position,
@@ -88,7 +88,7 @@ def within_limits(
 
 
 def optimum(arm: ArmModel, scene: Scene) -> Optimum:
-    """The optimum over the motion, before which the arm rests at its start posture."""
+    """The optimum over the motion. Before it the arm rests in its start posture."""
     motion = scene.motion
     t_s = np.arange(motion.begin_s - 0.5, motion.end_s, STEP_S)
     target_m, _ = target_path(arm, scene, t_s)

@@ -1,8 +1,8 @@
-"""Other programs as followers, in the loop of the firmware: the same tracker frames, limiter, bus times, drives and
-encoders. Only the computation from the hand's samples to joint velocities is theirs.
+"""Runs other programs as followers in the firmware's loop, with the same tracker frames, limiter, bus times, drives and
+encoders. They replace only the computation of joint velocities from the hand's samples.
 
-A follower gets the newest sample's target, by Algorithm 1 from the same reference as the firmware's, and the measured
-joints.
+A follower receives the target of the newest sample, computed by Algorithm 1 with the firmware's reference, and the
+measured joint positions.
 """
 
 from __future__ import annotations
@@ -25,19 +25,20 @@ PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
 
 class Velocities(Protocol):
-    """feedback_radps: to correct the error. feedforward_radps: for the motion of the target. Both (n,)."""
+    """Returns (feedback_radps, feedforward_radps), both (n,): to correct the error, and for the target's motion."""
 
     def __call__(self, target: int, measured_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
 
 
-# (arm, start, the samples' times in s (N,), their target positions (N, 3) and rotations (N, 4)) to velocities per tick.
+# Makes Velocities from (arm, start, times of the samples in s (N,), their target positions (N, 3) and rotations (N,
+# 4)).
 MakeVelocities = Callable[[ArmModel, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Velocities]
 
 
 def sample_targets(
     arm: ArmModel, task: str, start_rad: np.ndarray, samples: Samples, reference: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The target of the robot's hand for each sample, relative to the reference sample."""
+    """The target of the end effector for each sample, relative to the reference sample."""
     displacement_m = rotations.rotate(MOUNT_ROTATION, samples.position_m - samples.position_m[reference])
     in_torso = rotations.multiply(MOUNT_ROTATION, samples.rotation)
     turn = rotations.multiply(in_torso, rotations.conjugate(in_torso[reference]))
@@ -55,7 +56,7 @@ def run_peer(
     tracker: Tracker,
     samples: Samples,
 ) -> Run:
-    """One run of a follower. gain_per_s: its gain, for the limiter's approach rule."""
+    """Runs a follower once. gain_per_s: the follower's gain, which the limiter's approach rule uses."""
     ticks, count = int(round(motion.duration_s / TICK_S)), arm.joint_count
     start = int(round(START_S / TICK_S))
     seen = np.flatnonzero(samples.valid)

@@ -20,8 +20,8 @@ FIGURES = (
 def plot(
     rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], judged: Sequence[str], path: Path
 ) -> Path:
-    """rows: of the report, teleop in the loop without physics. sweeps: per axis, (value, condition). judged: conditions
-    at which all followers stand side by side, in the last column."""
+    """rows: rows of the report for teleop in the loop without physics. sweeps: (value, condition) per axis. judged: the
+    conditions of the last column, which compares all followers."""
     found = {(row["condition"], row["follower"]): row for row in rows}
     known = {condition for condition, _ in found}
     measured = {follower: colour for follower, colour in COLOURS.items() if follower in {name for _, name in found}}
@@ -40,8 +40,8 @@ def plot(
                 axes[line, column].plot([x for x, _ in points], heights, "o-", ms=3, color=COLOURS[follower])
         last = axes[line, -1]
         for k, (follower, colour) in enumerate(measured.items()):
-            places = np.arange(len(judged)) + 0.13 * (k - 2.5)
-            last.plot(places, values(judged, follower, key), "o", ms=5, color=colour, label=follower)
+            x_positions = np.arange(len(judged)) + 0.13 * (k - 2.5)
+            last.plot(x_positions, values(judged, follower, key), "o", ms=5, color=colour, label=follower)
         last.set_xticks(
             range(len(judged)), [condition.replace(", ", "\n") for condition in judged] if line == 2 else [""] * 3
         )
@@ -51,7 +51,7 @@ def plot(
     for column, name in enumerate(sweeps):
         axes[0, column].set_title(f"over {name.split(' ')[0]}")
         axes[-1, column].set_xlabel(name)
-    axes[0, -1].set_title("where it is judged")
+    axes[0, -1].set_title("judged conditions")
     axes[0, -1].legend(loc="upper left", bbox_to_anchor=(1.005, 1.03))
     figure.tight_layout(h_pad=0.6, w_pad=0.4)
     return save(figure, path)

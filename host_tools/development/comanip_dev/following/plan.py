@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from comanip_dev.following.tracker import Tracker
 
-# Two halves, by what was recorded together: what one half is tuned on, the other half never saw.
+# Two halves. Recordings of one session are in the same half, so that tuning on one half uses nothing of the other.
 FOLDS = (
     ("cmu_13_08_rhand", "ethz_handheld1", "kth_ho_sample_baton", "kth_ho_sample_giver", "kth_ho_sample_taker"),
     (
@@ -30,7 +30,7 @@ def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former default, at rotation scale 1
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former default locks on them at rotation scale 1
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 
@@ -80,9 +80,9 @@ SETTINGS = (TELEOP, TURNING, MIRROR, POUR)
 PAPER, FORMER, DEFAULT = "paper", "former", "default"
 FIRMWARE = (PAPER, FORMER, DEFAULT)
 LOOP, ODE = "loop", "ODE"  # without physics, and with
-# What users know, with the values that are tried for each.
+# Well-known programs, with the tuning values that are tried for each.
 PEERS = {
-    "one-euro": ((3.0, 100.0), (10.0, 300.0), (20.0, 1000.0)),  # least cutoff [Hz], beta [Hz s/m]
+    "one-euro": ((3.0, 100.0), (10.0, 300.0), (20.0, 1000.0)),  # minimum cutoff [Hz], beta [Hz s/m]
     "ruckig": ((0.0,), (0.5,)),  # share of the target's velocity
     "qp": ((20.0,), (35.0,)),  # gain [1/s]
 }
@@ -93,8 +93,8 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
 
 
 def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
-    """Seeds of the tracker's noise: more of them when it is large, where a single seed would decide the largest
-    error."""
+    """The seeds of the tracker's noise: several if the noise is large, because the largest error depends on the
+    seed."""
     return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
 
 

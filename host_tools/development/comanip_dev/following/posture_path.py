@@ -1,4 +1,4 @@
-"""A path of postures along a path of the hand."""
+"""Computes a path of postures for a path of the end effector."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ COARSE_S = 0.05
 def posture_path(
     arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Postures (N, n) within the joints' ranges whose hands are at the targets (N, 3) of the times t_s (N,), or as near
-    as they can be, and the distances left in m (N,). One follows from the other with the least motion of the joints: on
-    a coarse grid step by step, between by correcting the interpolation."""
+    """Postures (N, n) within the joint limits with the end effector at, or as near as possible to, the targets (N, 3)
+    of the times t_s (N,), and the remaining distances in m (N,). On a coarse time grid each posture is found from the
+    previous one; between the grid points from the interpolated posture."""
     stride = max(1, round(COARSE_S / float(np.median(np.diff(t_s)))))
     coarse = np.unique(np.append(np.arange(0, len(t_s), stride), len(t_s) - 1))
     postures = [start_rad]

@@ -1,5 +1,5 @@
-"""A recorded hand as the simulator plays it (docs/recordings.md): at rest, then the motion at its natural speed,
-scaled, then at rest."""
+"""A recorded hand as the simulator plays it (docs/recordings.md): a rest, the scaled motion at its recorded speed, and
+another rest."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from comanip_dev.following import rotations
 HEADER = "t_s,x_m,y_m,z_m,qw,qx,qy,qz"
 MAPPINGS = {"xyz": (0, 1, 2), "zxy": (2, 0, 1)}
 Y_IS_UP = ("cmu_", "ktk_")
-GAP_MEDIANS = 1.5  # an interval above so many median intervals is a gap
+GAP_MEDIANS = 1.5  # a longer interval, in median intervals, is a gap
 
 
 class RecordingError(Exception):
-    """One line that says what is wrong with a recording."""
+    """A recording is malformed. The message is one line."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Displacement and turn since the first sample, about the torso's axes. t_s (N,) from 0; displacement_m (N, 3);
-    turn (N, 4), signs continuous; gap (N - 1,): the tracker lost the hand between sample i and i + 1."""
+    """Displacement and rotation since the first sample, in torso axes. t_s: (N,), starts at 0. displacement_m: (N, 3).
+    turn: (N, 4), with continuous signs. gap: (N - 1,), true if the tracker lost the hand between sample i and i + 1."""
 
     name: str
     t_s: np.ndarray
@@ -66,13 +66,13 @@ def read(path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class HandMotion:
-    """The hand from 0 to duration_s. It moves from begin_s on; without a recording it stays at rest."""
+    """The hand's motion from 0 to duration_s. It starts at begin_s; without a recording the hand stays at rest."""
 
     recording: Recording | None
     position_scale: float
     rotation_scale: float
     begin_s: float
-    rest_s: float  # after the motion, or in all without one
+    rest_s: float  # rest after the motion; without a recording, after begin_s
 
     @property
     def end_s(self) -> float:
@@ -83,8 +83,8 @@ class HandMotion:
         return self.end_s + self.rest_s
 
     def displacement(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement in m (N, 3) and turn (N, 4) since the beginning: linear in position, along the great circle in
-        rotation."""
+        """Displacement in m (N, 3) and rotation (N, 4) since the beginning, interpolated linearly in position and along
+        the great circle in rotation."""
         if self.recording is None:
             return np.zeros((len(t_s), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(t_s), 1))
         r = self.recording
@@ -98,7 +98,7 @@ class HandMotion:
         return self.position_scale * moved_m, scaled
 
     def visible(self, t_s: np.ndarray) -> np.ndarray:
-        """(N,): False inside a gap."""
+        """(N,), false within a gap."""
         if self.recording is None:
             return np.ones(len(t_s), bool)
         r = self.recording

@@ -1,4 +1,4 @@
-"""The campaign as one table, and as JSON."""
+"""The results of a campaign as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ HEADINGS = ("RMS mm", "max mm", "RMS deg", "delay ms", "m/s2", "% lim.", "rest u
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:
-    """Mean of each figure over the recordings of the setting that have it: a hand at rest has no delay."""
+    """The mean of each figure over the recordings of the setting, without those that do not have it (a hand at rest has
+    no delay)."""
     names = [name for fold in judge.folds(setting) for name in fold]
     means = {}
     for figure in FIGURES:
@@ -32,20 +33,20 @@ def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: S
 
 def rows(judge: Judge, conditions: Sequence[Condition], has_peers: bool) -> list[dict]:
     """All rows of the table: loop, setting, condition, follower, and their means."""
-    places = [(plan.LOOP, plan.TELEOP, condition, plan.FIRMWARE) for condition in conditions]
-    places += [(plan.LOOP, setting, plan.FAST, plan.FIRMWARE) for setting in plan.SETTINGS[1:]]
+    groups = [(plan.LOOP, plan.TELEOP, condition, plan.FIRMWARE) for condition in conditions]
+    groups += [(plan.LOOP, setting, plan.FAST, plan.FIRMWARE) for setting in plan.SETTINGS[1:]]
     ode = (plan.FORMER, plan.DEFAULT)
-    places += [(plan.ODE, plan.TELEOP, condition, ode) for condition in plan.JUDGED]
-    places += [(plan.ODE, setting, plan.FAST, ode) for setting in plan.SETTINGS[1:]]
+    groups += [(plan.ODE, plan.TELEOP, condition, ode) for condition in plan.JUDGED]
+    groups += [(plan.ODE, setting, plan.FAST, ode) for setting in plan.SETTINGS[1:]]
     table = []
-    for loop, setting, condition, followers in places:
-        place = {"loop": loop, "setting": setting.label, "condition": condition.label}
-        table += [{**place, "follower": f, **row(judge, loop, f, condition, setting)} for f in followers]
+    for loop, setting, condition, followers in groups:
+        group = {"loop": loop, "setting": setting.label, "condition": condition.label}
+        table += [{**group, "follower": f, **row(judge, loop, f, condition, setting)} for f in followers]
         if has_peers and loop == plan.LOOP and setting == plan.TELEOP and condition in plan.JUDGED:
             for peer in plan.PEERS:
                 means = {figure: tuned(judge, peer, condition, figure)[0] for figure in (*FIGURES, "noise_um")}
                 values = tuned(judge, peer, condition, "rms_mm")[1]
-                table.append({**place, "follower": peer, "values": values, **means})
+                table.append({**group, "follower": peer, "values": values, **means})
     return table
 
 
@@ -61,17 +62,17 @@ def table(entries: Sequence[dict]) -> Table:
         shown.add_column(heading, justify="right", no_wrap=True)
     last = None
     for entry in entries:
-        place = f"{entry['loop']}, {entry['setting']}\n{entry['condition']}"
-        if last is not None and place != last:
+        group = f"{entry['loop']}, {entry['setting']}\n{entry['condition']}"
+        if last is not None and group != last:
             shown.add_section()
         cells = (_shown(entry[figure]) for figure in (*FIGURES, "noise_um"))
-        shown.add_row(place if place != last else "", entry["follower"], *cells)
-        last = place
+        shown.add_row(group if group != last else "", entry["follower"], *cells)
+        last = group
     return shown
 
 
 def criteria_table(criteria: Sequence[Criterion]) -> Table:
-    shown = Table(title="Criteria: default beside former")
+    shown = Table(title="Criteria: the default compared with the former default")
     for heading, justify in (
         ("loop", "left"),
         ("criterion", "left"),
@@ -87,7 +88,7 @@ def criteria_table(criteria: Sequence[Criterion]) -> Table:
 
 
 def without_nan(value):
-    """The values with None for NaN, which JSON does not have."""
+    """The value with None instead of NaN, which JSON does not have."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -96,7 +97,7 @@ def without_nan(value):
 
 
 def wrong_latency_lines(judge: Judge) -> list[str]:
-    """The cost of a wrong announced tracker latency, with the default."""
+    """The effect of a wrong announced tracker latency on the default, one line per condition."""
     lines = []
     for condition in plan.WRONG:
         right, wrong = (

@@ -1,4 +1,4 @@
-"""Results in one file, from which an interrupted campaign continues."""
+"""Stores results in one file, from which an interrupted campaign continues."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def scene_key(setting: Setting, recording: str) -> Key:
 
 
 def fingerprint(*files: Path) -> str:
-    """Digest of all that a result depends on: the compiled core, these tools, and further files. Results with another
-    digest are not used."""
+    """A digest of everything that a result depends on: the compiled core, these tools, and further files. Results with
+    a different digest are not used."""
     core, here = Path(comanip.__file__).parent, Path(__file__).parent
     digest = hashlib.sha256()
     tools = [path for path in here.glob("*.py") if path.name not in NOT_MEASURING]
@@ -49,7 +49,7 @@ class Results:
             for line in path.read_text().splitlines():
                 try:
                     entry = json.loads(line)
-                except ValueError:  # the last line of an interrupted campaign
+                except ValueError:  # the last line of an interrupted campaign may be incomplete
                     continue
                 if entry["version"] == version:
                     values[tuple(entry["key"])] = entry["value"]

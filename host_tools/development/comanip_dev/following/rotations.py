@@ -25,7 +25,7 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """As numpy.cross(), which is several times slower."""
+    """The cross product. numpy.cross() is several times slower."""
     ax, ay, az = (a[..., i] for i in range(3))
     bx, by, bz = (b[..., i] for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
@@ -38,26 +38,26 @@ def rotate(rotation: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def from_vector(vector_rad: np.ndarray) -> np.ndarray:
-    """From rotation vectors (..., 3)."""
+    """Quaternions (..., 4) from rotation vectors (..., 3)."""
     half = 0.5 * np.asarray(vector_rad)
     angle = np.linalg.norm(half, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle), half * np.sinc(angle / np.pi)], axis=-1)
 
 
 def to_vector(rotation: np.ndarray) -> np.ndarray:
-    """Rotation vectors (..., 3) of 0 to 2 pi: a quaternion with the other sign turns the other way round."""
+    """Rotation vectors (..., 3) with angles from 0 to 2 pi. A quaternion of opposite sign rotates the other way."""
     sine = np.linalg.norm(rotation[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, rotation[..., :1])
     return rotation[..., 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)
 
 
 def continuous(rotation: np.ndarray) -> np.ndarray:
-    """(N, 4) with signs such that each is closest to the one before."""
+    """(N, 4) with signs such that each quaternion is closest to the previous one."""
     flips = np.sum(rotation[1:] * rotation[:-1], axis=1) < 0.0
     sign = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
     return rotation * sign[:, None]
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Angle in rad, 0 to pi, whatever the signs."""
+    """The angle in rad, 0 to pi, for quaternions of either sign."""
     return 2.0 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0.0, 1.0))

@@ -1,6 +1,6 @@
-"""Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target States", RSS 2021) on
-joint targets, as it stands in front of many arms: inverse kinematics of each sample, then the time-optimal way there
-from the present reference."""
+"""Follower by Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target States",
+RSS 2021), as it is used with many arms: inverse kinematics of each sample gives the target joint positions, and Ruckig
+computes the time-optimal trajectory to them from the present reference."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from comanip_dev.following.peer_loop import Velocities
 from comanip_dev.following.posture_path import posture_path
 
 JERK_MAX_RADPS3 = 10000.0  # the default of the arm's description
-GAIN_PER_S = 35.0  # from reference to measured joints: the law's
+GAIN_PER_S = 35.0  # from the reference to the measured joints, as in our control law
 
 
 def velocities(velocity_share: float):
-    """velocity_share: of the samples' difference quotient, given as the target's velocity; 0 is a target that
-    stands."""
+    """velocity_share: share of the samples' difference quotient that is used as the target's velocity. 0: the target is
+    treated as at rest."""
 
     def make(
         arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray

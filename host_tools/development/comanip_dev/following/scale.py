@@ -1,4 +1,4 @@
-"""By how much a recording must shrink so that the arm can reach all of it."""
+"""Finds the largest scale of a recording at which the arm can reach all of its targets."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from comanip_dev.following.arm_model import ArmModel
 from comanip_dev.following.recorded_hand import HandMotion, Recording
 from comanip_dev.following.target import targets
 
-SHARE = 0.9  # of the largest reachable
+SHARE = 0.9  # share of the largest reachable scale that is used
 REACHED_M = 1e-4
 POINTS = 150
 LARGEST = 10.0
@@ -19,8 +19,8 @@ BISECTIONS = 8
 def largest_scale(
     arm: ArmModel, task: str, start_rad: np.ndarray, recording: Recording, rotation_scale: float
 ) -> float:
-    """The positions' scale at which, from there down, every target of the motion is in reach of a posture within the
-    joints' ranges."""
+    """The largest scale of positions such that, at this and at all smaller scales, every target of the motion is in
+    reach within the joint limits."""
     start_m, start_rotation = arm.hand(start_rad[None])
     at_s = np.linspace(0.0, recording.duration_s, POINTS)
     displacement_m, turn = HandMotion(recording, 1.0, rotation_scale, 0.0, 0.0).displacement(at_s)

@@ -1,4 +1,4 @@
-"""What a tracker with a rate, a latency and noise makes of a hand's motion, as HandPose frames carry it."""
+"""Models a tracker with a rate, a latency and noise: computes the samples in HandPose frames from a hand's motion."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from comanip_dev.following import rotations
 from comanip_dev.following.recorded_hand import HandMotion
 
-TRANSPORT_S = 150e-6  # from the measurement that is ready to the end of its frame, as on the simulated bus
-# Of the simulator's tracker: 0.02 degrees with 0.05 mm. Both grow together.
+TRANSPORT_S = 150e-6  # from the queueing of a sample to the end of its frame, as on the simulated bus
+# The ratio of the simulator's tracker: 0.02 degrees at 0.05 mm.
 NOISE_RAD_PER_M = np.radians(0.02) / 0.05e-3
 MOUNT_M = np.array([0.3, 1.5, 0.2])
 MOUNT_ROTATION = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
@@ -23,7 +23,7 @@ HAND_START_ROTATION = rotations.multiply(
 
 @dataclass(frozen=True)
 class Tracker:
-    """announced_error_s: by so much the latency in TrackerStatus is too long (or, negative, too short)."""
+    """announced_error_s: the latency in TrackerStatus minus the true latency."""
 
     rate_hz: float
     latency_s: float
@@ -37,7 +37,7 @@ class Tracker:
 
     @property
     def announced_latency_us(self) -> int:
-        """TrackerStatus has no negative latencies."""
+        """The latency in TrackerStatus, which cannot be negative."""
         return max(0, round(1e6 * (self.latency_s + self.announced_error_s)))
 
 
@@ -53,7 +53,7 @@ class Samples:
 
 
 def _noise(tracker: Tracker, motion: HandMotion, count: int) -> np.ndarray:
-    """(count, 6), standard normal. Of its own for each recording, and the same at each noise and latency."""
+    """(count, 6), standard normal. The numbers depend on the recording and the seed, not on noise and latency."""
     name = motion.recording.name if motion.recording else "rest"
     return np.random.default_rng([tracker.seed, zlib.crc32(name.encode())]).standard_normal((count, 6))
 

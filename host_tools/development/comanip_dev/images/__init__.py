@@ -1,1 +1,1 @@
-"""The firmware as images for microcontrollers: size, stack, and a processor in the loop."""
+"""Tools for the images for microcontrollers: size, stack, and processor in the loop."""

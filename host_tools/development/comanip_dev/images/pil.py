@@ -1,4 +1,4 @@
-"""Processor in the loop: the firmware's image in QEMU, in lockstep with the simulator over its serial line.
+"""Processor in the loop: runs the firmware's image in QEMU, in lockstep with the simulator over a serial line.
 
 ``python -m comanip_dev.images.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). EMULATOR: the
 command that emulates the board. Exit status: the simulator's; 2 for wrong use or without an emulator. QEMU executes the
@@ -15,7 +15,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-# One instruction is 2 ns of the board's time, which stands still while it waits: no watchdog bites on a busy machine.
+# One instruction takes 2 ns of the board's time, which stops while the board waits. The watchdog therefore does not
+# expire on a busy machine.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 START_S = 10
 EXIT_WRONG_USE = 2
@@ -29,7 +30,7 @@ def complain(text: str) -> int:
 
 
 def run(program: list[str]) -> int:
-    """Runs the program. Returns its exit status. Ends it when this process is interrupted or terminated."""
+    """Runs the program. Returns its exit status. Terminates it when this process is interrupted or terminated."""
     process = subprocess.Popen(program)
     try:
         return process.wait()

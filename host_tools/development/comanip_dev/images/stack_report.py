@@ -1,10 +1,10 @@
-"""Worst-case stack depth of the images (``make stack``).
+"""Computes the worst-case stack depth of the images (``make stack``).
 
 ``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...``. Call graph and frame sizes come
 from the compiler (-fcallgraph-info=su); those of library functions are read from the disassembly. BUDGET.toml lists the
-targets of calls through pointers; an unlisted one is an error, as is recursion. The worst case of a stack is the
-deepest call of each of its parts, one interrupting the other, plus what the processor saves. Exit status: 1 over budget
-or unbounded, 2 wrong use.
+targets of calls through pointers; an unlisted call is an error, as is recursion. The worst case of a stack is the sum
+of the deepest calls of its parts, each of which may interrupt the previous one, plus the registers that the processor
+saves. Exit status: 1 over budget or unbounded, 2 wrong use.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ INDIRECT = "__indirect_call"
 
 
 class UnboundedError(Exception):
-    """The call graph gives no bound of the stack."""
+    """The stack depth has no bound that can be computed from the call graph."""
 
 
 @dataclass
 class Graph:
-    """Functions, static ones as FILE:NAME. frame: bytes on the stack."""
+    """A call graph. Static functions are named FILE:NAME. frame: bytes on the stack."""
 
     frame: dict[str, int] = field(default_factory=dict)
     calls: dict[str, set[str]] = field(default_factory=dict)
@@ -70,11 +70,11 @@ def read_call_graphs(folder: Path, graph: Graph) -> None:
 
 
 def registers(kind: str, names: str) -> int:
-    """Bytes that a push stores. Ranges are expanded; the FPU registers s take 4 bytes, d 8."""
+    """The number of bytes that a push stores. Register ranges are expanded; FPU registers s have 4 bytes, d 8."""
     count = 0
     for name in names.split(","):
-        ends = [int(n) for n in re.findall(r"(?<=[rsd])\d+", name)]
-        count += ends[1] - ends[0] + 1 if len(ends) == 2 else 1
+        bounds = [int(n) for n in re.findall(r"(?<=[rsd])\d+", name)]
+        count += bounds[1] - bounds[0] + 1 if len(bounds) == 2 else 1
     return count * (8 if kind == "vpush" and "d" in names else 4)
 
 
@@ -106,7 +106,7 @@ def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
         if INDIRECT in callees:
             if plain(function) not in indirect:
                 raise UnboundedError(
-                    f"{function} calls through a pointer, and the budget does not say whom it may call"
+                    f"{function} calls through a pointer, expected its targets under [indirect] of the budget"
                 )
             callees.discard(INDIRECT)
             prefixes = tuple(indirect[plain(function)])
@@ -125,7 +125,7 @@ def image_graph(folder: Path, objdump: str, indirect: dict[str, list[str]]) -> G
 
 
 def worst_case(graph: Graph, rules: dict) -> dict:
-    """Worst case of one stack. rules: its table in the budget."""
+    """The worst case of one stack. rules: the stack's table in the budget."""
     parts = []
     for entries in rules["parts"]:
         missing = set(entries) - {plain(name) for name in graph.frame}
@@ -141,7 +141,7 @@ def rules_of(image: str, budget: dict) -> dict:
     found = [family for family in budget.values() if image in family.get("images", ())]
     if not found:
         raise UnboundedError(
-            "the budget has no section with it among its images: add it to one of the same core, or a section of its own"
+            "the budget lists it in no section: add it to the images of a section of the same core, or add a section"
         )
     return found[0]
 
@@ -154,7 +154,7 @@ def main(argv: Sequence[str]) -> int:
         )
         return 2
     budget = tomllib.loads(Path(argv[0]).read_text())
-    content, told = {}, []
+    content, excesses = {}, []
     table = Table("image", "stack", "worst case", "budget", "deepest", title="Stacks in bytes", title_justify="left")
     for image, folder in folders.items():
         try:
@@ -169,15 +169,15 @@ def main(argv: Sequence[str]) -> int:
             ways = ", then ".join(" > ".join(part["path"]) for part in found["parts"])
             table.add_row(image, stack, str(worst), str(allowed), ways)
             if worst > allowed:
-                told.append(f"{image}: {stack}: {worst} bytes, budget {allowed}: {worst - allowed} too many")
+                excesses.append(f"{image}: {stack}: {worst} bytes, budget {allowed}: {worst - allowed} too many")
     Console(width=160).print(table)
     report = Path(argv[1])
     report.parent.mkdir(parents=True, exist_ok=True)
     report.write_text(json.dumps(content, indent=1) + "\n")
-    for line in told:
+    for line in excesses:
         print(f"make stack: {line}", file=sys.stderr)
-    print(f"make stack: {'beyond' if told else 'within'} {argv[0]}")
-    return 1 if told else 0
+    print(f"make stack: {argv[0]} is exceeded" if excesses else f"make stack: within {argv[0]}")
+    return 1 if excesses else 0
 
 
 if __name__ == "__main__":

@@ -1,1 +1,1 @@
-"""From the schema, firmware/schema/, to C and to documents."""
+"""Generates C sources and documents from the schema, firmware/schema/."""

@@ -1,15 +1,17 @@
-"""How a message's CAN FD frame becomes the frames of classic CAN, and back: in raw integers, from the DBC.
+"""Generates the functions that split the CAN FD frame of a message into frames of classic CAN and join them again.
 
-``comanip_classic.inc``: split_X() and join_X() for each message, and the table of them; firmware/protocol/can_classic.c
-includes it. The parts of a message are the Classic* messages whose attribute PartOf names it, in their order. By name and
-scale, a signal of a part is
+They work on raw integers, as the DBC describes them. ``comanip_classic.inc`` has split_X() and join_X() for each
+message and a table of them; firmware/protocol/can_classic.c includes it. The parts of a message are the Classic*
+messages whose attribute PartOf names it, in the order of the DBC. Name and scale of a part's signal determine what it
+carries:
 
-- a signal of the message, to the same scale, or coarser by a whole factor: rounded, and refused beyond its range;
+- a signal of the message with the same scale, or with a scale coarser by an integer factor: the value is rounded, and
+  refused if it is out of range;
 - ``BASE_a``, ``_b``, ``_c``, ``_largest``: the message's quaternion BASE in smallest-three code (rotation_code.h);
-- ``NAME_low`` and ``NAME_high``: together the message's NAME, or NAME_us, modulo what they hold.
+- ``NAME_low`` and ``NAME_high``: the low and high bits of the message's NAME or NAME_us, without the bits above.
 
-What the parts do not carry is 0 when joined. A vector or quaternion with a validity flag is zeros, and the flag with it,
-where it does not fit; any other value that does not fit makes split_X() false.
+A signal that no part carries is 0 after joining. If a vector or quaternion with a validity flag does not fit, its
+values and the flag are sent as 0. If any other value does not fit, split_X() returns false.
 """
 
 from __future__ import annotations
@@ -39,7 +41,7 @@ _HALF = re.compile(r"(\w+)_(low|high)")
 
 
 def parts_of(messages: list[Message]) -> dict[str, list[Message]]:
-    """The parts of each message, by its name. SystemExit if a Classic* message is part of none."""
+    """The parts of each message, by the message's name. SystemExit if a Classic* message is not part of a message."""
     names = {message.name for message in messages if not message.name.startswith(CLASSIC)}
     found: dict[str, list[Message]] = {}
     for message in messages:
@@ -62,7 +64,7 @@ def _ratio(whole: Signal, part: Signal) -> int:
 
 
 class Codec:
-    """split_X() and join_X() of one message."""
+    """Generates split_X() and join_X() of one message."""
 
     def __init__(self, message: Message, parts: list[Message]):
         self.message, self.parts = message, parts
@@ -120,7 +122,8 @@ class Codec:
         self.split += [f"    part_{place}.{name} = {code}.{member};" for name, member in members]
         smaller = ", ".join(f"joined_{place}.{name}" for name, _ in members[:3])
         self.join += [
-            f"    const rotation_code_t {code} = {{.smaller = {{{smaller}}}, .largest = joined_{place}.{members[3][0]}}};",
+            f"    const rotation_code_t {code} = {{.smaller = {{{smaller}}}, "
+            f".largest = joined_{place}.{members[3][0]}}};",
             f"    int32_t rotation_{place}[4];",
             f"    rotation_decode(&{code}, rotation_{place});",
         ]
@@ -159,7 +162,7 @@ class Codec:
                 self._half(place, signal, half[1])
             else:
                 raise SystemExit(
-                    f"codegen: {part.name}.{signal.name}: the message {self.message.name} has nothing of this name"
+                    f"codegen: {part.name}.{signal.name}: the message {self.message.name} has no such signal"
                 )
 
     def functions(self) -> list[str]:
@@ -168,7 +171,8 @@ class Codec:
             self._part(place, part)
         needs_coarse = any("coarsen(" in line for line in self.split)
         structs = [f"struct comanip_{snake(part)}_t" for part in self.parts]
-        # Flags are decided by what comes before and after them: they are written when all of it is known.
+        names = [snake(part).removeprefix("classic_") for part in self.parts]
+        # Flags depend on values before and after them, so they are written last.
         late = [
             line
             for line in self.split
@@ -187,13 +191,13 @@ class Codec:
             *(f"    bool {flag}_fits = from.{flag} != 0u;" for flag in sorted(self.flags)),
             *(["    int32_t coarse;"] if needs_coarse else []),
             *early, *zeros, *late,
-            *(f"    TO_PART({snake(part).removeprefix('classic_')}, part_{i}, {i});" for i, part in enumerate(self.parts)),
+            *(f"    TO_PART({part}, part_{i}, {i});" for i, part in enumerate(names)),
             "    return fits;",
             "}",
             "",
             f"static void join_{name}(part_t part[], message_t message) {{",
             f"    struct comanip_{snake(self.message)}_t to = {{0}};",
-            *(f"    FROM_PART({snake(part).removeprefix('classic_')}, joined_{i}, {i});" for i, part in enumerate(self.parts)),
+            *(f"    FROM_PART({part}, joined_{i}, {i});" for i, part in enumerate(names)),
             *self.join,
             f"    TO_MESSAGE({snake(self.message)}, to);",
             "}",
@@ -201,7 +205,7 @@ class Codec:
         ] if count else []  # fmt: skip
 
     def _governed(self, line: str, flag: str) -> bool:
-        """The line writes a part's member of a vector or quaternion that this flag is about."""
+        """True if the line writes a part's member of a vector or quaternion to which this flag belongs."""
         match = re.match(r"    part_(\d+)\.(\w+) = ", line)
         if not match:
             return False
@@ -213,7 +217,7 @@ class Codec:
 
 
 class JointCodec(Codec):
-    """Of a message whose part i is joint i's: arrays only. One function makes a part, and one takes it."""
+    """The codec of a message that has arrays only and whose part i carries the values of joint i."""
 
     def functions(self) -> list[str]:
         name, part = codec_name(self.message), self.parts[0]

@@ -1,9 +1,9 @@
-"""Messages in SI units: C structs, and how they are packed into CAN FD frames and unpacked, from the DBC.
+"""Generates C structs for messages in SI units, and the functions that pack them into CAN FD frames and unpack them.
 
-``comanip_messages.h``: an enumeration for each value table that names one, a struct for each message, and two
-functions: ``X_pack(message, frame)`` and ``X_unpack(frame, message)``. ``comanip_messages.inc`` has their bodies;
-firmware/protocol/messages.c includes it. Messages NAME0..NAME7 with equal layouts share one struct; their functions take
-the joint's number. signals.py says which signals become one member.
+``comanip_messages.h`` has an enumeration for each value table with the attribute EnumType, a struct for each message,
+and the functions ``X_pack(message, frame)`` and ``X_unpack(frame, message)``. ``comanip_messages.inc`` has their
+bodies; firmware/protocol/messages.c includes it. Messages NAME0..NAME7 with equal layouts share one struct; their
+functions take the joint's number. signals.py determines which signals form one member.
 """
 
 from __future__ import annotations
@@ -37,29 +37,29 @@ COLUMNS = 120
 
 
 def wrapped(text: str, indent: str = "") -> list[str]:
-    """A C comment within 120 columns."""
+    """The text as a C comment within 120 columns."""
     lines = textwrap.wrap(text, COLUMNS - len(indent) - 6)
     return [f"{indent}{'/* ' if i == 0 else ' * '}{line}" for i, line in enumerate(lines[:-1])] + [
         f"{indent}{'/* ' if len(lines) == 1 else ' * '}{lines[-1]} */"
     ]
 
 
-# ---- which messages
+# ---- messages and their codecs
 
 
 def family(message: Message) -> str | None:
-    """JointState of JointState0..7: one codec serves all. None: a message of its own."""
+    """The common name of messages that share one codec (JointState for JointState0..7), or None."""
     match = re.fullmatch(r"(\w*\D)\d", message.name)
     return match[1] if match else None
 
 
 def leads(message: Message) -> bool:
-    """Has a codec: alone, or as the first of a family."""
+    """True for the message that represents its codec: one without a family, or the first of its family."""
     return family(message) is None or message.name.endswith("0")
 
 
 def codec_name(message: Message) -> str:
-    """hand_pose, joint_state."""
+    """The name of a message's codec, such as hand_pose or joint_state."""
     return re.sub(r"\d$", "", snake(message))
 
 
@@ -67,7 +67,7 @@ def codec_name(message: Message) -> str:
 
 
 def enumeration(signal: Signal) -> tuple[str, str, bool] | None:
-    """Type, prefix of its values, and whether the member is of this type; None: the signal has none."""
+    """(type, prefix of the values, whether the member has this type), or None if the signal has no enumeration."""
     words = str(attribute(signal, "EnumType", "")).split()
     if not words:
         return None
@@ -88,7 +88,7 @@ def enumerations(messages: list[Message]) -> list[str]:
             choices = {int(value): str(text) for value, text in signal.choices.items()}
             if found.setdefault(name, (prefix, choices)) != (prefix, choices):
                 raise SystemExit(
-                    f"codegen: {message.name}.{signal.name}: another value table than {name} has elsewhere"
+                    f"codegen: {message.name}.{signal.name}: expected the same value table as other signals of {name}"
                 )
     lines = []
     for name, (prefix, choices) in found.items():
@@ -137,7 +137,7 @@ def members(found: Layout) -> list[str]:
 
 
 def pack_value(message: Message, signal: Signal, value: str, fits: str) -> list[str]:
-    """The statements that put a C value into the raw struct."""
+    """The statements that write a C value to the raw struct."""
     raw = f"raw.{lower(signal)}"
     kind = scalar_type(signal)
     if kind == "float" and not signal.is_float:
@@ -176,7 +176,7 @@ def raw_array(group: Group) -> str:
 
 
 def pack_scaled_arrays(message: Message, groups: list[Group]) -> list[str]:
-    """One loop over the joints for all of them: joints are scaled alike, comanip_dev.codegen checks it."""
+    """Packs all scaled arrays in one loop over the joints. comanip_dev.codegen checks that the scales are equal."""
     if not groups:
         return []
     return [
@@ -287,6 +287,7 @@ def signature_unpack(message: Message) -> str:
 
 
 def with_codec(messages: list[Message]) -> list[Message]:
+    """One message for each codec of CAN FD."""
     return [message for message in messages if not message.name.startswith(CLASSIC) and leads(message)]
 
 

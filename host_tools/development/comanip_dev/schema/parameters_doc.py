@@ -1,4 +1,4 @@
-"""docs/parameters.md, written from parameters.toml: ``python -m comanip_dev.schema.parameters_doc FILE``."""
+"""Writes docs/parameters.md from parameters.toml: ``python -m comanip_dev.schema.parameters_doc FILE``."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""Does every frame have somebody who reads it? ``python -m comanip_dev.schema.readers`` (``make check``).
+"""Checks that every frame has a reader: ``python -m comanip_dev.schema.readers`` (``make check``).
 
-The firmware's frames have a function each, or do not compile (firmware/controller_inputs.c). A frame for another node is
-read where its X_unpack() is called in sim/, or where a tool in host_tools/comanip names the message, or its kind.
+The compiler checks the frames for the firmware: each must have a function (firmware/controller_inputs.c). A frame for
+another node counts as read if sim/ calls its X_unpack(), or if a tool in host_tools/comanip names the message or its
+frame kind.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ def _text(folder: Path, *suffixes: str) -> str:
 
 
 def without_reader(messages: Sequence[Message], simulator: str, tools: str) -> Iterable[str]:
-    """Names of messages that nobody reads. simulator, tools: the text of their sources."""
+    """Yields the names of messages without a reader. simulator, tools: the text of their sources."""
     for message in with_codec(messages):
         name = family(message) or message.name
         kind = f"FRAME_{snake(message).upper()}"
@@ -39,7 +40,8 @@ def main() -> int:
     found = list(without_reader(database.messages, simulator, tools))
     for name in found:
         print(
-            f"check: {name}: nobody reads it, expected {name}_unpack() in sim/ or its name in host_tools/comanip",
+            f"check: {name}: no reader, expected a call of its unpack function in sim/ "
+            "or its name in host_tools/comanip",
             file=sys.stderr,
         )
     return 1 if found else 0

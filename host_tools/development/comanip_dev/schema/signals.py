@@ -1,4 +1,4 @@
-"""What the code generator makes of the DBC's signals: which of them are one member of a message's C struct.
+"""Determines which signals of the DBC form one member of a message's C struct.
 
 The rules, by name:
 
@@ -6,10 +6,10 @@ The rules, by name:
 ``BASE_x_m``, ``_y_m``, ``_z_m``       a vector3_t, BASE_m; ``x_m y_m z_m`` is position_m
 ``BASE_w``, ``_x``, ``_y``, ``_z``     a quaternion_t, BASE; ``qw qx qy qz`` is rotation
 ``BASE_x_m`` .. and ``BASE_qw`` ..     both together a pose_t, BASE
-``valid`` or ``BASE_valid``            says whether the vector and the quaternion of BASE mean anything
+``valid`` or ``BASE_valid``            true if the vector and the quaternion of BASE are valid
 
-The attribute EnumType of a signal, "TYPE PREFIX", makes an enumeration of its value table; "TYPE PREFIX number" declares
-the enumeration, but the member is an integer, because the signal may carry numbers that this firmware does not know.
+The attribute EnumType of a signal, "TYPE PREFIX", declares an enumeration of its value table. With "TYPE PREFIX number"
+the member is an integer instead, because the signal may carry numbers that this firmware does not know.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from cantools.database.can.c_source import camel_to_snake_case
 from cantools.database.can.message import Message
 from cantools.database.can.signal import Signal
 
-CLASSIC = "Classic"  # names of the frames for classic CAN begin so
+CLASSIC = "Classic"  # prefix of the names of the frames for classic CAN
 JOINTS = 8
 AXES, QUATERNION = "xyz", "wxyz"
 _JOINT = re.compile(r"_(\d)(?=_|$)")
@@ -33,12 +33,12 @@ def attribute(owner: Message | Signal, name: str, default=0):
 
 
 def is_header(signal: Signal) -> bool:
-    """Of end-to-end protection."""
+    """True for a signal of the end-to-end header."""
     return signal.name.startswith("e2e_")
 
 
 def payload(message: Message) -> list[Signal]:
-    """Without the end-to-end header."""
+    """The signals without those of the end-to-end header."""
     return [signal for signal in message.signals if not is_header(signal)]
 
 
@@ -49,25 +49,25 @@ def raw_limits(signal: Signal) -> tuple[int, int]:
 
 
 def integer_bits(signal: Signal, largest: int | None = None) -> int:
-    """Width of the smallest C integer that holds the signal, or its largest value in the unit of the DBC."""
+    """The width of the smallest C integer for the signal's raw value, or for `largest` if given."""
     bits = signal.length if largest is None else largest.bit_length()
     return next(width for width in (8, 16, 32, 64) if width >= bits)
 
 
 def raw_type(signal: Signal) -> str:
-    """As cantools' struct has it."""
+    """The type of the signal in cantools' struct."""
     return f"{'int' if signal.is_signed else 'uint'}{integer_bits(signal)}_t"
 
 
 @dataclass
 class Group:
-    """Signals that are one member: a scalar, an array over the joints, a vector or a quaternion."""
+    """The signals of one member: a scalar, an array over the joints, a vector or a quaternion."""
 
     member: str
     kind: str  # "scalar", "array", "vector", "quaternion"
     signals: list[Signal]
-    base: str = ""  # of a vector or quaternion
-    validity: Signal | None = None  # what says whether it means anything
+    base: str = ""  # BASE of a vector or quaternion
+    validity: Signal | None = None  # validity flag of a vector or quaternion
 
     @property
     def first(self) -> Signal:
@@ -83,12 +83,12 @@ class Layout:
 
     @property
     def poses(self) -> set[str]:
-        """Bases that have a vector and a quaternion, and a name."""
+        """The named bases that have both a vector and a quaternion."""
         bases = {kind: {g.base for g in self.groups if g.kind == kind} for kind in ("vector", "quaternion")}
         return {base for base in bases["vector"] & bases["quaternion"] if base}
 
     def access(self, group: Group) -> str:
-        """The member as C has it: `rotation`, or `target.rotation` in a pose."""
+        """The C expression for the member: `rotation`, or `target.rotation` in a pose."""
         if group.base not in self.poses:
             return group.member
         return f"{group.base}.{'translation_m' if group.kind == 'vector' else 'rotation'}"
@@ -108,7 +108,7 @@ def _quaternion_prefix(names: set[str], name: str) -> str | None:
 
 
 def layout(message: Message) -> Layout:
-    """SystemExit if an array does not have one element for each joint."""
+    """The layout of a message. SystemExit if an array does not have one element for each joint."""
     signals = {signal.name: signal for signal in payload(message)}
     found, taken = Layout(message), set()
     for name, signal in signals.items():
@@ -142,10 +142,11 @@ def snake(message: Message) -> str:
 
 
 def constant(message: Message, signal: Signal) -> str:
-    """How comanip_schema.h calls the signal's scale and range: COMANIP_ and this, and _PER_UNIT and so on."""
+    """The name of the signal's constants in comanip_schema.h, without COMANIP_ and without the suffix (_PER_UNIT,
+    ...)."""
     return f"{snake(message)}_{signal.name}".upper()
 
 
 def lower(signal: Signal) -> str:
-    """As cantools' struct calls it."""
+    """The name of the signal in cantools' struct."""
     return camel_to_snake_case(signal.name)

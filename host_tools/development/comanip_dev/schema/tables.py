@@ -1,4 +1,4 @@
-"""What parameters.toml and tasks.toml become: C headers, and the rows of comanip.dbc that repeat them.
+"""Generates C headers from parameters.toml and tasks.toml, and updates the rows of comanip.dbc that repeat them.
 
 ``comanip_parameters.h``: parameter_id_t, and COMANIP_PARAMETERS, one X-macro row for each parameter.
 ``comanip_tasks.h``: COMANIP_TASKS, one X-macro row for each built-in task.
@@ -16,12 +16,13 @@ from comanip_dev.schema.messages import GENERATED
 
 
 def number(value: float) -> str:
-    """A float literal: the compiler rounds it to float32."""
+    """A float literal, which the compiler rounds to float32."""
     return f"{value!r}f"
 
 
 def parameters_header(parameters: Sequence[Parameter]) -> str:
-    """The enumerator of a vector is its first component's; its comment says how many there are."""
+    """The header. A vector has one enumerator, the number of its first component; the comment begins with their
+    count."""
     first: dict[str, list[Parameter]] = {}
     for parameter in parameters:
         first.setdefault(parameter.vector, []).append(parameter)
@@ -39,10 +40,11 @@ def parameters_header(parameters: Sequence[Parameter]) -> str:
     ]
     return "\n".join([
         GENERATED, "#ifndef COMANIP_PARAMETER_ROWS_H", "#define COMANIP_PARAMETER_ROWS_H", "",
-        "/* Numbers on the wire. Vectors stand in a row: FIRST + component. */",
-        "typedef enum {", *names, f"    PARAMETER_COUNT = {parameters[-1].number + 1} /* one more than the largest number */",
+        "/* The numbers on the bus. The components of a vector have consecutive numbers. */",
+        "typedef enum {", *names,
+        f"    PARAMETER_COUNT = {parameters[-1].number + 1} /* the largest number plus 1 */",
         "} parameter_id_t;", "",
-        f"#define PARAMETER_NUMBERS {NUMBERS} /* numbers that there can be */", "",
+        f"#define PARAMETER_NUMBERS {NUMBERS} /* upper limit of PARAMETER_COUNT */", "",
         "/* PARAMETER(number, name, minimum, maximum, default, whole numbers only, unit, group, meaning) */",
         "#define COMANIP_PARAMETERS(PARAMETER) \\", *(f"{row} \\" for row in rows[:-1]), rows[-1], "", "#endif", "",
     ])  # fmt: skip
@@ -52,6 +54,7 @@ def tasks_header(tasks: Sequence[Task]) -> str:
     def vector(values: tuple[float, ...]) -> str:
         return f"({', '.join(number(value) for value in values)})"
 
+    largest = max(CUSTOM_NUMBER, *(task.number for task in tasks))
     rows = [
         f'    TASK({task.name.upper()}, {task.number}, "{task.name}", {task.form.upper()}, '
         f"{vector(task.t_task_m)}, {vector(task.q_task)}, {vector(task.q_inv)})"
@@ -59,7 +62,7 @@ def tasks_header(tasks: Sequence[Task]) -> str:
     ]
     return "\n".join([
         GENERATED, "#ifndef COMANIP_TASKS_H", "#define COMANIP_TASKS_H", "",
-        f"#define COMANIP_TASK_NUMBERS {max(CUSTOM_NUMBER, *(t.number for t in tasks)) + 1} /* one more than the largest number */",
+        f"#define COMANIP_TASK_NUMBERS {largest + 1} /* the largest number plus 1 */",
         f"#define COMANIP_TASK_COUNT {len(tasks)} /* built-in tasks */", "",
         "/* TASK(NAME, number, name, form, (t_task), (q_task), (q_inv)) */",
         "#define COMANIP_TASKS(TASK) \\", *(f"{row} \\" for row in rows[:-1]), rows[-1], "", "#endif", "",
@@ -74,7 +77,7 @@ def _value_table(names: dict[int, str]) -> str:
 
 
 def _with_table(text: str, signal: str, names: dict[int, str]) -> str:
-    """The value tables of all signals of this name, and the range that follows from them."""
+    """The DBC with these value tables for all signals of this name, and with the range that follows."""
     text = re.sub(rf"^(VAL_ \d+ {signal}) .*;$", lambda m: f"{m[1]} {_value_table(names)} ;", text, flags=re.MULTILINE)
     return re.sub(rf"^( SG_ {signal} : \S+ \(1,0\)) \[0\|\d+\]", rf"\1 [0|{max(names)}]", text, flags=re.MULTILINE)
 
