@@ -1,3 +1,4 @@
+/* The stages of a tick in their order: see controller.h. */
 #include "controller.h"
 
 #include <string.h>
@@ -9,7 +10,7 @@
 #include "controller_parameters.h"
 #include "controller_requests.h"
 
-/* A bit for each kind of frame that the firmware receives. */
+/* Bit mask of the frame kinds that the firmware receives. */
 #define KIND_BIT(NAME, name) | UINT32_C(1) << FRAME_##NAME
 #define RECEIVED_KINDS (0u COMANIP_RECEIVED(KIND_BIT))
 

@@ -1,3 +1,4 @@
+/* Sends the identity and the parameters after boot: see controller_announcement.h. */
 #include "controller_announcement.h"
 
 #include "comanip_identity.h"

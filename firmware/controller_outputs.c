@@ -1,8 +1,9 @@
+/* Sends the frames of a tick: see controller_outputs.h. */
 #include "controller_outputs.h"
 
 #include "comanip_dbc.h"
 
-#define TRACED_AGE_MAX_US 0xFFFFFFu /* TickTrace has 24 bits for it */
+#define TRACED_AGE_MAX_US 0xFFFFFFu /* 24 bits in TickTrace */
 
 void controller_send(controller_t *self, can_frame_t *frame, controller_outbox_t *outbox) {
     (void)transport_send(&self->sender, frame, &outbox->sink);
@@ -47,14 +48,14 @@ static void send_joint_command(controller_t *self, controller_outbox_t *outbox) 
     if (joint_cmd_pack(&command, &frame) == PROTOCOL_OK) {
         controller_send(self, &frame, outbox);
     } else {
-        self->finite = false; /* only a defect leads here: arm_check() has made sure that the limits fit the frame */
+        self->finite = false; /* cannot happen: arm_check() ensures that all values within the limits fit the frame */
     }
 }
 
 static const pose_t no_target = {{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
 
 static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
-    tick_trace_t trace; /* without an initialiser, which would write zeros first: every member is set below */
+    tick_trace_t trace; /* every member is set below; an initialiser would write zeros first */
     trace.now_us = now_us;
     trace.target_valid = self->supervisor.mode == MODE_COOPERATING;
     trace.target = trace.target_valid ? self->cooperation.target : no_target;

@@ -1,3 +1,4 @@
+/* Handles the operator's requests: see controller_requests.h. */
 #include "controller_requests.h"
 
 #include <stddef.h>
@@ -8,7 +9,7 @@
 
 #define UNIT_TOLERANCE 1e-3f
 
-/* The end effector's measured pose in the torso frame. Only a new reference needs it. */
+/* The end effector's measured pose in the torso frame. */
 static pose_t measured_pose(const controller_t *self) {
     return self->arm->forward_kinematics(self->arm, self->joints.position_rad);
 }
@@ -66,7 +67,7 @@ static result_t start(controller_t *self, uint8_t sequence) {
     return result;
 }
 
-/* Latch and clutch need the person's hand: they are refused in a hold. */
+/* Latch and clutch need the pose of the person's hand, so they are refused in mode hold. */
 static result_t require_cooperating(const controller_t *self) {
     switch (self->supervisor.mode) {
     case MODE_COOPERATING: return RESULT_ACCEPTED;
@@ -79,7 +80,7 @@ static result_t latch(controller_t *self) {
     result_t result = require_cooperating(self);
     if (result == RESULT_ACCEPTED) {
         if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
-            /* first the virtual hand of this tick */
+            /* the relation is measured with the virtual hand of this tick */
             cooperation_update(&self->cooperation, &self->hand, controller_task_blend(self));
             cooperation_latch_measured(&self->cooperation, measured_pose(self));
             controller_zero_feedback(self);
@@ -103,7 +104,7 @@ static result_t clutch(controller_t *self) {
 
 /* ---- requests */
 
-static result_t carry_out(controller_t *self, const operator_command_t *command) {
+static result_t execute(controller_t *self, const operator_command_t *command) {
     switch (command->command) {
     case COMMAND_SELECT: return select_built_in(self, command->task);
     case COMMAND_START: return start(self, command->sequence);
@@ -120,7 +121,7 @@ void controller_handle_requests(controller_t *self, const controller_inbox_t *in
         if (self->request[i].kind == FRAME_OPERATOR_COMMAND) {
             operator_command_t command;
             operator_command_unpack(frame, &command);
-            controller_send_ack(self, command.command, command.sequence, carry_out(self, &command), outbox);
+            controller_send_ack(self, command.command, command.sequence, execute(self, &command), outbox);
         } else if (self->request[i].kind == FRAME_TASK_DEFINE) {
             task_define_t define;
             task_define_unpack(frame, &define);

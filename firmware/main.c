@@ -1,4 +1,4 @@
-/* The firmware's loop: the same file on the host and on every target. */
+/* The firmware's main loop, the same on the host and on every target. */
 #include "main.h"
 
 #include <stddef.h>
@@ -8,7 +8,7 @@
 #include "controller.h"
 #include "parameters/parameter_store.h"
 
-/* Stored parameters take effect all together or not at all. */
+/* Stored parameters take effect all or none. */
 static void load_parameters(controller_t *controller) {
     uint8_t record[PARAMETER_STORE_MAX_BYTES + 1]; /* the spare byte detects oversized records */
     size_t length;
@@ -35,7 +35,7 @@ static void report_save(controller_inbox_t *inbox) {
     inbox->save_result = inbox->save_over ? result[status] : RESULT_ACCEPTED;
 }
 
-/* The port counts frames that its queue refuses; the drives' own timeout stops the arm if commands are lost. */
+/* The port counts the frames that it refuses. If commands are lost, the drives' timeout stops the arm. */
 static void send_frame(void *context, const can_frame_t *frame) {
     (void)context;
     (void)hal_can_send(frame);

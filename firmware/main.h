@@ -1,4 +1,4 @@
-/* Entry of the firmware: called by a target's reset handler, or by the simulator's main(). */
+/* The firmware's entry point, called by a target's reset handler or by the simulator. */
 #ifndef COMANIP_MAIN_H
 #define COMANIP_MAIN_H
 

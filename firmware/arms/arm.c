@@ -1,3 +1,4 @@
+/* Checks an arm's table and computes the kinematics of any arm: see arm.h. */
 #include "arm.h"
 
 #include <stdbool.h>
@@ -18,7 +19,7 @@ const char *arm_check(const arm_t *arm) {
         return "arm table: joint_count must be 1 to 8";
     }
     if (arm->forward_kinematics == NULL) {
-        return "arm table: forward_kinematics must be a function, for any arm or for this one";
+        return "arm table: forward_kinematics must be set, for example to arm_forward_kinematics";
     }
     if (!is_pose(arm->effector)) {
         return "arm table: effector is not a pose";
@@ -46,7 +47,7 @@ const char *arm_check(const arm_t *arm) {
     return NULL;
 }
 
-/* The pose, seen from the joint's frame as the joint turned it. */
+/* The pose after the joint's rotation, in the joint's frame. */
 static pose_t turned(vector3_t axis, float angle_rad, pose_t pose) {
     const sine_cosine_t half = sine_cosine(0.5f * angle_rad);
     const quaternion_t turn = {half.cosine, half.sine * axis.x, half.sine * axis.y, half.sine * axis.z};
@@ -62,10 +63,9 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
     return end_effector;
 }
 
-/* From the end effector towards the torso, in the end effector's frame: near it the numbers stay small. */
+/* Computed from the end effector towards the torso and in the end effector's frame, where the numbers stay small. */
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian) {
-    pose_t end_effector =
-        arm->effector; /* seen from the frame reached so far, through whose origin the joint's axis goes */
+    pose_t end_effector = arm->effector; /* in the present joint's frame, whose axis goes through its origin */
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
         const quaternion_t to_end_effector = quaternion_conjugate(end_effector.rotation);

@@ -1,3 +1,4 @@
+/* Inverse kinematics of any arm: see arm_ik.h. */
 #include "arm_ik.h"
 
 #include <stddef.h>

@@ -1,21 +1,23 @@
+/* Algorithm 1: see cooperation.h. */
 #include "cooperation.h"
 
-/* Not in line: one copy of its code for all that is done until a task is in force. */
+/* Not inline: the code that is not time-critical shares one copy. */
 __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion_t b) {
     return quaternion_multiply(a, b);
 }
 
 /* ---- the loop's constants
  *
- * With q_H^E = (r, t), its start (r_0, t_0), the tracker's rotation c = conj(q_Tv^E), the scale s, and q_Hv0^H0 = (r_v,
- * t_v), the lines up to (7) give the virtual hand
+ * Let q_H^E = (r, t) with the start (r_0, t_0), c = conj(q_Tv^E) the tracker's rotation, s the scale, and q_Hv0^H0 =
+ * (r_v, t_v). The lines up to (7) give the virtual hand with
  *
- *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0),      p_0 that of the start,
+ *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0),      p_0: its translation at the start.
  *
- * and q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) turns r by c from the left and r_v conj(r_k) from the right, and
- * takes t_k, turned by the result, from the translation. */
+ * Then q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) has the rotation r' = c r r_v conj(r_k), and its translation is
+ * that of the virtual hand minus R(r') t_k. */
 
-/* The matrix of r -> left r right on w x y z. Its columns are left 1, left i, left j, left k, times right. */
+/* The matrix of r -> left r right on (w, x, y, z). Its columns are left 1 right, left i right, left j right and
+ * left k right. */
 static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4]) {
     const quaternion_t times_unit[4] = {
         left,
@@ -51,14 +53,15 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
 
 /* ---- start, and changes */
 
-/* conj(a) b: where b is, seen from a. Unit again, so that no error grows from one change to the next. */
+/* conj(a) b: the pose b in the frame a. Normalised, so that rounding errors do not accumulate over changes. */
 static pose_t seen_from(pose_t a, pose_t b) {
     const quaternion_t back = quaternion_conjugate(a.rotation);
     const vector3_t way = vector3_add(b.translation_m, vector3_scale(a.translation_m, -1.0f));
     return (pose_t){quaternion_normalise(product(back, b.rotation)), quaternion_rotate(back, way)};
 }
 
-/* q_R0^T moved by the person's start offset, seen by a person who stands as q_inv says: q_Rv0^Tv q_inv. */
+/* The virtual hand at the start, q_Rv0^Tv q_inv: the end effector's pose, moved by the start offset and rotated by
+ * q_inv. */
 static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     return (pose_t){
         product(robot.rotation, self->task.q_inv),
@@ -66,8 +69,8 @@ static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     };
 }
 
-/* From here on the hand's displacement counts from `hand`, and the virtual hand's from `virtual_hand`. Of q_Hv0^H0 =
- * conj(q_H0^Tv) q_Hv0^Tv, the last line of Algorithm 1's initialisation, the loop needs the rotation only. */
+/* Makes `hand` and `virtual_hand` the references of displacements. Of q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, the last line
+ * of Algorithm 1's initialisation, the loop needs only the rotation. */
 static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
     const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
     const quaternion_t hand_in_torso = product(from_tracker, hand.rotation); /* equation (8) */
@@ -78,12 +81,12 @@ static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand
     self->forward_displacement_m = 0.0f;
 }
 
-/* q_Hv^Tv of the latest hand: q_R^Tv q_task. */
+/* The latest virtual hand, q_Hv^Tv = q_R^Tv q_task. */
 static pose_t virtual_hand(const cooperation_t *self) {
     return pose_multiply(self->target, task_relation_at(&self->relation, self->forward_displacement_m));
 }
 
-/* Equation (1): q_task of a robot that stands so while the virtual hand is there. */
+/* Equation (1): the q_task of these poses of the end effector and the virtual hand. */
 static task_relation_t performed_relation(pose_t robot, pose_t hand) {
     return (task_relation_t){seen_from(robot, hand), 0.0f};
 }
@@ -111,8 +114,8 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
 }
 
 void cooperation_select(cooperation_t *self, const task_t *task) {
-    /* How the person stands may change with the task: the virtual hand turns by conj(old q_inv) new q_inv, and what was
-     * the relation until now is expressed by the turned hand, so that the target does not move. */
+    /* q_inv may change with the task: the virtual hand then rotates by conj(old q_inv) new q_inv. The relation until
+     * now is expressed with the rotated hand, so that the target does not move. */
     const quaternion_t turn = product(quaternion_conjugate(self->task.q_inv), task->q_inv);
     pose_t turned_hand = virtual_hand(self);
     turned_hand.rotation = product(turned_hand.rotation, turn);
@@ -147,7 +150,7 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
 
 /* ---- the loop */
 
-/* The target of rotation r. */
+/* Sets the target, whose rotation is r. */
 static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_t r) {
     const cooperation_loop_t *loop = &self->loop;
     const float (*carry)[3] = loop->carry;
@@ -173,7 +176,7 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     self->target.translation_m.z = loop->virtual_hand_start_m.z + up - self->relation_m.z;
 }
 
-/* As long as a task comes into force. Not in line, so that the loop need not save registers. */
+/* For the time in which a task comes into force. Not inline, so that the loop need not save registers. */
 __attribute__((noinline)) static void update_and_settle(cooperation_t *self, const pose_t *hand, float blend) {
     self->relation = relation_in_force(self, blend);
     const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
@@ -209,7 +212,7 @@ static vector3_t carried(const float carry[3][3], vector3_t v) {
     };
 }
 
-/* The derivative of set_target(): the target turns as the hand does, about the virtual hand. */
+/* The derivative of set_target(): the target rotates with the hand, about the virtual hand. */
 twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand) {
     const float (*carry)[3] = (const float (*)[3])self->loop.carry;
     const vector3_t virtual_hand_mps = carried(carry, hand->velocity_mps);

@@ -16,40 +16,42 @@
 #include "joints_at_limit.h"
 
 typedef enum {
-    ERROR_FRAME_TORSO = 0,  /* e = q_d - q: the paper to the letter */
+    ERROR_FRAME_TORSO = 0,  /* e = q_d - q, as in the paper */
     ERROR_FRAME_TARGET = 1, /* e = 1 - conj(q_d) q, Jacobian conj(q_d) J: the error's dual part is half the position
-                               error, so that W is a true trade-off between position and orientation */
+                               error, so that W weighs position against orientation */
 } error_frame_t;
 
-/* The constants of the isotropic normal equations: multiplied by 4, so that they are free of halves, and divided by the
+/* The constants of the isotropic normal equations, which are multiplied by 4 to avoid factors 1/2, and divided by the
  * translation's weight. */
 typedef struct {
-    bool applies; /* isotropic, and with so much damping that float32 solves it without refinement */
+    bool applies; /* isotropic, and enough damping for float32 without refinement */
     float weight_rotation;
     float pull_rotation, pull_translation; /* 2 weight gain */
-    float diagonal;                        /* of the rotation and the damping: weight_rotation + 4 lambda */
-    float trace_max; /* of the translation's part of J^T W J: above it the damping is too little */
+    float diagonal;                        /* weight_rotation + 4 lambda: rotation and damping on the diagonal */
+    float trace_max;                       /* above this trace of the translation's J^T W J the damping is too small */
 } differential_ik_isotropic_t;
 
 typedef struct {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
-    float weight[8];     /* diagonal of W; >= 0; 1 is the paper */
-    float damping; /* lambda >= 0. Below 2.5e-7 of the largest diagonal element of J^T W J, where float32's rounding
-                      would decide, 2e-6 of that element is used: the velocity is bounded at singularities even for 0 */
+    float weight[8];     /* diagonal of W; >= 0; 1 in the paper */
+    /* lambda >= 0. If it is below 2.5e-7 of the largest diagonal element of J^T W J, where float32's rounding would
+     * dominate, 2e-6 of that element is used instead: the velocity is bounded at singularities even for lambda = 0. */
+    float damping;
     error_frame_t error_frame;
-    differential_ik_isotropic_t isotropic; /* by differential_ik_prepare() */
+    differential_ik_isotropic_t isotropic; /* set by differential_ik_prepare() */
 } differential_ik_config_t;
 
 typedef struct {
     const float *position_rad;  /* joint_count angles */
     const pose_t *target;       /* in the torso frame; either sign */
-    joints_at_limit_t at_limit; /* none of them is driven beyond */
+    joints_at_limit_t at_limit; /* joints that must not be driven beyond their limits */
 } differential_ik_request_t;
 
-/* Once, after the other members of the config are set. */
+/* Sets config->isotropic. Call it once, after the other members of the config are set. */
 void differential_ik_prepare(differential_ik_config_t *config);
 
-/* For any K, W and damping, with the 8 x n Jacobian. velocity_radps: joint_count values, not limited. */
+/* Solves the equation for any K, W and damping, with the 8 x n Jacobian. velocity_radps: joint_count values, not
+ * limited. */
 void differential_ik_general(const arm_t *arm, const differential_ik_config_t *config,
                              const differential_ik_request_t *request, float velocity_radps[]);
 

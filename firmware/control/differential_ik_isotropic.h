@@ -4,7 +4,7 @@
 
 #include "differential_ik.h"
 
-/* As differential_ik_general(), which it calls where the damping turns out to be too little for it. Only if
+/* Like differential_ik_general(), which it calls if the damping is too small in the present posture. Requires
  * config->isotropic.applies. */
 void differential_ik_isotropic(const arm_t *arm, const differential_ik_config_t *config,
                                const differential_ik_request_t *request, float velocity_radps[]);

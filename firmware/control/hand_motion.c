@@ -1,3 +1,4 @@
+/* Predicts the motion of the person's hand: see hand_motion.h. */
 #include "hand_motion.h"
 
 #include "../maths/float_bits.h"
@@ -10,11 +11,11 @@ static const motion_filter_scale_t rotation_scale = {
 #define INTERVAL_FIRST_S 0.01f
 #define INTERVAL_MIN_S 0.0005f
 #define INTERVAL_MAX_S 0.1f
-#define INTERVAL_WEIGHT 0.1f /* of a new interval in the usual one */
+#define INTERVAL_WEIGHT 0.1f /* weight of a new interval in the usual interval */
 
-/* So far from the prediction, a pose is no continuation of the motion. */
+/* A pose that is farther than this from the prediction is not treated as a continuation of the motion. */
 #define JUMP_M 0.5f
-#define JUMP_COS_HALF 0.87758256f /* of 1 rad */
+#define JUMP_COS_HALF 0.87758256f /* cosine of half of 1 rad */
 
 static const vector3_t zero = {0.0f, 0.0f, 0.0f};
 
@@ -26,7 +27,7 @@ static vector3_t difference(vector3_t a, vector3_t b) {
     return vector3_add(a, vector3_scale(b, -1.0f));
 }
 
-/* Turns a pose's translation and rotation on. */
+/* Moves a pose by a displacement and a rotation vector. */
 static inline pose_t displace(pose_t pose, vector3_t way_m, vector3_t turn_rad) {
     return (pose_t){
         quaternion_multiply(quaternion_from_rotation_vector(turn_rad), pose.rotation),
@@ -34,28 +35,29 @@ static inline pose_t displace(pose_t pose, vector3_t way_m, vector3_t turn_rad) 
     };
 }
 
-/* The rotation vector of a unit quaternion with w > 0, by the series of 2 asin(|v|): within 1e-4 rad up to 1 rad, 18 %
- * short at pi. */
+/* The rotation vector of a unit quaternion with w > 0, by the series of 2 asin(|v|). The error is below 1e-4 rad up to
+ * 1 rad; at pi the result is 18 % too short. */
 static vector3_t rotation_vector(quaternion_t q) {
     const vector3_t v = {q.x, q.y, q.z};
     const float square = vector3_dot(v, v);
     return vector3_scale(v, 2.0f + square * (0.33333334f + square * (0.15f + square * 0.089285714f)));
 }
 
-/* From b's rotation to a's, in the axes of the frame that both are in. */
+/* The rotation from b to a, in the axes of their common frame. */
 static quaternion_t turn_between(quaternion_t a, quaternion_t b) {
     return quaternion_align(quaternion_multiply(a, quaternion_conjugate(b)), quaternion_identity);
 }
 
-/* So long after a sample, a gap begins. */
+/* The time after a sample at which a gap begins. */
 static float awaited_s(const hand_motion_t *self) {
     return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_GRACE_S;
 }
 
-/* How far the motion is extrapolated, how fast it still goes on, and what is left of the newest sample's change. */
+/* The extrapolation at one time. */
 typedef struct {
     motion_filter_ahead_t horizon;
-    float pace, left;
+    float pace; /* factor on the velocity, 1 to 0 in a gap */
+    float left; /* remaining share of the newest sample's change, 1 to 0 */
 } schedule_t;
 
 static inline schedule_t schedule(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
@@ -72,9 +74,9 @@ static inline schedule_t schedule(const hand_motion_t *self, uint32_t now_us, fl
     return (schedule_t){motion_filter_ahead(horizon_s), pace, float_is_below(0.0f, left) ? left : 0.0f};
 }
 
-static inline vector3_t place_at(const motion_filter_t *filter, const hand_motion_change_t *change,
-                                 const schedule_t *at) {
-    return vector3_add(motion_filter_displacement(filter, &at->horizon), vector3_scale(change->place, at->left));
+static inline vector3_t displacement_at(const motion_filter_t *filter, const hand_motion_change_t *change,
+                                        const schedule_t *at) {
+    return vector3_add(motion_filter_displacement(filter, &at->horizon), vector3_scale(change->displacement, at->left));
 }
 
 static inline vector3_t velocity_at(const motion_filter_t *filter, const hand_motion_change_t *change,
@@ -89,26 +91,26 @@ void hand_motion_init(hand_motion_t *self) {
     motion_filter_init(&self->rotation, &rotation_scale);
 }
 
-static void stand(hand_motion_t *self) {
+static void come_to_rest(hand_motion_t *self) {
     motion_filter_restart(&self->translation);
     motion_filter_restart(&self->rotation);
     self->translation_change = self->rotation_change = (hand_motion_change_t){zero, zero};
 }
 
 void hand_motion_reset(hand_motion_t *self) {
-    stand(self);
+    come_to_rest(self);
     self->is_running = false;
 }
 
-/* Where the motion is still awaited, a jump fades in; after a gap, or at first, nobody is to be led from where the hand
- * was. */
-static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
+/* Restarts the motion at this pose. If the sample arrived in time, the jump fades in. After a gap, or for the first
+ * sample, the prediction does not start from an old pose. */
+static void restart(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
     const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
     const twist_t motion = hand_motion_twist(self, now_us, 0.0f);
-    stand(self);
+    come_to_rest(self);
     if (in_time) {
-        self->translation_change.place = difference(pose.translation_m, hand->translation_m);
-        self->rotation_change.place = rotation_vector(turn_between(pose.rotation, hand->rotation));
+        self->translation_change.displacement = difference(pose.translation_m, hand->translation_m);
+        self->rotation_change.displacement = rotation_vector(turn_between(pose.rotation, hand->rotation));
         self->translation_change.velocity = motion.velocity_mps;
         self->rotation_change.velocity = motion.angular_velocity_radps;
     }
@@ -116,31 +118,32 @@ static void start_anew(hand_motion_t *self, const pose_t *hand, uint32_t now_us,
     self->is_running = true;
 }
 
-/* Of a sample that is taken over now. */
+/* The times for a new sample. */
 typedef struct {
-    schedule_t before;              /* now, as it was until then */
-    motion_filter_ahead_t interval; /* from the last sample to it */
-    motion_filter_ahead_t latency;  /* from it to now */
+    schedule_t before;              /* the extrapolation to now without the new sample */
+    motion_filter_ahead_t interval; /* from the last sample to the new one */
+    motion_filter_ahead_t latency;  /* from the new sample to now */
 } sample_times_t;
 
-/* Takes an innovation from where the filter has moved in the interval. The change that it makes in the prediction is
- * what was predicted before, less what is now. Rotation vectors are added as if turns commuted: the prediction is
- * continuous to first order in the angle that it extrapolates by. */
+/* Updates the filter. moved: its displacement in the interval. innovation: the sample minus that displacement. The
+ * change of the prediction is the old prediction minus the new one. Rotation vectors are added as if rotations
+ * commuted, so the prediction is continuous to first order in the angle of extrapolation. */
 static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change,
                                const motion_filter_scale_t *scale, vector3_t moved, vector3_t innovation,
                                const sample_times_t *at) {
-    const vector3_t old_place = place_at(filter, change, &at->before);
+    const vector3_t old_displacement = displacement_at(filter, change, &at->before);
     const vector3_t old_velocity = velocity_at(filter, change, &at->before);
     const vector3_t correction = motion_filter_update(filter, scale, innovation, &at->interval);
-    const vector3_t new_place =
+    const vector3_t new_displacement =
         vector3_add(vector3_add(moved, correction), motion_filter_displacement(filter, &at->latency));
-    change->place = difference(old_place, new_place);
+    change->displacement = difference(old_displacement, new_displacement);
     change->velocity = difference(old_velocity, motion_filter_velocity(filter, &at->latency));
     return correction;
 }
 
-/* False: the pose is no continuation. */
-static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uint32_t now_us, float latency_s) {
+/* Continues the motion with this pose. False, without a change, if the pose is too far from the prediction. */
+static bool continue_motion(hand_motion_t *self, const pose_t *hand, float interval_s, uint32_t now_us,
+                            float latency_s) {
     const sample_times_t at = {schedule(self, now_us, 0.0f), motion_filter_ahead(interval_s),
                                motion_filter_ahead(latency_s)};
     const vector3_t moved_m = motion_filter_displacement(&self->translation, &at.interval);
@@ -148,7 +151,7 @@ static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uin
     const pose_t predicted = displace(self->pose, moved_m, turned_rad);
     const vector3_t way_m = difference(hand->translation_m, predicted.translation_m);
     const quaternion_t turn = turn_between(hand->rotation, predicted.rotation);
-    if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* NaN is none either */
+    if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* also if NaN */
         return false;
     }
     const vector3_t correction_m =
@@ -162,7 +165,7 @@ static bool go_on(hand_motion_t *self, const pose_t *hand, float interval_s, uin
     return true;
 }
 
-/* The usual interval follows by a tenth at most, so that a gap does not pass for a slow tracker. */
+/* The usual interval grows by at most a tenth per sample, so that a gap is not mistaken for a slow tracker. */
 static void learn_interval(hand_motion_t *self, float interval_s) {
     const float longest_s = 2.0f * self->interval_s;
     const float seen_s = float_is_below(interval_s, longest_s) ? interval_s : longest_s;
@@ -170,7 +173,7 @@ static void learn_interval(hand_motion_t *self, float interval_s) {
     self->interval_s = float_is_below(learnt_s, INTERVAL_MAX_S) ? learnt_s : INTERVAL_MAX_S;
 }
 
-static float believed_latency_s(float age_s) {
+static float bounded_latency_s(float age_s) {
     if (age_s < HAND_MOTION_LATENCY_MIN_S) {
         return HAND_MOTION_LATENCY_MIN_S;
     }
@@ -180,11 +183,11 @@ static float believed_latency_s(float age_s) {
 void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captured_us, uint32_t now_us) {
     const float measured_s = seconds_from(self->captured_us, captured_us);
     const float interval_s = float_is_below(measured_s, INTERVAL_MIN_S) ? INTERVAL_MIN_S : measured_s;
-    const float latency_s = believed_latency_s(seconds_from(captured_us, now_us));
+    const float latency_s = bounded_latency_s(seconds_from(captured_us, now_us));
     const bool in_time = self->is_running && float_is_below(interval_s, awaited_s(self) + HAND_MOTION_GAP_S);
     const bool was_running = self->is_running;
-    if (!(in_time && go_on(self, hand, interval_s, now_us, latency_s))) {
-        start_anew(self, hand, now_us, in_time);
+    if (!(in_time && continue_motion(self, hand, interval_s, now_us, latency_s))) {
+        restart(self, hand, now_us, in_time);
     }
     if (was_running) {
         learn_interval(self, interval_s);
@@ -196,8 +199,8 @@ void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captur
 
 pose_t hand_motion_pose(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
     const schedule_t at = schedule(self, now_us, ahead_s);
-    return displace(self->pose, place_at(&self->translation, &self->translation_change, &at),
-                    place_at(&self->rotation, &self->rotation_change, &at));
+    return displace(self->pose, displacement_at(&self->translation, &self->translation_change, &at),
+                    displacement_at(&self->rotation, &self->rotation_change, &at));
 }
 
 twist_t hand_motion_twist(const hand_motion_t *self, uint32_t now_us, float ahead_s) {

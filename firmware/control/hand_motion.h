@@ -1,10 +1,10 @@
-/* How the person's hand moves, from time-stamped samples of its pose: where it is and how fast at an instant between or
- * after them.
+/* Estimates pose and twist of the person's hand at any time from time-stamped samples of its pose.
  *
- * Any rate from 15 to 500 Hz, irregular and with lost samples; noise and rate are measured (motion_filter.h). Between
- * samples the prediction is continuous: what a new sample changes in it fades in over one interval. When no sample
- * comes for HAND_MOTION_AWAITED_INTERVALS usual ones and HAND_MOTION_GRACE_S, the motion slows down linearly and stands
- * HAND_MOTION_GAP_S later; after a gap of more than all that, the next sample starts anew. */
+ * Samples may arrive at any rate from 15 to 500 Hz, irregularly and with losses; noise and rate are measured
+ * (motion_filter.h). Between samples the prediction is continuous: the change due to a new sample fades in over one
+ * interval. If no sample arrives for HAND_MOTION_AWAITED_INTERVALS usual intervals plus HAND_MOTION_GRACE_S, the motion
+ * slows down linearly and is at rest HAND_MOTION_GAP_S later. After a longer gap the next sample restarts the motion.
+ * */
 #ifndef COMANIP_HAND_MOTION_H
 #define COMANIP_HAND_MOTION_H
 
@@ -15,47 +15,46 @@
 
 #define HAND_MOTION_AWAITED_INTERVALS 2.5f
 #define HAND_MOTION_GAP_S 0.05f
-
 #define HAND_MOTION_GRACE_S 0.005f
 
-/* From a sample's capture to its being taken over, as it is believed: what is less or more counts as these. Below 0, as
- * a latency known wrongly leads there. */
+/* The time from the capture of a sample to its use is saturated to this range. It may be negative, because a reported
+ * latency may be wrong. */
 #define HAND_MOTION_LATENCY_MIN_S -0.02f
 #define HAND_MOTION_LATENCY_MAX_S 0.1f
 
-/* What the newest sample has changed in the prediction, fading from then on. */
+/* The change of the prediction due to the newest sample, which fades over one interval. */
 typedef struct {
-    vector3_t place, velocity;
+    vector3_t displacement, velocity;
 } hand_motion_change_t;
 
 typedef struct {
-    bool is_running;                       /* since reset */
+    bool is_running;                       /* there was a sample since the reset */
     pose_t pose;                           /* at captured_us */
-    motion_filter_t translation, rotation; /* the rotation as rotation vectors from `pose` on */
+    motion_filter_t translation, rotation; /* the rotation as rotation vectors relative to `pose` */
     hand_motion_change_t translation_change, rotation_change;
     uint32_t captured_us, taken_us; /* of the newest sample */
-    float latency_s;                /* from captured to taken, within HAND_MOTION_LATENCY_MIN_S and _MAX_S */
-    float interval_s;               /* usual, between samples */
+    float latency_s;                /* taken_us - captured_us, within HAND_MOTION_LATENCY_MIN_S and _MAX_S */
+    float interval_s;               /* usual interval between samples */
 } hand_motion_t;
 
-/* No sample yet: the identity, at rest. */
+/* Initialises to the identity at rest, without a sample. */
 void hand_motion_init(hand_motion_t *self);
 
-/* The tracker was lost, and its clock is not known any more: at rest in the last pose, and the next sample starts anew.
- * To be called before our own clock comes round, at most 35 minutes after the last sample. */
+/* To be called when the tracker is lost and its clock is unknown: the hand is at rest in its last pose, and the next
+ * sample restarts the motion. Call it at most 35 minutes after the last sample, before the firmware's clock wraps. */
 void hand_motion_reset(hand_motion_t *self);
 
-/* The hand's pose (unit quaternion of either sign) as it was at captured_us, known from now_us on; both by our clock,
- * modulo 2^32. captured_us may be wrong, and jump as the tracker's clock becomes known: it costs accuracy only. A pose
- * more than 0.5 m or 1 rad from the prediction starts anew. */
+/* Takes the hand's pose (unit quaternion of either sign) at captured_us, received at now_us; both by the firmware's
+ * clock, modulo 2^32. A wrong or jumping captured_us, as while the tracker's clock is being estimated, only reduces the
+ * accuracy. A pose more than 0.5 m or 1 rad from the prediction restarts the motion. */
 void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captured_us, uint32_t now_us);
 
-/* The hand at now_us + ahead_s, as known at now_us, which is not before the newest sample's. The quaternion's sign is
- * continuous but where a sample starts anew. */
+/* The hand at now_us + ahead_s, as known at now_us, which is not before the newest sample. The quaternion's sign is
+ * continuous except at a restart. */
 pose_t hand_motion_pose(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
-/* Likewise. Speeds are at most 20 m/s and 50 rad/s at the sample, and change by at most 200 m/s^2 and 1000 rad/s^2 from
- * there. They are the motion's own, without the way that a new sample's change takes to fade in. */
+/* The twist at now_us + ahead_s. At the sample the speeds are at most 20 m/s and 50 rad/s; after it they change by at
+ * most 200 m/s^2 and 1000 rad/s^2. The twist is that of the hand, without the motion by which a change fades in. */
 twist_t hand_motion_twist(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
 #endif

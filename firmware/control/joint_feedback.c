@@ -1,3 +1,4 @@
+/* The reported state of the joints: see joint_feedback.h. */
 #include "joint_feedback.h"
 
 void joint_feedback_init(joint_feedback_t *self, uint32_t timeout_us) {

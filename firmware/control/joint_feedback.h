@@ -1,4 +1,4 @@
-/* The arm as the drives report it. */
+/* The state of the joints as the drives report it. */
 #ifndef COMANIP_JOINT_FEEDBACK_H
 #define COMANIP_JOINT_FEEDBACK_H
 
@@ -13,17 +13,17 @@ typedef struct {
     bool received[ARM_MAX_JOINTS];
 } joint_feedback_t;
 
-/* timeout_us: JointState's, on this bus. */
+/* timeout_us: timeout of JointState on this bus. */
 void joint_feedback_init(joint_feedback_t *self, uint32_t timeout_us);
 
 /* joint: 0..ARM_MAX_JOINTS - 1. received_us: not after the time of the next check. */
 void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us);
 
-/* Every joint has answered within the timeout. Call it once per tick: an answer that has timed out is forgotten,
- * or it would look fresh again when the clock comes round in 71 minutes. */
+/* True if every joint has answered within the timeout. Call it once per tick: an answer that has timed out is
+ * discarded, because it would appear fresh again when the clock wraps after 71 minutes. */
 bool joint_feedback_check_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us);
 
-/* Some drive reports an error. */
+/* True if a drive reports an error. */
 bool joint_feedback_has_error(const joint_feedback_t *self, int joint_count);
 
 #endif

@@ -1,3 +1,4 @@
+/* Limits the joint commands: see joint_limits.h. */
 #include "joint_limits.h"
 
 #include <float.h>
@@ -10,44 +11,44 @@
 #define VELOCITY_STEPS_PER_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_PER_UNIT
 #define POSITION_RESOLUTION_RAD COMANIP_JOINT_CMD_POSITION_0_RAD_RESOLUTION
 
-/* A quotient that is a whole number but for float32's rounding counts as that number. */
+/* A quotient that is an integer except for float32's rounding is treated as that integer. */
 #define ROUNDING_STEPS 1e-3f
 
-/* a^2 / j at most: braking is planned with less than the acceleration limit where the jerk limit lets it grow too
- * slowly. More than this, and the arm swings as it arrives. */
+/* Upper limit of a^2 / j: if the jerk limit makes the deceleration grow too slowly, braking is planned with less than
+ * the acceleration limit. With a larger value the arm overshoots on arrival. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
 static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The largest speed, up to the limit, from which a joint still stops within the distance, its deceleration growing from
- * 0: v^2 / (2 a) + v a / (2 j) = distance. Until a command acts, the joint travels on with the commands under way,
- * which while it brakes are the faster the older they are. */
+/* The largest speed, up to the limit, from which a joint stops within the distance if its deceleration grows from 0:
+ * v^2 / (2 a) + v a / (2 j) = distance. Until a command takes effect, the joint moves with earlier commands, which are
+ * faster while it brakes; coasting_radps allows for that. */
 static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad) {
     if (!float_is_below(0.0f, distance_rad)) {
         return 0.0f;
     }
     const float squared = plan->twice_braking_radps2 * distance_rad + plan->ramp_square;
-    if (!float_is_below(squared, plan->fastest_square)) { /* as a rule: without a square root */
+    if (!float_is_below(squared, plan->fastest_square)) { /* the usual case, without a square root */
         return plan->speed_max_radps;
     }
     const float speed = __builtin_sqrtf(squared) - plan->coasting_radps;
     return float_is_below(0.0f, speed) ? float_smaller(speed, plan->speed_max_radps) : 0.0f;
 }
 
-/* What the law asks is K times the way to go, so that the speed falls as exp(-K t): more deceleration than there is,
- * when the speed is above a / K, the linear speed. Above it the speed is held to the one that stops on the way to go;
- * below, the law's own. */
-static float approach_speed(float wanted_speed_radps, float linear_radps) {
-    if (!float_is_below(linear_radps, wanted_speed_radps)) {
-        return wanted_speed_radps;
+/* The demanded speed is K times the remaining distance, so it decays as exp(-K t). Above the linear speed a / K this
+ * requires more deceleration than a; there the speed is limited to the one from which the joint stops within the
+ * remaining distance. Below it the demanded speed is returned. */
+static float approach_speed(float demanded_radps, float linear_radps) {
+    if (!float_is_below(linear_radps, demanded_radps)) {
+        return demanded_radps;
     }
-    /* tangent to the line u = K x at u = a / K, then v^2 = 2 a (x - a / (2 K^2)) */
-    return __builtin_sqrtf(linear_radps * (2.0f * wanted_speed_radps - linear_radps));
+    /* v^2 = 2 a (x - a / (2 K^2)), which is tangent to the line u = K x at u = a / K */
+    return __builtin_sqrtf(linear_radps * (2.0f * demanded_radps - linear_radps));
 }
 
-/* The speed that is not above this one, in steps of the bus's resolution, which every command is a whole number of. */
+/* The speed rounded down to steps of the bus's resolution. */
 static int32_t steps_below(float speed_radps) {
     return (int32_t)(speed_radps * VELOCITY_STEPS_PER_RADPS + ROUNDING_STEPS);
 }
@@ -56,10 +57,10 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The change of velocity in this tick, towards a velocity that is `way` steps higher, 0 or more; the last tick's change
- * was `last`. The largest that does not pass it: a change x that falls by J a tick adds up to (k + 1) x - T(k), where k
- * = floor(x / J) is the number of ticks that follow and T(k) = J k (k + 1) / 2. As x is within J of the last change,
- * its k is within 1 of that one's. Where even last - J passes it, that one. */
+/* The change of velocity in this tick, towards a velocity that is `way` >= 0 steps higher. last: the change in the last
+ * tick. The result is the largest change that does not overshoot: a change x that decreases by J per tick adds up to (k
+ * + 1) x - T(k), where k = floor(x / J) is the number of ticks that follow and T(k) = J k (k + 1) / 2. As x is within J
+ * of the last change, its k is within 1 of that of the last change. If even last - J overshoots, it is last - J. */
 static int32_t next_change(const joint_limits_plan_t *plan, int32_t way, int32_t last) {
     const int32_t jerk = plan->jerk_steps;
     int32_t k = last > 0 ? last / jerk : 0;
@@ -85,7 +86,7 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
                                                __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
-    /* A command stays for a tick; the velocity follows the stopping speed later by half the time of a ramp. */
+    /* A command lasts for one tick; the velocity lags behind the stopping speed by half the duration of a ramp. */
     const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
     const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
     return (joint_limits_plan_t){
@@ -118,9 +119,9 @@ void joint_limits_init(joint_limits_t *self) {
     *self = (joint_limits_t){0};
 }
 
-/* How much of the error's velocities is asked for, so that each joint stops on what is left of its way. */
+/* The factor on the feedback velocities with which each joint stops within its remaining distance. */
 static float approach_scale(const joint_limits_plan_t plan[], int joint_count, const float feedback_radps[]) {
-    float scale = 1.0f; /* of all joints alike */
+    float scale = 1.0f; /* common to all joints */
     for (int i = 0; i < joint_count; i++) {
         const float speed = __builtin_fabsf(feedback_radps[i]);
         const float allowed_radps = approach_speed(speed, plan[i].linear_radps);
@@ -131,7 +132,7 @@ static float approach_scale(const joint_limits_plan_t plan[], int joint_count, c
     return scale;
 }
 
-/* The way that a joint goes at most until a change that increases its speed has come down to 0. */
+/* The greatest distance that a joint moves until a change that increases its speed has decreased to 0. */
 static float ramp_way(const joint_limits_config_t *config, const joint_limits_plan_t *plan, float speed_radps,
                       int32_t change_steps) {
     const float change = (float)change_steps;
@@ -144,7 +145,7 @@ bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limi
     const float error_scale = approach_scale(config->plan, arm->joint_count, feedback_radps);
     float demand_radps[ARM_MAX_JOINTS];
     bool finite = true;
-    float scale = 1.0f; /* of all joints alike */
+    float scale = 1.0f; /* common to all joints */
     for (int i = 0; i < arm->joint_count; i++) {
         demand_radps[i] = error_scale * feedback_radps[i] + feedforward_radps[i];
         finite = finite && float_is_finite(measured_rad[i]) && float_is_finite(demand_radps[i]);

@@ -1,20 +1,20 @@
+/* Fading-memory filter: see motion_filter.h. */
 #include "motion_filter.h"
 
-/* The noise is averaged over so long, and from the beginning over what there is and NOISE_TIME_MIN_S more. */
+/* The noise is averaged over NOISE_S; at the start over the elapsed time plus NOISE_TIME_MIN_S. */
 #define NOISE_S 1.0f
 #define NOISE_TIME_MIN_S 0.03f
 
-/* From so many times the expected trend's square on, the shortest memory shrinks with the eighth root of what there is
- * more. */
+/* If the trend's square exceeds its expected value by more than this factor, the shortest memory shrinks with the
+ * eighth root of the excess. */
 #define TREND_FAST 10.0f
 
-#define NOISE_MIN 0.2f /* times the scale's standard deviation */
+#define NOISE_MIN 0.2f /* in standard deviations of the scale */
 #define NOISE_MAX 100.0f
-/* A single second difference of innovations counts at most so many times the variance so far: an outlier does not pass
- * for noise. */
+/* Limit of a single second difference of innovations, in variances, so that an outlier does not count as noise. */
 #define OUTLIER_VARIANCES 9.0f
 
-#define INTERVAL_S 0.004f /* that MOTION_FILTER_MEMORY_S refers to */
+#define INTERVAL_S 0.004f /* sample interval for which MOTION_FILTER_MEMORY_S is valid */
 
 void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scale) {
     *self = (motion_filter_t){
@@ -32,9 +32,9 @@ void motion_filter_restart(motion_filter_t *self) {
     };
 }
 
-/* What is kept of the past after a time, exp(-x) with x >= 0 in units of the memory, and what is not. As 1 / (1 + x +
- * x^2/2 + x^3/6): falls monotonically from 1 to 0, by at most 0.03 above the exponential (at x = 2.9), by 2e-4 at x =
- * 0.3. */
+/* The share of the past that is kept after a time x >= 0 in units of the memory, exp(-x), and 1 minus that share. The
+ * exponential is approximated by 1 / (1 + x + x^2/2 + x^3/6), which decreases monotonically from 1 to 0 and is at most
+ * 0.03 above it (at x = 2.9; 2e-4 at x = 0.3). */
 typedef struct {
     float kept, forgotten;
 } fading_t;
@@ -49,14 +49,13 @@ static float cube(float x) {
     return x * x * x;
 }
 
-/* None of the three may be negative. */
+/* x clamped to min..max. None of the three may be negative. */
 static float clamp(float x, float min, float max) {
     return float_is_below(x, min) ? min : float_smaller(x, max);
 }
 
-/* x^(1/8) of a normal number, within 0.4 %: three square roots would cost twice as much where there is no
- * floating-point unit. An eighth of the exponent, and of the mantissa as if it were a logarithm, is within 4 %; then
- * one step of Newton. */
+/* x^(1/8) of a normal number, within 0.4 %. Without a floating-point unit three square roots would cost twice as much.
+ * An eighth of the bits, taken as a logarithm, gives a guess within 4 %; one Newton step follows. */
 static float eighth_root(float x) {
     const uint32_t guess_bits = (float_bits(x) >> 3) + 0x378B6000u;
     float guess;
@@ -70,7 +69,7 @@ static vector3_t shorten(vector3_t v, float length_max) {
     return float_is_below(length_max * length_max, square) ? vector3_scale(v, length_max / __builtin_sqrtf(square)) : v;
 }
 
-/* Innovations of white noise have the variance noise / kept^3 and are white. */
+/* For white noise the innovations are white and have the variance noise / kept^3. */
 static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
                           float interval_s, float kept) {
     const vector3_t change = vector3_add(innovation, vector3_scale(self->innovation, -1.0f));

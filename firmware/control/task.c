@@ -1,3 +1,4 @@
+/* The built-in tasks and their relations: see task.h. */
 #include "task.h"
 
 #include <stddef.h>

@@ -1,3 +1,4 @@
+/* Quaternions and dual quaternions: see dual_quaternion.h. */
 #include "dual_quaternion.h"
 
 #include "trigonometry.h"
@@ -5,12 +6,12 @@
 const quaternion_t quaternion_identity = {1.0f, 0.0f, 0.0f, 0.0f};
 const dual_quaternion_t dual_quaternion_identity = {{1.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f, 0.0f}};
 
-/* The hardware's correctly rounded square root where there is one, so the same bits everywhere. */
+/* The square root is correctly rounded, in hardware or software, so it gives the same bits on every target. */
 static float square_root(float x) {
     return __builtin_sqrtf(x);
 }
 
-/* The pure quaternion t/2 that carries a translation in equation (2). */
+/* The pure quaternion t/2 of equation (2) for a translation. */
 static quaternion_t half_translation(vector3_t t_m) {
     return (quaternion_t){0.0f, 0.5f * t_m.x, 0.5f * t_m.y, 0.5f * t_m.z};
 }
@@ -34,7 +35,7 @@ quaternion_t quaternion_align(quaternion_t a, quaternion_t reference) {
 
 quaternion_t quaternion_from_rotation_vector(vector3_t v_rad) {
     float angle_squared = v_rad.x * v_rad.x + v_rad.y * v_rad.y + v_rad.z * v_rad.z;
-    if (angle_squared < 1e-12f) { /* below float32's resolution of the angle: the first-order quaternion is exact */
+    if (angle_squared < 1e-12f) { /* the first-order quaternion is exact in float32 */
         return quaternion_normalise((quaternion_t){1.0f, 0.5f * v_rad.x, 0.5f * v_rad.y, 0.5f * v_rad.z});
     }
     float angle_rad = square_root(angle_squared);
@@ -48,7 +49,7 @@ quaternion_t quaternion_from_matrix(const float matrix[9]) {
     const float yx = matrix[3], yy = matrix[4], yz = matrix[5];
     const float zx = matrix[6], zy = matrix[7], zz = matrix[8];
     quaternion_t q;
-    /* Each case computes 4 c * q with c the component whose square is at least 1/4: no cancellation. */
+    /* Each case computes 4 c q, where c is a component whose square is at least 1/4, so that nothing cancels. */
     if (xx + yy + zz > 0.0f) {
         q = (quaternion_t){1.0f + xx + yy + zz, zy - yz, xz - zx, yx - xy};
     } else if (xx >= yy && xx >= zz) {
@@ -94,7 +95,7 @@ dual_quaternion_t dual_quaternion_normalise(dual_quaternion_t a) {
     float inverse_norm = 1.0f / square_root(norm_squared);
     quaternion_t primary = quaternion_scale(a.primary, inverse_norm);
     quaternion_t dual = quaternion_scale(a.dual, inverse_norm);
-    /* What of D lies along P is no translation: take it away. */
+    /* The component of D along P does not belong to a translation and is removed. */
     return (dual_quaternion_t){primary,
                                quaternion_add(dual, quaternion_scale(primary, -quaternion_dot(primary, dual)))};
 }

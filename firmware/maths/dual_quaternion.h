@@ -4,8 +4,8 @@
  * x = r + eps * 1/2 * t * r with rotation r and translation t [m] (equation (2)); its 8 floats lie in memory as
  * [rw rx ry rz dw dx dy dz], the paper's vec8. x and -x are the same pose.
  *
- * Everything is by value and total; NaN goes in and comes out. Unit inputs give results that are unit within rounding;
- * only the functions that say so normalise. */
+ * All functions pass values and are total; NaN in the input gives NaN in the result. Unit inputs give results that are
+ * unit within rounding; only the functions that say so normalise. */
 #ifndef COMANIP_DUAL_QUATERNION_H
 #define COMANIP_DUAL_QUATERNION_H
 
@@ -61,17 +61,18 @@ static inline float quaternion_dot(quaternion_t a, quaternion_t b) {
     return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* | |a| - 1 | is below the tolerance, to first order. False for NaN. */
+/* True if | |a| - 1 | is below the tolerance, to first order. False for NaN. */
 bool quaternion_is_unit(quaternion_t a, float tolerance);
 
-/* a / |a|. The zero quaternion comes back as the identity. */
+/* a / |a|. The zero quaternion gives the identity. */
 quaternion_t quaternion_normalise(quaternion_t a);
 
-/* Whichever of a and -a, the same rotation, lies on the reference's side. */
+/* Of a and -a, which are the same rotation, the one with a dot product >= 0 with the reference. */
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
-/* The vector rotated by the unit quaternion, r v conj(r), as (w^2 - u . u) v + 2 (u . v) u + 2 w u x v with u the
- * vector part: where the rotation is unit but for rounding, the result's length is off, never its direction. */
+/* The vector rotated by the unit quaternion, r v conj(r) = (w^2 - u . u) v + 2 (u . v) u + 2 w u x v, where u is the
+ * vector part. In this form a rounding error in the quaternion's norm changes the result's length, not its direction.
+ * */
 static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
     const vector3_t r = {rotation.x, rotation.y, rotation.z};
     const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));
@@ -83,11 +84,11 @@ static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
 /* Rotation of `angle` = |v| [rad] about v / |v|; |v| within TRIGONOMETRY_MAX_RAD. Zero gives the identity. */
 quaternion_t quaternion_from_rotation_vector(vector3_t v_rad);
 
-/* Rotation matrix, row by row, to unit quaternion with w >= 0 (the paper's footnote 1), by the largest of the four
- * components, so that no rotation loses precision. The matrix must be a rotation within rounding. */
+/* The unit quaternion with w >= 0 of a rotation matrix, row by row (the paper's footnote 1). The largest component is
+ * computed first, so that no rotation loses precision. The matrix must be a rotation within rounding. */
 quaternion_t quaternion_from_matrix(const float matrix[9]);
 
-/* Normalised linear interpolation from a (s = 0) to b (s = 1) along the shorter way. */
+/* Normalised linear interpolation from a (s = 0) to b (s = 1) along the shorter path. */
 quaternion_t quaternion_interpolate(quaternion_t a, quaternion_t b, float s);
 
 dual_quaternion_t dual_quaternion_add(dual_quaternion_t a, dual_quaternion_t b);
@@ -97,10 +98,10 @@ dual_quaternion_t dual_quaternion_multiply(dual_quaternion_t a, dual_quaternion_
 /* Conjugates both quaternions: the inverse of a unit dual quaternion. */
 dual_quaternion_t dual_quaternion_conjugate(dual_quaternion_t a);
 
-/* Back to a pose: |P| = 1 and P . D = 0. A zero primary part gives the identity. */
+/* Normalises to a pose: |P| = 1 and P . D = 0. A zero primary part gives the identity. */
 dual_quaternion_t dual_quaternion_normalise(dual_quaternion_t a);
 
-/* Footnote 1: r + eps 1/2 t r from a unit rotation and a translation [m]. */
+/* r + eps 1/2 t r from a unit rotation and a translation [m] (footnote 1 of the paper). */
 dual_quaternion_t dual_quaternion_from_pose(quaternion_t rotation, vector3_t translation_m);
 
 /* The translation t [m] of a pose: 2 D conj(P). */
@@ -109,7 +110,7 @@ vector3_t dual_quaternion_translation(dual_quaternion_t pose);
 /* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a): translations add, rotations compose as P(b) P(a). */
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);
 
-/* Whichever of pose and -pose lies on the reference's side, <P(pose), P(reference)> >= 0: the double cover's answer. */
+/* Of pose and -pose, which are the same pose, the one with <P(pose), P(reference)> >= 0. */
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference);
 
 #endif

@@ -1,4 +1,5 @@
-/* What the bits of a float32 answer, and serve for: without a floating-point unit, a comparison is a call. */
+/* Float predicates on bit patterns. Without a floating-point unit a float comparison is a function call; these are not.
+ * */
 #ifndef COMANIP_FLOAT_BITS_H
 #define COMANIP_FLOAT_BITS_H
 
@@ -12,7 +13,7 @@ static inline uint32_t float_bits(float x) {
     return bits;
 }
 
-/* Of the magnitude: ordered as the magnitudes are, infinity above all numbers, and NaN above it. */
+/* The bits of |x|, ordered as the magnitudes, with infinity above all numbers and NaN above infinity. */
 static inline uint32_t float_magnitude_bits(float x) {
     return float_bits(x) & 0x7FFFFFFFu;
 }
@@ -25,20 +26,20 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
-/* x < limit, unless both are negative: as whole numbers, the bits of negative floats are below those of the others,
- * which are ordered as they are. -0 is below +0. A NaN answers by its sign, which differs between processors: none may
- * get here where the answer counts. */
+/* x < limit, unless both are negative. As integers, the bits of non-negative floats are ordered like the floats, and
+ * those of negative floats are below them. -0 is below +0. The result for a NaN depends on its sign, which differs
+ * between processors, so callers must not depend on it. */
 static inline bool float_is_below(float x, float limit) {
     return (int32_t)float_bits(x) < (int32_t)float_bits(limit);
 }
 
-/* Neither may be negative. */
+/* The smaller of two values, neither of which may be negative. */
 static inline float float_smaller(float a, float b) {
     return float_is_below(a, b) ? a : b;
 }
 
-/* The whole number that is left of x and half more, away from 0: the nearest one, but for x itself being rounded up
- * when half is added. |x| below 2^31; NaN is not one. */
+/* Rounds to the nearest integer, halves away from 0: adds 0.5 with the sign of x and truncates. The rounding of the sum
+ * may move values just below a half up. |x| must be below 2^31; x must not be NaN. */
 static inline int32_t float_nearest(float x) {
     const uint32_t half_bits = (float_bits(x) & 0x80000000u) | 0x3F000000u;
     float half;

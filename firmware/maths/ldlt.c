@@ -1,9 +1,10 @@
+/* L D L^T factorisation: see ldlt.h. */
 #include "ldlt.h"
 
 void ldlt_factorise(ldlt_t *self, int n) {
     for (int i = 0; i < n; i++) {
         float *row = self->matrix[i];
-        for (int j = 0; j < i; j++) { /* first L D ... */
+        for (int j = 0; j < i; j++) { /* row i of L D */
             const float *factor = self->matrix[j];
             float rest = factor[i];
             for (int k = 0; k < j; k++) {
@@ -12,7 +13,7 @@ void ldlt_factorise(ldlt_t *self, int n) {
             row[j] = rest;
         }
         float pivot = row[i];
-        for (int j = 0; j < i; j++) { /* ... then L */
+        for (int j = 0; j < i; j++) { /* row i of L */
             const float factor = row[j] * self->inverse_pivot[j];
             pivot -= row[j] * factor;
             row[j] = factor;

@@ -1,4 +1,4 @@
-/* L D L^T factorisation of a symmetric positive definite matrix, and the solution of equations with it. */
+/* L D L^T factorisation of a symmetric positive definite matrix, and the solution of linear equations with it. */
 #ifndef COMANIP_LDLT_H
 #define COMANIP_LDLT_H
 
@@ -7,22 +7,23 @@
 #define LDLT_MAX_ROWS 8
 
 typedef struct {
-    float matrix[LDLT_MAX_ROWS][LDLT_MAX_ROWS]; /* the upper triangle with the diagonal; below it, once factorised, L */
+    float matrix[LDLT_MAX_ROWS][LDLT_MAX_ROWS]; /* upper triangle with diagonal; below it L, after factorisation */
     float inverse_pivot[LDLT_MAX_ROWS];         /* 1 / D */
 } ldlt_t;
 
-/* 1 / pivot, or 0 if the pivot is not above 0, as rounding can make it. */
+/* 1 / pivot, or 0 if rounding has made the pivot 0 or negative. */
 static inline float ldlt_inverse(float pivot) {
     return pivot > 0.0f ? 1.0f / pivot : 0.0f;
 }
 
-/* Factorises the upper triangle, and keeps it. n: rows, at most LDLT_MAX_ROWS, in all of these. */
+/* Factorises the matrix of the upper triangle, which stays unchanged. n: number of rows, at most LDLT_MAX_ROWS, in all
+ * functions. */
 void ldlt_factorise(ldlt_t *self, int n);
 
-/* rows: a bit mask. Sets these rows and columns to 0 but for their diagonal elements; ldlt_factorise() is due next. */
+/* Sets the off-diagonal elements of these rows and columns to 0. rows: bit mask. Call ldlt_factorise() afterwards. */
 void ldlt_decouple(ldlt_t *self, int n, uint8_t rows);
 
-/* x: the right-hand side, then the solution. */
+/* Solves the equations. x: the right-hand side, overwritten by the solution. */
 void ldlt_solve(const ldlt_t *self, int n, float x[]);
 
 #endif

@@ -1,3 +1,4 @@
+/* Poses as rotation and translation: see pose.h. */
 #include "pose.h"
 
 const pose_t pose_identity = {{1.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};

@@ -1,5 +1,5 @@
-/* sine_cosine() in line, and what it is made of: for the half angles of joints, which are within +-pi/2, nothing is
- * called. */
+/* sine_cosine() as an inline function, and its parts. Half angles of joints are mostly within +-pi/2, where it calls no
+ * function. */
 #ifndef COMANIP_TRIGONOMETRY_INLINE_H
 #define COMANIP_TRIGONOMETRY_INLINE_H
 
@@ -30,7 +30,7 @@ static inline sine_cosine_t sine_cosine_small(float angle_rad) {
     return (sine_cosine_t){sine * (z * angle_rad) + angle_rad, cosine * (z * z) + (1.0f - 0.5f * z)};
 }
 
-/* For the other angles. */
+/* For angles that are not small. */
 sine_cosine_t sine_cosine_reduced(float angle_rad);
 
 static inline sine_cosine_t sine_cosine_inline(float angle_rad) {

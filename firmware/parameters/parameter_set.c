@@ -1,17 +1,18 @@
+/* Checks the stability of the parameters: see parameter_set.h. */
 #include "parameter_set.h"
 
 _Static_assert(PARAMETER_COUNT <= 64, "parameter sets are 64-bit masks");
 
-/* Largest k T: pi / 2 less a margin for the lag of the drives and the braking of the limits, measured by tests/rest. */
+/* Largest k T: pi / 2 minus a margin for the drives' lag and the braking by the limits, measured by tests/rest. */
 #define RATE_TIMES_DELAY_MAX 0.8f
 #define COMMAND_DELAY_MIN_S 5e-3f /* no drive is assumed to act sooner */
-#define DELAY_TICKS 1.5f          /* a reading is one tick old, and a command holds for one tick */
+#define DELAY_TICKS 1.5f          /* a reading is one tick old; a command holds for one tick, on average half a tick */
 
 static uint64_t bit(int parameter) {
     return UINT64_C(1) << parameter;
 }
 
-/* The paper's law is never refused, whatever its gains. */
+/* The paper's control law is never refused, whatever its gains. */
 static bool is_the_papers_law(const parameters_t *parameters) {
     bool found = parameters->value[PARAMETER_ERROR_FRAME] == (float)ERROR_FRAME_TORSO;
     for (int i = 0; i < 8; i++) {
@@ -48,7 +49,7 @@ parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s
     if (parameters_predict(parameters)) {
         return (parameter_set_t){involved == 0u ? PARAMETER_SET_RESTS : PARAMETER_SET_UNSTABLE, involved};
     }
-    if (involved == 0u) { /* stable near the target; may swing when stretched out towards a target out of reach */
+    if (involved == 0u) { /* stable near the target; may oscillate when stretched out towards a target out of reach */
         return (parameter_set_t){PARAMETER_SET_MAY_SWING, bit(PARAMETER_PREDICTION)};
     }
     return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,

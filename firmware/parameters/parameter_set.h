@@ -14,8 +14,8 @@
 
 typedef enum {
     PARAMETER_SET_RESTS,     /* the arm comes to rest when the hand rests */
-    PARAMETER_SET_MAY_SWING, /* it may not: without prediction, and with the paper's law */
-    PARAMETER_SET_UNSTABLE,  /* it will not: must not be started or saved */
+    PARAMETER_SET_MAY_SWING, /* the arm may oscillate: without prediction, or with the paper's control law */
+    PARAMETER_SET_UNSTABLE,  /* the arm does not come to rest: start and save are refused */
 } parameter_set_verdict_t;
 
 typedef struct {

@@ -1,9 +1,9 @@
 /* All parameters as one record for a port's non-volatile store (hal.h).
  *
  *    0  4  'C' 'M' 'N' '2'
- *    4  1  how many parameters follow
- *    5  5  for each: its number, and its value as a float32
- *   -4  4  CRC-32 of all that precedes it
+ *    4  1  number of parameters that follow
+ *    5  5  for each parameter: its number, and its value as a float32
+ *   -4  4  CRC-32 of all preceding bytes
  *
  * Little-endian. CRC-32 is that of IEEE 802.3 (zlib's crc32): it detects every error of up to 3 bits in so short a
  * record. A parameter is stored under its number, which is never reused: parameters may be added and removed.
@@ -18,14 +18,15 @@
 #include "parameters.h"
 
 #define PARAMETER_STORE_RECORD_BYTES(count) (9 + 5 * (count))
-#define PARAMETER_STORE_BYTES PARAMETER_STORE_RECORD_BYTES(PARAMETER_COUNT) /* at most, of this firmware's record */
-#define PARAMETER_STORE_MAX_BYTES PARAMETER_STORE_RECORD_BYTES(PARAMETER_NUMBERS) /* of any firmware's */
+#define PARAMETER_STORE_BYTES PARAMETER_STORE_RECORD_BYTES(PARAMETER_COUNT)       /* largest record of this firmware */
+#define PARAMETER_STORE_MAX_BYTES PARAMETER_STORE_RECORD_BYTES(PARAMETER_NUMBERS) /* largest record of any firmware */
 
-/* Returns the record's length. */
+/* Writes the record. Returns its length. */
 size_t parameter_store_encode(const parameters_t *parameters, uint8_t record[PARAMETER_STORE_BYTES]);
 
-/* All or nothing: false, and *parameters unchanged, unless the record is whole and parameters_set() takes each value of
- * a parameter that this firmware has. Other parameters' values are skipped; what the record lacks gets its default. */
+/* Reads the record. Returns false and leaves *parameters unchanged if the record is damaged or a value is out of range.
+ * Values of parameters that this firmware does not have are skipped; parameters missing in the record get their
+ * defaults. */
 bool parameter_store_decode(const uint8_t record[], size_t length, parameters_t *parameters);
 
 #endif

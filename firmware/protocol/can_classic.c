@@ -1,3 +1,4 @@
+/* Splits messages into frames of classic CAN and joins them: see can_classic.h. */
 #include "can_classic.h"
 
 #include <string.h>
@@ -31,7 +32,7 @@ static int32_t divide_rounding(int32_t value, int32_t step) {
     return (value + (value < 0 ? -step : step) / 2) / step;
 }
 
-/* False, with *coarse = 0: the value is beyond +-maximum. */
+/* Divides and rounds. False, with *coarse = 0, if the result is beyond +-maximum. */
 static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse) {
     const int32_t rounded = divide_rounding(fine, step);
     const bool fits = rounded >= -maximum && rounded <= maximum;

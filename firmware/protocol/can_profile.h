@@ -9,15 +9,15 @@ typedef enum {
 
 /* The requested profile, or the only one of an image built with -DCAN_FD_ONLY or -DCAN_CLASSIC_ONLY, in which the
  * compiler omits the code of the other. */
-static inline can_profile_t can_profile_in_force(can_profile_t asked) {
+static inline can_profile_t can_profile_in_force(can_profile_t requested) {
 #if defined CAN_FD_ONLY
-    (void)asked;
+    (void)requested;
     return CAN_PROFILE_FD;
 #elif defined CAN_CLASSIC_ONLY
-    (void)asked;
+    (void)requested;
     return CAN_PROFILE_CLASSIC;
 #else
-    return asked;
+    return requested;
 #endif
 }
 

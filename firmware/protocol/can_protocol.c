@@ -1,3 +1,4 @@
+/* Identifies, protects and checks frames: see can_protocol.h. */
 #include "can_protocol.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* The frames of the bus on CAN FD: identification, end-to-end protection and its check. messages.h has what they carry,
- * can_transport.h is for nodes, which may be on classic CAN as well:
+/* The frames of the bus on CAN FD: identification, end-to-end protection and its check. messages.h has their contents;
+ * nodes use can_transport.h, which also works on classic CAN:
  *
  *   sending:   X_pack(&message, &frame); transport_send(&sender, &frame, ...);
  *   receiving: if (transport_receive(&receiver, &frame, &kind) == PROTOCOL_OK) X_unpack(&frame, &message); */

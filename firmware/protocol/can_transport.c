@@ -1,3 +1,4 @@
+/* Sends and receives messages in either profile: see can_transport.h. */
 #include "can_transport.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* End-to-end protection, Profiles 5 and 2: see e2e.h. */
 #include "e2e.h"
 
 #define COUNTER4_MASK 0x0Fu
@@ -19,12 +20,12 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
 
 /* ---- Profile 5 */
 
-/* CRC-16/CCITT by words, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1, and modulo 2 squares have no
- * mixed terms: P^2 = x^32 + x^24 + x^10 + 1. The remainder by it is a word, of which the remainder by P is taken in the
- * end.
+/* CRC-16/CCITT by words, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1. Modulo 2 a square has no mixed
+ * terms, so P^2 = x^32 + x^24 + x^10 + 1. The remainder modulo P^2 is a 32-bit word; at the end, crc_end() computes the
+ * remainder of that word modulo P.
  *
- * With y the part that moves out at the top, its quotient is y + D y + D^2 y + ... with D y what overflows again, here
- * of y (x^24 + x^10 + 1). That is (1 + D) (1 + D^2) (1 + D^4) ... y. */
+ * Let y be the word that is shifted out at the top. Its quotient by P^2 is y + D y + D^2 y + ..., where D y is the
+ * overflow of y (x^24 + x^10 + 1). This sum equals (1 + D) (1 + D^2) (1 + D^4) ... y. */
 static uint32_t crc_word(uint32_t crc, uint32_t word) {
     uint32_t q = crc ^ crc >> 8 ^ crc >> 22;
     q ^= q >> 16;
@@ -39,9 +40,8 @@ static uint32_t crc_end(uint32_t y) {
     return (q ^ q << 5 ^ q << 12) & 0xFFFFu;
 }
 
-#define CRC_START                                                                                                      \
-    0x84CFu /* x^-16 0xFFFF modulo P: what is before the first word, so that the CRC starts from 0xFFFF                \
-             */
+/* x^-16 0xFFFF modulo P: as the first word, it makes the CRC start from 0xFFFF. */
+#define CRC_START 0x84CFu
 
 static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
     const uint32_t id = (data_id & 0xFFu) << 8 | data_id >> 8;
@@ -51,7 +51,7 @@ static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id
         const uint8_t *byte = &data[i];
         words = crc_word(words, (uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3]);
     }
-    if (i + 2 == length) { /* as a rule: lengths are multiples of 4 */
+    if (i + 2 == length) { /* the usual case: lengths are multiples of 4 */
         return (uint16_t)crc_end(crc_word(words, (uint32_t)data[i] << 24 | (uint32_t)data[i + 1] << 16 | id));
     }
     uint32_t crc = crc_end(words);

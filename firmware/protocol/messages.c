@@ -1,3 +1,4 @@
+/* Packs and unpacks messages: see messages.h. */
 #include "messages.h"
 
 #include "../maths/float_bits.h"

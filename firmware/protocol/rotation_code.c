@@ -1,3 +1,4 @@
+/* Encodes and decodes rotations: see rotation_code.h. */
 #include "rotation_code.h"
 
 #define ONE ((int64_t)1 << ROTATION_CODE_ONE_BITS)
@@ -28,15 +29,15 @@ bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code) {
     for (int i = 0, place = 0; i < 4; i++) {
         if (i != code->largest) {
             int64_t c = divide_rounding(sign * quaternion[i] * ENCODE, ONE << 8);
-            c = c > ROTATION_CODE_MAX ? ROTATION_CODE_MAX
-                                      : c; /* two are the largest, and the norm is a little above 1 */
+            /* Out of range by rounding if two components are equally large and the norm is slightly above 1. */
+            c = c > ROTATION_CODE_MAX ? ROTATION_CODE_MAX : c;
             code->smaller[place++] = (int16_t)(c < -ROTATION_CODE_MAX ? -ROTATION_CODE_MAX : c);
         }
     }
     return true;
 }
 
-/* Rounded down, bit by bit. */
+/* The integer square root, rounded down, computed bit by bit. */
 static int32_t square_root(int64_t square) {
     int32_t root = 0;
     for (int32_t bit = (int32_t)ONE; bit != 0; bit >>= 1) {

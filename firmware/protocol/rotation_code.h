@@ -7,14 +7,14 @@
 #include <stdint.h>
 
 #define ROTATION_CODE_ONE_BITS 22 /* fixed point: 1 is 2^22 in a quaternion w x y z */
-#define ROTATION_CODE_MAX 16383   /* stands for 1/sqrt(2), the most that a smaller component can be */
+#define ROTATION_CODE_MAX 16383   /* code of 1/sqrt(2), the greatest value of a smaller component */
 
 typedef struct {
     int16_t smaller[3]; /* in the order of w x y z */
     uint8_t largest;    /* 0..3: w x y z; never negative, because q and -q are the same rotation */
 } rotation_code_t;
 
-/* False: the quaternion's norm is not 1 within 1e-3. */
+/* False if the quaternion's norm is not 1 within 1e-3. */
 bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code);
 
 /* The result is within 0.009 deg of the encoded rotation. */
