@@ -46,7 +46,7 @@ def settle(bench: Bench) -> np.ndarray:
 def test_boot_announces_identity_then_every_parameter_once():
     bench = Bench()
     announced, parameters = [], []
-    for tick in range(60):
+    for tick in range(lib.PARAMETER_COUNT + 10):
         bench.tick()
         for frame_id, data in bench.sent:
             if frame_id == FRAME_ID["FIRMWARE_IDENTITY"]:
@@ -320,10 +320,10 @@ def test_nothing_is_saved_in_motion():
     assert len(bench.stored) == 1
 
 
-def announced(bench: Bench, ticks: int) -> list[tuple[int, int, float]]:
-    """(parameter, result, value) of each ParameterValue that is not an answer."""
+def announced(bench: Bench) -> list[tuple[int, int, float]]:
+    """(parameter, result, value) of each ParameterValue that is not an answer, during the announcement at boot."""
     found = []
-    for _ in range(ticks):
+    for _ in range(lib.PARAMETER_COUNT + 10):
         bench.tick()
         for frame_id, data in bench.sent:
             if frame_id == FRAME_ID["PARAMETER_VALUE"] and data[4] == 0:
@@ -341,7 +341,7 @@ def test_parameters_from_a_store_are_in_force_and_announced():
     ):
         assert lib.parameters_set(parameters, parameter, value) == lib.RESULT_ACCEPTED
     bench = Bench(parameters=parameters)
-    assert announced(bench, 50) == [(i, lib.RESULT_ACCEPTED, parameters.value[i]) for i in range(lib.PARAMETER_COUNT)]
+    assert announced(bench) == [(i, lib.RESULT_ACCEPTED, parameters.value[i]) for i in range(lib.PARAMETER_COUNT)]
     config = bench.controller.differential_ik_config
     assert (config.gain_per_s[0], bench.controller.joint_limits_config.speed_fraction, bench.controller.blend_s) == (
         11,
@@ -355,7 +355,7 @@ def test_an_invalid_store_is_reported_at_boot():
     lib.parameters_set_defaults(defaults)
     bench = Bench(parameters=defaults, boot_result=lib.RESULT_STORE_FAILED)
     expected = [(i, lib.RESULT_STORE_FAILED, lib.parameter_table[i].default_value) for i in range(lib.PARAMETER_COUNT)]
-    assert announced(bench, 50) == expected
+    assert announced(bench) == expected
     assert bench.access(lib.PARAMETER_READ, 3, 0.0) == lib.RESULT_ACCEPTED, "an answer concerns the request only"
 
 
@@ -366,7 +366,7 @@ def test_a_parameter_written_before_its_turn_is_announced_first():
             "parameter_access_t *", {"operation": lib.PARAMETER_WRITE, "parameter": 30, "sequence": 9, "value": 0.5}
         )
     )
-    announcements = announced(bench, 50)
+    announcements = announced(bench)
     assert [value for parameter, _, value in announcements if parameter == 30] == [0, 0.5]
 
 

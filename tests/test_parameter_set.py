@@ -172,7 +172,7 @@ def test_the_simulator_names_all_parameters_of_a_refused_start(tmp_path, profile
 def test_a_stored_unstable_set_is_kept_reported_at_boot_and_not_started():
     bench = Bench(parameters=parameters(LAW_4 | {4: 500.0, 6: 400.0}))
     announced = {}
-    for _ in range(50):
+    for _ in range(lib.PARAMETER_COUNT + 10):
         bench.tick()
         announced |= {d[3]: d[5] for i, d in bench.sent if i == FRAME_ID["PARAMETER_VALUE"] and d[4] == 0}
     assert {i for i, result in announced.items() if result == lib.RESULT_PARAMETERS_UNSTABLE} == {4, 6}

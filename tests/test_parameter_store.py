@@ -159,7 +159,7 @@ def test_a_value_out_of_range_refuses_the_whole_record(parameter):
 
 @pytest.fixture(scope="module")
 def other_firmware(tmp_path_factory):
-    """It has no stale_periods (36), and one additional parameter, number 43."""
+    """It has no stale_periods (36), and one additional parameter, with the next number."""
     folder = tmp_path_factory.mktemp("other")
     schema = folder / "schema"
     shutil.copytree(REPOSITORY / "firmware" / "schema", schema)
@@ -167,7 +167,7 @@ def other_firmware(tmp_path_factory):
     without = re.sub(r"\[\[parameter\]\]\nnumber = 36\n.*?(?=\[\[)", "", text, flags=re.DOTALL)
     assert without != text
     more = (
-        '\n[[parameter]]\nnumber = 43\nname = "another_m"\nunit = "m"\n'
+        f'\n[[parameter]]\nnumber = {COUNT}\nname = "another_m"\nunit = "m"\n'
         'range = [0, 9]\ndefault = 4\ngroup = "x"\nmeaning = "x"\n'
     )
     (schema / "parameters.toml").write_text(without.replace("retired = []", "retired = [36]") + more)
@@ -185,14 +185,14 @@ def other_firmware(tmp_path_factory):
 def test_stored_values_survive_parameters_that_are_added_and_removed(other_firmware, rng):
     values = random_values(rng)
     own = encode(values)
-    theirs = (ctypes.c_float * 44)()
+    theirs = (ctypes.c_float * (COUNT + 1))()
     assert other_firmware.parameter_store_decode(own, ctypes.c_size_t(len(own)), theirs)
     expected = [value for number, value in enumerate(values) if number != 36]
-    assert [value for number, value in enumerate(theirs[:43]) if number != 36] == expected and theirs[43] == 4
-    theirs[43] = 7.5
-    data = (ctypes.c_ubyte * 400)()
+    assert [value for number, value in enumerate(theirs[:COUNT]) if number != 36] == expected and theirs[COUNT] == 4
+    theirs[COUNT] = 7.5
+    data = (ctypes.c_ubyte * MAX_BYTES)()
     other_firmware.parameter_store_encode.restype = ctypes.c_size_t
     length = other_firmware.parameter_store_encode(theirs, data)
     numbers = dict(struct.iter_unpack("<Bf", bytes(data[5 : length - 4])))
-    assert 36 not in numbers and numbers[43] == 7.5 and len(numbers) == 43
+    assert 36 not in numbers and numbers[COUNT] == 7.5 and len(numbers) == COUNT
     assert decode(bytes(data[:length])) == [*values[:36], DEFAULTS[36], *values[37:]]
