@@ -132,8 +132,8 @@ def test_a_short_move_does_not_count(rng):
     ("directions", "bow_m", "words"),
     [
         ([[1, 0, 0], [0, -1, 0], [0, 0, 1]], 0, "left-handed"),
-        ([[1, 0, 0], [1, 1, 0], [0, 0, 1]], 0, "too unsure"),
-        ([[1, 0, 0], [0, 1, 0], [0.5, 0.5, 0.7]], 0, "too unsure"),
+        ([[1, 0, 0], [1, 1, 0], [0, 0, 1]], 0, "too uncertain"),
+        ([[1, 0, 0], [0, 1, 0], [0.5, 0.5, 0.7]], 0, "too uncertain"),
         (AXES, 0.12, "crooked"),
         (AXES[:2], 0, "2 moves found, expected 3"),
         ([*AXES, [-1, 0, 0]], 0, "4 moves found, expected 3"),

@@ -75,7 +75,7 @@ def test_broken_trace_gives_one_line_and_status_1(tmp_path, capsys, how, expecte
     ("text", "expected"),
     [
         (None, "summary.json: cannot be read"),
-        ('{"scenario": "pour"', "summary.json: not whole JSON"),
+        ('{"scenario": "pour"', "summary.json: not valid JSON"),
         ("[]", "summary.json: scenario is None, expected str"),
         ('{"scenario": "pour", "result": "pass", "seed": "1"}', "seed is '1', expected int"),
     ],
