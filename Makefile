@@ -205,6 +205,7 @@ bus-report: deps ## print load and worst-case response time of every frame; buil
 	@$(PYTHON) -m comanip_dev.bus.report $(BUILD)/reports/bus.json
 
 include tests/rest/rest.mk
+include tests/sanitised/sanitised.mk
 
 include hal/target.mk
 include host_tools/hub/hub.mk

@@ -30,8 +30,8 @@ check-schema: deps
 check-directions: deps
 	@$(PYTHON) tests/check/include_directions.py
 
-check-deps: ## install clang through apt
-	@host_tools/apt-install.sh "make $@" clang
+check-deps: ## install clang and its sanitisers through apt
+	@host_tools/apt-install.sh "make $@" clang libclang-rt-dev
 
 check-c: $(GENERATED)/.generated
 	@command -v clang >/dev/null || \

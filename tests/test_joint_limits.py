@@ -322,6 +322,6 @@ def test_which_joints_are_at_a_limit(end, inside_rad, is_there):
 def test_a_joint_of_a_narrow_range_is_at_both_limits():
     limit = np.full(1, 1e-3, np.float32)
     arm = core.Arm(IDENTITY, Z_AXIS, -limit, limit, np.ones(1, np.float32))
-    margin_rad = Drives(position_at([0.5] * N), 0).config.at_limit_rad
-    at_limit = lib.joints_at_limit_find(arm.table, margin_rad, ffi.new("float[8]"))
+    config = Drives(position_at([0.5] * N), 0).config  # which owns the margins
+    at_limit = lib.joints_at_limit_find(arm.table, config.at_limit_rad, ffi.new("float[8]"))
     assert (at_limit.lower, at_limit.upper) == (1, 1)

@@ -253,7 +253,7 @@ def test_a_full_transmit_queue(alone):
     status = wait_status(bus, lambda s: s["refused_frames"] > 0, "frames refused")
     process.send_signal(signal.SIGTERM)
     process.wait()
-    at_exit = int(bus.told("firmware.err").split(" frames not sent")[0].split()[-1])
+    at_exit = int(bus.output("firmware.err").split(" frames not sent")[0].split()[-1])
     assert 0 < status["refused_frames"] <= at_exit
 
 

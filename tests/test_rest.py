@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -22,12 +23,14 @@ import rest_loop  # noqa: E402
 import rest_ode  # noqa: E402
 import rest_pairs  # noqa: E402
 
+BUILD = Path(os.environ.get("COMANIP_SANITISED", REPOSITORY / "build"))
+
 
 @pytest.fixture(scope="module", autouse=True)
 def loop() -> rest_loop.Loop:
-    built = make("build/rest/loop.so")  # never of an older firmware
+    built = make(str(BUILD.relative_to(REPOSITORY) / "rest" / "loop.so"))  # never of an older firmware
     assert built.returncode == 0, built.stderr
-    return rest_loop.Loop(REPOSITORY / "build")
+    return rest_loop.Loop(BUILD)
 
 
 # ---- the arm in double
@@ -251,7 +254,7 @@ def test_the_simulator_runs_the_same_case(loop, tmp_path):
 
 def campaign(folder: Path, *arguments: str) -> tuple[int, dict]:
     file = folder / "rest.json"
-    status = rest.main([str(REPOSITORY / "build"), "--seeds", "choice", "--out", str(file), *arguments])
+    status = rest.main([str(BUILD), "--seeds", "choice", "--out", str(file), *arguments])
     return status, json.loads(file.read_text())
 
 

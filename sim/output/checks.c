@@ -112,7 +112,7 @@ static void add_rest(checks_t *self, const world_t *world) {
     } else if (rest->measured) {
         add(self, "comes_to_rest", rest->speed_radps_max, limit_radps, false, "rad/s");
     } else if (is_cut_short(world)) {
-        set_rest_not_measured(self, "it lies beyond the end of the run");
+        set_rest_not_measured(self, "it is after the end of the run");
     } else {
         set_rest_not_measured(self,
                               "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "

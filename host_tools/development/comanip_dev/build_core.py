@@ -122,8 +122,11 @@ def main() -> None:
     parser.add_argument("--generated", type=Path, required=True, help="folder of the sources that codegen.py wrote")
     parser.add_argument("--build-dir", type=Path, required=True, help="folder for objects and intermediate files")
     parser.add_argument("--cflags", required=True, help="compiler flags: standard, optimisation, warnings")
+    parser.add_argument("--folder", type=Path, default=PACKAGE, help="folder of the module (default: the package)")
     arguments = parser.parse_args()
-    build(arguments.generated.resolve(), arguments.build_dir.resolve(), shlex.split(arguments.cflags))
+    folder = arguments.folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    build(arguments.generated.resolve(), arguments.build_dir.resolve(), shlex.split(arguments.cflags), folder)
 
 
 if __name__ == "__main__":
