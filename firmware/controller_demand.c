@@ -1,9 +1,10 @@
+/* Computes the demanded joint velocities: see controller_demand.h. */
 #include "controller_demand.h"
 
 #include <string.h>
 
-/* After the target was lost, it is approached with at most this share of the joints' speeds, until the end effector is
- * as near to it as this. */
+/* After the end effector has lost the target, it approaches with at most this share of the joints' speed limits, until
+ * it is within this distance of the target. */
 #define CATCHING_UP_SPEED 0.55f
 #define CAUGHT_UP_M 1e-3f
 
@@ -29,7 +30,7 @@ void controller_zero_demand(controller_t *self) {
     self->catching_up = false;
 }
 
-/* All joints in proportion, so that the end effector keeps its direction. */
+/* Scales all joints alike, so that the end effector keeps its direction. */
 static void limit_catching_up(controller_t *self) {
     const float part = CATCHING_UP_SPEED * self->parameters.value[PARAMETER_SPEED_FRACTION];
     float scale = 1.0f;
@@ -46,8 +47,8 @@ static void limit_catching_up(controller_t *self) {
     }
 }
 
-/* The twist of the person's hand, in the tracker frame, when this tick's command will act. The lever from the marker to
- * the hand rotates until then. */
+/* The twist of the person's hand, in the tracker frame, at the time when this tick's command takes effect. The lever
+ * from the marker to the hand rotates until then. */
 static twist_t hand_twist(const controller_t *self, uint32_t now_us) {
     const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
     const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);
@@ -88,7 +89,7 @@ static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_
     }
 }
 
-/* Without prediction: the paper's law. */
+/* Without prediction: the paper's differential inverse kinematics. */
 static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     const differential_ik_request_t request = {
         .position_rad = self->joints.position_rad,
@@ -98,8 +99,9 @@ static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     arm_ik_differential(self->ik, &self->differential_ik_config, &request, self->feedback_radps);
 }
 
-/* In a tick in which the operator changes the cooperation, the demand of the last tick is kept, as both together would
- * take too long; but not twice in succession, so that repeated operator commands cannot starve control. */
+/* In a tick in which the operator changes the cooperation, the demand of the last tick is kept, because both together
+ * would take too long. This is not done twice in succession, so that repeated operator commands cannot starve control.
+ * */
 void controller_compute_demand(controller_t *self, uint32_t now_us) {
     const bool was_deferred = self->demand_deferred;
     self->demand_deferred = false;

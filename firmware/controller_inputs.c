@@ -1,3 +1,4 @@
+/* Processes the frames received in a tick: see controller_inputs.h. */
 #include "controller_inputs.h"
 
 typedef struct {
@@ -52,7 +53,8 @@ static void take_parameter_access(controller_t *self, const received_t *received
     note_request(self, received);
 }
 
-/* A frame that the DBC sends to the firmware, but that has no function here, fails to compile. */
+/* Calls the function of the frame's kind. If the DBC sends a frame to the firmware and its function is missing here,
+ * this does not compile. */
 static void take(controller_t *self, const received_t *received) {
     switch (received->kind) {
 #define TAKE(NAME, name)                                                                                               \
@@ -75,8 +77,8 @@ void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t 
     }
 }
 
-/* The encoders were sampled one tick ago, when the last command arrived. With prediction, once it has started, the
- * hand's pose is that of the same instant. */
+/* The encoders were sampled one tick ago, when the last command arrived. With prediction, self->hand is the pose of the
+ * hand at that time. */
 void controller_update_hand(controller_t *self, uint32_t now_us) {
     if (self->predicts && self->marker_motion.is_running) {
         self->hand = hand_motion_pose(&self->marker_motion, now_us, -controller_tick_s(self));

@@ -1,13 +1,13 @@
-/* What a tick begins with: the frames received, the person's hand, and the mode that follows from both. */
+/* The first stages of a tick: the received frames, the person's hand, and the mode that follows from both. */
 #ifndef COMANIP_CONTROLLER_INPUTS_H
 #define COMANIP_CONTROLLER_INPUTS_H
 
 #include "controller_state.h"
 
-/* Takes over all measurements; operator requests are only noted, as they need this tick's poses. */
+/* Processes all measurements. Operator requests are stored for later, because they need this tick's poses. */
 void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t *inbox);
 
-/* Sets self->hand. */
+/* Sets self->hand and self->lever_m. */
 void controller_update_hand(controller_t *self, uint32_t now_us);
 
 /* Checks that drives and tracker are fresh, and updates the mode. */

@@ -4,6 +4,7 @@ against the control law for any arm."""
 from __future__ import annotations
 
 import ctypes
+import re
 import subprocess
 
 import c_library
@@ -385,9 +386,7 @@ def test_a_joints_jerk_limit_overrides_the_arms(tmp_path):
     assert described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + joint).jerk_max_radps3 == [2e4, 2e4]
     arm = described(tmp_path, "jerk_max_radps3 = 2e4\n" + GOOD + "jerk_max_radps3 = 3e3\n" + joint)
     assert arm.jerk_max_radps3 == [3e3, 2e4]
-    first, second = [
-        line for line in arm_codegen.table_source(arm).splitlines() if line.endswith("},") and "{{{" in line
-    ]
+    first, second = re.findall(r"\{\{\{.*?\},$", arm_codegen.table_source(arm), re.DOTALL | re.MULTILINE)
     assert first.endswith(" 3000.0f},") and second.endswith(" 20000.0f},")
 
 

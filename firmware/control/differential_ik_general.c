@@ -1,11 +1,12 @@
+/* Differential inverse kinematics for any K, W and damping: see differential_ik.h. */
 #include "differential_ik.h"
 
 #include <string.h>
 
 #include "../maths/ldlt.h"
 
-/* As parts of the largest diagonal of J^T W J: with less damping than the first, float32's rounding would decide what
- * happens at a singularity, and the second is used. */
+/* In parts of the largest diagonal element of J^T W J. With less damping than the first, float32's rounding would
+ * dominate at a singularity, and the second is used instead. */
 #define RELATIVE_DAMPING_MIN 2.5e-7f
 #define RELATIVE_DAMPING_SAFE 2e-6f
 
@@ -19,7 +20,7 @@ static dual_quaternion_t from_vec8(const float vec8[8]) {
     return x;
 }
 
-/* Summed in pairs: three roundings deep instead of seven. */
+/* The dot product, summed in pairs: three successive roundings instead of seven. */
 static float dot8(const float a[8], const float b[8]) {
     return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
            ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
@@ -34,20 +35,20 @@ static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternio
     };
 }
 
-/* (J^T W J + damping I) u = J^T W wanted */
+/* (J^T W J + damping I) u = J^T W desired */
 typedef struct {
     int joint_count;
     dual_quaternion_t hand;
-    dual_quaternion_t
-        half_line[ARM_MAX_JOINTS]; /* the joints' axes seen from the hand, halved: J's columns are hand * half_line */
+    /* The joints' axes in the end effector's frame, halved: the columns of J are hand * half_line. */
+    dual_quaternion_t half_line[ARM_MAX_JOINTS];
     const float *weight;
-    float wanted[8]; /* K e */
+    float desired[8]; /* K e */
     float damping;
     ldlt_t normal;
 } equations_t;
 
-/* J^T W e. The product with the hand is taken once for all joints: its rounding is then an error of e, which is
- * harmless, where rounded columns would be an error of J, which damping of 1e-4 magnifies. */
+/* J^T W e. The product with `hand` is computed once for all joints: its rounding is then an error of e, which is
+ * harmless. Rounded columns would be an error of J, which a damping of 1e-4 amplifies. */
 static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {
@@ -62,7 +63,7 @@ static void project(const equations_t *self, const float e[8], float projection[
     }
 }
 
-/* wanted - J u */
+/* desired - J u */
 static void residual(const equations_t *self, const float u[], float rest[8]) {
     float motion[8] = {0.0f}; /* sum of half_line u, so that J u = hand * motion */
     for (int i = 0; i < self->joint_count; i++) {
@@ -75,17 +76,17 @@ static void residual(const equations_t *self, const float u[], float rest[8]) {
     float reached[8];
     to_vec8(dual_quaternion_multiply(self->hand, from_vec8(motion)), reached);
     for (int k = 0; k < 8; k++) {
-        rest[k] = self->wanted[k] - reached[k];
+        rest[k] = self->desired[k] - reached[k];
     }
 }
 
 static void solve(void *equations, float u[]) {
     equations_t *self = equations;
     ldlt_factorise(&self->normal, self->joint_count);
-    project(self, self->wanted, u);
+    project(self, self->desired, u);
     ldlt_solve(&self->normal, self->joint_count, u);
 
-    /* One step of refinement: J^T W J has lost half of the digits where J is nearly singular. */
+    /* One step of iterative refinement: near a singularity J^T W J has lost half of the digits. */
     float rest[8], correction[ARM_MAX_JOINTS];
     residual(self, u, rest);
     project(self, rest, correction);
@@ -117,20 +118,20 @@ static void set_hand(equations_t *self, const arm_t *arm, const float position_r
     self->hand = pose_to_dual_quaternion(jacobian.end_effector);
 }
 
-static void set_wanted(equations_t *self, const differential_ik_config_t *config, const pose_t *target_pose) {
+static void set_desired(equations_t *self, const differential_ik_config_t *config, const pose_t *target_pose) {
     dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*target_pose), self->hand);
-    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same law with all poses seen from the target */
+    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same equation with all poses in the target's frame */
         self->hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), self->hand);
         target = dual_quaternion_identity;
     }
-    to_vec8(dual_quaternion_add(target, dual_quaternion_negate(self->hand)), self->wanted);
+    to_vec8(dual_quaternion_add(target, dual_quaternion_negate(self->hand)), self->desired);
     for (int k = 0; k < 8; k++) {
-        self->wanted[k] *= config->gain_per_s[k];
+        self->desired[k] *= config->gain_per_s[k];
     }
 }
 
 static void set_normal(equations_t *self, const differential_ik_config_t *config) {
-    float jacobian[ARM_MAX_JOINTS][8]; /* by joint, so transposed */
+    float jacobian[ARM_MAX_JOINTS][8]; /* transposed: one row per joint */
     float largest = 0.0f;
     for (int i = 0; i < self->joint_count; i++) {
         float weighted[8];
@@ -156,7 +157,7 @@ void differential_ik_general(const arm_t *arm, const differential_ik_config_t *c
     equations.joint_count = arm->joint_count;
     equations.weight = config->weight;
     set_hand(&equations, arm, request->position_rad);
-    set_wanted(&equations, config, request->target);
+    set_desired(&equations, config, request->target);
     set_normal(&equations, config);
     joints_at_limit_solve(request->at_limit, arm->joint_count, &equations, solve, lock, velocity_radps);
 }

@@ -1,3 +1,4 @@
+/* Joints at their position limits: see joints_at_limit.h. */
 #include "joints_at_limit.h"
 
 #include "../maths/float_bits.h"

@@ -1,3 +1,4 @@
+/* Position-priority differential inverse kinematics for any arm: see position_priority.h. */
 #include "position_priority.h"
 
 #include "position_priority_terms.h"
@@ -90,7 +91,7 @@ static void set_up(position_priority_equations_t *self, const arm_t *arm, const 
     }
 }
 
-/* The equations, and where their two solutions go. */
+/* The equations and the arrays for their two solutions. */
 typedef struct {
     position_priority_equations_t *equations;
     int joint_count;

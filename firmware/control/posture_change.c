@@ -1,20 +1,21 @@
+/* Searches for another posture and moves the arm to it: see posture_change.h. */
 #include "posture_change.h"
 
 #include <float.h>
 #include <string.h>
 
-#define STILL_M 5e-3f    /* the target, while it is watched */
-#define PROGRESS_M 1e-3f /* what the hand comes nearer meanwhile, and it is not stuck */
+#define STILL_M 5e-3f    /* a watched target that moves less is at rest */
+#define PROGRESS_M 1e-3f /* if the distance changes by more meanwhile, the end effector is not stuck */
 
-#define SEED_JOINTS 4 /* the joints after them are at the same side of their ranges as these, from the first on */
+#define SEED_JOINTS 4 /* further joints start at the same side of their ranges as these, in order */
 #define SEEDS (1 << SEED_JOINTS)
-#define STEPS 40 /* of a candidate */
+#define STEPS 40 /* per candidate */
 #define MET_M 5e-4f
-#define ORIENTATION_SHARE 0.1f /* of the law's weight: enough to choose by, and less in the position's way */
+#define ORIENTATION_SHARE 0.1f /* of the orientation weight: enough to select by, with less influence on the position */
 
 #define ARRIVED_RAD 1e-3f
-#define STANDS_RAD 5e-3f /* what was pushed away further is the law's */
-#define STANDS_M 1e-3f   /* so is a target that moves on */
+#define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther away from the posture, */
+#define STANDS_M 1e-3f   /* or if the target moves farther */
 
 static bool is_away(const posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(self->target_m, -1.0f));
@@ -30,7 +31,7 @@ static float longest_way(const float from_rad[], const float to_rad[], int joint
     return longest_rad;
 }
 
-static void watch_anew(posture_change_t *self, const position_priority_request_t *request, float distance_m) {
+static void restart_watch(posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     self->phase = POSTURE_WATCHED;
     self->target_m = request->target->translation_m;
     self->distance_m = distance_m;
@@ -56,8 +57,9 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
     begin_candidate(self, arm, 0);
 }
 
-/* A step of the candidate: the law's, for a second at K = 1/s. Within what can be reached by the limits, where a joint
- * counts as at its end. Returns how far from the target the hand was before. */
+/* Moves the candidate by one step: position_priority() for a second with K = 1/s. Each joint stays just inside the
+ * margin in which it is treated as at its limit. Returns the end effector's distance from the target before the step.
+ * */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     const arm_t *arm = config->ik->arm;
@@ -92,7 +94,7 @@ static void keep_nearest(posture_change_t *self, const float position_rad[], int
     }
 }
 
-/* After all seeds, the nearest goes on, so that the law finds little to do there for the orientation either. */
+/* After all seeds the nearest candidate makes further steps, so that its orientation is nearly optimal as well. */
 static void search(posture_change_t *self, const posture_change_config_t *config,
                    const position_priority_request_t *request) {
     const float distance_m = improve(self, config, request->target);
@@ -127,9 +129,9 @@ static float hand_speed(const arm_t *arm, const float position_rad[], const floa
     return __builtin_sqrtf(vector3_dot(hand_mps, hand_mps));
 }
 
-/* All joints in proportion: a straight line between two postures within the ranges is within them. */
-static void go(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[],
-               float velocity_radps[]) {
+/* All joints are scaled alike: a straight line between two postures within the joint limits is within them. */
+static void move(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[],
+                 float velocity_radps[]) {
     const arm_t *arm = config->ik->arm;
     const float fraction = config->limits->speed_fraction;
     const float share = fraction < POSTURE_CHANGE_JOINT_SHARE ? fraction : POSTURE_CHANGE_JOINT_SHARE;
@@ -150,7 +152,7 @@ static void go(const posture_change_t *self, const posture_change_config_t *conf
     }
 }
 
-/* ---- what the tick asks */
+/* ---- interface */
 
 void posture_change_init(posture_change_t *self) {
     memset(self, 0, sizeof *self);
@@ -160,7 +162,7 @@ bool posture_change_step(posture_change_t *self, const posture_change_config_t *
                          const position_priority_request_t *request, float feedback_radps[]) {
     const int joint_count = config->ik->arm->joint_count;
     if (self->phase != POSTURE_WATCHED && is_away(self, request, POSTURE_CHANGE_AWAY_M)) {
-        watch_anew(self, request, 0.0f);
+        restart_watch(self, request, 0.0f);
     }
     const float way_rad = longest_way(request->position_rad, self->candidate_rad, joint_count);
     if (self->phase == POSTURE_CHANGING && way_rad < ARRIVED_RAD) {
@@ -176,7 +178,7 @@ bool posture_change_step(posture_change_t *self, const posture_change_config_t *
     if (self->phase == POSTURE_SEARCHED) {
         search(self, config, request);
     } else if (self->phase == POSTURE_CHANGING) {
-        go(self, config, request->position_rad, feedback_radps);
+        move(self, config, request->position_rad, feedback_radps);
     }
     return true;
 }
@@ -188,7 +190,7 @@ void posture_change_watch(posture_change_t *self, const posture_change_config_t 
     }
     const bool is_stuck = distance_m > POSTURE_CHANGE_ERROR_M && joints_at_limit_any(request->at_limit);
     if (!is_stuck || is_away(self, request, STILL_M) || __builtin_fabsf(distance_m - self->distance_m) > PROGRESS_M) {
-        watch_anew(self, request, distance_m);
+        restart_watch(self, request, distance_m);
         return;
     }
     self->still_s += config->limits->tick_s;

@@ -1,3 +1,4 @@
+/* The state machine of the modes: see supervisor.h. */
 #include "supervisor.h"
 
 static void enter(supervisor_t *self, control_mode_t mode, reason_t reason) {
@@ -9,7 +10,7 @@ void supervisor_init(supervisor_t *self) {
     enter(self, MODE_IDLE, REASON_BOOT);
 }
 
-/* Whether and why the arm must not move at all. */
+/* True if the arm must not move, with the reason. */
 static bool fault_present(const supervisor_inputs_t *inputs, reason_t *reason) {
     if (!inputs->finite) {
         *reason = REASON_NOT_FINITE;

@@ -1,4 +1,4 @@
-/* Modes and their reasons: who may move, and why not. */
+/* The state machine of the control modes, with the reason of each transition. */
 #ifndef COMANIP_SUPERVISOR_H
 #define COMANIP_SUPERVISOR_H
 
@@ -8,7 +8,7 @@ typedef struct {
     bool drives_fresh;
     bool drive_error;
     bool tracker_fresh;
-    bool finite; /* the last tick's numbers were */
+    bool finite; /* all numbers of the last tick were finite */
 } supervisor_inputs_t;
 
 typedef struct {
@@ -18,7 +18,7 @@ typedef struct {
 
 void supervisor_init(supervisor_t *self);
 
-/* Follows the inputs, once per tick:
+/* Updates the mode from the inputs, once per tick:
  *   idle <-> ready as drives and tracker come and go; cooperating <-> hold as the tracker comes and goes;
  *   cooperating, hold -> fault when a drive falls silent or reports an error, or a number is not finite. */
 void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs);
@@ -29,7 +29,7 @@ result_t supervisor_start(supervisor_t *self);
 /* cooperating, hold -> ready; fault -> idle if its cause is gone; idle and ready stay. */
 result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
 
-/* Cooperating, or in a hold. */
+/* True in mode cooperating or hold. */
 static inline bool supervisor_is_engaged(const supervisor_t *self) {
     return self->mode == MODE_COOPERATING || self->mode == MODE_HOLD;
 }

@@ -1,6 +1,6 @@
 """Replays a recorded bus: the C core, fed with the frames of a log, must send what the firmware had sent.
 
-Each TickTrace tells the time of its tick and which frames it had read; ``_binding/replay.h`` says how. The log must
+Each TickTrace records the time of its tick and the frames that it had read; see ``_binding/replay.h``. The log must
 begin at the firmware's boot. It may come from another build, if TickTrace and the frames that the firmware receives
 have the same layout and meaning (FirmwareIdentity.trace_version and trace_hash). Two kinds of frames are left out of
 the comparison, and named: those that only one of the two builds sends, and those that the DBC marks as not replayed,
@@ -27,11 +27,10 @@ FIRMWARE = "Firmware"
 
 @dataclass(frozen=True)
 class Difference:
-    """The first one. `recorded`: the log's frame; `sent`: the payload that the firmware sends there, if it sends
-    one."""
+    """The first difference. recorded: the frame of the log. sent: the frame that the firmware sends instead, if any."""
 
     what: str
-    place: int  # in the log, from 0
+    place: int  # index in the log, from 0
     recorded: Frame
     sent: Frame | None = None
 
@@ -48,10 +47,10 @@ class Report:
 
 
 def _native_log(ffi, frames: Sequence[Frame]):
-    """can_frame_t of each, and the object that owns the memory. What is no standard data frame gets a foreign id."""
+    """The frames as an array of can_frame_t. A frame that is not a standard data frame gets a foreign id."""
     offsets = [ffi.offsetof("can_frame_t", name) for name in ("timestamp_us", "id", "length", "fd", "data")]
     if offsets != [0, 4, 6, 7, 8] or ffi.sizeof("can_frame_t") != _CAN_FRAME.size:
-        raise AssertionError("can_frame_t has another layout than replay.py thinks")
+        raise AssertionError("can_frame_t does not have the layout that replay.py expects")
     pack = _CAN_FRAME.pack
     packed = b"".join(
         pack(0, _FOREIGN_ID if f.extended or f.remote or f.error else f.frame_id, len(f.data), f.fd, f.data)
@@ -71,7 +70,7 @@ BEFORE_TRACE_HASH = 0xBC992C5D  # what such a firmware would have told: it had v
 
 @dataclass(frozen=True)
 class Identity:
-    """What a log's first FirmwareIdentity tells. build_hash None: it is damaged. arm: by name."""
+    """The contents of a log's first FirmwareIdentity. arm: name. build_hash: None if the frame is damaged."""
 
     arm: str
     build_hash: int | None
@@ -96,7 +95,8 @@ def _fd_identity(frame: Frame) -> Identity:
 
 
 def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
-    """Of the undamaged parts; None: one is missing or damaged. The third is missing in logs of earlier firmware."""
+    """The identity from its parts, or None if one is missing or damaged. Logs of earlier firmware have no third
+    part."""
     found: dict[str, dict] = {}
     for frame in frames:
         if frame.message and frame.name in IDENTITY and has_right_crc(frame):
@@ -113,7 +113,7 @@ def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
 
 
 def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
-    """None: there is none, or on classic CAN a damaged one."""
+    """The identity, or None if there is none, or if on classic CAN it is damaged."""
     if profile is Profile.CLASSIC:
         return _classic_identity(frames)
     first = _first(frames, "FirmwareIdentity")
@@ -121,8 +121,8 @@ def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
 
 
 def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
-    """ToolError unless the log begins at the boot of a firmware whose trace this core understands. A damaged identity
-    is no other build: the replay will come upon it."""
+    """Returns the identity. ToolError unless the log begins at the boot of a firmware with this core's trace version.
+    A damaged identity does not count as another build: the replay reports it as a difference."""
     trace = _first(frames, profile.message("TickTrace").name)
     if trace is None:
         raise ToolError(
@@ -148,7 +148,7 @@ def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
 
 
 def _announced_parameters(frames: Sequence[Frame], profile: Profile) -> set[int]:
-    """Numbers of the parameters that the firmware announces at its boot."""
+    """The numbers of the parameters that the firmware announces at boot."""
     name = profile.message("ParameterValue").name
     values = (decode_raw(frame) for frame in frames if frame.message and frame.name == name and has_right_crc(frame))
     return {value["parameter"] for value in values if value and value["sequence"] == 0}
@@ -159,7 +159,7 @@ def _profile(frames: Sequence[Frame]) -> Profile:
 
 
 def is_replayed(message: Message) -> bool:
-    """False: it depends on more than a log contains, as the port's counts. From the DBC's attribute Replayed."""
+    """False if the message depends on more than a log contains, such as the port's counts (DBC attribute Replayed)."""
     attribute = message.dbc.attributes.get("Replayed")
     return attribute is None or bool(attribute.value)
 
@@ -169,7 +169,7 @@ def _is_damaged(frame: Frame) -> bool:
 
 
 def _first_damaged(frames: Sequence[Frame]) -> int | None:
-    """Place of the first frame between other nodes whose CRC is wrong: no replay can tell of it."""
+    """Index of the first frame with a wrong CRC that the replay does not compare, because it is between other nodes."""
     others = {
         message.frame_id
         for message in database().messages
@@ -179,7 +179,7 @@ def _first_damaged(frames: Sequence[Frame]) -> int | None:
 
 
 class Replay:
-    """`frames` of a log, from the firmware's boot on. ToolError if they cannot be replayed."""
+    """Replays the frames of a log, from the firmware's boot on. ToolError if they cannot be replayed."""
 
     def __init__(self, frames: Sequence[Frame]):
         self._ffi, self._lib = native.load()
@@ -209,8 +209,8 @@ class Replay:
             lib.replay_other_build(self._state, [number in announced for number in range(lib.PARAMETER_NUMBERS)])
 
     def _leave_out(self, profile: Profile, by_kind: Sequence[Message]) -> None:
-        """Leaves frames that are not replayed out of the comparison, and with a log of another build also FirmwareIdentity,
-        which names the build, and frames that only one of the two builds sends."""
+        """Leaves frames that are not replayed out of the comparison, and with a log of another build also
+        FirmwareIdentity, which names the build, and frames that only one of the two builds sends."""
         in_log = {frame.frame_id for frame in self.frames if frame.message}
         is_other = self._other_build is not None
         left_out, self._left_out = [], ()
@@ -224,18 +224,18 @@ class Replay:
         self._lib.replay_leave_out(self._state, left_out)
 
     def run(self, chunk: int = 20_000) -> Iterator[int]:
-        """Replays; yields after each chunk how many frames of the log are done."""
+        """Replays the whole log. Yields the number of frames done after each chunk."""
         end = chunk
         while self.run_to(end):
             yield min(end, len(self.frames))
             end += chunk
 
     def run_to(self, place: int) -> bool:
-        """Replays what stands before this place in the log. True: there may be more."""
+        """Replays the log up to this index. True if there may be more."""
         return bool(self._lib.replay_run(self._state, min(place, len(self.frames))))
 
     def report(self) -> Report:
-        """After all of it was run."""
+        """The report, after the whole log was replayed."""
         self._lib.replay_finish(self._state)
         state = self._state
         return Report(
@@ -251,7 +251,7 @@ class Replay:
         return found or self._damaged_at_the_end()
 
     def _damaged_at_the_end(self) -> Difference | None:
-        """After the last tick that the log tells of."""
+        """A damaged frame after the last tick in the log."""
         for place in range(self._state.former_tick_place, len(self.frames)):
             if _is_damaged(self.frames[place]):
                 return Difference(

@@ -1,4 +1,4 @@
-/* See replay.h. */
+/* Replays the ticks of a log and compares the frames: see replay.h. */
 #include "replay.h"
 
 #include <string.h>
@@ -60,9 +60,9 @@ void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t cou
     replay_end(self, REPLAY_LOST, self->tick_place);
 }
 
-/* ---- what it had sent */
+/* ---- comparison of frames */
 
-/* About a parameter that one of the two builds lacks. */
+/* True for a ParameterValue of a parameter that one of the two builds does not have. */
 static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
     if (!self->is_of_another_build || stream->kind != FRAME_PARAMETER_VALUE) {
         return false;
@@ -71,7 +71,7 @@ static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream,
     return !parameters_has(parameter) || parameter >= PARAMETER_NUMBERS || !self->has_parameter[parameter];
 }
 
-/* Past frames in the log that are not compared. */
+/* Skips frames in the log that are not compared. */
 static void skip_recorded(replay_t *self, replay_stream_t *stream) {
     while (stream->cursor != REPLAY_NO_FRAME && is_of_one_build(self, stream, &self->log[stream->cursor])) {
         stream->cursor = self->next[stream->cursor];
@@ -104,7 +104,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
-            self->result == REPLAY_EQUAL) { /* else the log ends within the tick */
+            self->result == REPLAY_EQUAL) { /* otherwise the log ends within the tick */
             self->sent = *sent;
             replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
@@ -120,7 +120,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     self->compared++;
 }
 
-/* Frames of the firmware before `limit` that the replay has not sent. */
+/* Records recorded frames of the firmware before `limit` that the replay has not sent. */
 static void find_unsent(replay_t *self, uint32_t limit) {
     for (int i = 0; i < self->stream_count; i++) {
         replay_stream_t *stream = &self->stream[i];
@@ -133,7 +133,7 @@ static void find_unsent(replay_t *self, uint32_t limit) {
 
 /* ---- a tick */
 
-/* Another process of the same firmware has begun: its counters start over, and it says who it is. */
+/* True if the firmware was started again: its counters restart, and it sends its identity. */
 static bool is_reboot(replay_t *self) {
     const uint32_t heartbeat = replay_stream_of_kind(self, FRAME_FIRMWARE_HEARTBEAT)->cursor;
     return self->ticks > 0u && replay_counter_of(self, &self->log[self->tick_place]) == 0u &&
@@ -145,7 +145,7 @@ static void step(replay_t *self, const replay_trace_t *trace) {
     self->controller = self->before;
     replay_stamp_inbox(self, trace);
     self->inbox.save_over = false;
-    self->received = self->inbox; /* the step makes messages of it */
+    self->received = self->inbox; /* a copy, because the step reassembles messages in place */
     outbox_step(&self->outbox, &self->controller, trace->message.now_us, &self->received);
     if (replay_ends_save(self)) {
         self->controller = self->before;
@@ -154,7 +154,7 @@ static void step(replay_t *self, const replay_trace_t *trace) {
     }
 }
 
-/* The firmware sends the TickTrace with these parts. */
+/* True if the firmware has sent the TickTrace with these parts. */
 static bool has_sent(replay_t *self, const uint32_t part_place[]) {
     const uint16_t first_id = self->log[part_place[0]].id;
     for (int i = 0; i < self->outbox.count; i++) {
@@ -170,7 +170,8 @@ static bool has_sent(replay_t *self, const uint32_t part_place[]) {
     return true;
 }
 
-/* False: it cannot have been so. */
+/* Repeats the tick under an assumption about the frames that it had read. False if the assumption contradicts the log.
+ * */
 static bool try_plan(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->controller = self->before;
     memcpy(self->stream, self->stream_before, sizeof self->stream);
@@ -185,7 +186,7 @@ static bool try_plan(replay_t *self, const replay_trace_t *trace, replay_plan_t 
     return true;
 }
 
-/* The firmware's tick with what it had read. False: nothing fits. */
+/* Repeats the firmware's tick with the frames that it had read. False if no assumption is possible. */
 static bool redo_tick(replay_t *self, const uint32_t part_place[], const replay_trace_t *trace) {
     int first_possible = REPLAY_READ_PLANS;
     for (int plan = REPLAY_READ_ALL; plan < REPLAY_READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
@@ -199,7 +200,7 @@ static bool redo_tick(replay_t *self, const uint32_t part_place[], const replay_
     return first_possible != REPLAY_READ_PLANS && try_plan(self, trace, (replay_plan_t)first_possible);
 }
 
-/* damaged: its place, or REPLAY_NO_FRAME: a part is missing, as where the log ends. */
+/* damaged: index of a damaged part, or REPLAY_NO_FRAME if a part is missing, as at the end of the log. */
 static void end_without_trace(replay_t *self, uint32_t damaged) {
     if (damaged != REPLAY_NO_FRAME) {
         replay_end(self, REPLAY_DAMAGED, damaged);
@@ -234,7 +235,7 @@ static void replay_tick(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);
     }
-    find_unsent(self, self->former_tick_place); /* within the tick, the bus may have brought them in another order */
+    find_unsent(self, self->former_tick_place); /* within a tick the order on the bus may differ */
     self->fed += self->inbox.count;
     self->ticks++;
     self->former_tick_place = self->tick_place;

@@ -1,13 +1,13 @@
-/* See replay_inbox.h. */
+/* Reconstructs the inbox of a recorded tick: see replay_inbox.h. */
 #include "replay_inbox.h"
 
 #include <stddef.h>
 
 #include "replay_log.h"
 
-#define LOOK_AHEAD_TICKS 4 /* JointState's timeout, in ticks, and the tick itself */
+#define LOOK_AHEAD_TICKS 4 /* JointState's timeout in ticks, plus the tick itself */
 
-/* So many frames of one id may be lost in a row, and one more. */
+/* The largest accepted step of a counter. */
 static uint8_t max_delta(const replay_t *self) {
     return self->profile == CAN_PROFILE_CLASSIC ? E2E_PROFILE2_MAX_DELTA : E2E_MAX_DELTA;
 }
@@ -26,7 +26,7 @@ static bool add_to_inbox(replay_t *self, uint32_t place) {
     return true;
 }
 
-/* A firmware that has just booted had not heard what came before: only the last frame before the tick is sure. */
+/* A firmware that has just booted did not receive the frames before: only the last frame before the tick is certain. */
 static void skip_unheard(replay_t *self, replay_stream_t *stream, uint8_t counter) {
     for (uint32_t i = stream->cursor; i < self->tick_place; i = self->next[i]) {
         if (replay_counter_of(self, &self->log[i]) == counter && replay_has_right_crc(self, stream, &self->log[i])) {
@@ -48,7 +48,8 @@ static bool is_read(const replay_t *self, replay_plan_t plan, const replay_strea
     return plan == REPLAY_READ_BRIDGED_STATES && distance % (max_delta(self) - 2u) == 0u;
 }
 
-/* Takes the frames of one id up to the one with the traced counter. False: there is none, or more than a tick reads. */
+/* Takes the frames of one id up to the one with the traced counter. False if there is no such frame, or if there are
+ * more frames than a tick reads. */
 static bool read_stream(replay_t *self, replay_stream_t *stream, const replay_trace_t *trace, replay_plan_t plan) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
     const uint8_t wanted = trace->last[stream->kind].counter;
@@ -84,7 +85,7 @@ static bool read_stream(replay_t *self, replay_stream_t *stream, const replay_tr
     return false;
 }
 
-/* JointState's of joints that the arm does not have are not read; nobody sends them. */
+/* JointState frames of joints that the arm does not have are not read, because no node sends them. */
 bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->inbox.count = 0;
     for (int i = 0; i < self->stream_count; i++) {
@@ -95,7 +96,7 @@ bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_
     return true;
 }
 
-/* The firmware refuses this frame, and its trace does not tell the counter of it. */
+/* True if the firmware refuses this frame without recording its counter in the trace. */
 static bool is_refused_unseen(replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
     const e2e_status_t status = replay_follow(self, stream, &receiver, frame);
@@ -124,7 +125,8 @@ bool replay_read_refused(replay_t *self) {
 
 /* ---- times of reception */
 
-/* The oldest stamp with which the drive stays fresh in the ticks that say so, until its next frame. */
+/* The oldest time stamp with which the drive is fresh in all ticks whose trace reports it as fresh, until its next
+ * frame. */
 static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);
     uint32_t stamp_us = trace->message.now_us - timeout_us - 1u;

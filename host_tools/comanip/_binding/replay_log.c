@@ -1,9 +1,9 @@
-/* See replay_log.h. */
+/* The index of a recorded bus: see replay_log.h. */
 #include "replay_log.h"
 
 #include <string.h>
 
-#define TRACE_WITHIN_FRAMES 400 /* its parts follow one another within a tick */
+#define TRACE_WITHIN_FRAMES 400 /* all parts of a TickTrace are within this many frames */
 
 static void add_stream(replay_t *self, const frame_description_t *description, frame_kind_t kind) {
     self->stream[self->stream_count++] =
@@ -85,7 +85,7 @@ e2e_receiver_t *replay_receiver(replay_t *self, const replay_stream_t *stream) {
 
 /* ---- the trace */
 
-/* The part with this counter that comes next after `place`. */
+/* The next part with this counter at or after `place`, or REPLAY_NO_FRAME. */
 static uint32_t find_part(const replay_t *self, const replay_stream_t *stream, uint32_t place, uint8_t counter) {
     const uint32_t limit = self->count - place < TRACE_WITHIN_FRAMES ? self->count : place + TRACE_WITHIN_FRAMES;
     const uint8_t number = (uint8_t)(stream - self->stream);

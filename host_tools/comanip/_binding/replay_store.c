@@ -1,4 +1,4 @@
-/* See replay_store.h. */
+/* Reconstructs the stored parameters of the recorded firmware: see replay_store.h. */
 #include "replay_store.h"
 
 #include <string.h>
@@ -30,8 +30,8 @@ void replay_boot(replay_t *self, const arm_ik_t *ik) {
             told.parameter < PARAMETER_COUNT && !is_known[told.parameter]) {
             (void)parameters_set(&parameters, told.parameter, told.value);
             is_known[told.parameter] = true;
-            result =
-                told.result == RESULT_PARAMETERS_UNSTABLE ? result : told.result; /* which says nothing of the store */
+            result = told.result == RESULT_PARAMETERS_UNSTABLE ? result
+                                                               : told.result; /* this result is not about the store */
             known++;
         }
     }
@@ -39,7 +39,7 @@ void replay_boot(replay_t *self, const arm_ik_t *ik) {
     controller_set_parameters(&self->controller, &parameters, result);
 }
 
-/* Of the save's request, or of another one about the same parameter with the same number. */
+/* True for an answer to the request of the save, or to another request with the same parameter and sequence number. */
 static bool is_answer(const replay_t *self, const can_frame_t *frame) {
     const parameter_value_t value = replay_parameter_value(self, frame);
     return value.parameter == self->before.save_parameter && value.sequence == self->before.save_sequence;
@@ -61,6 +61,6 @@ bool replay_ends_save(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         surplus -= self->outbox.frame[i].id == stream->description->id && is_answer(self, &self->outbox.frame[i]);
     }
-    self->inbox.save_over = surplus > 0; /* it is the first, whatever else is answered */
+    self->inbox.save_over = surplus > 0; /* the answer to the save is the first of these */
     return self->inbox.save_over;
 }

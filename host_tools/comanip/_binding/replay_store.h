@@ -1,17 +1,17 @@
-/* What the recorded firmware had from its port's store; a part of the replay. */
+/* Reconstructs what the recorded firmware had read from its store, and the outcome of saves. A part of the replay. */
 #ifndef COMANIP_REPLAY_STORE_H
 #define COMANIP_REPLAY_STORE_H
 
 #include "replay.h"
 
-/* A controller as it was after the boot that the next frames tell of: with the parameters that they announce. What is
- * not announced, for the log ends before, has its default. */
+/* Initialises the controller as after the boot that the next frames announce, with the announced parameters. Parameters
+ * that are not announced before the log ends have their defaults. */
 void replay_boot(replay_t *self, const arm_ik_t *ik);
 
-/* What the log's frame, or one that was sent, tells. */
+/* The ParameterValue in a frame of the log, or in one that was sent. */
 parameter_value_t replay_parameter_value(const replay_t *self, const can_frame_t *frame);
 
-/* After a step. True: in this tick the answer to a save was sent as well; the inbox now says so. */
+/* To be called after a step. True if the recorded tick also sent the answer to a save; the inbox now has its result. */
 bool replay_ends_save(replay_t *self);
 
 #endif

@@ -20,6 +20,7 @@ from comanip_dev.arms.description import Arm
 from comanip_dev.arms.straight_line import ONE, ZERO, Block, Term, Vector, literal, operations, value
 
 Quaternion = list[Term]
+COLUMNS = 120
 
 
 # ---- formulas on terms, which are constants or variables of the C code
@@ -324,7 +325,7 @@ def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
     else:
         across = row[n - 1, n - 2]
         for i, other in ((n - 2, n - 1), (n - 1, n - 2)):
-            scaled = assign(lines, f"{pulls}_wanted_{i}", f"{row[other, other]} * {pull[i]}", [(across, pull[other])])
+            scaled = assign(lines, f"{pulls}_scaled_{i}", f"{row[other, other]} * {pull[i]}", [(across, pull[other])])
             lines.append(f"    const float {speed[i]} = ({scaled}) * over;")
     for i in reversed(range(eliminated)):
         alone = f"{pull[i]} * inverse_{i}"
@@ -339,10 +340,15 @@ def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 
 
 def wrapped(items: list[str], begin: str, indent: str, end: str) -> list[str]:
-    """Four items per line; the first line starts with `begin`, the others with `indent`."""
-    rows = [", ".join(items[i : i + 4]) for i in range(0, len(items), 4)]
-    begins = [begin, *[indent] * (len(rows) - 1)]
-    return [f"{begin}{row}{',' if i < len(rows) - 1 else end}" for i, (begin, row) in enumerate(zip(begins, rows))]
+    """The items in lines of at most COLUMNS; the first line starts with `begin`, the others with `indent`."""
+    lines = [begin]
+    for i, item in enumerate(items):
+        text = item + ("," if i < len(items) - 1 else end)
+        if i > 0 and len(lines[-1]) + 1 + len(text) > COLUMNS:
+            lines.append(indent + text)
+        else:
+            lines[-1] += text if i == 0 else f" {text}"
+    return lines
 
 
 def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
@@ -432,10 +438,11 @@ def law(arm: Arm, middle: int, right_first: bool) -> Law:
     turned = [f"    const float turn_{axis} = {value(term)};" for axis, term in zip("wxyz", turn, strict=True)]
     named = set(re.findall(r"\bm\d+\b", "\n".join([*turned, *difference, *equations])))
     lines += [*block.text(Term(1.0, variable) for variable in named), *turned]
-    lines.append("    /* target and -target are the same pose: the nearer one */")
+    lines.append("    /* target and -target are the same pose: choose the nearer one */")
     lines.append(f"    const float side = turn_w < 0.0f ? -{literal(scale)} : {literal(scale)};")
     lines.append("    const float pull_rotation = side * law->pull_rotation;")
-    at_limit = ["    if (joints_at_limit_any(request->at_limit)) {", "        solve_at_limit(request->at_limit, velocity_radps,",
+    at_limit = ["    if (joints_at_limit_any(request->at_limit)) {",
+                "        solve_at_limit(request->at_limit, velocity_radps,",
                 *wrapped(unknown(n, matrix), " " * 23, " " * 23, ");"), "        return;", "    }"]  # fmt: skip
     body = [*lines, *difference, *equations, *at_limit, *solve(n, matrix)]
     return Law(body, at_limit_functions(n, matrix))
