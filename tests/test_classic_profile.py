@@ -70,9 +70,11 @@ def test_all_frames_are_classic_and_in_the_dbc(eventful, frames):
     lines = eventful.log.read_text().splitlines()
     assert all(re.fullmatch(r"\(\d{10}\.\d{6}\) vcan0 [0-7][0-9A-F]{2}#(?:[0-9A-F]{2}){1,8}", line) for line in lines)
     names = {NAME[frame_id].removeprefix("Classic") for frame_id in by_id(frames)}
+    periodic = {m.name.removeprefix("Classic") for m in CLASSIC_MESSAGES if m.cycle_time} | {"FirmwareHeartbeat"}
     absent = {f"Joint{kind}{joint}" for kind in ("Cmd", "State") for joint in range(4, 8)}
-    absent |= {"TaskDefine", "TaskTranslation", "TaskRotation", "TaskInverse", "GripperCommand"}
-    assert names == {m.name.removeprefix("Classic") for m in CLASSIC_MESSAGES} - absent | {"FirmwareHeartbeat"}
+    events = {"OperatorCommand", "CommandAck", "ParameterAccess", "ParameterValue"}
+    identity = {"FirmwareBuild", "FirmwareIdentity", "FirmwareTrace"}
+    assert names == periodic - absent | events | identity
 
 
 def test_every_frame_is_protected_and_none_is_missing(frames):

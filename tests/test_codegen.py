@@ -9,6 +9,7 @@ import sys
 
 import pytest
 from cantools.database import load_string
+from comanip import tasks
 from comanip_dev import codegen
 from comanip_dev.schema import readers
 from simulation import REPOSITORY
@@ -142,7 +143,7 @@ def test_a_frame_without_a_reader(schema):
         generated(schema)
 
 
-PROBE = """BO_ 515 Probe: 8 Operator
+PROBE = """BO_ {frame_id} Probe: 8 Operator
  SG_ e2e_crc : 0|16@1+ (1,0) [0|65535] "" Firmware
  SG_ e2e_counter : 16|8@1+ (1,0) [0|255] "" Firmware
  SG_ depth_m : 24|16@1+ (0.001,0) [0|65.535] "m" Firmware
@@ -153,13 +154,16 @@ BO_ 528 GripperCommand"""
 @pytest.fixture
 def with_a_frame(schema):
     """One more frame for the firmware, with its counter in TickTrace."""
-    edit(schema / "comanip.dbc", r"^BO_ 528 GripperCommand", PROBE)
-    edit(
-        schema / "comanip.dbc",
-        r"^( SG_ received : 328\|)13(.*?\n)",
-        r'\g<1>14\2 SG_ probe_counter : 352|8@1+ (1,0) [0|255] "" Operator\n',
-    )
-    edit(schema / "comanip.dbc", r"^( SG_ received : 40\|)13", r"\g<1>14")
+    path, messages = schema / "comanip.dbc", {message.name: message for message in load_string(DBC, "dbc").messages}
+    used_ids = {message.frame_id for message in messages.values()}
+    frame_id = next(number for number in range(515, 1024) if number not in used_ids)
+    edit(path, r"^BO_ 528 GripperCommand", PROBE.format(frame_id=frame_id))
+    trace = messages["TickTrace"]
+    bits = trace.get_signal_by_name("received").length
+    free = max(signal.start + signal.length for signal in trace.signals)
+    counter = f' SG_ probe_counter : {free}|8@1+ (1,0) [0|255] "" Operator'
+    edit(path, rf"^( SG_ received : \d+\|){bits}(.*?\n)", rf"\g<1>{bits + 1}\2{counter}\n")  # of TickTrace
+    edit(path, rf"^( SG_ received : \d+\|){bits}", rf"\g<1>{bits + 1}")  # of ClassicTickTraceAge
     generated(schema)
     return schema
 
@@ -190,11 +194,11 @@ def test_a_frame_for_the_firmware_without_a_reader_does_not_compile(with_a_frame
 
 def test_a_frame_for_others_that_nobody_reads():
     messages = load_string(DBC, "dbc").messages
-    simulator = "gripper_command_unpack( gripper_state_unpack( joint_cmd_unpack( clearance_unpack( tick_trace_unpack("
-    simulator += " port_status_unpack("
-    tools = '"FirmwareStatus" "CommandAck" "ParameterValue" "FirmwareIdentity" FRAME_FIRMWARE_HEARTBEAT'
+    simulator = "clearance_unpack("
+    others = {message.name for message in messages} - {"Clearance", "FirmwareHeartbeat"}
+    tools = " ".join(f'"{name}"' for name in others) + " FRAME_FIRMWARE_HEARTBEAT"
     assert list(readers.without_reader(messages, simulator, tools)) == []
-    assert list(readers.without_reader(messages, simulator.replace("clearance_unpack(", ""), tools)) == ["Clearance"]
+    assert list(readers.without_reader(messages, "", tools)) == ["Clearance"]
     assert list(readers.without_reader(messages, simulator, tools.replace('"CommandAck"', ""))) == ["CommandAck"]
 
 
@@ -203,19 +207,21 @@ def test_the_schema_as_it_is_and_what_make_schema_writes(schema):
     before = (schema / "comanip.dbc").read_bytes()
     codegen.update_schema(schema)
     assert (schema / "comanip.dbc").read_bytes() == before
-    edit(schema / "tasks.toml", r"\Z", TASK)
+    names = tasks.names(schema / "tasks.toml")
+    number = max(names) + 1
+    edit(schema / "tasks.toml", r"\Z", TASK.format(number=number))
     with pytest.raises(SystemExit, match="make schema"):
         generated(schema)
     codegen.update_schema(schema)
     generated(schema)
     message = load_string((schema / "comanip.dbc").read_text(), "dbc").get_message_by_name("FirmwareStatus")
-    assert message.get_signal_by_name("task").choices == {0: "pour", 1: "teleop", 2: "mirror", 3: "custom", 4: "carry"}
+    assert message.get_signal_by_name("task").choices == names | {number: "of_a_test"}
 
 
 TASK = """
 [[task]]
-number = 4
-name = "carry"
+number = {number}
+name = "of_a_test"
 form = "mirrored"
 t_task_m = [0, 0, 0.1]
 q_task = [0, 1, 0, 0]
