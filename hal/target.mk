@@ -1,14 +1,15 @@
 # `make target`: the firmware as linked images for microcontrollers. Included by the Makefile, which defines BUILD,
 # GENERATED, CORE_SOURCES (all but main.c) and CORE_CFLAGS.
 #
-# An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's images.mk:
-# see docs/porting.md.
+# An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's
+# images.mk: see docs/porting.md.
 
 # PROFILE=: the CAN that the images use: fd, classic, or both (the board then selects one at reset). Without classic CAN
 # they are a quarter smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
-PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY)$(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
+PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY) \
+    $(if $(filter classic,$(TARGET_PROFILE)),-DCAN_CLASSIC_ONLY)
 TARGET_BUILD ?= $(BUILD)/target$(addprefix -,$(filter-out fd,$(TARGET_PROFILE)))
 TARGET_MAIN ?= firmware/main.c
 
@@ -29,18 +30,20 @@ BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $(image) $($(image
 BOARD_CHECK = @if [ "$(words $(BOARD_IMAGE))" != 1 ] || [ "$(words $(BOARD))" != 1 ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected one of $(BOARDS), or an image: $(IMAGES)" >&2; exit 2; fi
 # For targets that cover all images and do not take BOARD=; $(1): the profiles that their figures are for.
-ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) covers all images" >&2; exit 2; fi; \
+ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then \
+    echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) covers all images" >&2; exit 2; fi; \
     case ' $(1) ' in *' $(TARGET_PROFILE) '*) ;; *) \
     echo "make $(@:-check=): PROFILE='$(PROFILE)': expected one of: $(1)" >&2; exit 2;; esac
 
 TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf \
     qemu-system-arm qemu-system-misc
 
-.PHONY: images target targets target-check target-deps pil pil-check pil-matrix pil-matrix-check bitexact bitexact-check size \
-    size-check stack stack-check cycles cycles-check
+.PHONY: images target targets target-check target-deps pil pil-check pil-matrix pil-matrix-check bitexact \
+    bitexact-check size size-check stack stack-check cycles cycles-check
 
 # All images, or the one for BOARD.
-target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets) ## build all images in build/target/, or BOARD=mps2-an386 etc.; PROFILE=fd|classic|both
+target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets)
+target: ## build all images in build/target/, or BOARD=mps2-an386 etc.; PROFILE=fd|classic|both
 	$(if $(BOARD),$(BOARD_CHECK))
 
 # $(1): image
@@ -90,8 +93,8 @@ $(foreach image,$(SLCAN_IMAGES),$(eval $(call PIL_VARIABLES,$(image))))
 $(foreach image,$(PIL_IMAGES),$(eval $(call IMAGE_RULES,$(image))))
 
 PIL_PROCESS := $(BUILD)/host/comanip-pil
-PIL_PROCESS_SOURCES := $(CORE_SOURCES) $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c sim/port/remote_firmware.c \
-    sim/programs/pil.c hal/slcan/slcan.c
+PIL_PROCESS_SOURCES := $(CORE_SOURCES) $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c \
+    sim/port/remote_firmware.c sim/programs/pil.c hal/slcan/slcan.c
 
 $(PIL_PROCESS): $(PIL_PROCESS_SOURCES:%.c=$(BUILD)/host/%.o)
 	@mkdir -p $(@D)
@@ -102,15 +105,20 @@ pil pil-check: BOARD := $(or $(BOARD),mps2-an386)
 pil-check:
 	$(BOARD_CHECK)
 	@[ -n "$(filter $(BOARD_IMAGE),$(SLCAN_IMAGES))" ] || { \
-	    echo "make pil: BOARD='$(BOARD)': expected an image with a serial line to the simulator: $(SLCAN_IMAGES)" >&2; exit 2; }
-	@case '$(TARGET_PROFILE)' in fd|classic) ;; *) echo "make pil: PROFILE='$(PROFILE)': expected fd or classic" >&2; exit 2;; esac
+	    echo "make pil: BOARD='$(BOARD)': expected an image with a serial line to the simulator: $(SLCAN_IMAGES)" >&2; \
+	    exit 2; }
+	@case '$(TARGET_PROFILE)' in fd|classic) ;; *) \
+	    echo "make pil: PROFILE='$(PROFILE)': expected fd or classic" >&2; exit 2;; esac
 	@[ -z "$(CAN)$(filter-out 0 no,$(REALTIME))" ] || { \
-	    echo "make pil: CAN='$(CAN)' REALTIME='$(REALTIME)': expected neither: in lockstep the bus is the simulator's own, in virtual time" >&2; exit 2; }
+	    echo "make pil: CAN='$(CAN)' REALTIME='$(REALTIME)': expected neither: in lockstep the bus is simulated" >&2; \
+	    exit 2; }
 
-pil: pil-check build target-check $(PIL_PROCESS) ## run an image in QEMU, in lockstep with the simulator; BOARD=; else like `make sim`
+pil: pil-check build target-check $(PIL_PROCESS)
+pil: ## run an image in QEMU, in lockstep with the simulator; BOARD=; else like `make sim`
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
-	$(PYTHON) -m comanip_dev.images.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf $(PIL_PROCESS) "$$@" $(ARGS); status=$$?; \
+	$(PYTHON) -m comanip_dev.images.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf \
+	    $(PIL_PROCESS) "$$@" $(ARGS); status=$$?; \
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plotting "$$RUN_OUT" || exit; \
 	exit $$status
 
@@ -124,27 +132,33 @@ bitexact-check: TARGET_PROFILE := $(or $(PROFILE),both)
 bitexact-check:
 	$(call ALL_IMAGES_CHECK,both)
 
-pil-matrix: pil-matrix-check build target-check ## compare teleop, pour, mirror on each image with the host's runs; build/reports/pil.json (an hour)
+pil-matrix: pil-matrix-check build target-check
+pil-matrix: ## compare teleop, pour, mirror on each image with the host's runs; build/reports/pil.json (an hour)
 	@$(PYTHON) tests/pil_matrix.py $(BUILD)
 
-size: size-check deps targets ## bytes of each module and image, against hal/size_budget.toml; UPDATE=1; build/reports/size.json
-	@$(PYTHON) -m comanip_dev.images.size_report hal/size_budget.toml $(BUILD)/reports/size.json $(if $(filter-out 0 no,$(UPDATE)),--update) \
+size: size-check deps targets
+size: ## bytes of each module and image, against hal/size_budget.toml; UPDATE=1; build/reports/size.json
+	@$(PYTHON) -m comanip_dev.images.size_report hal/size_budget.toml $(BUILD)/reports/size.json \
+	    $(if $(filter-out 0 no,$(UPDATE)),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
-stack: stack-check deps targets ## maximum stack depth of each image, against hal/stack_budget.toml; build/reports/stack.json
+stack: stack-check deps targets
+stack: ## maximum stack depth of each image, against hal/stack_budget.toml; build/reports/stack.json
 	@$(PYTHON) -m comanip_dev.images.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
-bitexact: bitexact-check build $(VENV)/.installed-tests target-check ## check that every compiler and processor gives the same bytes; SMOKE=1; build/reports/bitexact.json
+bitexact: bitexact-check build $(VENV)/.installed-tests target-check
+bitexact: ## check that every compiler and processor gives the same bytes; SMOKE=1; build/reports/bitexact.json
 	@$(PYTHON) tests/bitexact/bitexact.py $(BUILD) $(if $(filter-out 0 no,$(SMOKE)),--smoke)
 
-cycles: cycles-check build $(VENV)/.installed-tests target-check ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1; build/reports/cycles.json
+cycles: cycles-check build $(VENV)/.installed-tests target-check
+cycles: ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
-# NAME, board, compiler's prefix, its specs file, its options for the core, and the emulator's command, separated by tabs.
+# NAME, board, compiler's prefix, its specs file, its options for the core, the emulator's command, separated by tabs.
 images: ## list the images for scripts: one line each, separated by tabs
-	@printf '%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES),$(image) $($(image).board) $($(image).prefix) $($(image).specs) \
-	    "$($(image).cpu)" "$($(image).emulator)")
+	@printf '%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES), \
+	    $(image) $($(image).board) $($(image).prefix) $($(image).specs) "$($(image).cpu)" "$($(image).emulator)")
 
 # A compiler that does not find a specs file prints its bare name.
 target-check:

@@ -1,6 +1,8 @@
 # Static checks of the sources.
 
 C_FILES = $(shell git ls-files '*.[ch]')
+# What the formatters do not wrap: comments, and files that have no formatter.
+PROSE := Makefile '*.[ch]' '*.md' '*.mk' '*.toml' '*.yaml'
 RUFF := $(VENV)/bin/ruff
 CLANG_FORMAT := $(VENV)/bin/clang-format
 .PHONY: check check-deps check-c check-directions check-format check-schema format
@@ -18,6 +20,8 @@ check-format: $(VENV)/.installed-check
 	@$(RUFF) format --quiet --check . || \
 	    { $(RUFF) format --check . | head -20; echo "check: not formatted: make format" >&2; exit 1; }
 	@$(RUFF) check --quiet .
+	@! LC_ALL=C.UTF-8 git grep -nIE '^[^|].{120}' -- $(PROSE) || \
+	    { echo "make check: lines above: expected at most 120 columns, except in tables" >&2; exit 1; }
 
 format: $(VENV)/.installed-check ## format all C and Python
 	@$(CLANG_FORMAT) -i $(C_FILES)

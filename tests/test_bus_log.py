@@ -248,8 +248,8 @@ def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """Feeds the firmware with the log alone. Returns the frames that it sends, by id, and the number of frames fed. The counts
-    of its port are those of the next PortStatus."""
+    """Feeds the firmware with the log alone. Returns the frames that it sends, by id, and the number of frames fed.
+    The counts of its port are those of the next PortStatus."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}

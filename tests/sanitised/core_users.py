@@ -1,4 +1,4 @@
-"""Which test files use the compiled core: found by their imports, through our own modules, down to ``comanip._core``."""
+"""Finds the test files that use the compiled core: those whose imports lead to ``comanip._core``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FOLDERS = (
     TESTS / "bitexact",
 )
 CORES = {"comanip._core", "rest_loop"}
-# Here the firmware is a process of its own, which is not sanitised, and `comanip` talks to it by the clock.
+# The firmware runs as a separate process there, which is not sanitised, and timeouts decide the outcome.
 OTHER_PROCESSES = {"test_comanip_on_a_hub.py", "test_two_processes.py"}
 
 

@@ -1,8 +1,8 @@
 """Runs the tests that use the compiled core against the sanitised one: ``run.py FOLDER RUNTIME [options of pytest]``.
 
-FOLDER has _core.abi3.so and rest/loop.so (sanitised.mk); RUNTIME is clang's library. A sanitiser ends the process in which
-it finds something, but a test may expect a process to fail. So what it finds is written to a file, and any such file fails
-the run.
+FOLDER has _core.abi3.so and rest/loop.so (sanitised.mk); RUNTIME is clang's runtime library. A sanitiser ends the
+process in which it finds an error, but a test may expect a process to fail. So its report is written to a file, and any
+such file fails the run.
 """
 
 from __future__ import annotations

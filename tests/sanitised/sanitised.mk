@@ -2,8 +2,8 @@
 # UndefinedBehaviorSanitizer. Included by the Makefile, which defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
 
 SANITISED := $(BUILD)/sanitised
-# Not unsigned overflow: counters and clocks are to wrap. Not implicit conversions: of those that lose bits, -Wconversion
-# leaves only the ++ of such a counter.
+# Not unsigned overflow, since counters and clocks wrap by design; not implicit conversions: of those that lose bits,
+# -Wconversion leaves only the ++ of such a counter.
 SANITISERS := address,undefined,float-cast-overflow,float-divide-by-zero,local-bounds
 SANITISED_CFLAGS = $(CORE_CFLAGS) -O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITISERS) -fno-sanitize-recover=all
 SANITISER_RUNTIME = $(shell clang -print-file-name=libclang_rt.asan-$(shell uname -m).so 2>/dev/null)
@@ -13,8 +13,8 @@ SANITISED_FROM := Makefile tests/sanitised/sanitised.mk $(GENERATED)/.generated 
 
 $(SANITISED)/.core: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/comanip/_binding/*) $(SANITISED_FROM)
 	@echo "  BIND [sanitised] $(SANITISED)"
-	$(Q)CC=clang $(PYTHON) -m comanip_dev.build_core --generated $(GENERATED) --build-dir $(SANITISED)/core --folder $(SANITISED) \
-	    --cflags "$(SANITISED_CFLAGS)"
+	$(Q)CC=clang $(PYTHON) -m comanip_dev.build_core --generated $(GENERATED) --build-dir $(SANITISED)/core \
+	    --folder $(SANITISED) --cflags "$(SANITISED_CFLAGS)"
 	@touch $@
 
 $(SANITISED)/rest/%.o: %.c tests/rest/loop.h $(SANITISED_FROM)
@@ -33,5 +33,6 @@ sanitised-check:
 	@[ -e "$(SANITISER_RUNTIME)" ] || \
 	    { echo "make test-sanitised: needs clang and its runtime. On Debian or Ubuntu: make check-deps" >&2; exit 1; }
 
-test-sanitised: sanitised-check build $(VENV)/.installed-tests $(SANITISED)/.core $(SANITISED)/rest/loop.so ## run the tests of the core again, compiled with ASan and UBSan (five minutes)
+test-sanitised: sanitised-check build $(VENV)/.installed-tests $(SANITISED)/.core $(SANITISED)/rest/loop.so
+test-sanitised: ## run the tests of the core again, compiled with ASan and UBSan
 	@$(PYTHON) tests/sanitised/run.py $(SANITISED) $(SANITISER_RUNTIME) $(PYTEST_WORKERS) $(PYTEST_ARGS)

@@ -1,4 +1,4 @@
-"""The sanitised core is the one that is tested, and what the sanitisers find fails the run. Part of ``make test-sanitised``."""
+"""`make test-sanitised` tests the sanitised core, and an error that a sanitiser finds fails the run."""
 
 from __future__ import annotations
 

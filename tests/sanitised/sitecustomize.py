@@ -1,5 +1,5 @@
-"""Python runs this when it starts with this folder in PYTHONPATH (run.py): ``comanip._core`` is then the sanitised module,
-in this process and in every Python that it starts.
+"""Python runs this at its start, since run.py puts this folder in PYTHONPATH: ``comanip._core`` is then the sanitised
+module, in this process and in every Python that it starts.
 
 AddressSanitizer has to be loaded before anything else. So Python starts itself anew with it. Other programs, such as
 QEMU, do not inherit it.
