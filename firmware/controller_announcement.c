@@ -29,12 +29,14 @@ void controller_announce_parameter(controller_t *self, uint8_t parameter, contro
 }
 
 void controller_announce(controller_t *self, controller_outbox_t *outbox) {
+    if (self->announced > PARAMETER_COUNT) {
+        return;
+    }
+    const uint8_t parameter = (uint8_t)(self->announced - 1u);
     if (self->announced == 0u) {
         send_identity(self, outbox);
-    } else if (self->announced <= PARAMETER_COUNT) {
-        controller_announce_parameter(self, (uint8_t)(self->announced - 1u), outbox);
-    } else {
-        return;
+    } else if (parameters_has(parameter)) {
+        controller_announce_parameter(self, parameter, outbox);
     }
     self->announced++;
 }

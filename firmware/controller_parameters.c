@@ -56,7 +56,7 @@ static bool may_change(const controller_t *self) {
 }
 
 static result_t read_or_write(controller_t *self, const parameter_access_t *access) {
-    if (access->parameter >= PARAMETER_COUNT) {
+    if (!parameters_has(access->parameter)) {
         return RESULT_UNKNOWN_PARAMETER;
     }
     if (access->operation == PARAMETER_READ) {

@@ -1,5 +1,5 @@
 /* The whole boundary between the firmware and its platform: link-time functions, one folder per port.
- * Called by firmware/main.c alone, from one thread. */
+ * firmware/main.c calls them from one thread. Ports themselves may call hal_panic(). */
 #ifndef COMANIP_HAL_H
 #define COMANIP_HAL_H
 

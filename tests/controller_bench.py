@@ -20,6 +20,7 @@ FRAME_ID = {
         "JOINT_CMD",
         "TICK_TRACE",
         "FIRMWARE_HEARTBEAT",
+        "PORT_STATUS",
     )
 }
 TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # the paper's (9)

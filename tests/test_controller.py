@@ -67,7 +67,7 @@ def test_frames_keep_their_periods():
             count[names[frame_id]] += 1
     assert count["JOINT_CMD"] == count["TICK_TRACE"] == 1000
     assert count["FIRMWARE_STATUS"] == 500
-    assert count["FIRMWARE_HEARTBEAT"] == 10
+    assert count["FIRMWARE_HEARTBEAT"] == count["PORT_STATUS"] == 10
 
 
 def test_a_tick_count_that_wraps_is_not_a_boot():

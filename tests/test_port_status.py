@@ -22,6 +22,7 @@ from simulation import REPOSITORY, run
 
 PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
 UNKNOWN = "unknown"
+NOT_MEASURED = "the port does not count what is null"
 COUNTS = ("refused_frames", "lost_frames", "error_passive", "bus_off", "missed_ticks", "longest_tick_us")
 
 
@@ -98,10 +99,10 @@ def test_frames_that_the_bus_refused_or_that_were_lost_are_in_the_frame(injected
 def test_the_summary_has_the_last_ones(injected, plain):
     last = statuses(logs.read(injected / "bus.log"))[-1]
     expected = {name: None if last[name] == UNKNOWN else last[name] for name in COUNTS}
-    assert summary_of(injected)["port"] == {"can_state": "unknown"} | expected
+    assert summary_of(injected)["port"] == {"can_state": "unknown"} | expected | {"not_measured": NOT_MEASURED}
     unknown = {"error_passive": None, "bus_off": None, "longest_tick_us": None}
     counted = {"refused_frames": 0, "lost_frames": 0, "missed_ticks": 0}
-    assert plain.summary["port"] == {"can_state": "unknown"} | unknown | counted
+    assert plain.summary["port"] == {"can_state": "unknown", "not_measured": NOT_MEASURED} | unknown | counted
 
 
 def test_the_monitor_says_so_in_plain_words_and_nothing_where_nothing_is_wrong(injected, plain):

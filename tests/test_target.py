@@ -249,7 +249,10 @@ def test_boot_announcement(first_second, image, elf, dbc):
 
 
 def test_all_images_send_the_same_bytes(first_second, target_build):
-    streams = {image: first_second(image, target_build / image / "comanip.elf") for image in TESTED}
+    """Except PortStatus, which holds the duration of a tick on this processor."""
+    sent = {image: first_second(image, target_build / image / "comanip.elf") for image in TESTED}
+    streams = {image: re.sub(r"b330[^\r]*\r", "", text) for image, text in sent.items()}
+    assert all(len(streams[image]) < len(sent[image]) for image in TESTED)
     assert {image for image in TESTED if streams[image] != streams["cortex-m4f"]} == set()
 
 

@@ -1,7 +1,7 @@
 /* Checks the stability of the parameters: see parameter_set.h. */
 #include "parameter_set.h"
 
-_Static_assert(PARAMETER_COUNT <= 64, "parameter sets are 64-bit masks");
+_Static_assert(PARAMETER_NUMBERS <= 64, "parameter sets are 64-bit masks");
 
 /* Largest k T: pi / 2 minus a margin for the drives' lag and the braking by the limits, measured by tests/rest. */
 #define RATE_TIMES_DELAY_MAX 0.8f

@@ -22,6 +22,10 @@ static bool is_translated(can_profile_t profile, frame_kind_t kind) {
     return is_classic(profile) && classic_parts(kind, ARM_MAX_JOINTS) != 0u;
 }
 
+bool transport_is_same_frame(frame_kind_t kind) {
+    return classic_parts(kind, ARM_MAX_JOINTS) == 0u && frame_table[kind].length <= CLASSIC_MAX_BYTES;
+}
+
 /* The message's first frame. */
 static const frame_description_t *description_of(can_profile_t profile, frame_kind_t kind) {
     return is_translated(profile, kind) ? &classic_table[classic_first(kind)] : &frame_table[kind];
@@ -46,12 +50,15 @@ float transport_hand_range_m(can_profile_t profile) {
 }
 
 uint8_t transport_ids_to_firmware(can_profile_t profile, uint16_t ids[TRANSPORT_MAX_IDS]) {
-    const frame_description_t *table = is_classic(profile) ? classic_table : frame_table;
-    const int size = is_classic(profile) ? (int)CLASSIC_FRAME_COUNT : (int)FRAME_KIND_COUNT;
     uint8_t count = 0;
-    for (int i = 0; i < size; i++) {
-        if (table[i].to_firmware) {
-            ids[count++] = table[i].id;
+    for (int i = 0; i < FRAME_KIND_COUNT; i++) {
+        if (frame_table[i].to_firmware && (!is_classic(profile) || transport_is_same_frame((frame_kind_t)i))) {
+            ids[count++] = frame_table[i].id;
+        }
+    }
+    for (int i = 0; is_classic(profile) && i < CLASSIC_FRAME_COUNT; i++) {
+        if (classic_table[i].to_firmware) {
+            ids[count++] = classic_table[i].id;
         }
     }
     return count;

@@ -8,7 +8,7 @@
 
 /* Frames that a socket receives. */
 typedef struct {
-    const uint16_t *ids; /* filtered by the kernel; a hub sends all frames, and the others are dropped here */
+    const uint16_t *ids; /* the kernel filters; a hub sends all frames, and the reader ignores the others */
     size_t count;        /* 0: all */
     bool classic;        /* an interface without CAN FD is sufficient */
     bool own;            /* also the socket's own frames, in the bus's order; from the kernel only */

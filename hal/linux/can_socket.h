@@ -45,7 +45,8 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
 /* False: the frame is dropped, and counted. */
 bool can_socket_send(can_socket_t *self, const can_frame_t *frame);
 
-/* Fills in the faults of the bus. A hub reports neither error states nor lost frames: these then stay unknown. */
+/* Fills in the faults of the bus. A hub itself reports neither error states nor lost frames: these stay unknown until
+ * another node's error frame arrives through the hub, and then count error frames only. */
 void can_socket_status(const can_socket_t *self, port_status_t *status);
 
 void can_socket_close(can_socket_t *self);

@@ -84,7 +84,7 @@ bool hal_wait_tick(uint32_t *now_us) {
     while (stopped == 0 && waiting) {
         waiting = !pace_wait_tick(&port.pace); /* a signal that does not end the process */
     }
-    port.ticks++;
+    port.ticks += !waiting; /* not a tick that a signal ended */
     report_clock();
     *now_us = pace_clock_us(&port.pace, port.pace.tick_ns);
     return stopped == 0;

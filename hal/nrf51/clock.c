@@ -35,7 +35,7 @@ void clock_start(void) {
     TIMER_START = 1;
 }
 
-/* In interrupts only, which do not preempt each other: one capture channel serves all of them. */
+/* Called in interrupts, which do not preempt each other, or with interrupts off: one capture channel serves all. */
 uint32_t clock_us(void) {
     TIMER_CAPTURE(CHANNEL_NOW) = 1;
     return TIMER_COUNT(CHANNEL_NOW);

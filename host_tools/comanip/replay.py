@@ -129,9 +129,10 @@ def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
             "the log has no TickTrace, expected one each tick: is the parameter `trace` 0, or is this another bus?"
         )
     began = _first(frames, profile.message("FirmwareIdentity").name)
-    if began is None or (trace.counter != 0 and has_right_crc(trace)):
+    if began is None or (has_right_crc(trace) and trace.counter != 0):
+        number = trace.counter if has_right_crc(trace) else "unknown"
         raise ToolError(
-            f"the log does not begin at the firmware's boot (its first TickTrace has number {trace.counter}"
+            f"the log does not begin at the firmware's boot (its first TickTrace has number {number}"
             f"{'' if began else ', and there is no FirmwareIdentity'}), expected all frames since then"
         )
     told = _identity(frames, profile)

@@ -132,7 +132,7 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     const protocol_status_t status = transport_receive(&self->receiver, &message, &kind);
     if (status == PROTOCOL_OK) {
         on_message(self, kind, &message, end_ns);
-    } else if (kind == FRAME_JOINT_CMD && status != PROTOCOL_INCOMPLETE && status != PROTOCOL_UNKNOWN_ID) {
+    } else if (status != PROTOCOL_UNKNOWN_ID && status != PROTOCOL_INCOMPLETE && kind == FRAME_JOINT_CMD) {
         limit_monitor_undecodable(&self->limits, end_ns);
     }
 }

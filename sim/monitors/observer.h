@@ -1,6 +1,6 @@
 /* A listener on the bus that records modes, parameters and one record per tick. It is the monitors' only source of data
- * about the firmware. It shares code with the firmware: checking and unpacking of frames (can_protocol.h), numbers and
- * defaults of the parameters, and the translation of a dual quaternion. The tests decode the same logs without it. */
+ * about the firmware. It shares code with the firmware: checking and unpacking of frames (can_transport.h), and numbers
+ * and defaults of the parameters. The tests decode the same logs without it. */
 #ifndef COMANIP_SIM_OBSERVER_H
 #define COMANIP_SIM_OBSERVER_H
 

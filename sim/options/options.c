@@ -150,6 +150,9 @@ static bool parse_parameter(options_t *self, const char *argument, char error[])
     char names[OPTIONS_ERROR_BYTES - 300] = "";
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         const char *name = parameter_table[i].name;
+        if (name == NULL) {
+            continue; /* an unused number */
+        }
         if (strlen(name) == name_bytes && memcmp(name, argument, name_bytes) == 0) {
             return set_parameter(self, i, "param", argument, equals + 1, error);
         }

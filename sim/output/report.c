@@ -226,6 +226,11 @@ static void write_port(json_writer_t *json, const observer_t *observer) {
     write_count(json, "bus_off", port->bus_off);
     write_count(json, "missed_ticks", port->missed_ticks);
     write_count(json, "longest_tick_us", port->longest_tick_us);
+    if (port->error_passive == PORT_UNKNOWN || port->longest_tick_us == PORT_UNKNOWN) {
+        json_text(json, "not_measured", "the port does not count what is null");
+    } else {
+        json_null(json, "not_measured");
+    }
     json_end(json, '}');
 }
 

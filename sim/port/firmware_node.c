@@ -5,7 +5,6 @@ static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     (void)end_ns; /* the frame has a timestamp, as from a CAN controller */
     if (self->count == FIRMWARE_NODE_QUEUE_FRAMES) {
         self->world->firmware_overflows++;
-        self->lost_frames++;
         return;
     }
     self->queue[(self->first + self->count) % FIRMWARE_NODE_QUEUE_FRAMES] = *frame;
@@ -17,7 +16,6 @@ void firmware_node_attach(firmware_node_t *self, world_t *world) {
     self->first = 0;
     self->count = 0;
     self->refused_frames = 0;
-    self->lost_frames = 0;
     self->node = bus_attach(world->bus, on_frame, self);
 }
 

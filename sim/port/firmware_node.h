@@ -15,7 +15,6 @@ typedef struct {
     can_frame_t queue[FIRMWARE_NODE_QUEUE_FRAMES]; /* ring */
     size_t first, count;
     uint32_t refused_frames; /* sent, but the queue of the bus was full */
-    uint32_t lost_frames;    /* received, but this queue was full */
 } firmware_node_t;
 
 /* Attaches the node to the world's bus. self must keep its address. */

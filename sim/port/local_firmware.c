@@ -55,7 +55,7 @@ bool hal_can_send(const can_frame_t *frame) {
 void hal_port_status(port_status_t *status) {
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = port_count(local.node.refused_frames);
-    status->lost_frames = port_count(local.node.lost_frames);
+    status->lost_frames = port_count(local.node.world->firmware_overflows);
     status->missed_ticks = 0;
 }
 

@@ -75,7 +75,7 @@ static bool send_number(uint16_t id, uint32_t number) {
 /* The serial line is slow, so it carries only frames that the firmware receives. */
 static bool send_tick(uint32_t now_us) {
     bool is_sent = send_number(LOCKSTEP_REFUSED_ID, remote.node.refused_frames) &&
-                   send_number(LOCKSTEP_LOST_ID, remote.node.lost_frames);
+                   send_number(LOCKSTEP_LOST_ID, (uint32_t)remote.node.world->firmware_overflows);
     can_frame_t frame;
     while (firmware_node_receive(&remote.node, &frame)) {
         if (is_for_firmware(&frame)) {

@@ -49,13 +49,15 @@ static void read_arm(yaml_reader_t *yaml, scenario_t *self) {
 static void read_parameters(yaml_reader_t *yaml, scenario_t *self) {
     yaml_node_t *parameters = yaml_find(yaml, yaml_root(yaml), "parameters");
     const char *names[PARAMETER_COUNT + 1] = {NULL};
-    for (int i = 0; i < PARAMETER_COUNT; i++) {
-        names[i] = parameter_table[i].name;
+    for (int i = 0, count = 0; i < PARAMETER_COUNT; i++) {
+        if (parameter_table[i].name != NULL) { /* NULL: an unused number */
+            names[count++] = parameter_table[i].name;
+        }
     }
     yaml_check_keys(yaml, parameters, names);
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         const parameter_description_t *p = &parameter_table[i];
-        const yaml_node_t *node = yaml_find(yaml, parameters, p->name);
+        const yaml_node_t *node = p->name == NULL ? NULL : yaml_find(yaml, parameters, p->name);
         if (node == NULL) {
             continue;
         }

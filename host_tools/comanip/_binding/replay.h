@@ -43,9 +43,9 @@ typedef struct {
     uint32_t cursor; /* next frame to be read by, or expected from, the firmware */
 } replay_stream_t;
 
-#define REPLAY_MAX_STREAMS (CLASSIC_FRAME_COUNT + 1) /* the heartbeat is the same in both profiles */
+#define REPLAY_MAX_STREAMS (CLASSIC_FRAME_COUNT + FRAME_KIND_COUNT)
 #define REPLAY_NO_STREAM REPLAY_MAX_STREAMS
-#define REPLAY_TRACE_PARTS 5
+#define REPLAY_TRACE_PARTS CLASSIC_MAX_PARTS
 
 typedef struct {
     /* The log, as the caller owns it: standard frames of up to 64 bytes in the order of the bus; timestamps are

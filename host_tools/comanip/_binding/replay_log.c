@@ -23,7 +23,11 @@ static void list_streams(replay_t *self) {
         (void)classic_find(classic_table[i].id, &frame, &kind);
         add_stream(self, &classic_table[i], kind);
     }
-    add_stream(self, &frame_table[FRAME_FIRMWARE_HEARTBEAT], FRAME_FIRMWARE_HEARTBEAT);
+    for (int kind = 0; kind < FRAME_KIND_COUNT; kind++) {
+        if (transport_is_same_frame((frame_kind_t)kind)) {
+            add_stream(self, &frame_table[kind], (frame_kind_t)kind);
+        }
+    }
 }
 
 replay_stream_t *replay_stream_of_id(replay_t *self, uint16_t id) {

@@ -99,6 +99,8 @@ def classic_crc(data: bytes, data_id: int) -> int:
 
 def has_right_crc(frame: Frame) -> bool:
     """True if the CRC of a frame is right. The frame's message must be a protected one of the DBC."""
+    if len(frame.data) < frame.message.length:
+        return False
     if is_classic(frame.name):
         return frame.data[0] == classic_crc(frame.data, data_id(frame.name))
     return int.from_bytes(frame.data[:2], "little") == crc(frame.data, data_id(frame.name))

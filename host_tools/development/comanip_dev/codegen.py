@@ -263,9 +263,9 @@ def trace_version(database) -> int:
     return int(database.dbc.attributes["TraceVersion"].value)
 
 
-def identity_header(database) -> str:
+def identity_header(database, schema: Path) -> str:
     digest = hashlib.sha256()
-    for path in [*sorted(SCHEMA.iterdir()), *sorted(FIRMWARE.rglob("*.[ch]"))]:
+    for path in [*sorted(schema.iterdir()), *sorted(FIRMWARE.rglob("*.[ch]"))]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return (
         f"{message_codec.GENERATED}\n"
@@ -325,7 +325,7 @@ def main(out_dir: Path, schema: Path = SCHEMA) -> None:
         "comanip_classic.inc": classic_codec.bodies(database.messages),
         "comanip_parameters.h": tables.parameters_header(all_parameters),
         "comanip_tasks.h": tables.tasks_header(all_tasks),
-        "comanip_identity.h": identity_header(database),
+        "comanip_identity.h": identity_header(database, schema),
     }
     out_dir.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():

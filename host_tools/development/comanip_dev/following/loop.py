@@ -32,7 +32,9 @@ class Run:
     cooperating: np.ndarray
 
 
-_NAMES = {ffi.string(lib.parameter_table[i].name).decode(): i for i in range(lib.PARAMETER_COUNT)}
+_NAMES = {
+    ffi.string(lib.parameter_table[i].name).decode(): i for i in range(lib.PARAMETER_COUNT) if lib.parameters_has(i)
+}
 
 
 def knows(parameter: str) -> bool:
