@@ -20,7 +20,7 @@ typedef struct {
     bus_handler_t handler;
     void *context;
     int count;
-    uint8_t order[BUS_QUEUE_FRAMES]; /* slots sorted by id, then by order of sending; from `count` on: free slots */
+    uint8_t order[BUS_QUEUE_FRAMES]; /* slots sorted by id, then by order of sending; free slots from index `count` */
     pending_t slot[BUS_QUEUE_FRAMES];
 } node_t;
 
@@ -40,9 +40,9 @@ struct bus {
     bool on_wire;
     int sender;
     int64_t start_ns, end_ns;
-    can_frame_t frame; /* on the wire */
+    can_frame_t frame; /* the frame on the wire */
 
-    int64_t window; /* index of the current load window, and its busy time */
+    int64_t window; /* index of the current load window */
     int64_t window_busy_ns;
     int64_t window_busy_peak_ns;
     bus_statistics_t statistics;
@@ -109,12 +109,12 @@ bool bus_send(bus_t *self, int node_number, const can_frame_t *frame, int64_t re
 
 typedef struct {
     int node;              /* negative: no frame is ready */
-    int index;             /* in the node's `order` */
-    int64_t next_ready_ns; /* if none is ready: time of the next one, INT64_MAX for never */
+    int index;             /* index into the node's `order` */
+    int64_t next_ready_ns; /* if no frame is ready: when the next one will be; INT64_MAX: none is queued */
 } arbitration_t;
 
-/* Selects the lowest id among the ready frames. Equal ids from two nodes, which a real bus forbids, go by node
- * index. */
+/* Selects the lowest id among the ready frames. If two nodes send the same id, which a real bus forbids, the node with
+ * the lower index wins. */
 static arbitration_t arbitrate(const bus_t *self) {
     arbitration_t winner = {.node = -1, .index = 0, .next_ready_ns = INT64_MAX};
     uint16_t winner_id = UINT16_MAX;

@@ -2,9 +2,9 @@
  * exact frame durations (1/5 Mbit/s; classic 1 Mbit/s) and bounded queues. live_bus.c is a real bus in real time
  * (live_bus.h).
  *
- * Nodes queue frames together with the time at which they are ready. bus_run_until() runs the bus up to a given time
- * and delivers each frame, at its end, to the listeners and to every other node. Times are in ns since the start of the
- * simulation. */
+ * A node queues each frame together with the time at which it is ready to be sent. bus_run_until() runs the bus up to a
+ * given time and delivers each frame, at its end, to the listeners and to every other node. Times are in ns since the
+ * start of the simulation. */
 #ifndef COMANIP_SIM_BUS_H
 #define COMANIP_SIM_BUS_H
 
@@ -22,9 +22,9 @@ typedef void (*bus_handler_t)(void *context, const can_frame_t *frame, int64_t e
 
 typedef struct {
     uint64_t frames;
-    uint64_t dropped; /* rejected by a full queue */
+    uint64_t dropped; /* frames rejected because a queue was full */
     int64_t busy_ns;
-    double load_percent_peak; /* over windows of 10 ms */
+    double load_percent_peak; /* highest load in any window of 10 ms */
 } bus_statistics_t;
 
 typedef struct bus bus_t;
@@ -41,17 +41,18 @@ int bus_attach(bus_t *self, bus_handler_t handler, void *context);
 /* Adds a listener, which receives every frame before the nodes do and cannot send. At most BUS_MAX_NODES. */
 void bus_listen(bus_t *self, bus_handler_t handler, void *context);
 
-/* Queues a copy of the frame, to be sent at ready_ns at the earliest, and not before the current bus time. Within a
- * node the lowest id is sent first, equal ids in the order of the calls. Returns false if the node's queue is full; the
- * frame is then dropped and counted. The id must fit 11 bits and the length must have a DLC. */
+/* Queues a copy of the frame, to be sent at ready_ns at the earliest, and not before the current bus time. Each node
+ * sends its lowest id first, and frames with equal ids in the order of the calls. Returns false if the node's queue is
+ * full; the frame is then dropped and counted. The id must fit in 11 bits, and the length must be one that a DLC can
+ * encode. */
 bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns);
 
 /* Transmits every frame that starts before time_ns. A frame still on the wire at time_ns is delivered in the next
  * call. */
 void bus_run_until(bus_t *self, int64_t time_ns);
 
-/* Reading at time 0 of the clock that stamps the log and, modulo 2^32 us, of the firmware's clock. 0 in virtual
- * time. */
+/* Returns the reading, at time 0, of the clock that stamps the log; modulo 2^32 us, it is also the reading of the
+ * firmware's clock. Returns 0 in virtual time. */
 int64_t bus_epoch_ns(const bus_t *self);
 
 bus_statistics_t bus_statistics(const bus_t *self);

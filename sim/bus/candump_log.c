@@ -8,7 +8,8 @@
 #include <string.h>
 
 #define BUFFER_BYTES (1 << 16)
-/* "(0000000000.000000) vcan0 123##1", 64 bytes in hex, newline; a classic frame has one # and 8 bytes. */
+/* Longest line: "(0000000000.000000) vcan0 123##1", 64 bytes in hex, newline. A classic frame has one # and up to 8
+ * bytes. */
 #define LINE_BYTES (32 + 2 * CAN_FRAME_MAX_BYTES + 1)
 
 struct candump_log {
@@ -60,7 +61,7 @@ void candump_log_write(candump_log_t *self, const can_frame_t *frame, int64_t en
     *end++ = hex[(frame->id >> 8) & 0xFU];
     *end++ = hex[(frame->id >> 4) & 0xFU];
     *end++ = hex[frame->id & 0xFU];
-    end = frame->fd ? put_text(end, "##1", 3) : put_text(end, "#", 1); /* CAN FD, flag 1: bit rate switch */
+    end = frame->fd ? put_text(end, "##1", 3) : put_text(end, "#", 1); /* CAN FD; flag 1 is the bit rate switch */
     for (int i = 0; i < frame->length; i++) {
         *end++ = hex[frame->data[i] >> 4];
         *end++ = hex[frame->data[i] & 0xFU];

@@ -37,7 +37,8 @@ static bool connect_hub(hub_publisher_t *self, const char *bus, char error[], si
     return true;
 }
 
-/* Runs in the child process. The hub gets its own process group, so that Ctrl-C does not end it before this program. */
+/* Runs in the child process. The hub gets its own process group, so that Ctrl-C does not stop it before this
+ * program. */
 static void become_hub(const char *program, const char *bus) {
     const int null_fd = open("/dev/null", O_WRONLY);
     (void)setpgid(0, 0);
@@ -98,7 +99,7 @@ void hub_publisher_send(void *context, const can_frame_t *frame, int64_t end_ns)
     memcpy(packet.data, frame->data, frame->length);
     if (!send_with_timeout(self->fd, &packet, frame->fd ? CANFD_MTU : CAN_MTU)) {
         (void)fprintf(stderr,
-                      "comanip-sim: at %.3f simulated s the hub closed the connection or did not respond; "
+                      "comanip-sim: at %.3f s of simulated time, the hub closed the connection or stopped responding; "
                       "the run continues without it\n",
                       (double)end_ns * 1e-9);
         (void)close(self->fd);

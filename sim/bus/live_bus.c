@@ -30,15 +30,15 @@ struct bus {
     can_profile_t profile;
     can_socket_t can;
     pace_t pace;
-    int64_t start_unix_ns; /* of time 0; a multiple of the pace's tick */
+    int64_t start_unix_ns; /* Unix time at time 0; a multiple of the pace's tick */
     int node_count, listener_count;
     receiver_t node[BUS_MAX_NODES], listener[BUS_MAX_NODES];
-    int sender[IDS]; /* index of the node that sends this id */
+    int sender[IDS]; /* per id: index of the node that sends it */
 
     int pending_count;
     pending_t pending[QUEUE_FRAMES]; /* sorted by ready_ns, then by id */
 
-    bool has_next; /* received, not yet delivered */
+    bool has_next; /* `next` has been received but not yet delivered */
     can_frame_t next;
     can_reception_t next_reception;
 
@@ -61,7 +61,8 @@ int64_t bus_epoch_ns(const bus_t *self) {
     return self->start_unix_ns / self->pace.slow;
 }
 
-/* Called before the tick that ends at time_ns. */
+/* Records how late the run is and, if it is too late, sets its clock back. Called before the tick that ends at
+ * time_ns. */
 static void note_lateness(bus_t *self, int64_t time_ns) {
     (void)pace_find_step(&self->pace);
     const int64_t late_ns = now_ns(self) - time_ns;
@@ -87,7 +88,7 @@ static void wait_until(bus_t *self, int64_t time_ns) {
     if (self->can.fd >= 0) {
         FD_SET(self->can.fd, &readable);
     }
-    (void)pselect(self->can.fd + 1, &readable, NULL, NULL, &timeout, NULL); /* a signal may end it early */
+    (void)pselect(self->can.fd + 1, &readable, NULL, NULL, &timeout, NULL); /* a signal may end the wait early */
 }
 
 /* ---- frames */
@@ -97,7 +98,7 @@ static void count_load(bus_t *self, const can_frame_t *frame, int64_t end_ns) {
     const int64_t window = end_ns / LOAD_WINDOW_NS;
     self->statistics.frames++;
     if (duration_ns < 0) {
-        return; /* a foreign frame with a length that CAN FD does not have */
+        return; /* a frame of another device, with a length that CAN FD does not allow */
     }
     self->window_busy_ns = window == self->window ? self->window_busy_ns + duration_ns : duration_ns;
     self->window = window;
@@ -132,7 +133,8 @@ static bool fetch(bus_t *self) {
     return self->has_next;
 }
 
-/* A late run finds frames of later ticks, which are left for those ticks. */
+/* Delivers the frames that arrived up to time_ns. If the run is late, frames of later ticks have arrived as well; they
+ * are left for those ticks. */
 static void receive_until(bus_t *self, int64_t time_ns) {
     while (fetch(self) && time_of(self, self->next_reception.unix_ns) <= time_ns) {
         self->has_next = false;
@@ -160,7 +162,7 @@ bus_t *live_bus_create(const char *program, const char *can, can_profile_t profi
     bus_t *self = calloc(1, sizeof *self);
     const can_selection_t everything = {.own = true, .classic = profile == CAN_PROFILE_CLASSIC};
     if (self == NULL) {
-        (void)snprintf(error, error_size, "no memory for the bus");
+        (void)snprintf(error, error_size, "not enough memory for the bus");
         return NULL;
     }
     if (!can_socket_open(&self->can, program, can, &everything, error, error_size)) {
@@ -174,7 +176,7 @@ bus_t *live_bus_create(const char *program, const char *can, can_profile_t profi
 }
 
 bool live_bus_start(bus_t *self, uint16_t id, const volatile sig_atomic_t *interrupted) {
-    while (fetch(self)) { /* frames that arrived while the world was built */
+    while (fetch(self)) { /* discard frames that arrived while the world was being built */
         self->has_next = false;
     }
     while (!(fetch(self) && self->next.id == id)) {

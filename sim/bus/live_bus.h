@@ -1,10 +1,12 @@
 /* Implements bus.h on a real bus in real time: frames of the nodes are sent through a socket, and frames from the
- * socket are delivered to the nodes. The real bus arbitrates and sets the frame durations. Linked instead of bus.c.
+ * socket are delivered to the nodes. The real bus arbitrates and determines the frame durations. A program links this
+ * file in place of bus.c.
  *
  * Time is wall time since live_bus_start(), divided by the time scale. bus_run_until() waits until that time and
  * delivers each frame as it arrives. The nodes' own frames are delivered when the bus echoes them, in bus order and
- * with the kernel's time stamps; a hub does not echo, so there they are delivered when they are sent. A late run
- * catches up tick by tick and counts these ticks; if it is more than 200 ms late, its clock is set back instead. */
+ * with the kernel's time stamps; a hub does not echo, so there they are delivered when they are sent. A run that falls
+ * behind catches up tick by tick and counts the late ticks; if it falls more than 200 ms behind, its clock is set back
+ * instead. */
 #ifndef COMANIP_SIM_LIVE_BUS_H
 #define COMANIP_SIM_LIVE_BUS_H
 
@@ -20,12 +22,12 @@ typedef struct {
     int64_t set_back_ns; /* total by which the run's clock was set back */
 } live_bus_timing_t;
 
-/* program: name of this program, for messages. slow: as in hal/linux/pace.h. Returns NULL on failure, with one line in
- * `error`. */
+/* Opens the bus `can`. program: name of this program, for messages. slow: time scale, as in hal/linux/pace.h. Returns
+ * NULL on failure, with one line in `error`. */
 bus_t *live_bus_create(const char *program, const char *can, can_profile_t profile, uint32_t slow, char error[],
                        size_t error_size);
 
-/* Waits for a frame with this id, which becomes the first frame, in tick 0. Returns false if interrupted. */
+/* Waits for a frame with this id. It becomes the first frame of the run, in tick 0. Returns false if interrupted. */
 bool live_bus_start(bus_t *self, uint16_t id, const volatile sig_atomic_t *interrupted);
 
 live_bus_timing_t live_bus_timing(const bus_t *self);

@@ -1,4 +1,5 @@
-/* Limits simulated time to real time: a listener on the bus that waits until a frame's end in wall time. */
+/* Keeps simulated time from running ahead of real time: a listener on the bus that, after each frame, waits until the
+ * frame's end time has come in wall time. */
 #ifndef COMANIP_SIM_REAL_TIME_H
 #define COMANIP_SIM_REAL_TIME_H
 
@@ -14,7 +15,7 @@ typedef struct {
 
 void real_time_start(real_time_t *self);
 
-/* For bus_listen(); context is the real_time_t. */
+/* Handler for bus_listen(). context: the real_time_t. */
 void real_time_wait(void *context, const can_frame_t *frame, int64_t end_ns);
 
 #endif
