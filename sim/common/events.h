@@ -1,5 +1,6 @@
-/* Named events of a run: finished steps of the people and the operator, grips made and lost. Scripts wait for events,
- * checks are evaluated between them, and plots label them. A name is "ACTOR.WHAT", for example "person.at_spot_1". */
+/* Named events of a run: steps that the people or the operator have finished, and grips made or lost. Scripts wait for
+ * events, checks are measured between them, and plots are labelled with them. A name is "ACTOR.WHAT", for example
+ * "person.at_spot_1". */
 #ifndef COMANIP_SIM_EVENTS_H
 #define COMANIP_SIM_EVENTS_H
 
@@ -24,7 +25,7 @@ typedef struct {
 void events_init(events_t *self);
 
 /* Declares the event "actor.what" and returns its index. Declaring it again returns the same index. Returns EVENT_NONE
- * if EVENTS_MAX events exist already or the name is too long. */
+ * if there are already EVENTS_MAX events or the name is too long. */
 int events_declare(events_t *self, const char *actor, const char *what);
 
 /* Returns the index of the event, or EVENT_NONE if no event has this name. */

@@ -1,4 +1,5 @@
-/* Names of modes, reasons, results, commands and tasks as in the DBC; "unknown" for a number without a name there. */
+/* Return the DBC's names of modes, reasons, results, commands, tasks and CAN states, or "unknown" for a number that the
+ * DBC does not name. */
 #ifndef COMANIP_SIM_NAMES_H
 #define COMANIP_SIM_NAMES_H
 

@@ -12,15 +12,15 @@ typedef struct {
     double spare; /* second number of the last Gaussian pair */
 } random_t;
 
-/* The same seed and stream name give the same numbers. */
+/* Starts a stream. The same seed and stream name always produce the same numbers. */
 void random_init(random_t *self, uint64_t seed, const char *stream);
 
 uint64_t random_bits(random_t *self);
 
-/* Uniform in [0, 1), 53 bits. */
+/* Returns a number uniformly distributed over [0, 1), with 53 random bits. */
 double random_uniform(random_t *self);
 
-/* Mean 0, standard deviation 1. */
+/* Returns a normally distributed number with mean 0 and standard deviation 1. */
 double random_gaussian(random_t *self);
 
 #endif

@@ -30,7 +30,7 @@ double rotation_angle_between(const double a[4], const double b[4]) {
     rotation_multiply(inverse, b, difference);
     const double sine =
         sqrt(difference[1] * difference[1] + difference[2] * difference[2] + difference[3] * difference[3]);
-    return 2.0 * atan2(sine, fabs(difference[0])); /* atan2, not acos: exact for small angles */
+    return 2.0 * atan2(sine, fabs(difference[0])); /* unlike acos, atan2 is accurate for small angles */
 }
 
 double rotation_dot(const double a[4], const double b[4]) {
@@ -88,7 +88,7 @@ void rotation_interpolate(const double a[4], const double b[4], double fraction,
     const double angle = acos(cosine);
     double weight_a = 1.0 - fraction;
     double weight_b = fraction;
-    if (angle > 1e-6) { /* below this angle, linear interpolation is exact within 1e-13 */
+    if (angle > 1e-6) { /* below this angle, the error of linear interpolation is less than 1e-13 */
         weight_a = sin(weight_a * angle) / sin(angle);
         weight_b = sin(weight_b * angle) / sin(angle);
     }

@@ -1,4 +1,5 @@
-/* Poses and rotations of the simulated world in double precision: unit quaternions w x y z, Hamilton product. */
+/* Poses and rotations of the simulated world, in double precision. Rotations are unit quaternions w x y z, multiplied
+ * by the Hamilton product. */
 #ifndef COMANIP_SIM_RIGID_POSE_H
 #define COMANIP_SIM_RIGID_POSE_H
 
@@ -18,16 +19,17 @@ double rotation_dot(const double a[4], const double b[4]);
 /* Scales to unit norm. A zero quaternion is left unchanged. */
 void rotation_normalise(double rotation[4]);
 
-/* Rotation by |v| rad about v. */
+/* Sets `rotation` to a rotation by |v| rad about v. */
 void rotation_from_vector(const double v_rad[3], double rotation[4]);
 
-/* Quaternion of a rotation matrix (footnote 1 of the paper). The matrix must be orthonormal with determinant 1. */
+/* Converts a rotation matrix to a quaternion (footnote 1 of the paper). The matrix must be orthonormal with determinant
+ * 1. */
 void rotation_from_matrix(const double matrix[3][3], double rotation[4]);
 
-/* Spherical interpolation from a (fraction 0) to b (fraction 1). Requires <a, b> >= 0. */
+/* Interpolates spherically from a (fraction 0) to b (fraction 1). Requires <a, b> >= 0. */
 void rotation_interpolate(const double a[4], const double b[4], double fraction, double rotation[4]);
 
-/* Pose of frame c in frame a, from the pose of b in a and the pose of c in b. */
+/* Returns the pose of frame c in frame a, given the pose of b in a and the pose of c in b. */
 rigid_pose_t rigid_pose_multiply(const rigid_pose_t *a_to_b, const rigid_pose_t *b_to_c);
 rigid_pose_t rigid_pose_inverse(const rigid_pose_t *pose);
 

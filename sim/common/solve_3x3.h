@@ -2,7 +2,7 @@
 #ifndef COMANIP_SIM_SOLVE_3X3_H
 #define COMANIP_SIM_SOLVE_3X3_H
 
-/* x = (A + damping I)^-1 b for a symmetric positive semidefinite A. A + damping I must be regular. */
+/* Computes x = (A + damping I)^-1 b for a symmetric positive semidefinite A. A + damping I must be invertible. */
 void solve_3x3(double a[3][3], double damping, const double b[3], double x[3]);
 
 #endif
