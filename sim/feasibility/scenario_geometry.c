@@ -20,7 +20,7 @@ static bool check_people(const scenario_t *self, char error[], size_t error_size
     return true;
 }
 
-/* Distance of the gripper's centre from the axis of the object that it should hold. */
+/* Returns the distance of the gripper's centre from the axis of the object that it should hold. */
 static double distance_from_gripper_m(const scenario_t *self, const object_t *object) {
     double start_rad[ROBOT_JOINTS], axis[3], along_m = 0.0, square_m2 = 0.0;
     const double z[3] = {0.0, 0.0, 1.0};

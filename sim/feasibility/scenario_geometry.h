@@ -1,17 +1,18 @@
-/* Checks whether the scene is physically possible, which no single key shows. Each check returns false on failure, with
- * one line in `error`. A scenario that the seed has varied must be checked again; errors then show the varied
- * values. */
+/* Checks whether the scene is physically possible, which cannot be judged from any single key. Each check returns false
+ * on failure, with one line in `error`. Once the seed has varied a scenario, it must be checked again; error messages
+ * then show the varied values. */
 #ifndef COMANIP_SIM_SCENARIO_GEOMETRY_H
 #define COMANIP_SIM_SCENARIO_GEOMETRY_H
 
 #include "../scenario/scenario.h"
 
-/* Checks motion and overlap, that people start near the torso, and that what the robot holds is in its gripper. Creates
- * a temporary scene, so it must be called before the scene of the run is created. */
+/* Checks that people start near the torso and that the robot holds at most one object, in its gripper; also runs
+ * scenario_check_motion() and scenario_check_overlap(). Creates a temporary scene, so it must be called before the
+ * scene of the run is created. */
 bool scenario_check_geometry(const scenario_t *self, char error[], size_t error_size);
 
-/* Checks that the water stays in the robot's cup while it settles. This is slow and independent of the seed, so it
- * needs to be checked only once. */
+/* Checks that the water stays in the robot's cup while it settles. This is slow and independent of the seed, so it only
+ * needs to be called once. */
 bool scenario_check_water(const scenario_t *self, char error[], size_t error_size);
 
 /* Checks that no program moves a hand faster or farther than a person can. Moves to an object are not checked, because

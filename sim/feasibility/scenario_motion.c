@@ -6,7 +6,7 @@
 
 #define SPEED_MAX_MPS 5.0
 #define DISTANCE_MAX_M 1.5
-#define PEAK_OF_MINIMUM_JERK 1.875 /* peak speed over mean speed */
+#define PEAK_OF_MINIMUM_JERK 1.875 /* ratio of the peak speed to the mean speed */
 
 /* Position of the hand relative to its start. */
 typedef struct {
@@ -31,8 +31,8 @@ static bool check_speed(const motion_t *self, size_t step_index, const person_st
     const double speed_mps = peak * path_m / step->duration_s;
     if (speed_mps > SPEED_MAX_MPS) {
         (void)snprintf(self->error, self->error_size,
-                       "%s: people.%s.%s[%zu].duration_s '%g': expected more time: over %.3g m the hand reaches %.3g "
-                       "m/s, above %g m/s",
+                       "%s: people.%s.%s[%zu].duration_s '%g': expected more time: on its path of %.3g m the hand "
+                       "would reach %.3g m/s, above the limit of %g m/s",
                        self->scenario->path, self->person, self->program, step_index, step->duration_s, path_m,
                        speed_mps, SPEED_MAX_MPS);
         return false;

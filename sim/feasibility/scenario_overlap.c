@@ -17,17 +17,17 @@ typedef enum {
     SOLID_OBJECT,
     SOLID_ROBOT_CUP,
     SOLID_PERSON_CUP,
-    SOLID_PERSON,    /* hand and forearm */
-    SOLID_FOREARM,   /* and gripper of the robot; an object to be gripped may overlap them */
-    SOLID_UPPER_ARM, /* and shoulder */
-    SOLID_BODY,      /* torso and head */
+    SOLID_PERSON,    /* a person's hand and forearm */
+    SOLID_FOREARM,   /* the robot's forearm and gripper; an object to be gripped may overlap them */
+    SOLID_UPPER_ARM, /* the robot's upper arm and shoulder */
+    SOLID_BODY,      /* the robot's torso and head */
 } solid_kind_t;
 
 #define BIT(kind) (1u << (kind))
 #define ROBOT (BIT(SOLID_FOREARM) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY))
 
-/* Kinds that each kind must not overlap; each pair is listed once. A person's hand may overlap an object that it will
- * hold. */
+/* For each kind, the kinds that it must not overlap. Each pair is listed once. A person's hand may overlap an object
+ * that it will hold. */
 static const unsigned must_not_overlap[] = {
     [SOLID_OBJECT] =
         BIT(SOLID_OBJECT) | BIT(SOLID_ROBOT_CUP) | BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY),
@@ -43,8 +43,8 @@ typedef struct {
     convex_shape_t shape;
     solid_kind_t kind;
     char name[NAME_BYTES];
-    char key[KEY_BYTES]; /* key of the file that sets its position */
-    const double *value; /* value of this key */
+    char key[KEY_BYTES]; /* key of the scenario file that sets its position */
+    const double *value; /* value of that key */
     size_t value_count;
 } solid_t;
 
@@ -89,7 +89,7 @@ static solid_kind_t robot_kind(robot_part_t part) {
     }
 }
 
-/* Skips the object that the robot holds, because add_object() adds it. */
+/* Adds the parts of the robot, but not the object that it holds, which add_object() adds. */
 static void add_robot(solids_t *self, const scenario_t *scenario, const bodies_t *bodies) {
     static const char *const names[] = {COMANIP_CLEARANCE_ROBOT_PART_NAMES};
     for (int i = 0; i < BODIES_ROBOT_PARTS; i++) {
@@ -154,7 +154,8 @@ static bool check_pairs(const solids_t *self, const scenario_t *scenario, char e
     return true;
 }
 
-/* Places the bodies as at the start. The water is left out: it is inside its cup, and settling it takes time. */
+/* Places the bodies in their start poses. The water is left out, because it is inside its cup and takes long to
+ * settle. */
 static bool place_bodies(bodies_t *bodies, const scenario_t *scenario) {
     scenario_t *dry = malloc(sizeof *dry);
     scene_t *scene = NULL;

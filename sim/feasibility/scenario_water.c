@@ -5,7 +5,7 @@
 #include "../scene/scene.h"
 #include "scenario_geometry.h"
 
-#define PACKING_MAX 0.64 /* volume of the spheres over that of the cup: random close packing */
+#define PACKING_MAX 0.64 /* ratio of the volumes of the spheres and the cup, for random close packing */
 
 static bool check_volume(const scenario_t *self, char error[], size_t error_size) {
     const double r = self->water.particle_radius_m, radius_m = self->cup.radius_m;
@@ -25,7 +25,8 @@ static bool check_volume(const scenario_t *self, char error[], size_t error_size
     return true;
 }
 
-/* A smaller volume may overflow, too: the particles heap up, and the cup may be tilted. */
+/* Checks that no water spills while it settles. Even a smaller volume may overflow, because the particles heap up and
+ * the cup may be tilted. */
 static bool check_settled(const scenario_t *self, char error[], size_t error_size) {
     events_t events = self->events;
     scene_t *scene = scene_create(self, &events);
@@ -34,7 +35,7 @@ static bool check_settled(const scenario_t *self, char error[], size_t error_siz
     if (!stays) {
         (void)snprintf(
             error, error_size,
-            "%s: water.particles '%d': expected fewer, or an upright cup: some fall over its rim at the start",
+            "%s: water.particles '%d': expected fewer, or an upright cup; some spill over its rim at the start",
             self->path, self->water.particles);
     }
     return stays;
