@@ -1,4 +1,5 @@
-/* Recent poses of the scene's hand. The tracker samples them between ticks and reports them after its latency. */
+/* Recent poses of the tracked hand in the scene. The tracker samples them between ticks and reports them after its
+ * latency. */
 #ifndef COMANIP_SIM_HAND_HISTORY_H
 #define COMANIP_SIM_HAND_HISTORY_H
 
@@ -15,11 +16,12 @@ typedef struct hand_history hand_history_t;
 hand_history_t *hand_history_create(void);
 void hand_history_destroy(hand_history_t *self);
 
-/* Adds the pose of a tick; times must increase. visible: the tracker can see the hand. */
+/* Adds the pose of a tick; times must increase. visible: whether the tracker can see the hand. */
 void hand_history_push(hand_history_t *self, int64_t time_ns, const rigid_pose_t *pose, bool visible);
 
-/* Interpolates linearly in position and spherically in rotation. Extrapolates for at most one tick after the newest
- * pose. Returns false, and no valid pose, before the oldest pose and next to a pose that was not visible. */
+/* Sets pose to the hand's pose at time_ns, interpolated linearly in position and spherically in rotation, or
+ * extrapolated by at most one tick beyond the newest pose. Returns false, and pose is not valid, if time_ns is before
+ * the oldest pose or next to a pose that was not visible. */
 bool hand_history_sample(const hand_history_t *self, int64_t time_ns, rigid_pose_t *pose);
 
 #endif

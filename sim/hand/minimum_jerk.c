@@ -11,22 +11,23 @@ double minimum_jerk_share(double x) {
     return x * x * x * (10.0 + x * (6.0 * x - 15.0));
 }
 
-/* Magnitudes: the sign of the turn is applied at the end. */
+/* All values are magnitudes; the sign of the turn is applied at the end. */
 typedef struct {
     double speed_radps;
-    double rise_rad, rise_s; /* the deceleration takes the same */
+    double rise_rad, rise_s; /* angle and duration of the acceleration; the same for the deceleration */
     double cruise_s;
 } turn_profile_t;
 
 static turn_profile_t profile_of(double turns, double turn_s) {
     const double whole_rad = 2.0 * PI * fabs(turns);
     turn_profile_t profile = {.speed_radps = 2.0 * PI / turn_s, .rise_rad = fmin(PI, 0.5 * whole_rad)};
-    profile.rise_s = 2.0 * profile.rise_rad / profile.speed_radps; /* the mean speed is half the final one */
+    profile.rise_s = 2.0 * profile.rise_rad / profile.speed_radps; /* its mean speed is half its final speed */
     profile.cruise_s = (whole_rad - 2.0 * profile.rise_rad) / profile.speed_radps;
     return profile;
 }
 
-/* Integral of the speed, which rises like minimum_jerk_share(). */
+/* Returns the angle turned after time_s of the acceleration: the integral of a speed that rises like
+ * minimum_jerk_share(). */
 static double rise_angle_rad(const turn_profile_t *profile, double time_s) {
     if (profile->rise_s <= 0.0) {
         return 0.0;

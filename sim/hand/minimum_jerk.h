@@ -1,13 +1,15 @@
 /* Motion profiles of the hand: minimum-jerk moves (T. Flash, N. Hogan, "The coordination of arm movements", Journal of
- * Neuroscience 5, 1985), and turns of a crank, which start and end as smoothly. */
+ * Neuroscience 5, 1985), and turns of a crank, which start and end just as smoothly. */
 #ifndef COMANIP_SIM_MINIMUM_JERK_H
 #define COMANIP_SIM_MINIMUM_JERK_H
 
-/* Fraction of the path covered after the fraction x of the duration; 0 before the move and 1 after it. */
+/* Returns the fraction of the path that is covered after the fraction x of the duration: 0 before the move and 1 after
+ * it. */
 double minimum_jerk_share(double x);
 
-/* Crank turn: the speed rises to one turn per turn_s over the first half turn and falls over the last half turn. A
- * motion of less than one turn accelerates over its first half and decelerates over its second. turns is signed. */
+/* Duration and angle of a crank turn. The speed rises to one turn per turn_s over the first half turn and falls over
+ * the last half turn. A motion of less than one turn accelerates over its first half and decelerates over its second.
+ * `turns` is signed. */
 double smooth_turn_duration_s(double turns, double turn_s);
 double smooth_turn_angle_rad(double turns, double turn_s, double time_s);
 

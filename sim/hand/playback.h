@@ -1,4 +1,4 @@
-/* Plays a section of a recording from the current pose of the hand: the hand repeats the recorded displacement. */
+/* Plays a section of a recording. The hand repeats the recorded displacement, starting from its current pose. */
 #ifndef COMANIP_SIM_PLAYBACK_H
 #define COMANIP_SIM_PLAYBACK_H
 
@@ -13,7 +13,7 @@ typedef struct {
     rigid_pose_t first; /* pose of the recording at from_s */
 } playback_t;
 
-/* The motion must outlive self. until_s 0: to the end of the recording. */
+/* The motion must outlive self. until_s 0: play to the end of the recording. */
 void playback_init(playback_t *self, const recorded_motion_t *motion, double from_s, double until_s,
                    double position_scale, double rotation_scale);
 
@@ -22,7 +22,7 @@ void playback_begin(playback_t *self, double begin_s, const rigid_pose_t *here);
 double playback_duration_s(const playback_t *self);
 
 /* Scales the displacement since from_s by position_scale and the rotation vector since from_s by rotation_scale, both
- * in torso axes, and applies them to `here`. Rotations of up to a full turn are followed. Returns false in a gap of the
+ * in torso axes, and applies them to `here`. Handles rotations of up to a full turn. Returns false in a gap of the
  * recording. */
 bool playback_sample(const playback_t *self, double time_s, rigid_pose_t *pose);
 

@@ -15,7 +15,8 @@ struct recorded_motion {
     char description[DESCRIPTION_BYTES];
 };
 
-/* Row i is axis i of the torso in recorder axes. Returns false if an axis repeats or the axes are left-handed. */
+/* Parses a map such as "-yxz". Row i of the matrix is axis i of the torso, in recorder axes. Returns false if the map
+ * is malformed, repeats an axis or is left-handed. */
 static bool parse_axes(const char *axes, double matrix[3][3]) {
     memset(matrix, 0, 9 * sizeof(double));
     int axis[3];

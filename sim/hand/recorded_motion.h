@@ -9,21 +9,21 @@
 
 typedef struct recorded_motion recorded_motion_t;
 
-/* Reads a CSV in the format of docs/recordings.md. axes: the recorder axes of the torso's x, y, z, e.g. "xyz", "zxy",
- * "-yxz"; must be right-handed; NULL chooses by the file name (docs/recordings.md). Returns NULL on failure; `error`
- * then holds one line that names file, line, value and what was expected. */
+/* Reads a CSV in the format of docs/recordings.md. axes: the recorder axes that correspond to the torso's x, y and z,
+ * e.g. "xyz", "zxy" or "-yxz"; must be right-handed. NULL: chosen by the file name (docs/recordings.md). Returns NULL
+ * on failure; `error` then holds one line that names file, line, value and what was expected. */
 recorded_motion_t *recorded_motion_create(const char *path, const char *axes, char error[], size_t error_size);
 
 void recorded_motion_destroy(recorded_motion_t *self);
 
 double recorded_motion_duration_s(const recorded_motion_t *self);
 
-/* Pose of the hand at a time since the start of the recording; the first pose before the start, the last pose after the
- * end. Interpolates linearly in position and spherically in rotation. Returns false in a gap (an interval above 1.5
- * times the median), where the interpolated pose is only a guess. */
+/* Sets pose to the hand's pose at time_s since the start of the recording, interpolated linearly in position and
+ * spherically in rotation; the first pose before the start, the last pose after the end. Returns false in a gap (an
+ * interval above 1.5 times the median), where the interpolated pose is only a guess. */
 bool recorded_motion_sample(const recorded_motion_t *self, double time_s, rigid_pose_t *pose);
 
-/* One line of text: what is played and how the axes are mapped. */
+/* Returns one line of text that describes the recording and how its axes are mapped. */
 const char *recorded_motion_description(const recorded_motion_t *self);
 
 #endif

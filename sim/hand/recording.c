@@ -14,14 +14,14 @@
 #define MAX_COLUMNS 13
 #define QUATERNION_COLUMNS 8
 
-static const char byte_order_mark[] = "\xEF\xBB\xBF"; /* of UTF-8 */
+static const char byte_order_mark[] = "\xEF\xBB\xBF"; /* in UTF-8 */
 static const char quaternion_header[] = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 static const char matrix_header[] = "t_s,x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31,r32,r33";
 
 typedef struct {
     FILE *file;
     const char *path;
-    size_t line;           /* number of the line in `text`; 0: the whole file */
+    size_t line;           /* number of the line in `text`; 0: errors concern the whole file */
     char text[LINE_BYTES]; /* without the newline */
     const char *header;
     int columns;
@@ -80,7 +80,7 @@ static bool read_header(reader_t *self) {
         return fail(self, "is empty, expected the header %s", quaternion_header);
     }
     const char *text = self->text;
-    if (strncmp(text, byte_order_mark, strlen(byte_order_mark)) == 0) { /* spreadsheets write one */
+    if (strncmp(text, byte_order_mark, strlen(byte_order_mark)) == 0) { /* spreadsheet programs write one */
         text += strlen(byte_order_mark);
     }
     if (strcmp(text, quaternion_header) == 0) {
@@ -169,7 +169,7 @@ static bool convert_matrix(reader_t *self, const double value[9], double rotatio
     return true;
 }
 
-/* before: NULL for the first sample; before_time_s: its time as in the file. */
+/* before: the previous sample, NULL for the first one. before_time_s: its time as written in the file. */
 static bool convert_row(reader_t *self, const double value[], double first_time_s, const recording_sample_t *before,
                         double before_time_s, recording_sample_t *sample) {
     if (before != NULL && !(value[0] > before_time_s)) {
@@ -202,7 +202,7 @@ static bool read_samples(reader_t *self, recording_t *recording) {
     double first_time_s = 0.0;
     double before_time_s = 0.0;
     size_t capacity = 0;
-    size_t blank_line = 0; /* allowed at the end only */
+    size_t blank_line = 0; /* the first blank line; blank lines may only be at the end */
     line_status_t status;
     while ((status = read_line(self)) == LINE_READ) {
         if (self->text[0] == '\0') {

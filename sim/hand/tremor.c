@@ -14,7 +14,7 @@ void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name) 
     random_init(&random, seed, name);
     /* each of 3 x TREMOR_SINES sines adds amplitude^2 / 2 to the mean square */
     self->amplitude_m = rms_m * sqrt(2.0 / (3.0 * TREMOR_SINES));
-    const double band_hz = (HIGHEST_HZ - LOWEST_HZ) / TREMOR_SINES; /* one sine per sub-band: no slow beats */
+    const double band_hz = (HIGHEST_HZ - LOWEST_HZ) / TREMOR_SINES; /* one sine per sub-band, to avoid slow beats */
     for (int axis = 0; axis < 3; axis++) {
         for (int n = 0; n < TREMOR_SINES; n++) {
             const double hz = LOWEST_HZ + band_hz * (n + random_uniform(&random));
@@ -24,7 +24,8 @@ void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name) 
     }
 }
 
-/* Frequencies are uniform in the band, so the mean of their squares is that of a uniform variable. */
+/* The frequencies are uniformly distributed over the band, so the mean of their squares is that of a uniform
+ * variable. */
 double tremor_speed_mps(double rms_m) {
     const double mean_square_Hz2 = (LOWEST_HZ * LOWEST_HZ + LOWEST_HZ * HIGHEST_HZ + HIGHEST_HZ * HIGHEST_HZ) / 3.0;
     return rms_m / sqrt(3.0) * TWO_PI * sqrt(mean_square_Hz2);

@@ -1,13 +1,13 @@
-/* Physiological tremor of a hand: its component of 8 to 12 Hz (R. J. Elble, J. E. Randall, "Mechanistic components of
- * normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) as a sum of sines, so that
- * velocity and acceleration are smooth. tests/test_tremor.py compares its amplitude with recorded hands. */
+/* The 8 to 12 Hz component of the physiological tremor of a hand (R. J. Elble, J. E. Randall, "Mechanistic components
+ * of normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) modelled as a sum of sines, so
+ * that velocity and acceleration are smooth. tests/test_tremor.py compares its amplitude with recorded hands. */
 #ifndef COMANIP_SIM_TREMOR_H
 #define COMANIP_SIM_TREMOR_H
 
 #include <stdint.h>
 
 #define TREMOR_SINES 6    /* per axis */
-#define TREMOR_RISE_S 0.5 /* rise from zero: the hand starts at rest at its start pose */
+#define TREMOR_RISE_S 0.5 /* duration of the rise from zero; the hand starts at rest in its start pose */
 
 typedef struct {
     double amplitude_m; /* amplitude of each sine */
@@ -15,10 +15,10 @@ typedef struct {
     double phase_rad[3][TREMOR_SINES];
 } tremor_t;
 
-/* rms_m: displacement, all axes combined. The same seed and name give the same tremor. */
+/* rms_m: RMS displacement, all axes combined. The same seed and name give the same tremor. */
 void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name);
 
-/* RMS speed [m/s] along one axis, averaged over all tremors of this amplitude. */
+/* Returns the RMS speed [m/s] along one axis, averaged over all tremors of this amplitude. */
 double tremor_speed_mps(double rms_m);
 
 void tremor_sample(const tremor_t *self, double time_s, double displacement_m[3]);
