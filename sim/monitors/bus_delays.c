@@ -3,7 +3,7 @@
 #include <math.h>
 
 #define MS_PER_US 1e-3
-#define LONGEST_US 8000 /* two ticks of classic CAN; a longer time means that the command was lost */
+#define LONGEST_US 8000 /* two ticks of classic CAN; a longer delay means that the command was lost */
 
 void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t tracker_us) {
     self->poses++;
@@ -20,7 +20,7 @@ void bus_delays_command(bus_delays_t *self, uint32_t end_us) {
     self->command_end_us = end_us;
 }
 
-/* The trace of a tick follows its command. */
+/* Called after bus_delays_command() of the same tick, because the TickTrace is sent after the JointCmd. */
 void bus_delays_trace(bus_delays_t *self, const tick_trace_t *trace) {
     const uint32_t delay_us = self->command_end_us - trace->now_us;
     if (self->has_command && delay_us <= LONGEST_US) {

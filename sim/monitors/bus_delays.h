@@ -1,4 +1,4 @@
-/* Measures the delays of frames on the bus: the age of a hand pose and the time that a command takes. */
+/* Measures the delays of frames on the bus: how old a hand pose is when it arrives, and how long a command takes. */
 #ifndef COMANIP_SIM_BUS_DELAYS_H
 #define COMANIP_SIM_BUS_DELAYS_H
 
@@ -9,10 +9,10 @@
 
 typedef struct {
     uint64_t poses, commands;
-    double pose_age_us; /* sum: from the stamp of a HandPose to its end on the bus */
-    double command_us;  /* sum: from the firmware's tick to the end of its JointCmd */
+    double pose_age_us; /* sum of the times from the stamp of a HandPose to its end on the bus */
+    double command_us;  /* sum of the times from the firmware's tick to the end of its JointCmd */
     bool has_latency;
-    double reported_latency_us; /* from TrackerStatus: from a time stamp to the frame */
+    double reported_latency_us; /* reported in TrackerStatus: time from a stamp to its frame */
     bool has_command;
     uint32_t command_end_us;
 } bus_delays_t;
@@ -21,13 +21,13 @@ typedef struct {
 void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t tracker_us);
 void bus_delays_tracker(bus_delays_t *self, const tracker_status_t *status);
 
-/* Times are those of the firmware's clock. */
+/* All times are on the firmware's clock. */
 void bus_delays_command(bus_delays_t *self, uint32_t end_us);
 void bus_delays_trace(bus_delays_t *self, const tick_trace_t *trace);
 
-/* Means [ms]; NaN without data. */
+/* Return the latency that the tracker reports or a mean delay, in ms; NaN without data. */
 double bus_delays_tracker_ms(const bus_delays_t *self);
-double bus_delays_pose_ms(const bus_delays_t *self); /* bus only, without the reported latency */
+double bus_delays_pose_ms(const bus_delays_t *self); /* delay on the bus, without the reported latency */
 double bus_delays_command_ms(const bus_delays_t *self);
 
 #endif

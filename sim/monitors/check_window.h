@@ -1,5 +1,5 @@
-/* The time window in which a scenario's check is measured, rounded to the nearest ticks. Its limits are times of the
- * run, or relative to the first occurrence of an event. */
+/* The time window in which a scenario's check is measured, rounded to the nearest ticks. Each limit is a time of the
+ * run or relative to the first occurrence of an event. */
 #ifndef COMANIP_SIM_CHECK_WINDOW_H
 #define COMANIP_SIM_CHECK_WINDOW_H
 
@@ -13,23 +13,26 @@
 
 typedef struct {
     bool has_started;       /* the arm has cooperated */
-    bool is_open;           /* the begin has been reached */
+    bool is_open;           /* the start has been reached */
     bool is_closed;         /* the end has been reached, if the check names one */
-    uint64_t ticks;         /* in the window so far */
-    double first_s, last_s; /* of these ticks */
+    uint64_t ticks;         /* ticks in the window so far */
+    double first_s, last_s; /* times of the first and the last of these ticks */
 } check_window_t;
 
-/* Returns true if the window contains this tick. Called once per tick, in order. events: at the end of the tick.
+/* Returns true if the window contains this tick. Called once per tick, in order. events: as they are at the end of the
+ * tick.
  *
- * Without `from`, a window begins with the first tick in cooperation. Without `until`, it covers the ticks in
- * cooperation and in hold, which end with the operator's stop. Measures of the whole run cover the whole run. */
+ * Without `from`, a window begins with the first tick in cooperation. Without `until`, it covers only ticks in
+ * cooperation or hold, so it ends when the operator stops the arm. If the measure is one of the whole run, a missing
+ * limit is the start or the end of the run. */
 bool check_window_contains(check_window_t *self, const scenario_check_t *check, double t_s, control_mode_t mode,
                            const events_t *events);
 
-/* True if every limit that the check names has been reached. */
+/* Returns true if every limit that the check names has been reached. */
 bool check_window_is_whole(const check_window_t *self, const scenario_check_t *check);
 
-/* Returns the index of the missing event that a limit of the window refers to; EVENT_NONE if there is none. */
+/* Returns the index of an event that a limit of the window refers to but that has not happened; EVENT_NONE if there is
+ * none. */
 int check_window_missing_event(const check_window_t *self, const scenario_check_t *check, const events_t *events);
 
 #endif

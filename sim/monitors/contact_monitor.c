@@ -18,7 +18,7 @@ static void keep_least(least_clearance_t *self, double clearance_m, int pair, do
 static void add_force(held_force_t *self, double force_N) {
     self->ticks++;
     self->square_N2 += force_N * force_N;
-    self->peak_N = isnan(force_N) ? force_N : force_N > self->peak_N ? force_N : self->peak_N; /* NaN is kept */
+    self->peak_N = isnan(force_N) ? force_N : force_N > self->peak_N ? force_N : self->peak_N; /* keeps NaN */
 }
 
 void contact_monitor_sample(contact_monitor_t *self, const tick_record_t *tick, const physical_state_t *state) {

@@ -1,5 +1,5 @@
-/* Records over the whole run the smallest clearances, and the forces at the people's hands and in the gripper while
- * they hold an object. */
+/* Records, over the whole run, the smallest clearances and the forces at the people's hands and in the gripper while
+ * these hold an object. */
 #ifndef COMANIP_SIM_CONTACT_MONITOR_H
 #define COMANIP_SIM_CONTACT_MONITOR_H
 
@@ -11,11 +11,11 @@
 typedef struct {
     double least_m; /* smallest clearance; infinite: never measured */
     int pair;       /* for proximity_pair_name(); -1: none */
-    double t_s;     /* first time of this clearance */
+    double t_s;     /* time at which it was first measured */
 } least_clearance_t;
 
 typedef struct {
-    uint64_t ticks; /* in which an object was held */
+    uint64_t ticks; /* ticks in which an object was held */
     double square_N2;
     double peak_N;
 } held_force_t;
@@ -29,7 +29,7 @@ typedef struct {
 void contact_monitor_init(contact_monitor_t *self);
 void contact_monitor_sample(contact_monitor_t *self, const tick_record_t *tick, const physical_state_t *state);
 
-/* NaN if nothing was ever held. */
+/* Return the RMS and the peak force; NaN if nothing was ever held. */
 double held_force_rms_N(const held_force_t *self);
 double held_force_peak_N(const held_force_t *self);
 

@@ -5,7 +5,7 @@
 
 #include "../common/solve_3x3.h"
 
-#define DAMPING_PER_SAMPLE 1e-4 /* per sample: k is fitted only if the hand rotates by more than about 0.01 rad */
+#define DAMPING_PER_SAMPLE 1e-4 /* per sample; keeps k small unless the hand rotates by more than about 0.01 rad */
 
 static void add_follower(delay_sums_t *sums, size_t follower, const double at_m[3], const delay_hand_t *hand) {
     double fitted_m[3];
@@ -35,8 +35,8 @@ void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], con
     }
 }
 
-/* Minimum of the sum of |rest - R k - b|^2 over k and b. Eliminating b = mean(rest - R k) leaves three equations for
- * k. */
+/* Returns the minimum over k and b of the sum of |fitted - R k - b|^2. Eliminating b = mean(fitted - R k) leaves three
+ * equations for k. */
 static double residual_m2(const delay_fit_t *self, const delay_sums_t *sums, size_t follower) {
     const double count = (double)self->samples;
     const double *fitted_m = sums->follower[follower].fitted_m;
@@ -80,7 +80,7 @@ double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower) {
     if (best == 0 || best == DELAY_COUNT - 1) {
         return (double)NAN;
     }
-    /* between delays of the grid: the minimum of the parabola through three points */
+    /* interpolates between the delays of the grid: the minimum of the parabola through three points */
     const double before = self->residual_m2[best - 1][follower], at = self->residual_m2[best][follower];
     const double after = self->residual_m2[best + 1][follower];
     const double bend = before - 2.0 * at + after;

@@ -1,10 +1,10 @@
-/* Estimates by how much target and end effector lag behind the person's hand: the delay with the smallest least-squares
- * residual.
+/* Estimates by how much the target and the end effector lag behind the person's hand, as the delay with the smallest
+ * least-squares residual.
  *
  * Between two commands of the operator, Algorithm 1 maps the hand's position h and rotation R to the target s h + R k +
  * b (mirrored: minus twice the forward displacement along the target's z axis), with constants k and b that follow from
- * the start poses and the task. For each delay d of a grid, follower(t) - s h(t - d) is therefore fitted by R(t - d) k
- * + b. The residual, summed over all intervals between commands, is smallest at the true delay. The constants need not
+ * the start poses and the task. For each delay d of a grid, R(t - d) k + b is therefore fitted to follower(t) - s h(t -
+ * d). The residual, summed over all intervals between commands, is smallest at the true delay. The constants need not
  * be known, and the fit is independent of the firmware's arithmetic. */
 #ifndef COMANIP_SIM_DELAY_FIT_H
 #define COMANIP_SIM_DELAY_FIT_H
@@ -13,27 +13,27 @@
 #include <stdint.h>
 
 #define DELAY_STEP_TICKS 2
-#define DELAY_FIRST_TICKS (-20) /* a follower may lead */
-#define DELAY_COUNT 161         /* up to 300 ms */
+#define DELAY_FIRST_TICKS (-20) /* negative, because a follower may be ahead of the hand */
+#define DELAY_COUNT 161         /* delays of up to 300 ms */
 #define DELAY_LAST_TICKS (DELAY_FIRST_TICKS + (DELAY_COUNT - 1) * DELAY_STEP_TICKS)
 
 typedef enum { DELAY_OF_TARGET, DELAY_OF_ROBOT, DELAY_FOLLOWERS } delay_follower_t;
 
-/* The contribution of the hand to the target at one instant. */
+/* The hand's contribution to the target at one instant. */
 typedef struct {
     double scaled_hand_m[3]; /* s h, mirrored if the task mirrors */
     double turn[3][3];       /* R */
 } delay_hand_t;
 
 typedef struct {
-    double turn[3][3]; /* sums over the interval: R, the fitted vectors, these rotated by R^T, their squares */
+    double turn[3][3]; /* sums over the interval: R, the fitted vectors, the same rotated by R^T, and their squares */
     struct {
         double fitted_m[3], rotated_m[3], square_m2;
     } follower[DELAY_FOLLOWERS];
 } delay_sums_t;
 
 typedef struct {
-    uint64_t samples; /* of the current interval */
+    uint64_t samples; /* samples in the current interval */
     delay_sums_t sums[DELAY_COUNT];
     double residual_m2[DELAY_COUNT][DELAY_FOLLOWERS]; /* residuals of all earlier intervals */
 } delay_fit_t;
@@ -41,11 +41,11 @@ typedef struct {
 /* Adds a sample. follower_m: positions at t; hand[n]: the hand at t - (DELAY_FIRST_TICKS + n DELAY_STEP_TICKS). */
 void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], const delay_hand_t *hand[DELAY_COUNT]);
 
-/* Ends an interval after a command of the operator, which changes the constants. */
+/* Ends the current interval, because a command of the operator has changed the constants. */
 void delay_fit_end_stretch(delay_fit_t *self);
 
-/* Returns the delay [ms], after delay_fit_end_stretch(); NaN if it is at a limit of the grid or there are no
- * samples. */
+/* Returns the delay [ms]; NaN if it is at a limit of the grid or there are no samples. Call delay_fit_end_stretch()
+ * first. */
 double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower);
 
 #endif

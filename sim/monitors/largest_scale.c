@@ -6,9 +6,9 @@
 
 #include "reach.h"
 
-#define DISPLACEMENT_MIN_M REACH_TOLERANCE_M /* displacement of the target between samples */
+#define DISPLACEMENT_MIN_M REACH_TOLERANCE_M /* smallest displacement of the target between two samples */
 #define FIRST_CAPACITY 1024
-#define ROUNDING 1e-6 /* of a float32 parameter, so that 0.29f counts as 0.29 */
+#define ROUNDING 1e-6 /* relative rounding error of a float32 parameter; makes 0.29f count as 0.29 */
 
 void largest_scale_init(largest_scale_t *self) {
     memset(self, 0, sizeof *self);
@@ -95,7 +95,8 @@ static bool is_reached(reach_t *reach, const scaled_target_t *target, double rat
 }
 
 /* A candidate is rejected only if some target is out of reach, and accepted only if a whole pass over the targets finds
- * none. So no valid scale is skipped, even if a target leaves the workspace and enters it again as the scale falls. */
+ * none out of reach. No valid scale is therefore skipped, even if a target leaves the workspace and re-enters it as the
+ * scale decreases. */
 double largest_scale(const largest_scale_t *self, double scale, double minimum) {
     reach_t reach;
     reach_init(&reach);

@@ -1,7 +1,7 @@
 /* Finds the largest motion scale at which the arm could have reached every target while a recording was played. The
- * target's displacement since the begin of the recording is assumed to be proportional to the scale, and its start
+ * target's displacement since the start of the recording is assumed to be proportional to the scale, and its start
  * position to be independent of it. This is exact for `teleop`. If a task has a lever between the hands, rotations of
- * the wrist add a displacement that does not scale. */
+ * the wrist add a displacement that does not depend on the scale. */
 #ifndef COMANIP_SIM_LARGEST_SCALE_H
 #define COMANIP_SIM_LARGEST_SCALE_H
 
@@ -11,29 +11,29 @@
 #include "observer.h"
 
 typedef struct {
-    double target_m[3];       /* at the current scale, in torso axes */
-    double displacement_m[3]; /* displacement since the begin of the recording */
+    double target_m[3];       /* target at the current scale, in torso axes */
+    double displacement_m[3]; /* displacement since the start of the recording */
 } scaled_target_t;
 
 typedef struct {
     bool has_reference;
-    double reference_m[3]; /* the target at the begin of the recording */
+    double reference_m[3]; /* the target at the start of the recording */
     scaled_target_t *target;
     size_t count, capacity;
-    bool out_of_memory; /* the later targets are missing */
+    bool out_of_memory; /* later targets are missing */
 } largest_scale_t;
 
 void largest_scale_init(largest_scale_t *self);
 void largest_scale_free(largest_scale_t *self);
 
-/* Adds a finished tick during which the recording is played. */
+/* Adds a finished tick in which the recording was played. */
 void largest_scale_sample(largest_scale_t *self, const tick_record_t *tick);
 
-/* Called in ticks in which the recording is not played. */
+/* Must be called in every tick in which the recording is not played. */
 void largest_scale_pause(largest_scale_t *self);
 
-/* Returns the largest number with two significant digits, at most `scale` (the current one, above 0) and at least
- * `minimum`, at which all targets are in reach; 0 if there is none, no target was sampled, or memory ran out. */
+/* Returns the largest scale with two significant digits, from `minimum` to `scale` (the current scale, above 0), at
+ * which all targets are in reach. Returns 0 if there is none, if no target was sampled, or if memory ran out. */
 double largest_scale(const largest_scale_t *self, double scale, double minimum);
 
 #endif

@@ -15,8 +15,8 @@ static latency_tick_t *past(latency_t *self, uint64_t tick) {
     return &self->past[tick % LATENCY_PAST_TICKS];
 }
 
-/* The z axis of a mirrored target is the one that the firmware reports: the displacement along it is short, and the
- * axis rotates slowly. */
+/* Adds the hand's contribution to the target. If the task mirrors, uses the z axis of the target that the firmware last
+ * reported. Its delay does not matter, because the displacement along the axis is short and the axis rotates slowly. */
 static void add_hand(latency_t *self, latency_tick_t *now, const tick_record_t *tick, const rigid_pose_t *hand,
                      const double gain[3]) {
     const double scale = gain[1];
@@ -39,7 +39,8 @@ static void add_hand(latency_t *self, latency_tick_t *now, const tick_record_t *
     now->counts = false;
 }
 
-/* A target is reported some ticks after its own time. */
+/* Adds the target and the end effector to the record of the target's own tick, because a target is reported some ticks
+ * later. */
 static void add_followers(latency_t *self, const tick_record_t *tick, bool followable) {
     if (!tick->has_target || tick->target_ns == self->target_ns) {
         return;
@@ -58,8 +59,8 @@ static bool moves(latency_t *self, uint64_t tick) {
     return moved_m > LATENCY_MOVES_MPS * LATENCY_MEAN_TICKS * TICK_S;
 }
 
-/* Uses a tick -DELAY_FIRST_TICKS ago, because a follower may lead. All hand poses that it is compared with belong to
- * the same interval. */
+/* Adds the tick of -DELAY_FIRST_TICKS ago, because a follower may be ahead of the hand. Skips it unless all hand poses
+ * that it is compared with belong to the current interval. */
 static void add_sample(latency_t *self) {
     const uint64_t tick = self->ticks - EARLY_TICKS;
     if (self->ticks < self->stretch_from + DELAY_LAST_TICKS + EARLY_TICKS ||

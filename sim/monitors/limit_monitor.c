@@ -28,19 +28,19 @@ void limit_monitor_undecodable(limit_monitor_t *self, int64_t end_ns) {
     }
 }
 
-/* Number of ticks since the last command. The jitter of frames is less than half a tick. */
+/* Returns the number of ticks since the last command, rounded, because frames jitter by less than half a tick. */
 static double ticks_since_last(const limit_monitor_t *self, int64_t end_ns) {
     const double ticks = nearbyint((double)(end_ns - self->last_ns) / TICK_NS);
     return ticks < 1.0 ? 1.0 : ticks;
 }
 
-/* Time from the middle of the last interval to the middle of this one. Their mean accelerations differ by at most the
- * jerk times this time. */
+/* Returns the time from the middle of the last interval to the middle of this one. The mean accelerations of the two
+ * intervals differ by at most the jerk limit times this time. */
 static double centre_distance_s(const limit_monitor_t *self, double interval_s) {
     return 0.5 * (interval_s + self->last_interval_s);
 }
 
-/* The lowest speed to which the joint can have braked. */
+/* Returns the lowest speed to which the joint can have braked since the last command. */
 static double slowest_radps(const limit_monitor_t *self, int joint, double acceleration_max_radps2, double interval_s) {
     const double last_radps = self->last_velocity_radps[joint];
     const double growth_radps2 = copysign(1.0, last_radps) * self->last_acceleration_radps2[joint];
@@ -63,7 +63,7 @@ static void check_joint(limit_monitor_t *self, const joint_cmd_t *command, int64
     const double position_rad = (double)command->position_rad[joint];
     const double velocity_radps = (double)command->velocity_radps[joint];
     const double minimum_rad = robot_model_position_min_rad(joint), maximum_rad = robot_model_position_max_rad(joint);
-    /* Negated comparisons, so that NaN is a violation. */
+    /* The comparisons are negated, so that NaN counts as a violation. */
     if (!(position_rad >= minimum_rad - POSITION_TOLERANCE_RAD)) {
         count_violation(self, end_ns, joint, "position [rad]", position_rad, minimum_rad);
     }
@@ -78,7 +78,8 @@ static void check_joint(limit_monitor_t *self, const joint_cmd_t *command, int64
     if (command->mode[joint] != DRIVE_MODE_BRAKE && command->mode[joint] != DRIVE_MODE_VELOCITY) {
         count_violation(self, end_ns, joint, "mode", (double)command->mode[joint], (double)DRIVE_MODE_VELOCITY);
     }
-    /* A brake is a velocity of 0: braking a moving joint is checked against the acceleration limit as well. */
+    /* Brake mode counts as a velocity of 0, so braking a moving joint is checked against the acceleration limit as
+     * well. */
     const double commanded_radps = command->mode[joint] == DRIVE_MODE_BRAKE ? 0.0 : velocity_radps;
     const double acceleration_radps2 = (commanded_radps - self->last_velocity_radps[joint]) / interval_s;
     const double step_radps = fabs(commanded_radps - self->last_velocity_radps[joint]);

@@ -6,21 +6,21 @@
 
 #include "../scenario/scenario.h"
 
-/* For example "mm"; "" for a count. */
+/* Returns the unit, for example "mm"; "" for a count. */
 const char *measure_unit(measure_t measure);
 
-/* True if the measure needs the target, which only TickTrace carries. */
+/* Returns true if the measure needs the target, which only TickTrace carries. */
 bool measure_needs_target(measure_t measure);
 
-/* True if the measure compares the end effector with its pose at the begin of the window. A clutch in between
- * invalidates it. */
+/* Returns true if the measure compares the end effector with its pose at the start of the window. A clutch within the
+ * window invalidates such a measure. */
 bool measure_compares_with_begin(measure_t measure);
 
-/* True if the measure applies to the built-in motion only, not to a recording. */
+/* Returns true if the measure applies only to the built-in motion, not to a recording. */
 bool measure_is_of_built_in_motion(measure_t measure);
 
-/* True for measures of objects and water, which may also fall before the start command or after the stop. Their window
- * is the whole run unless the check names another. */
+/* Returns true for measures of objects and water, because these may also fall before the start command or after the
+ * stop. Their window is the whole run unless the check names another. */
 bool measure_is_of_whole_run(measure_t measure);
 
 #endif

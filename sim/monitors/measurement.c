@@ -14,7 +14,7 @@ static double tilt_deg(const rigid_pose_t *pose, const double axis[3]) {
     return atan2(hypot(tilted[0], tilted[1]), tilted[2]) / ROBOT_RAD_PER_DEG;
 }
 
-/* Tilt of the end effector's axis that pointed up at the start. */
+/* Returns the tilt of that axis of the end effector that pointed up at the start. */
 static double hand_tilt_deg(const rigid_pose_t *start, const rigid_pose_t *now) {
     const double up[3] = {0.0, 0.0, 1.0};
     const double from_torso[4] = {start->rotation[0], -start->rotation[1], -start->rotation[2], -start->rotation[3]};
@@ -48,7 +48,7 @@ static void keep_last(measurement_t *self, double value) {
     self->ticks++;
 }
 
-/* NaN is kept, so that diverged physics fails its check; fmax() would hide it. */
+/* Keeps NaN, so that the check fails if the physics diverges; fmax() would hide it. */
 static void keep_largest(measurement_t *self, double value) {
     if (self->ticks == 0 || (!isnan(self->value) && !(value <= self->value))) {
         self->value = value;
@@ -88,8 +88,8 @@ static void add_following(measurement_t *self, const tick_record_t *tick) {
     self->square_orientation_deg2 += orientation_deg * orientation_deg;
 }
 
-/* Distance of the end effector from the position that follows from the person's displacement since the begin of the
- * window. */
+/* Returns the distance of the end effector from the position to which the person's displacement since the start of the
+ * window should have moved it. */
 static double relation_error_mm(const measurement_t *self, const rigid_pose_t *person,
                                 const measurement_input_t *input) {
     double person_m[3];
@@ -99,7 +99,7 @@ static double relation_error_mm(const measurement_t *self, const rigid_pose_t *p
     return displacement_error_mm(&self->begin_hand, &input->tick->hand, person_m, input->motion_scale);
 }
 
-/* Takes the mean, so that neither lag nor noise affects the result. */
+/* Averages the error vector, so that neither lag nor noise affects the result. */
 static void add_aim(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input) {
     const double *robot_m = input->tick->hand.position_m, *person_m = input->state->hand[check->person].position_m;
     double square = 0.0;

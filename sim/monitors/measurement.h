@@ -1,4 +1,4 @@
-/* Accumulates the measurement of one check over the ticks of its window. Definitions: scenario_monitor.h. */
+/* Accumulates the measurement of one check over the ticks of its window. scenario_monitor.h describes the measures. */
 #ifndef COMANIP_SIM_MEASUREMENT_H
 #define COMANIP_SIM_MEASUREMENT_H
 
@@ -9,14 +9,14 @@
 
 typedef struct {
     check_window_t window;
-    uint64_t ticks;                        /* of the window with a measured value */
-    rigid_pose_t begin_hand, begin_person; /* end effector and person's hand at the begin */
+    uint64_t ticks;                        /* ticks of the window that have a measured value */
+    rigid_pose_t begin_hand, begin_person; /* end effector and person's hand at the start */
     int begin_left_cup;
     double begin_turns;
-    double value;                   /* largest, smallest or last value, or sum, so far */
+    double value;                   /* largest, smallest or last value so far, or the sum */
     double square;                  /* sum of squares */
-    double off_m[3];                /* sum of vectors: MEASURE_AIM */
-    double square_orientation_deg2; /* MEASURE_FOLLOWING_RMS: residual orientation error */
+    double off_m[3];                /* MEASURE_AIM: sum of the error vectors */
+    double square_orientation_deg2; /* MEASURE_FOLLOWING_RMS: sum of squares of the orientation error */
 } measurement_t;
 
 /* Input of one tick. */
@@ -25,24 +25,25 @@ typedef struct {
     const physical_state_t *state;
     const events_t *events;
     double motion_scale;
-    const rigid_pose_t *start; /* end effector at the first tick in cooperation; NULL: not yet */
-    int particles;             /* of water */
+    const rigid_pose_t *start; /* end effector at the first tick in cooperation; NULL: there was none yet */
+    int particles;             /* number of water particles */
     int newly_left_cup;
     bool is_moving[SCENARIO_MAX_PEOPLE];
-    int lost[SCENARIO_MAX_OBJECTS];    /* how often it slipped out of a hand or gripper in this tick */
-    int dropped[SCENARIO_MAX_OBJECTS]; /* how often it was dropped in this tick */
+    int lost[SCENARIO_MAX_OBJECTS];    /* how often each object slipped out of a hand or gripper in this tick */
+    int dropped[SCENARIO_MAX_OBJECTS]; /* how often each object was dropped in this tick */
 } measurement_input_t;
 
-/* Called in each tick, inside the window or not. */
+/* Must be called in every tick, inside the window or not. */
 void measurement_sample(measurement_t *self, const scenario_check_t *check, const measurement_input_t *input);
 
-/* True if the window of the check was complete and had measured values. */
+/* Returns true if the window was complete and enough of its ticks have a measured value. */
 bool measurement_is_valid(const measurement_t *self, const scenario_check_t *check);
 
-/* Only meaningful if measurement_is_valid(). */
+/* Returns the measured value, which is meaningful only if measurement_is_valid(). */
 double measurement_value(const measurement_t *self, const scenario_check_t *check);
 
-/* RMS angle between end effector and target, which MEASURE_FOLLOWING_RMS does not check; NaN for other measures. */
+/* Returns the RMS angle between end effector and target, which MEASURE_FOLLOWING_RMS does not check; NaN for other
+ * measures. */
 double measurement_orientation_rest_deg(const measurement_t *self, const scenario_check_t *check);
 
 #endif

@@ -40,7 +40,7 @@ static void on_trace(observer_t *self, const can_frame_t *frame) {
         return;
     }
     self->tick.target_ns = self->tick.time_ns - (int64_t)age_ticks * US_PER_TICK * 1000;
-    /* A target may only be compared with the end effector at the target's time. */
+    /* The target must be compared with the end effector at the target's own time. */
     self->tick.hand_at_target = self->past_hand[(self->ticks - age_ticks) % OBSERVER_PAST_TICKS];
     self->target_ticks_left = self->target_ticks;
     const quaternion_t r = quaternion_normalise(trace.target.rotation);

@@ -1,6 +1,7 @@
 /* A listener on the bus that records modes, parameters and one record per tick. It is the monitors' only source of data
- * about the firmware. It shares code with the firmware: checking and unpacking of frames (can_transport.h), and numbers
- * and defaults of the parameters. The tests decode the same logs without it. */
+ * about the firmware. It shares some code with the firmware: the checking and unpacking of frames (can_transport.h), the
+ * numbers and defaults of the parameters, and the normalisation of a quaternion. The tests decode the same logs without
+ * this code. */
 #ifndef COMANIP_SIM_OBSERVER_H
 #define COMANIP_SIM_OBSERVER_H
 
@@ -25,8 +26,9 @@ typedef struct {
 
 #define OBSERVER_PAST_TICKS 8
 
-/* One tick of 1 ms: pose of the end effector, the firmware's target and its command. On classic CAN the firmware
- * computes a target every 4 ms and the bus carries it some ms later; the target is kept until the next one. */
+/* One tick of 1 ms: the pose of the end effector, and the firmware's target and command. On classic CAN the firmware
+ * computes a target every 4 ms, and it arrives over the bus some ms later; each target is kept until the next one
+ * arrives. */
 typedef struct {
     int64_t time_ns;
     rigid_pose_t hand; /* end effector in ODE */
@@ -37,18 +39,18 @@ typedef struct {
     rigid_pose_t hand_at_target; /* end effector in ODE at target_ns; on CAN FD equal to `hand` */
     bool has_command;
     joint_cmd_t command;
-    double measured_rad[ROBOT_JOINTS]; /* reported by the drives */
+    double measured_rad[ROBOT_JOINTS]; /* as reported by the drives */
 } tick_record_t;
 
 typedef struct {
     const bus_t *bus;
     transport_receiver_t receiver;
     tick_record_t tick;
-    rigid_pose_t past_hand[OBSERVER_PAST_TICKS]; /* ring buffer, by tick number */
+    rigid_pose_t past_hand[OBSERVER_PAST_TICKS]; /* ring buffer, indexed by tick number */
     uint64_t ticks;
     uint32_t target_ticks; /* number of ticks for which a target is valid */
     uint32_t target_ticks_left;
-    double defined_blend_s, blend_s; /* of the last TaskDefine; of the task selected last */
+    double defined_blend_s, blend_s; /* blend time of the last TaskDefine; of the task selected last */
     int64_t settled_ns; /* end of the blend of the last accepted command; until then the target moves by itself */
     float parameter[PARAMETER_COUNT]; /* current values; defaults until a ParameterValue arrives */
     mode_change_t *modes;

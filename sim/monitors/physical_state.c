@@ -10,7 +10,7 @@ static void list_contents(physical_state_t *self, const scenario_t *scenario) {
     self->second = scenario->person_count > 1 ? (int)(1 - scenario->tracked) : PHYSICAL_STATE_NONE;
     self->traced_object = PHYSICAL_STATE_NONE;
     self->crank = PHYSICAL_STATE_NONE;
-    for (size_t i = scenario->object_count; i-- > 0;) { /* backwards, so that the first one counts */
+    for (size_t i = scenario->object_count; i-- > 0;) { /* backwards, so that the first match wins */
         self->traced_object = scenario->object[i].kind != OBJECT_STAND ? (int)i : self->traced_object;
         self->crank = scenario->object[i].kind == OBJECT_CRANK ? (int)i : self->crank;
     }

@@ -1,4 +1,4 @@
-/* A snapshot of the physical scene at one instant, with all data for monitors and trace. */
+/* A snapshot of the physical scene at one instant, with all data that the monitors and the trace need. */
 #ifndef COMANIP_SIM_PHYSICAL_STATE_H
 #define COMANIP_SIM_PHYSICAL_STATE_H
 
@@ -22,7 +22,7 @@ typedef struct {
 
     /* Changes during a run. */
     rigid_pose_t hand[SCENARIO_MAX_PEOPLE];
-    double hand_force_N[SCENARIO_MAX_PEOPLE][3]; /* from the held object, over the last step */
+    double hand_force_N[SCENARIO_MAX_PEOPLE][3]; /* exerted by the held object, over the last step */
     rigid_pose_t object[SCENARIO_MAX_OBJECTS];
     double crank_turns[SCENARIO_MAX_OBJECTS];                  /* 0 for other objects */
     bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS]; /* [person or SCENE_HOLDER_ROBOT][object] */
@@ -35,10 +35,10 @@ typedef struct {
 void physical_state_read(physical_state_t *self, const scenario_t *scenario, const scene_t *scene,
                          const measured_clearance_t *clearance);
 
-/* Magnitude [N] of the force at this person's hand. */
+/* Returns the magnitude [N] of the force at this person's hand. */
 double physical_state_force_N(const physical_state_t *self, size_t person);
 
-/* True if the holder, a person or SCENE_HOLDER_ROBOT, holds an object. */
+/* Returns true if the holder, a person or SCENE_HOLDER_ROBOT, holds an object. */
 bool physical_state_holds_any(const physical_state_t *self, size_t holder);
 
 #endif

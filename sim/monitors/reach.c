@@ -12,7 +12,7 @@
 #define DAMPING_MAX 1e3
 #define STEP_MIN_RAD 1e-6
 #define GRID_STARTS 8
-#define FAR_RESERVE 0.1 /* margin for the error of a search far out of reach, relative to its distance */
+#define FAR_RESERVE 0.1 /* margin for the error of a search far out of reach, as a share of the distance found */
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];
@@ -24,7 +24,7 @@ static double limit(double value, double minimum, double maximum) {
     return value < minimum ? minimum : value > maximum ? maximum : value;
 }
 
-/* Sets error and distance of a posture, and jacobian unless it is NULL. */
+/* Computes the error and the distance of a posture, and also its Jacobian unless `jacobian` is NULL. */
 static void evaluate(candidate_t *self, const double target_m[3], double jacobian[ROBOT_JOINTS][3]) {
     double hand_m[3], square = 0.0;
     position_jacobian(self->position_rad, hand_m, jacobian);
@@ -35,7 +35,7 @@ static void evaluate(candidate_t *self, const double target_m[3], double jacobia
     self->distance_m = sqrt(square);
 }
 
-/* A joint at a limit whose gradient points beyond the limit is excluded from the step. */
+/* Excludes from the step each joint that is at a limit and whose gradient points beyond it. */
 static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOINTS][3], bool is_free[ROBOT_JOINTS]) {
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const double pull =
@@ -46,7 +46,7 @@ static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOIN
 }
 
 /* Makes the damped Gauss-Newton step J^T (J J^T + damping I)^-1 e of the free joints, projected onto the limits.
- * Returns its largest component. */
+ * Returns the step's largest component. */
 static double step(const candidate_t *from, double jacobian[ROBOT_JOINTS][3], const bool is_free[ROBOT_JOINTS],
                    double damping, candidate_t *to) {
     double x[3], largest_rad = 0.0;
@@ -60,7 +60,7 @@ static double step(const candidate_t *from, double jacobian[ROBOT_JOINTS][3], co
     return largest_rad;
 }
 
-/* Levenberg-Marquardt from one posture. */
+/* Runs the Levenberg-Marquardt method from one posture. */
 static candidate_t descend(const double start_rad[ROBOT_JOINTS], const double target_m[3]) {
     candidate_t best;
     double jacobian[ROBOT_JOINTS][3];
@@ -110,7 +110,7 @@ void reach_init(reach_t *self) {
     grid_posture(REACH_POSTURES / 2, self->position_rad);
 }
 
-/* The GRID_STARTS postures of the grid that come closest to the target, closest first. */
+/* Finds the GRID_STARTS postures of the grid that come closest to the target, closest first. */
 static void nearest_postures(const reach_t *self, const double target_m[3], size_t nearest[GRID_STARTS]) {
     double square[GRID_STARTS];
     size_t count = 0;

@@ -7,31 +7,30 @@
 
 #include "../robot/robot_model.h"
 
-#define REACH_TOLERANCE_M                                                                                              \
-    0.001 /* a position is in reach if some posture within the limits is this close                         \
-           */
+/* A position is in reach if some posture within the limits is this close. */
+#define REACH_TOLERANCE_M 0.001
 
 #define REACH_GRID 6 /* angles per joint, including the joint limits */
 #define REACH_POSTURES (REACH_GRID * REACH_GRID * REACH_GRID * REACH_GRID)
 
 typedef struct {
-    double hand_m[REACH_POSTURES][3];  /* of a grid of postures; a search starts at those near the target */
-    double position_rad[ROBOT_JOINTS]; /* best posture for the last target, start of the next search */
+    double hand_m[REACH_POSTURES][3];  /* end effector at each posture of a grid; searches start near the target */
+    double position_rad[ROBOT_JOINTS]; /* best posture for the last target, from which the next search starts */
     bool searched;
-    double target_m[3]; /* of the last search */
+    double target_m[3]; /* target of the last search */
     double distance_m;  /* result of the last search */
 } reach_t;
 
 void reach_init(reach_t *self);
 
 /* Returns the smallest distance [m] found between the end effector and target_m over all postures within the joint
- * limits, with free orientation. Damped Gauss-Newton with projection onto the limits starts from the last solution,
- * from measured_rad and, if these fail, from the closest postures of a grid. It ends as soon as the distance is below
- * REACH_TOLERANCE_M / 10. */
+ * limits, with free orientation. The search is a damped Gauss-Newton method with projection onto the limits. It starts
+ * from the last solution and, if that fails, from measured_rad and then from the closest postures of a grid. Each
+ * descent ends as soon as the distance is below REACH_TOLERANCE_M / 10. */
 double reach_distance_m(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]);
 
-/* Returns true if this distance is within REACH_TOLERANCE_M. Searches only if the last result does not decide it: if
- * the target moves by s metres, the smallest distance changes by at most s. */
+/* Returns true if that distance is at most REACH_TOLERANCE_M. Searches only if the last result does not already decide
+ * this: if the target moves by s metres, the smallest distance changes by at most s. */
 bool reach_contains(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]);
 
 #endif

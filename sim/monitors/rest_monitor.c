@@ -20,9 +20,9 @@ static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
            rotation_angle_between(hand->rotation, anchor->rotation) > REST_HAND_RAD;
 }
 
-/* If the mean of the block is away from the anchor, the hand is still from the begin of this block at the earliest, and
- * the mean becomes the new anchor. While the hand may still be arriving, the anchor follows it: tremor alone could
- * leave an anchor that was set on the way. */
+/* If the mean of the block is away from the anchor, the hand has moved: it has been still since the start of this block
+ * at the earliest, and the mean becomes the new anchor. While the hand may still be arriving, the anchor follows it,
+ * because tremor alone could carry the hand away from an anchor that was set on the way. */
 static void end_block(rest_monitor_t *self) {
     rigid_pose_t mean = self->block;
     for (int k = 0; k < 3; k++) {
@@ -77,14 +77,14 @@ static void end_phase(rest_monitor_t *self) {
     self->phase_s = 0.0;
 }
 
-/* Ends the time in which the hand should be still. */
+/* Ends the period in which the hand is commanded to be still. */
 static void end_commanded_rest(rest_monitor_t *self, int64_t now_ns) {
     const bool moved_to_the_end = (double)(now_ns - self->hand_ns) * 1e-9 < REST_UNSTILL_S;
     self->disturbed = self->disturbed || (now_ns - self->commanded_ns >= PHASE_NS && moved_to_the_end);
     end_phase(self);
 }
 
-/* True if nothing that would move the target has changed since the last tick. */
+/* Returns true if nothing that would move the target has changed since the last tick. */
 static bool is_rest_commanded(const rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                               const rigid_pose_t *aim, int64_t settled_ns) {
     return tick->mode == MODE_COOPERATING && self->mode == MODE_COOPERATING && settled_ns == self->settled_ns &&

@@ -1,10 +1,10 @@
 /* Checks whether the arm comes to rest when the person's hand does.
  *
- * A still phase is a part of the cooperation in which nothing moves the target: the person's desired hand pose is
- * constant, the hand in ODE stays there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), neither hand nor gripper
- * grips or releases an object, and the blend of the last command has ended. In each phase of at least REST_PHASE_S, the
- * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. This leaves 1.5 s to
- * arrive, and an oscillation of 0.5 Hz or more shows its full speed within one second. */
+ * A still phase is a period of cooperation in which nothing moves the target: the person's desired hand pose is
+ * constant, the hand in ODE stays there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), no hand or gripper grips
+ * or releases an object, and the blend of the last command has ended. In each phase of at least REST_PHASE_S, the
+ * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. This leaves the arm at
+ * least 1.5 s to come to rest, and an oscillation of 0.5 Hz or more reaches its full speed within one second. */
 #ifndef COMANIP_SIM_REST_MONITOR_H
 #define COMANIP_SIM_REST_MONITOR_H
 
@@ -16,35 +16,35 @@
 
 #define REST_PHASE_S 2.5
 #define REST_WINDOW_TICKS 1000
-#define REST_HAND_M 0.002 /* in 2.5 s: causes joint speeds of at most about 6 mrad/s */
+#define REST_HAND_M 0.002 /* over 2.5 s, this causes joint speeds of at most about 6 mrad/s */
 #define REST_HAND_RAD (0.5 * ROBOT_RAD_PER_DEG)
-#define REST_BLOCK_TICKS 100 /* averaging time of the hand: about one period of tremor */
+#define REST_BLOCK_TICKS 100 /* averaging time of the hand, about one period of tremor */
 #define REST_UNSTILL_S 1.0   /* a hand that moved within this time before the end of the phase was disturbed */
 
 typedef struct {
-    int64_t commanded_ns; /* since when person and operator command no motion */
-    int64_t hand_ns;      /* since when the hand in ODE has been still */
+    int64_t commanded_ns; /* time since which person and operator have commanded no motion */
+    int64_t hand_ns;      /* time since which the hand in ODE has been still */
     control_mode_t mode;
     int64_t settled_ns;
     rigid_pose_t aim;
     bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS];
     rigid_pose_t anchor; /* pose at which the hand became still */
-    rigid_pose_t block;  /* sum of block_ticks poses since the begin of the block */
+    rigid_pose_t block;  /* sum of block_ticks poses since the start of the block */
     int block_ticks;
-    int64_t block_ns;                     /* begin of the block */
+    int64_t block_ns;                     /* start of the block */
     float speed_radps[REST_WINDOW_TICKS]; /* ring buffer: fastest joint of each tick, 0: no command */
     uint64_t ticks;
     double phase_s;         /* duration of the current phase */
-    double longest_s;       /* of all phases, including the current one */
+    double longest_s;       /* longest of all phases, including the current one */
     bool measured;          /* a phase was long enough */
     bool disturbed;         /* the person held still for REST_PHASE_S, but the hand moved until the end */
-    double speed_radps_max; /* of all measured phases */
+    double speed_radps_max; /* largest of all measured phases */
 } rest_monitor_t;
 
 void rest_monitor_init(rest_monitor_t *self);
 
-/* Adds a finished tick and the scene at its begin. aim: desired hand pose of the tracked person; settled_ns: from the
- * observer. */
+/* Adds a finished tick and the scene at its start. aim: desired hand pose of the tracked person. settled_ns: as in
+ * observer_t. */
 void rest_monitor_sample(rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                          const rigid_pose_t *aim, int64_t settled_ns);
 

@@ -1,11 +1,12 @@
-/* Computes how fast the joints move, without any fault, while a hand with tremor rests and a noisy tracker measures it.
+/* Computes how fast the joints move, without any fault, while a hand with tremor is at rest and a noisy tracker
+ * measures it.
  *
  * The value is computed, not measured, so that the controller cannot influence its own limit, and because a run may
- * have no phase to measure it in. In the scenario's start posture the end effector follows the full speed of the
- * tremor. It follows the noise of each sample at 35/s, the rate of the default controller, or, with prediction, at a
- * quarter of it, because the estimate filters the rest. (Following at a rate K turns noise of s metres into a speed of
- * K s.) The pseudo-inverse of the position Jacobian gives the fastest joint. Rotation noise moves a joint by the same
- * angle. */
+ * have no phase to measure it in. In the scenario's start posture, the end effector is assumed to follow the tremor at
+ * its full speed. It follows the noise of each sample at a rate of 35/s, that of the default controller, or at a
+ * quarter of it with prediction, because the estimate filters out the rest. (Following at a rate K turns noise of s
+ * metres into a speed of K s.) The speed of the fastest joint follows from the pseudo-inverse of the position Jacobian.
+ * Rotation noise is assumed to move a joint by the same angle. */
 #ifndef COMANIP_SIM_REST_NOISE_H
 #define COMANIP_SIM_REST_NOISE_H
 
@@ -15,7 +16,7 @@
 #include "../scenario/scenario.h"
 
 /* Returns the RMS speed [rad/s] of the fastest joint; 0 without noise and tremor. motion_scale, predicts: current
- * parameters. */
+ * values of the parameters. */
 double rest_noise_radps(const scenario_t *scenario, const tracker_options_t *tracker, double motion_scale,
                         bool predicts);
 

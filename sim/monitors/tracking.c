@@ -7,7 +7,7 @@
 
 #define POSITION_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* a joint this close to its limit counts as at its limit */
 #define SETTLE_NS ((int64_t)(TRACKING_SETTLE_S * 1e9))
-#define LIMIT_SHARE 0.9 /* share of a speed limit that counts as the limit */
+#define LIMIT_SHARE 0.9 /* a joint above this share of a speed limit counts as at the limit */
 
 void tracking_init(tracking_t *self) {
     memset(self, 0, sizeof *self);
@@ -22,10 +22,10 @@ double tracking_distance_mm(const tick_record_t *tick) {
     return 1e3 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-/* True if some joint cannot follow any controller: it is at its position limit, at its speed limit, or so fast that
- * within its acceleration limit it could not stop in TRACKING_STOP_S. Speeds are averaged, because the tracker's noise
- * alone causes single fast ticks while the hand rests. Parameters of the controller are not used, so that it cannot
- * influence its own evaluation. */
+/* Returns true if some joint could not follow under any controller, because it is at its position limit, at its speed
+ * limit, or too fast to stop within TRACKING_STOP_S at its acceleration limit. Speeds are averaged, because the
+ * tracker's noise alone causes single fast ticks while the hand rests. The controller's own parameters are not used, so
+ * that it cannot influence its evaluation. */
 static bool is_limited(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
     const double speed_max_radps = fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS,
                                         (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2] * TRACKING_STOP_S);
@@ -48,8 +48,8 @@ static void add(tracking_sums_t *sums, tracking_error_t error) {
     sums->max_orientation_deg = fmax(sums->max_orientation_deg, error.orientation_deg);
 }
 
-/* With a fast hand the error grows some ticks before a joint is seen at its limit, so errors are counted with a
- * delay. */
+/* If the hand is fast, the error already grows some ticks before a joint reaches its limit. Errors are therefore
+ * counted with a delay, and discarded if a joint reaches its limit in the meantime. */
 static void add_followable(tracking_t *self, tracking_error_t error) {
     if (self->pending_count == TRACKING_LOOK_AHEAD) {
         add(&self->followable, self->pending[self->pending_first]);

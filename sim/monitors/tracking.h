@@ -1,13 +1,13 @@
-/* Measures how well the end effector in ODE follows the target of Algorithm 1: statistics over the ticks in
- * cooperation, with both poses at the same instant, and over the part that the arm could follow. */
+/* Measures how well the end effector in ODE follows the target of Algorithm 1: statistics over all ticks in cooperation
+ * and over those in which the arm could follow. Both poses are taken at the same instant. */
 #ifndef COMANIP_SIM_TRACKING_H
 #define COMANIP_SIM_TRACKING_H
 
 #include "observer.h"
 #include "reach.h"
 
-#define TRACKING_SETTLE_S 0.2   /* the arm cannot follow for this time after a limit, */
-#define TRACKING_LOOK_AHEAD 50  /* and for this many ticks before it */
+#define TRACKING_SETTLE_S 0.2   /* time after a joint was at a limit that does not count as followable */
+#define TRACKING_LOOK_AHEAD 50  /* number of ticks before a limit that do not count as followable */
 #define TRACKING_MEAN_TICKS 20  /* averaging time of a joint's commanded speed */
 #define TRACKING_STOP_S 0.02    /* a joint that needs longer to stop cannot follow changes of the hand's motion */
 #define TRACKING_REACH_TICKS 10 /* period of the reach search */
@@ -30,13 +30,13 @@ typedef struct {
     bool in_reach;
     uint64_t out_of_reach_ticks;
     uint64_t cooperating_ticks;
-    uint64_t settled_ticks;                        /* of these, more than TRACKING_SETTLE_S after the target appeared */
+    uint64_t settled_ticks;                        /* ticks more than TRACKING_SETTLE_S after a target appeared */
     int64_t no_target_ns;                          /* last time without a target */
     int64_t limited_ns;                            /* last time at which a joint was at a limit */
-    double mean_velocity_radps[ROBOT_JOINTS];      /* commanded, over about TRACKING_MEAN_TICKS */
+    double mean_velocity_radps[ROBOT_JOINTS];      /* commanded, averaged over about TRACKING_MEAN_TICKS */
     tracking_sums_t all;                           /* every tick in cooperation */
-    tracking_sums_t followable;                    /* in reach and no joint at a limit shortly before or after */
-    tracking_error_t pending[TRACKING_LOOK_AHEAD]; /* ring buffer: counted as followable unless a limit follows */
+    tracking_sums_t followable;                    /* target in reach, no joint at a limit shortly before or after */
+    tracking_error_t pending[TRACKING_LOOK_AHEAD]; /* ring buffer: followable unless a limit follows */
     size_t pending_first, pending_count;
 } tracking_t;
 
@@ -45,7 +45,8 @@ void tracking_init(tracking_t *self);
 /* Adds a finished tick. parameter: current values (PARAMETER_COUNT). */
 void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]);
 
-/* True if, as far as known in this tick, the arm could follow: in reach, settled, and no joint recently at a limit. */
+/* Returns true if, as far as is known in this tick, the arm could follow: the target is in reach and settled, and no
+ * joint was recently at a limit. */
 bool tracking_is_followable(const tracking_t *self, const tick_record_t *tick);
 
 double tracking_rms_position_mm(const tracking_sums_t *sums);
