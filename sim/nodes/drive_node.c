@@ -11,7 +11,7 @@
 #define NS_PER_S 1e9
 
 typedef struct {
-    double commanded_radps; /* latched */
+    double commanded_radps; /* latched command */
     double servo_radps;     /* after the lag */
     double pulses[VELOCITY_WINDOW];
     drive_mode_t mode;
@@ -24,7 +24,7 @@ struct drive_node {
     arm_plant_t *plant;
     drive_t drive[ROBOT_JOINTS];
     int64_t sample_ns[VELOCITY_WINDOW];
-    int samples; /* number taken, up to VELOCITY_WINDOW */
+    int samples; /* number of samples taken, up to VELOCITY_WINDOW */
     int newest;
     bool enabled;   /* state of the enable line */
     bool commanded; /* a JointCmd has been received */
@@ -32,7 +32,8 @@ struct drive_node {
     int64_t command_ns;
 };
 
-/* Returns whole pulses. The manual's counting directions, + + - -, stay inside the drive; the bus carries radians. */
+/* Returns the reading in whole pulses. The manual's counting directions, + + - -, are internal to the drive; the bus
+ * carries radians. */
 static double encoder_pulses(const drive_node_t *self, int joint) {
     return nearbyint(arm_plant_position_rad(self->plant, joint) * PULSES_PER_RAD);
 }

@@ -2,10 +2,10 @@
  *
  * Each valid JointCmd acts as SYNC: all drives latch their command, sample their encoder and answer with one JointState
  * each. In velocity mode the commanded velocity passes a first-order lag (current and velocity loop), and the motor
- * follows it with limited torque. In brake mode the joint is held. Without a JointCmd within its timeout a drive brakes
- * and reports DRIVE_ERROR_COMMAND_TIMEOUT every tick until the next JointCmd. Before the first JointCmd the drives
- * brake, report no error and send nothing. While the enable line is off they brake, whatever is commanded, and report
- * no error. */
+ * follows it with limited torque. In brake mode the joint is held. If no JointCmd arrives within the timeout, a drive
+ * brakes and reports DRIVE_ERROR_COMMAND_TIMEOUT every tick until the next JointCmd. Before the first JointCmd the
+ * drives brake, report no error and send nothing. While the enable line is off they brake, whatever is commanded, and
+ * report no error. */
 #ifndef COMANIP_SIM_DRIVE_NODE_H
 #define COMANIP_SIM_DRIVE_NODE_H
 
@@ -24,16 +24,16 @@ typedef struct drive_node drive_node_t;
 drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant);
 void drive_node_destroy(drive_node_t *self);
 
-/* Sets the enable line. It is on initially, because a firmware on a real bus has no enable line here. */
+/* Sets the enable line. It is on initially, because firmware on a real bus cannot control it. */
 void drive_node_enable(drive_node_t *self, bool enabled);
 
 /* Sets the velocities of the plant's motors for the step that begins at now_ns. */
 void drive_node_step(drive_node_t *self, int64_t now_ns, double step_s);
 
-/* Current reading of the joint's encoder. */
+/* Returns the current reading of the joint's encoder. */
 double drive_node_encoder_rad(const drive_node_t *self, int joint);
 
-/* Number of JointCmd frames rejected so far. */
+/* Returns the number of JointCmd frames rejected so far. */
 uint32_t drive_node_rejected(const drive_node_t *self);
 
 #endif

@@ -16,7 +16,7 @@ void gripper_node_destroy(gripper_node_t *self);
 /* Queues the frames that are due in [from_ns, until_ns). */
 void gripper_node_step(gripper_node_t *self, int64_t from_ns, int64_t until_ns);
 
-/* Number of frames rejected so far. */
+/* Returns the number of frames rejected so far, including those with an unknown action. */
 uint32_t gripper_node_rejected(const gripper_node_t *self);
 
 #endif

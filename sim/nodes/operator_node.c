@@ -11,7 +11,7 @@
 
 #define TEXT_BYTES 160
 #define REFUSAL_BYTES 420  /* room for ten parameters with their values */
-#define NAMING_NS 10000000 /* the firmware reports the parameters that it rejects, one per tick: 4 ms on classic CAN */
+#define NAMING_NS 10000000 /* the firmware reports rejected parameters one per tick, which is 4 ms on classic CAN */
 #define CLOSING_STEPS 2
 #define LISTENS_TO                                                                                                     \
     (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) | ENDPOINT_KIND(FRAME_PARAMETER_VALUE) |  \
@@ -26,7 +26,7 @@ struct operator_node {
     int64_t ready_ns;   /* end of the previous step */
     bool stops;         /* the script has ended or was stopped */
     int send_count;     /* how often the current step's frame was sent */
-    int64_t due_ns;     /* when the current step became due; valid once `begun` */
+    int64_t due_ns;     /* when the current step became due; valid if `begun` */
     int64_t timeout_ns; /* when to send again */
     bool begun;
     uint8_t sequence;
@@ -105,7 +105,7 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* Adds a parameter that makes the set unstable to the refusal that has arrived. */
+/* If a refusal has arrived, appends to it a parameter that makes the parameter set unstable. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {
@@ -211,14 +211,14 @@ static void send_step(operator_node_t *self, int64_t ready_ns) {
         fail(self, ready_ns, "the value does not fit the frame");
         return;
     }
-    endpoint_send(&self->endpoint, &frame, ready_ns); /* a frame dropped by a full queue shows as a missing answer */
+    endpoint_send(&self->endpoint, &frame, ready_ns); /* if a full queue drops the frame, no answer arrives */
     self->send_count++;
     self->timeout_ns = ready_ns + ns_from_s(OPERATOR_ACK_TIMEOUT_S);
 }
 
 static void await_mode(operator_node_t *self, int64_t now_ns) {
     const operator_step_t *step = &self->steps[self->current];
-    /* Idle counts as stopped, too: without a tracker the firmware changes from ready to idle at once. */
+    /* Idle also counts as stopped, because without a tracker the firmware changes from ready to idle at once. */
     const bool is_stopped = self->current >= self->script_count && self->mode == MODE_IDLE;
     if (self->mode == step->mode || is_stopped) {
         finish_step(self, now_ns);
@@ -256,7 +256,7 @@ static bool is_due(const operator_node_t *self, size_t index, int64_t until_ns, 
     return *due_ns < until_ns;
 }
 
-/* Swaps a step that gives way with the next one if only that is due. */
+/* If the current step gives way and only the next one is due, swaps the two. */
 static void choose_step(operator_node_t *self, int64_t until_ns) {
     const size_t next = self->current + 1;
     int64_t due_ns;
@@ -268,7 +268,7 @@ static void choose_step(operator_node_t *self, int64_t until_ns) {
     }
 }
 
-/* Returns true if the current step has begun. */
+/* Begins the current step if it is due. Returns true if it has begun. */
 static bool begin_step(operator_node_t *self, int64_t from_ns, int64_t until_ns) {
     choose_step(self, until_ns);
     int64_t due_ns;

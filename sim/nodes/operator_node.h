@@ -1,6 +1,7 @@
-/* The operator as a node on the bus: executes a script of steps, each at its time or after events. Every command,
- * parameter write and gripper command must be acknowledged. A frame without an answer is sent again; a refusal, or no
- * answer after all retries, fails the run with a reason. At the end the operator stops the arm in any case. */
+/* The operator as a node on the bus: executes a script of steps, each at a given time or after events. Every command,
+ * parameter write and gripper command must be acknowledged. A frame that is not answered is sent again. If a frame is
+ * refused, or is still unanswered after all retries, the run fails with a reason. At the end, the operator stops the
+ * arm in any case. */
 #ifndef COMANIP_SIM_OPERATOR_NODE_H
 #define COMANIP_SIM_OPERATOR_NODE_H
 
@@ -27,14 +28,14 @@ typedef enum {
 typedef struct {
     operator_action_t action;
     step_start_t start;  /* a step also waits for the end of the previous one */
-    bool in_cooperation; /* not before the arm cooperates */
-    bool gives_way;      /* to the next step if that is due first */
+    bool in_cooperation; /* the step waits until the arm cooperates */
+    bool gives_way;      /* if the next step is due first, it goes first */
     int done_event;      /* raised when the step is acknowledged; EVENT_NONE: none */
     uint8_t parameter;   /* OPERATOR_WRITE_PARAMETER */
     float value;
     command_t command; /* OPERATOR_COMMAND; OPERATOR_DEFINE_TASK: COMMAND_DEFINE, as in its CommandAck */
     task_id_t task;
-    task_define_t define;  /* OPERATOR_DEFINE_TASK; the node sets its sequence */
+    task_define_t define;  /* OPERATOR_DEFINE_TASK; the node sets its sequence number */
     bool close;            /* OPERATOR_MOVE_GRIPPER */
     control_mode_t mode;   /* OPERATOR_AWAIT_MODE */
     double mode_timeout_s; /* timeout of the wait for `mode` */
@@ -53,19 +54,20 @@ void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns
  * first; steps that have not begun are skipped. */
 void operator_node_stop(operator_node_t *self);
 
-/* True if all steps of the script are done or skipped. */
+/* Returns true if all steps of the script are done or skipped. */
 bool operator_node_script_done(const operator_node_t *self);
 
-/* Describes the current step: "operator waits for person.holds", "operator is done", or the step by its name. */
+/* Describes the current step, for example "operator waits for person.holds", "operator is at command start" or
+ * "operator is done". */
 void operator_node_describe(const operator_node_t *self, char text[], size_t size);
 
-/* True if the closing stop is done, too. */
+/* Returns true if the script and the closing stop are done. */
 bool operator_node_finished(const operator_node_t *self);
 
-/* True if the active task mirrors the person's motion along the torso's x axis. A latch ends the mirroring. */
+/* Returns true if the active task mirrors the person's motion along the torso's x axis. A latch ends the mirroring. */
 bool operator_node_mirrors(const operator_node_t *self);
 
-/* Returns NULL, or one line that names the command, its time and what went wrong. */
+/* Returns NULL if nothing failed, otherwise one line that names the command, its time and what went wrong. */
 const char *operator_node_failure(const operator_node_t *self);
 
 #endif

@@ -1,4 +1,4 @@
-/* The steps of the operator in a run: the scenario's script with the overrides of the command line. */
+/* The operator's steps in a run: the scenario's script with the overrides of the command line. */
 #ifndef COMANIP_SIM_OPERATOR_SCRIPT_H
 #define COMANIP_SIM_OPERATOR_SCRIPT_H
 
@@ -9,16 +9,16 @@
 #include "../scenario/scenario.h"
 #include "operator_node.h"
 
-#define OPERATOR_SCRIPT_CLUTCH_MIN_S 1.0 /* earliest clutch: the cooperation has begun by then */
+#define OPERATOR_SCRIPT_CLUTCH_MIN_S 1.0 /* earliest time of a clutch; the cooperation has begun by then */
 #define OPERATOR_SCRIPT_MAX_STEPS (PARAMETER_COUNT + SCENARIO_MAX_STEPS + 3)
 
-/* Changes of the scenario's script by the command line. */
+/* Changes that the command line makes to the scenario's script. */
 typedef struct {
     bool parameter_written[PARAMETER_COUNT]; /* written first, instead of the scenario's value */
     float parameter_value[PARAMETER_COUNT];
-    bool defines_task; /* instead of the scenario's first task */
+    bool defines_task; /* `task` replaces the scenario's first task */
     task_define_t task;
-    double clutch_s; /* 0: no clutch; else its time, or later, when the arm cooperates */
+    double clutch_s; /* 0: no clutch; otherwise its time, but not before the arm cooperates */
 } operator_overrides_t;
 
 /* Fills `steps` (OPERATOR_SCRIPT_MAX_STEPS) and returns their number: parameters, the wait for mode ready, and the

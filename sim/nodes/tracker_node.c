@@ -33,7 +33,7 @@ void tracker_options_set_defaults(tracker_options_t *options) {
         .noise_position_m = 0.00005,
         .noise_rotation_rad = 0.02 * 3.14159265358979324 / 180.0,
         .mount_translation_m = {0.3, 1.5, 0.2},
-        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z into the scene; equation (9) undoes it */
+        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z points into the scene; (9) undoes it */
         .seed = 1,
     };
 }
@@ -108,7 +108,7 @@ static void add_noise(tracker_node_t *self, rigid_pose_t *pose) {
     rotation_multiply(pose->rotation, turn, pose->rotation);
 }
 
-/* Gives the pose of the marker in the tracker frame. Returns false if the tracker does not see it. */
+/* Measures the pose of the marker in the tracker frame. Returns false if the tracker does not see it. */
 static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker) {
     const double time_s = (double)time_ns * 1e-9;
     const double since_gap_s = time_s - self->options.gap_start_s;
@@ -122,7 +122,7 @@ static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker)
     return has_pose && !in_gap && !dropped;
 }
 
-/* False for NaN. */
+/* Returns true if the frame can carry the position; false for NaN. */
 static bool is_in_range(const tracker_node_t *self, const hand_pose_t *pose) {
     return fabsf(pose->position_m.x) <= self->range_m && fabsf(pose->position_m.y) <= self->range_m &&
            fabsf(pose->position_m.z) <= self->range_m;
@@ -176,7 +176,7 @@ static void send_status(tracker_node_t *self, int64_t ready_ns) {
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns) {
     const int64_t status_period_ns =
         (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_TRACKER_STATUS) * 1000000;
-    for (;;) { /* in order of time, so that the counters of a status do not depend on the step length */
+    for (;;) { /* in chronological order, so that the counters of a status do not depend on the step length */
         const int64_t measured_ns = llround((double)self->next_sample * 1e9 / self->options.rate_hz);
         const int64_t pose_ns = measured_ns + self->latency_ns;
         const int64_t status_ns = (int64_t)self->next_status * status_period_ns;

@@ -1,4 +1,4 @@
-/* The motion tracker as a node on the bus: measures the actual hand, sends HandPose and TrackerStatus. */
+/* The motion tracker as a node on the bus: measures the actual hand and sends HandPose and TrackerStatus. */
 #ifndef COMANIP_SIM_TRACKER_NODE_H
 #define COMANIP_SIM_TRACKER_NODE_H
 
@@ -11,28 +11,29 @@
 
 /* Times are simulation times unless stated otherwise. */
 typedef struct {
-    double rate_hz;                     /* of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
+    double rate_hz;                     /* rate of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
     double latency_s;                   /* from the measurement to the frame, 0..0.5; reported in TrackerStatus */
     double noise_position_m;            /* standard deviation per axis */
     double noise_rotation_rad;          /* standard deviation per axis of the rotation vector */
     double mount_translation_m[3];      /* q_E^T: pose of the tracker in the torso frame */
     double mount_rotation[4];           /* unit quaternion w x y z */
-    double dropout_probability;         /* that a sample is lost, 0..1 */
+    double dropout_probability;         /* probability that a sample is lost, 0..1 */
     double gap_start_s, gap_duration_s; /* samples measured in this interval are lost; duration 0: none */
-    uint32_t clock_start_us;            /* of the tracker's own clock; near 2^32 it wraps during the run */
+    uint32_t clock_start_us;            /* start of the tracker's own clock; if near 2^32, it wraps during the run */
     uint64_t seed;
 } tracker_options_t;
 
 typedef struct {
-    uint64_t samples;      /* sent */
+    uint64_t samples;      /* samples sent */
     uint64_t lost;         /* of these, sent as invalid */
-    uint64_t range_errors; /* of these, measurements out of the range of the frame */
-    double longest_gap_s;  /* longest time without a valid sample, also before the first and after the last */
+    uint64_t range_errors; /* of these, measurements out of the frame's range */
+    double longest_gap_s;  /* longest time without a valid sample, including before the first and after the last */
 } tracker_statistics_t;
 
 typedef struct tracker_node tracker_node_t;
 
-/* 250 Hz, 4 ms, noise 0.05 mm and 0.02 degrees, mounted on the robot's left as in (9), no dropouts. */
+/* Sets the defaults: 250 Hz, 4 ms latency, noise of 0.05 mm and 0.02 degrees, mounted on the robot's left as in (9), no
+ * dropouts. */
 void tracker_options_set_defaults(tracker_options_t *options);
 
 /* Returns false if an option is out of the ranges above; `error` then holds one line that names it, its value and
@@ -43,8 +44,8 @@ bool tracker_options_check(const tracker_options_t *options, char error[], size_
 tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, const tracker_options_t *options);
 void tracker_node_destroy(tracker_node_t *self);
 
-/* Queues the frames that are due in [from_ns, until_ns): HandPose at its measurement plus the latency, TrackerStatus in
- * its own period. Frames that were due before from_ns are skipped. The history must reach up to from_ns. */
+/* Queues the frames that are due in [from_ns, until_ns): each HandPose one latency after its measurement, TrackerStatus
+ * at its own period. Frames that were due before from_ns are skipped. The history must reach up to from_ns. */
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns);
 
 tracker_statistics_t tracker_node_statistics(const tracker_node_t *self);
