@@ -10,7 +10,7 @@ static const char usage[] =
     "comanip-sim: a human hand moves a simulated humanoid arm over a CAN bus, in virtual time\n"
     "\n"
     "usage: build/host/comanip-sim [options]\n"
-    "       make sim ARGS='[options]'   (make exits with 2 whatever failed: call the program for its exit status)\n"
+    "       make sim ARGS='[options]'   (make exits with 2 on any failure; call the program for its own status)\n"
     "\n"
     "what runs\n"
     "  --scenario NAME|FILE.yaml    pour (default), teleop, mirror, handover or crank, or the path of a file\n"
@@ -32,7 +32,7 @@ static const char usage[] =
     "  --rate HZ                    rate of poses on the bus, 15 to 1000 (default 250; classic CAN 125)\n"
     "  --noise-mm X, --noise-deg X  standard deviation per axis (default 0.05 and 0.02)\n"
     "  --latency-ms X               from the measurement to the frame (default 4)\n"
-    "  --mount-translation X,Y,Z    of the tracker seen from the torso [m] (default 0.3,1.5,0.2)\n"
+    "  --mount-translation X,Y,Z    position of the tracker seen from the torso [m] (default 0.3,1.5,0.2)\n"
     "  --mount-rotation W,X,Y,Z     its orientation (default 0.7071,0.7071,0,0: on the robot's left); set\n"
     "                               its inverse in the firmware:\n"
     "                               --param tracker_rotation_x_rad=..., _y_, _z_ (a rotation vector)\n"
@@ -57,7 +57,7 @@ static const char usage[] =
     "  build/host/comanip-sim --scenario mirror --paper-law\n"
     "  build/host/comanip-sim --define constant:0,0,0.1:1,0,0,0:1,0,0,0:1 --clutch 5\n"
     "\n"
-    "exit status: 0 all checks passed, 1 a check failed, 2 wrong use, 130 interrupted\n"
+    "exit status: 0 all checks passed, 1 a check failed, 2 usage error, 130 interrupted\n"
     "\n"
     "parameters (range, default)\n";
 
@@ -77,7 +77,7 @@ void help_print(void) {
         if (i == 0 || strcmp(p->group, parameters[i - 1].group) != 0) {
             (void)printf("  %s\n", p->group);
         }
-        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) { /* printed once for a vector */
+        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) { /* for a vector, printed once */
             (void)printf("    %s\n", p->meaning);
         }
         (void)printf("      %-32s %g to %g%s%s, %g\n", p->name, (double)p->minimum, (double)p->maximum,

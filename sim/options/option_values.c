@@ -8,11 +8,11 @@
 #define NUMBER_BYTES 64
 #define TASK_PARTS 5
 #define TASK_BYTES 256
-#define TASK_DISTANCE_MAX_M 8.388 /* 24 bits of um */
+#define TASK_DISTANCE_MAX_M 8.388 /* range of a 24-bit signed number of um */
 #define TASK_BLEND_MAX_S 65.535
-#define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
+#define UNIT_TOLERANCE 1e-3 /* largest deviation of a quaternion's norm from 1 */
 
-/* Decimal numbers only: strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
+/* Accepts decimal numbers only; strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
 static bool is_decimal(const char *text) {
     return text[0] != '\0' && strspn(text, "+-.0123456789eE") == strlen(text);
 }

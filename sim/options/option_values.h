@@ -1,4 +1,4 @@
-/* Parses values on the command line. The whole string must be valid, and numbers must be finite. */
+/* Parses values from the command line. The whole string must be valid, and numbers must be finite. */
 #ifndef COMANIP_SIM_OPTION_VALUES_H
 #define COMANIP_SIM_OPTION_VALUES_H
 

@@ -10,9 +10,9 @@
 #include "../../hal/linux/hub_path.h"
 #include "option_values.h"
 
-#define UNIT_TOLERANCE 1e-3 /* of a quaternion's norm */
+#define UNIT_TOLERANCE 1e-3 /* largest deviation of a quaternion's norm from 1 */
 #define MOUNT_MAX_M 1e3
-#define PAPER_GAIN_PER_S 4.0f /* the paper gives no value; its law has one gain for all */
+#define PAPER_GAIN_PER_S 4.0f /* the paper states no value; its law uses one gain for all components */
 
 enum {
     OPTION_SCENARIO = 256,
@@ -77,8 +77,8 @@ static const struct option option_table[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* Options with one number: the member of options_t that it sets and the factor from the option's unit to the
- * member's. */
+/* Options that take one number: the member of options_t that the option sets, and the factor from the option's unit to
+ * the member's unit. */
 static const struct {
     int option;
     size_t member;

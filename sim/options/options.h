@@ -16,7 +16,7 @@ typedef struct {
     const char *scenario;     /* name or path */
     const char *tracker_path; /* a recording for the tracked person; NULL: the scenario's built-in motion */
     const char *second_path;  /* a recording for the second person; NULL: the scenario's built-in motion */
-    const char *axes;         /* of both recordings; NULL: by the file name */
+    const char *axes;         /* axes of both recordings; NULL: chosen by the file name */
     const char *out;          /* NULL: out/SCENARIO */
     double duration_s;        /* 0: until all scripts have ended */
     uint64_t physics_step_us; /* 500, 1000 or 2000 */
