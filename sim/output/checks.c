@@ -10,9 +10,9 @@
 
 #define COOPERATION_MIN_S 0.1
 #define REST_RADPS 0.02 /* without noise: ten times the command that one encoder pulse causes with default gains */
-#define REST_NOISES 5.0 /* with noise: multiple of its RMS, which random peaks do not exceed */
-#define RECORDING_RMS_LIMIT_MM                                                                                         \
-    3.0 /* recorded wrists turn freely; what four joints cannot turn causes position errors */
+#define REST_NOISES 5.0 /* with noise: multiple of its RMS that random peaks do not exceed */
+/* Recorded wrists turn freely, and rotations that four joints cannot follow cause position errors. */
+#define RECORDING_RMS_LIMIT_MM 3.0
 
 static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
                     const char *unit) {
@@ -44,8 +44,8 @@ static double fault_modes(const observer_t *observer) {
     return count;
 }
 
-/* Number of frames rejected by any receiver: the firmware reports its own in FirmwareStatus, the others are read
- * directly. */
+/* Returns the number of frames rejected by any receiver. The firmware reports its count in FirmwareStatus; the other
+ * counts are read directly. */
 static double rejected_frames(const world_t *world) {
     return (double)world->observer.firmware_rejected + (double)world->observer.receiver.protocol.rejected +
            (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
@@ -70,7 +70,7 @@ static bool is_trace_off(const world_t *world) {
     return world->observer.parameter[PARAMETER_TRACE] <= 0.0f && !checks_tracking_measured(world);
 }
 
-/* True if --duration ended the run before all scripts were done. */
+/* Returns true if --duration ended the run before all scripts were done. */
 static bool is_cut_short(const world_t *world) {
     bool is_done = operator_node_script_done(world->operator);
     for (size_t i = 0; i < world->scenario->person_count; i++) {
@@ -95,8 +95,8 @@ __attribute__((format(printf, 2, 3))) static void set_rest_not_measured(checks_t
     va_end(arguments);
 }
 
-/* If the check cannot be measured, the reason is stored. It fails if the hand was moved while its person held it still:
- * otherwise an arm that swings and drags the hand along would excuse itself. */
+/* If the check cannot be measured, stores the reason. The check fails if the hand was moved while its person held it
+ * still; otherwise an arm that oscillates and drags the hand along would escape the check. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
@@ -112,11 +112,11 @@ static void add_rest(checks_t *self, const world_t *world) {
     } else if (rest->measured) {
         add(self, "comes_to_rest", rest->speed_radps_max, limit_radps, false, "rad/s");
     } else if (is_cut_short(world)) {
-        set_rest_not_measured(self, "it is after the end of the run");
+        set_rest_not_measured(self, "it lies beyond the end of the run");
     } else {
         set_rest_not_measured(self,
-                              "hand and task were still for %.2f s at most, needs %g s: end the program of %s with "
-                              "{do: rest, duration_s: 3}",
+                              "hand and task were still for at most %.2f s, and it needs %g s: end the program of %s "
+                              "with {do: rest, duration_s: 3}",
                               rest->longest_s, REST_PHASE_S, world->scenario->person[world->scenario->tracked].name);
     }
 }
@@ -178,7 +178,8 @@ static void add_tracking(checks_t *self, const world_t *world) {
 
 /* ---- checks of the scenario */
 
-/* A window without `until` ends with the scenario's scripts. */
+/* Returns true if the run ended before the window did. A window without `until` lasts until the scenario's scripts
+ * end. */
 static bool is_beyond_the_end(const world_t *world, const scenario_check_t *check, const check_window_t *window) {
     return is_cut_short(world) && !(check->has_until && check_window_is_whole(window, check));
 }

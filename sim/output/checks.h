@@ -9,34 +9,34 @@
 
 typedef struct {
     const char *name;
-    bool measured; /* false: there is no value, although the run should have given one, so it failed */
+    bool measured; /* false: the run should have produced a value but did not, so the check failed */
     double value;
     double limit;
     bool is_lower_bound; /* true: value must be at least the limit; false: at most */
     const char *unit;
     bool pass;
-    double orientation_rest_deg; /* RMS over the same ticks, not checked; NaN: none */
+    double orientation_rest_deg; /* RMS orientation error over the same ticks, not checked; NaN: none */
     const char *missing_event;   /* the event whose absence prevented the measurement; NULL: none */
 } check_t;
 
 typedef struct {
     check_t check[CHECKS_MAX];
     size_t count;
-    size_t left_out_by_end;       /* checks of the scenario after the end of a shortened run */
-    size_t left_out_by_clutch;    /* the operator took a new reference within their window */
-    size_t left_out_by_trace;     /* they need the target, but the trace is switched off */
-    size_t left_out_by_recording; /* they apply to the built-in motion only */
-    size_t left_out_by_define;    /* they apply to the scenario's task only */
-    char rest_not_measured[200];  /* why comes_to_rest was not measured; "": it was */
-    bool tracking_not_judged;     /* the arm could follow too little of a recording */
+    size_t left_out_by_end;       /* number left out: their window is beyond the end of a shortened run */
+    size_t left_out_by_clutch;    /* number left out: the operator took a new reference within their window */
+    size_t left_out_by_trace;     /* number left out: they need the target, but the trace is switched off */
+    size_t left_out_by_recording; /* number left out: they apply only to the built-in motion */
+    size_t left_out_by_define;    /* number left out: they apply only to the scenario's own task */
+    char rest_not_measured[200];  /* why comes_to_rest was not measured; "" if it was */
+    bool tracking_not_judged;     /* the arm could follow the target for too short a time */
     bool pass;                    /* all checks passed, and the run was completed */
-    char reason[1200];            /* of the result, one line (reason.h) */
+    char reason[1200];            /* reason for the result, in one line (reason.h) */
 } checks_t;
 
 /* Fills all members but `reason`. */
 void checks_evaluate(checks_t *self, const world_t *world);
 
-/* False without TickTrace frames, which alone carry the target. */
+/* Returns false if no TickTrace frame was received; only these carry the target. */
 bool checks_tracking_measured(const world_t *world);
 
 #endif

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Length in bytes of the well-formed UTF-8 sequence at `text` (RFC 3629); 0 if there is none. */
+/* Returns the length in bytes of the well-formed UTF-8 sequence at `text` (RFC 3629); 0 if there is none. */
 static int utf8_length(const unsigned char *text) {
     const unsigned char c = text[0];
     if (c < 0x80) {

@@ -1,4 +1,4 @@
-/* Writes JSON: commas, indentation and escapes. Keys and text are UTF-8; invalid bytes become U+FFFD. */
+/* Writes JSON with its commas, indentation and escapes. Keys and text are UTF-8; invalid bytes become U+FFFD. */
 #ifndef COMANIP_SIM_JSON_WRITER_H
 #define COMANIP_SIM_JSON_WRITER_H
 

@@ -31,7 +31,7 @@ static char *join(const char *folder, const char *name, const char *suffix) {
     return path;
 }
 
-/* Like mkdir -p. Modifies `path` temporarily. */
+/* Creates the folder and its parents, like mkdir -p. Modifies `path` temporarily. */
 static bool make_folders(char *path, char error[], size_t error_size) {
     for (char *end = path + 1;; end++) {
         if (*end != '/' && *end != '\0') {
@@ -69,7 +69,8 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
     return true;
 }
 
-/* The lock ends with the process in any case. On a file system without locks there is none. */
+/* Locks the folder against other runs. The lock ends with the process in any case. On a file system without locks, the
+ * folder is used unlocked. */
 static bool lock_folder(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     self->lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (self->lock >= 0 && flock(self->lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -84,7 +85,7 @@ static bool ends_with(const char *name, const char *end) {
     return length >= end_length && strcmp(name + length - end_length, end) == 0;
 }
 
-/* Removes plots of a former run and leaves all other files. */
+/* Removes the plots of an earlier run and leaves all other files. */
 static bool remove_report(const char *folder, char error[], size_t error_size) {
     char *path = join(folder, "report", "");
     /* Symbolic links are not followed, because their target does not belong to this run. */
@@ -128,7 +129,7 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
             return fail(error, error_size, folder, "not enough memory");
         }
     }
-    /* All checks come before any file of a former run is removed. */
+    /* Check everything before removing any file of an earlier run. */
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         if (!try_file(self->path[i], self->partial_path[i], error, error_size)) {
             return false;

@@ -14,8 +14,8 @@ typedef struct {
     int lock;                         /* the open folder, locked against other runs; -1: none */
 } output_folder_t;
 
-/* Creates the folder and its parents, locks it, and removes the files of a former run and its plots (*.png in report/).
- * Returns false on failure, also if another run uses the folder, with one line in `error`. */
+/* Creates the folder and its parents, locks it, and removes the files and plots (*.png in report/) of an earlier run.
+ * Returns false, with one line in `error`, on failure or if another run uses the folder. */
 bool output_folder_open(output_folder_t *self, const char *folder, char error[], size_t error_size);
 
 /* Renames the files to their final names. */

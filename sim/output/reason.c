@@ -102,7 +102,8 @@ static void append_holds(checks_t *checks, const world_t *world) {
     }
 }
 
-/* Recordings often go out of reach, because a person's arm is longer than this robot's. */
+/* Reports how long the target was out of reach. Recordings often leave the robot's reach, because a person's arm is
+ * longer than this robot's. */
 static void append_reach(checks_t *checks, const world_t *world) {
     const uint64_t out = world->tracking.out_of_reach_ticks, all = world->tracking.all.ticks;
     if (out == 0) {

@@ -1,4 +1,4 @@
-/* Writes one line that says why a run passed or failed, with what the list of checks does not show. */
+/* Writes one line that says why a run passed or failed, including what the list of checks does not show. */
 #ifndef COMANIP_SIM_REASON_H
 #define COMANIP_SIM_REASON_H
 

@@ -14,7 +14,7 @@
 
 #define PROGRESS_TERMINAL_TICKS 500
 #define LATENCY_TEXT_BYTES 120
-#define PROGRESS_LINES 4 /* without a terminal */
+#define PROGRESS_LINES 4 /* number of lines per run without a terminal */
 
 static double simulated_s(const world_t *world) {
     return (double)world->now_ns * 1e-9;
@@ -49,7 +49,8 @@ static void write_tracking(json_writer_t *json, const world_t *world) {
     json_end(json, '}');
 }
 
-/* Writes how long hand and task were still, the joint speed at the end of that time, and why it was not measured. */
+/* Writes how long hand and task were still, the joint speed at the end of that time, and, if the speed was not
+ * measured, the reason. */
 static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const char *not_measured) {
     json_begin(json, "rest", '{');
     json_number(json, "still_s", rest->longest_s);
@@ -83,7 +84,7 @@ static void list_latency(const latency_ms_t *latency, latency_row_t row[LATENCY_
     memcpy(row, rows, sizeof rows);
 }
 
-/* Gives the reason why the latency was not measured, "" if it was. */
+/* Fills `text` with the reason why the latency was not measured; "" if it was. */
 static void why_latency_not_measured(const world_t *world, char text[LATENCY_TEXT_BYTES]) {
     const latency_ms_t *latency = &world->latency_ms;
     text[0] = '\0';
@@ -190,7 +191,7 @@ static void write_checks(json_writer_t *json, const checks_t *checks) {
     json_end(json, ']');
 }
 
-/* Only for a run on a real bus. */
+/* Writes the timing of a run on a real bus. timing: NULL for a run in virtual time. */
 static void write_timing(json_writer_t *json, const live_bus_timing_t *timing) {
     if (timing == NULL) {
         return;
@@ -211,7 +212,7 @@ static void write_count(json_writer_t *json, const char *key, uint16_t count) {
     }
 }
 
-/* As the firmware's last PortStatus has it. */
+/* Writes the content of the firmware's last PortStatus. */
 static void write_port(json_writer_t *json, const observer_t *observer) {
     const port_status_t *port = &observer->port;
     if (!observer->has_port) {
@@ -363,7 +364,7 @@ void report_progress(const world_t *world) {
     const uint64_t total = (uint64_t)(world->end_ns / WORLD_TICK_NS);
     const size_t changes = world->observer.mode_count;
     const char *mode = changes > 0 ? mode_name((uint8_t)world->observer.modes[changes - 1].mode) : "boot";
-    const double longest_s = (double)world->end_ns * 1e-9; /* a run ends when all scripts are done */
+    const double longest_s = (double)world->end_ns * 1e-9; /* an upper limit: a run ends when its scripts do */
     if (is_terminal()) {
         if (world->ticks % PROGRESS_TERMINAL_TICKS == 0 || world->ticks == total) {
             (void)printf("\r%s %5.1f s of at most %.1f s  %-12s%s", world->scenario->name, simulated_s(world),

@@ -10,10 +10,11 @@ bool report_write_summary(const world_t *world, const checks_t *checks, double w
 
 void report_print_table(const world_t *world, const checks_t *checks, double wall_s);
 
-/* PASS or FAIL, in colour on a terminal unless NO_COLOR is set. */
+/* Returns PASS or FAIL, in colour on a terminal unless NO_COLOR is set. */
 const char *report_verdict(bool pass);
 
-/* Prints the progress: on a terminal one line that is overwritten, else a few lines per run. Called once per tick. */
+/* Prints the progress, on a terminal as one line that is overwritten, otherwise as a few lines per run. Called once per
+ * tick. */
 void report_progress(const world_t *world);
 
 /* Ends the progress line if the run ended early. */

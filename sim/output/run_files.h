@@ -12,15 +12,15 @@ typedef struct {
     trace_csv_t trace;
 } run_files_t;
 
-/* From now on the log records every frame of the world's bus. self must keep its address. Returns false on failure,
- * with one line in `error`. */
+/* Opens the files. From then on, the log records every frame of the world's bus. self must not be moved afterwards.
+ * Returns false on failure, with one line in `error`. */
 bool run_files_open(run_files_t *self, const world_t *world, const char *log_path, const char *trace_path, char error[],
                     size_t error_size);
 
 /* Adds the tick to the trace. Called after each tick. */
 void run_files_write_tick(run_files_t *self, const world_t *world);
 
-/* Returns false, with one line in `error`, if a file is incomplete. */
+/* Closes the files. Returns false, with one line in `error`, if one of them is incomplete. */
 bool run_files_close(run_files_t *self, const char *trace_path, char error[], size_t error_size);
 
 #endif

@@ -5,10 +5,10 @@
 #include "../world/world.h"
 #include "json_writer.h"
 
-/* "recording", "second_recording", "law". */
+/* Writes "recording", "second_recording" and "law". */
 void summary_write_setting(json_writer_t *json, const world_t *world);
 
-/* "people", "gripper", "clearance", "water", "events", "object", "cups". */
+/* Writes "people", "gripper", "clearance", "water", "events", "object" and "cups". */
 void summary_write_scene(json_writer_t *json, const world_t *world);
 
 #endif

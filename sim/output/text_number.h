@@ -2,8 +2,8 @@
 #ifndef COMANIP_SIM_TEXT_NUMBER_H
 #define COMANIP_SIM_TEXT_NUMBER_H
 
-/* Writes value, rounded to `decimals` (0..9) places, without terminator. Writes "nan" for NaN and for magnitudes from
- * 1e9 on. Returns the end of the text. */
+/* Writes value, rounded to `decimals` (0..9) places, without a terminating zero. Writes "nan" for NaN and for
+ * magnitudes of 1e9 or more. Returns the end of the text. */
 char *text_number_write(char *out, double value, int decimals);
 
 #endif

@@ -6,7 +6,7 @@
 #include "../common/names.h"
 #include "text_number.h"
 
-#define LINE_BYTES 2048 /* 64 cells of at most 20 characters, and more */
+#define LINE_BYTES 2048 /* more than enough for 64 cells of at most 20 characters */
 #define POSITION_DECIMALS 7
 #define ROTATION_DECIMALS 7
 #define POSE_CELLS 7

@@ -17,11 +17,11 @@ typedef struct {
 /* Returns false on failure, with one line in `error`. */
 bool trace_csv_open(trace_csv_t *self, const char *path, char error[], size_t error_size);
 
-/* tick and state belong to the same instant. Columns without a value are empty: no target or command in this tick; no
- * second person, object, water or crank in this scenario. */
+/* Writes one line. tick and state must belong to the same instant. Columns without a value stay empty, for example if
+ * the tick has no target or the scenario has no second person. */
 void trace_csv_write(trace_csv_t *self, const tick_record_t *tick, const physical_state_t *state);
 
-/* Returns false, with one line in `error`, if the file is incomplete. */
+/* Closes the file. Returns false, with one line in `error`, if it is incomplete. */
 bool trace_csv_close(trace_csv_t *self, const char *path, char error[], size_t error_size);
 
 #endif
