@@ -17,8 +17,8 @@ typedef struct {
     uint64_t lost;     /* frames not published since the connection was lost */
 } hub_publisher_t;
 
-/* Connects to the hub of this name, or starts one that ends with this program. Returns false on failure, with one line
- * in `error`. */
+/* Connects to the hub of this name, or starts a hub that ends with this program. Returns false on failure, with one
+ * line in `error`. */
 bool hub_publisher_open(hub_publisher_t *self, const char *bus, char error[], size_t error_size);
 
 /* Handler for bus_listen(). context: the hub_publisher_t. */

@@ -61,8 +61,8 @@ int64_t bus_epoch_ns(const bus_t *self) {
     return self->start_unix_ns / self->pace.slow;
 }
 
-/* Records how late the run is and, if it is too late, sets its clock back. Called before the tick that ends at
- * time_ns. */
+/* Records how late the run is, and sets its clock back if it is more than SET_BACK_NS late. Called before the tick that
+ * ends at time_ns. */
 static void note_lateness(bus_t *self, int64_t time_ns) {
     (void)pace_find_step(&self->pace);
     const int64_t late_ns = now_ns(self) - time_ns;
