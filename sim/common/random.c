@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define WARM_UP_ROUNDS 12 /* as when PractRand seeds it; they mix the words of the seed */
+#define WARM_UP_ROUNDS 12 /* the number used by PractRand; the rounds mix the words of the seed */
 
 void random_init(random_t *self, uint64_t seed, const char *stream) {
     uint64_t name_hash = 0xCBF29CE484222325U; /* FNV-1a */
