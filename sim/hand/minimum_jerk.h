@@ -1,5 +1,5 @@
-/* Motion profiles of the hand: minimum-jerk moves (T. Flash, N. Hogan, "The coordination of arm movements", Journal of
- * Neuroscience 5, 1985), and turns of a crank, which start and end just as smoothly. */
+/* Motion profiles of the hand, for minimum-jerk moves (T. Flash, N. Hogan, "The coordination of arm movements", Journal
+ * of Neuroscience 5, 1985), and for turns of a crank, which start and end just as smoothly. */
 #ifndef COMANIP_SIM_MINIMUM_JERK_H
 #define COMANIP_SIM_MINIMUM_JERK_H
 

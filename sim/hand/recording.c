@@ -14,7 +14,7 @@
 #define MAX_COLUMNS 13
 #define QUATERNION_COLUMNS 8
 
-static const char byte_order_mark[] = "\xEF\xBB\xBF"; /* in UTF-8 */
+static const char byte_order_mark[] = "\xEF\xBB\xBF"; /* encoded in UTF-8 */
 static const char quaternion_header[] = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 static const char matrix_header[] = "t_s,x_m,y_m,z_m,r11,r12,r13,r21,r22,r23,r31,r32,r33";
 

@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#define TREMOR_SINES 6    /* per axis */
+#define TREMOR_SINES 6    /* number of sines per axis */
 #define TREMOR_RISE_S 0.5 /* duration of the rise from zero; the hand starts at rest in its start pose */
 
 typedef struct {
