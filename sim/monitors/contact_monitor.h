@@ -10,7 +10,7 @@
 
 typedef struct {
     double least_m; /* smallest clearance; infinite: never measured */
-    int pair;       /* for proximity_pair_name(); -1: none */
+    int pair;       /* index for proximity_pair_name(); -1: none */
     double t_s;     /* time at which it was first measured */
 } least_clearance_t;
 

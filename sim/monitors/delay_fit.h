@@ -5,7 +5,7 @@
  * b (mirrored: minus twice the forward displacement along the target's z axis), with constants k and b that follow from
  * the start poses and the task. For each delay d of a grid, R(t - d) k + b is therefore fitted to follower(t) - s h(t -
  * d). The residual, summed over all intervals between commands, is smallest at the true delay. The constants need not
- * be known, and the fit is independent of the firmware's arithmetic. */
+ * be known, and the fit does not depend on the firmware's arithmetic. */
 #ifndef COMANIP_SIM_DELAY_FIT_H
 #define COMANIP_SIM_DELAY_FIT_H
 

@@ -10,7 +10,7 @@
 typedef struct {
     check_window_t window;
     uint64_t ticks;                        /* ticks of the window that have a measured value */
-    rigid_pose_t begin_hand, begin_person; /* end effector and person's hand at the start */
+    rigid_pose_t begin_hand, begin_person; /* end effector and person's hand at the window's start */
     int begin_left_cup;
     double begin_turns;
     double value;                   /* largest, smallest or last value so far, or the sum */

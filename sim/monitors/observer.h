@@ -59,7 +59,7 @@ typedef struct {
     uint8_t firmware_rejected_last; /* FirmwareStatus counts modulo 256 */
     uint64_t firmware_rejected;
     bool has_port;
-    port_status_t port; /* as last received */
+    port_status_t port; /* the PortStatus received last */
     limit_monitor_t limits;
     bus_delays_t delays;
     uint32_t tracker_clock_us; /* the tracker's clock at time 0 */

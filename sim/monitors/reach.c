@@ -16,7 +16,7 @@
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];
-    double error_m[3]; /* from the end effector to the target */
+    double error_m[3]; /* vector from the end effector to the target */
     double distance_m;
 } candidate_t;
 

@@ -32,7 +32,7 @@ typedef struct {
     rigid_pose_t block;  /* sum of block_ticks poses since the start of the block */
     int block_ticks;
     int64_t block_ns;                     /* start of the block */
-    float speed_radps[REST_WINDOW_TICKS]; /* ring buffer: fastest joint of each tick, 0: no command */
+    float speed_radps[REST_WINDOW_TICKS]; /* ring buffer: highest joint speed in each tick; 0: no command */
     uint64_t ticks;
     double phase_s;         /* duration of the current phase */
     double longest_s;       /* longest of all phases, including the current one */

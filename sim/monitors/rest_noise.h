@@ -1,12 +1,12 @@
 /* Computes how fast the joints move, without any fault, while a hand with tremor is at rest and a noisy tracker
  * measures it.
  *
- * The value is computed, not measured, so that the controller cannot influence its own limit, and because a run may
- * have no phase to measure it in. In the scenario's start posture, the end effector is assumed to follow the tremor at
- * its full speed. It follows the noise of each sample at a rate of 35/s, that of the default controller, or at a
- * quarter of it with prediction, because the estimate filters out the rest. (Following at a rate K turns noise of s
- * metres into a speed of K s.) The speed of the fastest joint follows from the pseudo-inverse of the position Jacobian.
- * Rotation noise is assumed to move a joint by the same angle. */
+ * The value is computed, not measured, because the controller must not influence its own limit and because a run may
+ * have no phase in which to measure it. In the scenario's start posture, the end effector is assumed to follow the
+ * tremor at its full speed. It follows the noise of each sample at a rate of 35/s, that of the default controller, or
+ * at a quarter of it with prediction, because the estimate filters out the rest. (Following at a rate K turns noise of
+ * s metres into a speed of K s.) The speed of the fastest joint follows from the pseudo-inverse of the position
+ * Jacobian. Rotation noise is assumed to move a joint by the same angle. */
 #ifndef COMANIP_SIM_REST_NOISE_H
 #define COMANIP_SIM_REST_NOISE_H
 

@@ -33,9 +33,9 @@ typedef struct {
     int left_cup_before; /* value in the previous tick, like all *_before members */
     bool held_before[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS];
     int lost_before[SCENARIO_MAX_PEOPLE + 1];
-    int lost_event[SCENARIO_MAX_PEOPLE + 1]; /* per holder; EVENT_NONE: none */
+    int lost_event[SCENARIO_MAX_PEOPLE + 1]; /* index of each holder's event; EVENT_NONE: none */
     int dropped_before[SCENARIO_MAX_OBJECTS];
-    int dropped_event[SCENARIO_MAX_OBJECTS]; /* per object; EVENT_NONE: none */
+    int dropped_event[SCENARIO_MAX_OBJECTS]; /* index of each object's event; EVENT_NONE: none */
 } scenario_monitor_t;
 
 /* The scenario must outlive the monitor. */
