@@ -12,15 +12,15 @@
 
 typedef struct {
     double commanded_radps; /* latched command */
-    double servo_radps;     /* after the lag */
+    double servo_radps;     /* velocity after the servo's lag */
     double pulses[VELOCITY_WINDOW];
     drive_mode_t mode;
 } drive_t;
 
 struct drive_node {
     endpoint_t endpoint;
-    int64_t timeout_ns; /* of JointCmd */
-    int64_t period_ns;  /* of JointState */
+    int64_t timeout_ns; /* timeout of JointCmd */
+    int64_t period_ns;  /* period of JointState */
     arm_plant_t *plant;
     drive_t drive[ROBOT_JOINTS];
     int64_t sample_ns[VELOCITY_WINDOW];

@@ -1,11 +1,11 @@
 /* The arm's drives as a node on the bus: one velocity servo with encoder, brake and command watchdog per joint.
  *
  * Each valid JointCmd acts as SYNC: all drives latch their command, sample their encoder and answer with one JointState
- * each. In velocity mode the commanded velocity passes a first-order lag (current and velocity loop), and the motor
- * follows it with limited torque. In brake mode the joint is held. If no JointCmd arrives within the timeout, a drive
- * brakes and reports DRIVE_ERROR_COMMAND_TIMEOUT every tick until the next JointCmd. Before the first JointCmd the
- * drives brake, report no error and send nothing. While the enable line is off they brake, whatever is commanded, and
- * report no error. */
+ * each. In velocity mode the commanded velocity passes through a first-order lag, which models the current and velocity
+ * loops, and the motor follows it with limited torque. In brake mode the joint is held. If no JointCmd arrives within
+ * the timeout, a drive brakes and reports DRIVE_ERROR_COMMAND_TIMEOUT every tick until the next JointCmd. Before the
+ * first JointCmd the drives brake, report no error and send nothing. While the enable line is off they brake, whatever
+ * is commanded, and report no error. */
 #ifndef COMANIP_SIM_DRIVE_NODE_H
 #define COMANIP_SIM_DRIVE_NODE_H
 
@@ -16,7 +16,7 @@
 #include "../scene/arm_plant.h"
 
 #define DRIVE_SERVO_TIME_CONSTANT_S 0.003
-#define DRIVE_RESPONSE_NS 20000 /* from the end of JointCmd until JointState is ready to be sent */
+#define DRIVE_RESPONSE_NS 20000 /* time from the end of JointCmd until JointState is ready to be sent */
 
 typedef struct drive_node drive_node_t;
 

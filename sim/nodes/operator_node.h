@@ -50,8 +50,8 @@ void operator_node_destroy(operator_node_t *self);
 /* Queues the frames that are due in [from_ns, until_ns). */
 void operator_node_step(operator_node_t *self, int64_t from_ns, int64_t until_ns);
 
-/* Ends the script with the stop command and the wait for mode ready. A step whose frame has been sent is finished
- * first; steps that have not begun are skipped. */
+/* Ends the script: sends the stop command and waits for mode ready. A step whose frame has been sent is finished first;
+ * steps that have not begun are skipped. */
 void operator_node_stop(operator_node_t *self);
 
 /* Returns true if all steps of the script are done or skipped. */

@@ -12,7 +12,7 @@
 /* Times are simulation times unless stated otherwise. */
 typedef struct {
     double rate_hz;                     /* rate of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
-    double latency_s;                   /* from the measurement to the frame, 0..0.5; reported in TrackerStatus */
+    double latency_s;                   /* time from the measurement to the frame, 0..0.5; reported in TrackerStatus */
     double noise_position_m;            /* standard deviation per axis */
     double noise_rotation_rad;          /* standard deviation per axis of the rotation vector */
     double mount_translation_m[3];      /* q_E^T: pose of the tracker in the torso frame */
@@ -36,7 +36,7 @@ typedef struct tracker_node tracker_node_t;
  * dropouts. */
 void tracker_options_set_defaults(tracker_options_t *options);
 
-/* Returns false if an option is out of the ranges above; `error` then holds one line that names it, its value and
+/* Returns false if an option is outside the ranges above; `error` then holds one line that names it, its value and
  * range. */
 bool tracker_options_check(const tracker_options_t *options, char error[], size_t error_size);
 
