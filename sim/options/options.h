@@ -23,7 +23,7 @@ typedef struct {
     uint64_t seed;
     tracker_options_t tracker;
     operator_overrides_t operator;
-    can_profile_t profile; /* of the bus */
+    can_profile_t profile; /* profile of the bus */
     const char *hub;       /* name of the hub that publishes the bus; NULL: none */
     bool real_time;        /* run no faster than real time */
     bool quiet;
