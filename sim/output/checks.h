@@ -12,7 +12,7 @@ typedef struct {
     bool measured; /* false: the run should have produced a value but did not, so the check failed */
     double value;
     double limit;
-    bool is_lower_bound; /* true: value must be at least the limit; false: at most */
+    bool is_lower_bound; /* true: the value must be at least the limit; false: at most */
     const char *unit;
     bool pass;
     double orientation_rest_deg; /* RMS orientation error over the same ticks, not checked; NaN: none */

@@ -1,5 +1,5 @@
 /* Writes trace.csv: one line per tick with the target, the end effector in ODE, each joint's measured position and
- * commanded velocity, and the scene: hands of the people, object, forces, clearances, water. */
+ * commanded velocity, and the scene (hands of the people, object, forces, clearances, water and crank). */
 #ifndef COMANIP_SIM_TRACE_CSV_H
 #define COMANIP_SIM_TRACE_CSV_H
 
