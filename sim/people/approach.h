@@ -1,6 +1,6 @@
-/* Moves a point to another one by sight: one move, then short corrections until it is close enough. A reaching person
- * moves their own grip. A guiding person moves a point that the robot carries, and knows how the robot follows the
- * hand. */
+/* Brings one point to another by sight, with one move and then short corrections until the two are close enough. A
+ * reaching person moves their own grip. A guiding person moves a point that the robot carries, and knows how the robot
+ * follows the hand. */
 #ifndef COMANIP_SIM_APPROACH_H
 #define COMANIP_SIM_APPROACH_H
 
@@ -19,10 +19,11 @@ typedef struct {
 
 typedef enum { APPROACH_MOVES, APPROACH_THERE, APPROACH_FAILED } approach_status_t;
 
-/* Begins the first move from the hand pose `aim` at begin_s. robot_gain: as in person_program_step(). */
+/* Begins the first move from the hand pose `aim` at begin_s. robot_gain is that of person_program_step(). */
 void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robot_gain[3], double begin_s);
 
-/* Compares the point with its goal at now_s and begins a correction if one is needed. miss_m: remaining distance. */
+/* Once the current move is over, compares the point with its goal, sets miss_m to the remaining distance, and begins a
+ * correction if one is needed. */
 approach_status_t approach_update(approach_t *self, const double robot_gain[3], double now_s, double *miss_m);
 
 #endif

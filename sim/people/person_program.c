@@ -16,7 +16,7 @@
 
 #define TEXT_BYTES 1024
 #define GRIP_TIMEOUT_S 0.3
-#define ROBOT_GAIN_MIN 1e-3 /* below this, no hand can reach far enough to guide the robot */
+#define ROBOT_GAIN_MIN 1e-3 /* with a smaller gain, the hand would have to move too far to guide the robot */
 #define TIME_TOLERANCE_S 1e-9
 
 struct person_program {
@@ -30,7 +30,7 @@ struct person_program {
     size_t current;
     double ready_s;        /* end of the previous step */
     bool begun;            /* the current step has begun */
-    double begin_s, end_s; /* of the current step; end_s: timed steps only */
+    double begin_s, end_s; /* of the current step; only a timed step's end is known in advance */
     rigid_pose_t aim;      /* desired pose of the hand, without tremor */
     hand_path_t path;
     approach_t approach;
@@ -172,7 +172,8 @@ static void fail_to_bring(person_program_t *self, const point_t *what, const cha
     fail(self, "cannot bring %s to %s: %s", what_name, to_name, why);
 }
 
-/* Fails for an object that has fallen: the person does not follow it. */
+/* Returns true if the moved point has reached its goal. Fails if the point or its goal is on an object that has fallen,
+ * because a person does not follow a falling object. */
 static bool is_there(person_program_t *self, double now_s, const double robot_gain[3]) {
     const person_step_t *step = &self->steps[self->current];
     const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->index};

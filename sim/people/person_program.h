@@ -1,5 +1,5 @@
-/* Executes the steps of a person's program: sets the desired pose of the hand in the scene, with tremor. A person sees
- * the positions of objects, hands and gripper, corrects errors with short moves, and waits for events. */
+/* Executes the steps of a person's program by setting the desired pose of their hand in the scene, including tremor. A
+ * person sees the positions of objects, hands and gripper, corrects errors with short moves, and waits for events. */
 #ifndef COMANIP_SIM_PERSON_PROGRAM_H
 #define COMANIP_SIM_PERSON_PROGRAM_H
 
@@ -7,37 +7,37 @@
 
 typedef struct person_program person_program_t;
 
-/* scenario, scene and events must outlive the program. recording: NULL, or the path from the command line, with which
- * the recorded steps are executed. Returns NULL on failure, with one line in `error` (for example a recording that
- * cannot be read). */
+/* scenario, scene and events must outlive the program. recording: path from the command line, or NULL. If it is given,
+ * the steps of program_with_recording are executed instead of those of program. Returns NULL on failure, with one line
+ * in `error` (for example a recording that cannot be read). */
 person_program_t *person_program_create(const scenario_t *scenario, size_t person, scene_t *scene, events_t *events,
                                         const char *recording, const char *axes, uint64_t seed, char error[],
                                         size_t error_size);
 void person_program_destroy(person_program_t *self);
 
-/* Sets the desired hand pose for the simulation step that ends at until_s. robot_gain: displacement of the end
- * effector per displacement of this hand, per axis: (scale, scale, scale), or (-scale, scale, scale) while the task
+/* Sets the desired hand pose for the simulation step that ends at until_s. robot_gain: displacement of the end effector
+ * per displacement of this hand, for each axis. It is (scale, scale, scale), or (-scale, scale, scale) while the task
  * mirrors. A guiding person is assumed to know it. */
 void person_program_step(person_program_t *self, double now_s, double until_s, const double robot_gain[3]);
 
 bool person_program_is_done(const person_program_t *self);
 
-/* True while the hand replays a recording. */
+/* Returns true while the hand replays a recording. */
 bool person_program_plays(const person_program_t *self);
 
-/* Desired pose of the hand, without tremor. */
+/* Returns the desired pose of the hand, without tremor. */
 rigid_pose_t person_program_aim(const person_program_t *self);
 
-/* True in a gap of a recording, where the tracker does not see the hand. */
+/* Returns true during a gap in a recording, when the tracker cannot see the hand. */
 bool person_program_is_hidden(const person_program_t *self);
 
 /* Describes the current step: "ann waits for robot.holds", "ann is at step 9 of 20", "ann is done". */
 void person_program_describe(const person_program_t *self, char text[], size_t size);
 
-/* Returns NULL, or one line that names the person and what failed or timed out. */
+/* Returns one line that names the person and what failed or timed out, or NULL if nothing did. */
 const char *person_program_failure(const person_program_t *self);
 
-/* One line of text about the recording that is played: file, samples, gaps, scale; "" if there is none. */
+/* Returns one line about the recording that is played (file, samples, gaps, scale), or "" if there is none. */
 const char *person_program_description(const person_program_t *self);
 
 #endif

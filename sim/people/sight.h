@@ -1,14 +1,15 @@
-/* What a person sees in the scene besides its points: the angle of a crank and the distance of an object. Names points
- * for messages. */
+/* What a person sees in the scene besides its points: the angle of a crank and the distance to an object. Also names
+ * points in messages. */
 #ifndef COMANIP_SIM_SIGHT_H
 #define COMANIP_SIM_SIGHT_H
 
 #include "../scene/scene.h"
 
-/* Angle of the crank's handle, 0 at the start. */
+/* Returns the angle through which the crank has turned since the start. */
 double sight_crank_rad(const scene_t *scene, size_t object);
 
-/* Distance from the person's grip to the axis of a rod or of a crank's handle, or to the centre of a stand. */
+/* Returns the distance from the person's grip to the axis of a rod or of a crank's handle, or to the centre of a
+ * stand. */
 double sight_distance_m(const scene_t *scene, const scenario_t *scenario, size_t person, size_t object);
 
 /* Writes "OBJECT.POINT", "PERSON's grip" or "the robot's gripper". */
