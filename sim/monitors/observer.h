@@ -1,7 +1,7 @@
 /* A listener on the bus that records modes, parameters and one record per tick. It is the monitors' only source of data
- * about the firmware. It shares some code with the firmware: the checking and unpacking of frames (can_transport.h), the
- * numbers and defaults of the parameters, and the normalisation of a quaternion. The tests decode the same logs without
- * this code. */
+ * about the firmware. It shares some code with the firmware: the checking and unpacking of frames (can_transport.h),
+ * the numbers and defaults of the parameters, and the normalisation of a quaternion. The tests decode the same logs
+ * without this code. */
 #ifndef COMANIP_SIM_OBSERVER_H
 #define COMANIP_SIM_OBSERVER_H
 

@@ -2,7 +2,7 @@
 
 static void on_frame(void *context, const can_frame_t *frame, int64_t end_ns) {
     firmware_node_t *self = context;
-    (void)end_ns; /* the frame has a timestamp, as from a CAN controller */
+    (void)end_ns; /* the frame carries its own timestamp, as from a CAN controller */
     if (self->count == FIRMWARE_NODE_QUEUE_FRAMES) {
         self->world->firmware_overflows++;
         return;

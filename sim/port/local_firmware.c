@@ -51,7 +51,7 @@ bool hal_can_send(const can_frame_t *frame) {
     return firmware_node_send(&local.node, frame);
 }
 
-/* The simulated bus has no errors, and its time waits for the firmware. */
+/* The simulated bus has no errors, and no tick is ever missed, because simulated time waits for the firmware. */
 void hal_port_status(port_status_t *status) {
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = port_count(local.node.refused_frames);
@@ -67,7 +67,7 @@ void hal_enable_drives(bool enable) {
     drive_node_enable(local.world->drives, enable);
 }
 
-/* A processor would halt; here the run ends. */
+/* A processor would halt; here the run fails. */
 void hal_panic(const char *cause) {
     hal_enable_drives(false);
     char text[WORLD_TEXT_BYTES];

@@ -1,5 +1,5 @@
-/* Runs the firmware in this process: the host port, whose platform is the simulated world, in lockstep and virtual
- * time. */
+/* Runs the firmware in this process. This is the host port: its platform is the simulated world, which advances in
+ * lockstep with the firmware and in virtual time. */
 #ifndef COMANIP_SIM_LOCAL_FIRMWARE_H
 #define COMANIP_SIM_LOCAL_FIRMWARE_H
 

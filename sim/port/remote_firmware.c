@@ -25,7 +25,7 @@ static struct {
     uint16_t ids[TRANSPORT_MAX_IDS]; /* ids that the firmware receives */
     uint8_t id_count;
     slcan_decoder_t decoder;
-    char line[LINE_BYTES]; /* the last line, to detect a panic message */
+    char line[LINE_BYTES]; /* the line being received, to detect a panic message */
     size_t line_bytes;
 } remote = {.fd = -1};
 
@@ -150,7 +150,7 @@ void remote_firmware_run(world_t *world) {
     remote.world = world;
     firmware_node_attach(&remote.node, world);
     remote.id_count = transport_ids_to_firmware(bus_profile(world->bus), remote.ids);
-    bool answers = await_done(); /* the image has booted */
+    bool answers = await_done(); /* true once the image has booted */
     while (world_advance(world) && answers) {
         answers = send_tick((uint32_t)(world->now_ns / 1000)) && await_done();
     }

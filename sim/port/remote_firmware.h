@@ -4,11 +4,12 @@
 
 #include "../world/world.h"
 
-/* path: a Unix socket, as in QEMU's -serial unix:PATH. Returns false, with one line in `error`, if it cannot
- * connect. */
+/* Connects to a Unix socket, such as that of QEMU's -serial unix:PATH. Returns false on failure, with one line in
+ * `error`. */
 bool remote_firmware_open(const char *path, char error[], size_t error_size);
 
-/* Runs the world to its end. A panic of the image, with its message, or no answer for a minute fails the run. */
+/* Runs the world to its end. The run fails with the image's message if the image panics, and also if it does not answer
+ * for a minute. */
 void remote_firmware_run(world_t *world);
 
 #endif
