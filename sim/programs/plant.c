@@ -11,7 +11,7 @@
 #include "../run/run.h"
 
 #define PROGRAM "comanip-plant"
-#define PRIORITY 70 /* below the firmware's */
+#define PRIORITY 70 /* below the firmware's priority */
 
 static const char usage[] =
     "comanip-plant: arm, drives, gripper, tracker, operator and people, simulated in real time on a CAN bus; the "
@@ -59,7 +59,7 @@ int main(int argc, char *argv[]) {
         return run_print_error(PROGRAM, error);
     }
     if (argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
-        (void)fputs(usage, stdout); /* followed by the help of the simulator */
+        (void)fputs(usage, stdout); /* run_main() then prints the simulator's help */
     } else if (options.can == NULL) {
         return run_print_error(PROGRAM, "expected --can NAME, for example --can vcan0; see --help");
     }
