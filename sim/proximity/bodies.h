@@ -11,14 +11,14 @@
 #define BODIES_PERSON_PARTS 4 /* person_part_t */
 #define BODIES_ROBOT_PARTS 8  /* robot_part_t */
 #define BODIES_FOREARM_POINTS 16
-#define BODIES_WRIST_M 0.060 /* behind the origin of a person's hand, the centre of the palm */
+#define BODIES_WRIST_M 0.060 /* from a person's wrist forward to the origin of the hand, the centre of the palm */
 #define BODY_NO_OBJECT (-1)
 
 typedef struct {
     convex_shape_t shape;
     bool present;
     int object;         /* index of the rod, or BODY_NO_OBJECT */
-    double travelled_m; /* bound of any point's path since the start; grows when another rod is held */
+    double travelled_m; /* no point has moved farther since the start; also grows when another rod is held */
 } body_t;
 
 typedef struct {
@@ -34,7 +34,7 @@ void bodies_init(bodies_t *self, const scenario_t *scenario);
 /* Sets the poses from the current scene. */
 void bodies_place(bodies_t *self, const scenario_t *scenario, const scene_t *scene);
 
-/* Used by the functions above (body_shapes.c). */
+/* Helpers shared by bodies.c and body_shapes.c. */
 void body_set_rod(body_t *self, const object_t *rod);
 rigid_pose_t body_wrist(const rigid_pose_t *hand);
 double body_distance_m(const double a[3], const double b[3]);

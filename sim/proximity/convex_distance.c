@@ -5,8 +5,8 @@
 
 #include "convex_support.h"
 
-#define BRACKET_M                                                                                                      \
-    (1.6 * CONVEX_DISTANCE_ERROR_M) /* result: its centre; a fifth of the error bound is left for rounding */
+/* Width of the last bracket. The result is its centre; a fifth of the error bound is left for rounding. */
+#define BRACKET_M (1.6 * CONVEX_DISTANCE_ERROR_M)
 
 typedef struct {
     ccd_t ccd;
@@ -14,7 +14,7 @@ typedef struct {
     convex_separation_t separation;
 } search_t;
 
-/* Distance between the bounding spheres; negative if they overlap. */
+/* Returns the distance between the bounding spheres, which is negative if they overlap. */
 static double sphere_distance_m(const convex_shape_t *a, const convex_shape_t *b) {
     const double *p = a->pose.position_m, *q = b->pose.position_m;
     const double d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
@@ -30,8 +30,8 @@ static double separation_m(const search_t *self) {
     return self->separation.distance_mm / MM_PER_M;
 }
 
-/* Returns true if the shapes intersect when one is inflated by the margin, so if no direction separates them. If GJK
- * ends without finding such a direction, the shapes touch within its rounding. */
+/* Returns true if the shapes intersect when one of them is inflated by the margin, that is, if no direction separates
+ * them. If GJK ends without finding such a direction, the shapes touch within its rounding. */
 static bool intersects(search_t *self, double margin_m) {
     self->first.margin_mm = MM_PER_M * margin_m;
     return ccdGJKIntersect(&self->first, &self->second, &self->ccd) != 0 || separation_m(self) < margin_m;

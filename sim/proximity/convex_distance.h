@@ -1,5 +1,5 @@
-/* The distance between two convex shapes, through libccd: GJK decides whether two shapes meet when one of them is
- * inflated by a margin, and the margin at which they just meet, found by bisection, is the distance. */
+/* The distance between two convex shapes. libccd's GJK decides whether the shapes meet when one of them is inflated by
+ * a margin. The margin at which they just meet is the distance; it is found by bisection. */
 #ifndef COMANIP_SIM_CONVEX_DISTANCE_H
 #define COMANIP_SIM_CONVEX_DISTANCE_H
 

@@ -22,8 +22,9 @@ static void normalise(double v[3]) {
     }
 }
 
-/* Subgradient descent on the sphere of directions: the farthest point, without its component along the direction,
- * points to increasing reach. The steps become shorter, because the reach is not smooth. */
+/* Finds the smallest reach near a direction by subgradient descent on the unit sphere. The subgradient is the component
+ * of the farthest point that is perpendicular to the direction. The steps become shorter, because the reach is not
+ * smooth. */
 static double smallest_reach_near(const convex_operand_t *first, const convex_operand_t *second, double direction[3]) {
     double least_mm = HUGE_VAL, step_rad = FIRST_STEP_RAD;
     for (int k = 0; k < STEPS; k++) {

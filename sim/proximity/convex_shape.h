@@ -8,7 +8,7 @@ typedef enum {
     SHAPE_BOX,      /* size_m */
     SHAPE_CAPSULE,  /* along z: length_m between the centres of its ends, radius_m */
     SHAPE_CYLINDER, /* along z: length_m, radius_m */
-    SHAPE_HULL,     /* of `points` */
+    SHAPE_HULL,     /* convex hull of `points` */
 } convex_kind_t;
 
 typedef struct {
@@ -17,8 +17,8 @@ typedef struct {
     double length_m, radius_m;
     const double (*points)[3]; /* in the shape's frame; SHAPE_HULL */
     int point_count;
-    double bounding_radius_m; /* of a sphere about the frame's origin; set by convex_shape_finish() */
-    rigid_pose_t pose;        /* of its frame, torso axes */
+    double bounding_radius_m; /* of the sphere about the frame's origin; set by convex_shape_finish() */
+    rigid_pose_t pose;        /* pose of the shape's frame, in torso axes */
 } convex_shape_t;
 
 void convex_shape_finish(convex_shape_t *self);

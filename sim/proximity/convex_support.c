@@ -23,7 +23,8 @@ static void hull_support(const convex_shape_t *shape, const double direction[3],
     memcpy(point_m, shape->points[best], 3 * sizeof *point_m);
 }
 
-/* Farthest point of the shape's core (of a capsule: its line) in a direction, in the shape's frame. */
+/* Finds the farthest point of the shape's core in a direction, both in the shape's frame. The core of a capsule is its
+ * line. */
 static void core_support(const convex_shape_t *shape, const double direction[3], double point_m[3]) {
     double length = 0.0, share = 0.0;
     switch (shape->kind) {
@@ -44,7 +45,7 @@ static void core_support(const convex_shape_t *shape, const double direction[3],
     }
 }
 
-/* Gives the support point of the inflated shape and returns its reach in the direction. */
+/* Computes the support point of the inflated shape and returns its reach in the direction. */
 static double inflated_support(const convex_operand_t *self, const ccd_vec3_t *direction, ccd_vec3_t *point) {
     const double *d = direction->v;
     double local[3], core_m[3] = {0.0};
@@ -65,7 +66,7 @@ static void support_first(const void *object, const ccd_vec3_t *direction, ccd_v
     self->separation->first_reach_mm = inflated_support(self, direction, point) - self->margin_mm;
 }
 
-/* libccd calls this for the second shape after the first, with the opposite direction. */
+/* libccd calls this after support_first(), with the opposite direction. */
 static void support_second(const void *object, const ccd_vec3_t *opposite, ccd_vec3_t *point) {
     const convex_operand_t *self = object;
     convex_separation_t *separation = self->separation;
@@ -78,7 +79,7 @@ static void support_second(const void *object, const ccd_vec3_t *opposite, ccd_v
     }
 }
 
-/* Starts with the best direction so far: a search that differs from the last one only by its margin then ends
+/* Starts with the best direction so far, so that a search that differs from the last one only in its margin ends
  * quickly. */
 static void first_direction(const void *first, const void *second, ccd_vec3_t *direction) {
     const convex_operand_t *self = first;

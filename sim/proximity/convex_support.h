@@ -10,9 +10,9 @@
 
 #define MM_PER_M 1000.0
 
-/* Every direction that is tried gives a lower bound of the distance between the two shapes; this is the best one. */
+/* The best lower bound of the distance between the two shapes. Every direction that is tried provides a lower bound. */
 typedef struct {
-    double first_reach_mm; /* of the first shape in the current direction */
+    double first_reach_mm; /* reach of the first shape in the current direction */
     double distance_mm;    /* lower bound of the distance */
     double direction[3];   /* from the first shape to the second; any length */
 } convex_separation_t;
@@ -31,9 +31,9 @@ typedef struct {
 void convex_operands_init(convex_operand_t *first, convex_operand_t *second, const convex_shape_t *a,
                           const convex_shape_t *b, convex_separation_t *separation);
 
-/* Returns how far the first shape would have to move against the unit direction to be separated from the second one;
- * negative: their distance in this direction. furthest_mm: the point of the Minkowski difference at which this
- * occurs. */
+/* Returns how far the first shape would have to move against the unit direction to be separated from the second one. If
+ * they are already apart in this direction, the result is minus their distance. furthest_mm: the farthest point of the
+ * Minkowski difference in this direction. */
 double convex_reach_mm(const convex_operand_t *first, const convex_operand_t *second, const double direction[3],
                        double furthest_mm[3]);
 

@@ -11,22 +11,22 @@
 #define PERSON_PAIRS (SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS * BODIES_ROBOT_PARTS)
 #define SELF_PAIRS (ROBOT_PART_UPPER_ARM * BODY_PARTS)
 
-/* A pair is searched a little beyond the smallest distance found so far. It then has to travel this distance before it
- * must be searched again. */
+/* Each pair is searched this far beyond the smallest distance found so far. It then need not be searched again until
+ * its bodies have travelled about this far. */
 #define SEARCH_BEYOND_M 0.03
 
 typedef struct {
     const body_t *a, *b;
     int number;
-    double distance_m;  /* result of the last search; negative: none */
+    double distance_m;  /* result of the last search; negative before the first one */
     double least_m;     /* lower bound at the last search */
-    double travelled_m; /* of both bodies at the last search */
+    double travelled_m; /* sum of both bodies' travelled_m at the last search */
 } pair_t;
 
 typedef struct {
     pair_t pair[PERSON_PAIRS];
     size_t count;
-    size_t nearest; /* index in `pair` from the last search, where the next one begins */
+    size_t nearest; /* index in `pair` of the last search's nearest pair, where the next search begins */
 } pairs_t;
 
 struct proximity {
@@ -53,7 +53,8 @@ proximity_pair_t proximity_pair(int pair) {
 
 /* ---- pairs */
 
-/* Finds the objects that people and robot grip in this scenario. The robot's gripper closes on any object in it. */
+/* Finds the objects that people and robot may grip in this scenario. The robot's gripper closes on whatever object is
+ * between its jaws. */
 static void find_grips(proximity_t *self, const scenario_t *scenario) {
     bool closes = false;
     for (size_t i = 0; i < scenario->operate_count; i++) {
@@ -73,7 +74,8 @@ static void find_grips(proximity_t *self, const scenario_t *scenario) {
     }
 }
 
-/* Contact of a rod is intended with a hand, and its forearm, that grips the rod in this scenario. */
+/* Returns true if contact of the pair is intended: if both hold the same rod, or if one part is a rod and the other is
+ * a hand, gripper or forearm that may hold this rod in this scenario. */
 static bool is_intended(const proximity_t *self, int number) {
     const proximity_pair_t parts = proximity_pair(number);
     if (parts.person < 0) {
@@ -93,7 +95,7 @@ static void add_pair(pairs_t *self, const body_t *a, const body_t *b, int number
     self->pair[self->count++] = (pair_t){.a = a, .b = b, .number = number, .distance_m = -1.0};
 }
 
-/* Neighbours in the kinematic chain are excluded, because they always touch. */
+/* Returns true for neighbours in the kinematic chain, which always touch. */
 static bool are_neighbours(const proximity_pair_t *parts) {
     return parts->robot == ROBOT_PART_FOREARM && parts->body == ROBOT_PART_UPPER_ARM;
 }
@@ -121,8 +123,8 @@ static void add_pairs(proximity_t *self) {
 
 /* ---- smallest distance */
 
-/* Searches only the pairs that may be the nearest: the others were too far apart at their last search and have not
- * travelled far enough since. */
+/* Returns the smallest distance of all pairs. Searches only the pairs that may be the nearest; the others were too far
+ * apart at their last search and have not travelled far enough since. */
 static double search(const proximity_t *self, pairs_t *pairs, int *number) {
     double best_m = PROXIMITY_CEILING_M;
     const size_t first = pairs->nearest;

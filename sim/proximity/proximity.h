@@ -1,6 +1,6 @@
 /* Measures the smallest clearances in each tick: between people and robot outside intended contact, and between the arm
- * and the rest of the robot. Like a light curtain it is a sensor outside the robot; its results go to the operator over
- * the bus. */
+ * and the rest of the robot. Like a light curtain, it is a sensor outside the robot; it sends its results to the
+ * operator over the bus. */
 #ifndef COMANIP_SIM_PROXIMITY_H
 #define COMANIP_SIM_PROXIMITY_H
 
@@ -11,17 +11,17 @@
 #define PROXIMITY_CEILING_M 1.0 /* largest clearance that is measured */
 
 typedef struct {
-    double person_m; /* PROXIMITY_CEILING_M: nothing is near */
+    double person_m; /* PROXIMITY_CEILING_M if nothing is near */
     double self_m;
-    int person_pair, self_pair; /* indices for proximity_pair_name(); -1: none */
+    int person_pair, self_pair; /* indices for proximity_pair_name(); -1 if there is none */
 } measured_clearance_t;
 
 /* The two parts of a pair. */
 typedef struct {
-    int person;         /* index in the scenario; -1: two parts of the robot */
+    int person;         /* index in the scenario; -1 for two parts of the robot */
     person_part_t part; /* of the person */
-    robot_part_t robot; /* the robot's part; for two robot parts: of the arm or its load */
-    robot_part_t body;  /* for two robot parts: the other one */
+    robot_part_t robot; /* the robot's part; for two robot parts, the one of the arm or its load */
+    robot_part_t body;  /* for two robot parts, the other one */
 } proximity_pair_t;
 
 proximity_pair_t proximity_pair(int pair);
