@@ -6,14 +6,14 @@
 #define RIGHT_ANGLE (ROBOT_PI / 2.0)
 #define DEG(x) ((x) * ROBOT_RAD_PER_DEG)
 
-/* Fixed transforms up to the frame of the first joint: WAIST -> CHEST -> RARM[0]. */
+/* Fixed transforms from the waist to the frame of the first joint: WAIST -> CHEST -> RARM[0]. */
 #define CHEST_A_M (-0.035)
 #define CHEST_D_M 0.125
 #define SHOULDER_ALPHA_RAD (-RIGHT_ANGLE)
 #define SHOULDER_D_M (-0.111)
 
-/* Bodies: a 50 mm cube for the shoulder's servo, the two halves of the upper arm on either side of the torsion joint,
- * and the forearm with the hand; rods of 40 mm diameter. */
+/* The links' bodies are a 50 mm cube for the shoulder's servo and three rods of 40 mm diameter: the two halves of the
+ * upper arm, on either side of the torsion joint, and the forearm with the hand. */
 const robot_joint_t robot_joint_table[ROBOT_JOINTS] = {
     {.alpha_rad = 0.0,
      .offset_rad = 0.0,
@@ -57,7 +57,7 @@ const double robot_hand_rotation[4] = {0.70710678118654752440, -0.70710678118654
 const double robot_hand_offset_m[3] = {0.0, ROBOT_FOREARM_M, 0.0};
 static const double hand_rotation_matrix[9] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0};
 
-/* c = a b. */
+/* Computes c = a b, where b is the transform with this rotation and position. */
 static void transform_multiply(const transform_t *a, const double rotation[9], const double position_m[3],
                                transform_t *c) {
     for (size_t row = 0; row < 3; row++) {
@@ -70,7 +70,7 @@ static void transform_multiply(const transform_t *a, const double rotation[9], c
     }
 }
 
-/* Modified DH: Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d), appended to `from`. */
+/* Appends the modified DH transform Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d) to `from`. */
 static void append_modified_dh(const transform_t *from, double alpha_rad, double a_m, double d_m, double theta_rad,
                                transform_t *to) {
     const double ca = cos(alpha_rad), sa = sin(alpha_rad), ct = cos(theta_rad), st = sin(theta_rad);

@@ -1,6 +1,6 @@
 /* Right arm of the Fujitsu HOAP-3 from its instruction manual (tables 6.1-2 and 6.4-1): modified DH (Craig), masses,
- * stops, torques, encoders. In double precision, shared by the plant and the monitors. The firmware has its own table
- * in another convention, so that each checks the other. Torso frame: x forward, y left, z up. */
+ * stops, torques, encoders. The plant and the monitors share this model, which is in double precision. The firmware has
+ * its own table in another convention, so that the two check each other. Torso frame: x forward, y left, z up. */
 #ifndef COMANIP_SIM_ROBOT_MODEL_H
 #define COMANIP_SIM_ROBOT_MODEL_H
 
@@ -11,7 +11,7 @@
 
 #define ROBOT_STOP_MARGIN_RAD (1.0 * ROBOT_RAD_PER_DEG) /* from a mechanical stop to the joint limit */
 #define ROBOT_VELOCITY_MAX_RADPS 4.76                   /* 272.7 deg/s */
-#define ROBOT_JERK_MAX_RADPS3 10000.0                   /* limit of the commands to the drives; the manual gives none */
+#define ROBOT_JERK_MAX_RADPS3 10000.0                   /* limit of the commands to the drives; not from the manual */
 #define ROBOT_TORQUE_PEAK_NM 3.0
 #define ROBOT_PULSES_PER_DEGREE 209.0
 
@@ -21,17 +21,17 @@
 typedef enum {
     LINK_BOX,   /* a cube of `length_m` */
     LINK_ROD_Y, /* a cylinder along the link frame's y axis */
-    LINK_ROD_Z, /* the same along z */
+    LINK_ROD_Z, /* a cylinder along the link frame's z axis */
 } link_shape_t;
 
-/* Joint i and the link it moves. The link frame is the modified DH frame of the joint. */
+/* A joint and the link that it moves. The link frame is the modified DH frame of the joint. */
 typedef struct {
     double alpha_rad, a_m, d_m, offset_rad; /* from the previous frame; joint angle = theta - offset */
     double stop_min_rad, stop_max_rad;      /* mechanical stops */
     double mass_kg;
-    link_shape_t shape; /* homogeneous body for the inertia, which the manual does not give */
+    link_shape_t shape; /* homogeneous body that determines the inertia, which the manual omits */
     double length_m, radius_m;
-    double centre_m[3]; /* of mass, in the link frame */
+    double centre_m[3]; /* centre of mass in the link frame */
 } robot_joint_t;
 
 extern const robot_joint_t robot_joint_table[ROBOT_JOINTS];
@@ -42,11 +42,11 @@ typedef struct {
     double position_m[3];
 } transform_t;
 
-/* Forward kinematics: link frames and end effector (z along the forearm, x up when it points forward). link may be
- * NULL. */
+/* Computes the poses of the link frames and of the end effector (z along the forearm; x up when the forearm points
+ * forward). link may be NULL. */
 void robot_model_forward(const double position_rad[ROBOT_JOINTS], transform_t link[ROBOT_JOINTS], transform_t *hand);
 
-/* End effector in the frame of the last link: quaternion w x y z and offset. */
+/* Pose of the end effector in the frame of the last link: quaternion (w, x, y, z) and offset. */
 extern const double robot_hand_rotation[4];
 extern const double robot_hand_offset_m[3];
 
