@@ -1,4 +1,4 @@
-/* Options for watching a run: pacing to real time and publishing on a hub. Neither changes the run. */
+/* Options for watching a run, by pacing it to real time and by publishing it on a hub. Neither changes the run. */
 #ifndef COMANIP_SIM_LIVE_H
 #define COMANIP_SIM_LIVE_H
 

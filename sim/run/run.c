@@ -32,7 +32,8 @@ static void on_interrupt(int signal_number) {
     interrupted = 1;
 }
 
-/* Prints one line without control characters: text from the command line must not act as terminal control codes. */
+/* Prints one line, with '?' in place of control characters, because text from the command line must not reach the
+ * terminal as control codes. Returns `status`. */
 static int print_error(const char *program, const char *error, int status) {
     (void)fprintf(stderr, "%s: ", program);
     for (const char *character = error; *character != '\0'; character++) {
@@ -52,7 +53,8 @@ static double wall_clock_s(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Finds the project's scenarios independently of the working directory. */
+/* Derives the folder of the project's scenarios from the program's own path, so that the working directory does not
+ * matter. */
 static void find_scenario_folder(char folder[PATH_BYTES]) {
     const ssize_t bytes = readlink("/proc/self/exe", folder, PATH_BYTES - sizeof SCENARIO_FOLDER);
     folder[bytes > 0 ? bytes : 0] = '\0';
@@ -130,7 +132,7 @@ static int run(const run_mode_t *mode, world_t *world, output_folder_t *folder) 
     return interrupted != 0 ? EXIT_INTERRUPTED : checks.pass ? EXIT_SUCCESS : EXIT_CHECK_FAILED;
 }
 
-/* The folder is opened last, after all other checks. */
+/* Opens the output folder last, after all other checks, and runs the world. */
 static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     char error[OPTIONS_ERROR_BYTES];
     char default_out[sizeof "out/" + SCENARIO_NAME_BYTES];
@@ -139,7 +141,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     output_folder_t folder;
     int status = EXIT_WRONG_USE;
     if (output_folder_open(&folder, out, error, sizeof error)) {
-        /* sigaction() keeps the handler for a second signal: `timeout` and some shells send two. */
+        /* sigaction() keeps the handler installed for a second signal, because `timeout` and some shells send two. */
         const struct sigaction action = {.sa_handler = on_interrupt};
         (void)sigaction(SIGINT, &action, NULL);
         (void)sigaction(SIGTERM, &action, NULL);
@@ -155,7 +157,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     return status;
 }
 
-/* Opens the bus first, so that a wrong name is reported at once. */
+/* Opens the bus first, so that a wrong bus name is reported at once. */
 static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
     char error[OPTIONS_ERROR_BYTES];
     static world_t world;

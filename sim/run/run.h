@@ -1,5 +1,5 @@
-/* The common part of the programs that run a scenario: command line, world, files, report. The programs differ in the
- * bus and in what advances time. */
+/* The common part of the programs that run a scenario: command line, world, files and report. The programs differ in
+ * their bus and in what advances time. */
 #ifndef COMANIP_SIM_RUN_H
 #define COMANIP_SIM_RUN_H
 
@@ -9,14 +9,14 @@
 #include "../world/world.h"
 
 typedef struct {
-    const char *program; /* its name, printed before each error */
-    bool is_watchable;   /* takes --hub and --real-time (live.h) */
+    const char *program; /* name, printed before each error */
+    bool is_watchable;   /* accepts --hub and --real-time (live.h) */
     bus_t *(*create_bus)(can_profile_t profile, char error[], size_t error_size);
     /* Runs the world to its end. */
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);
 } run_mode_t;
 
-/* main() of such a program. Returns the exit status. */
+/* Does the work of main() in each of these programs. Returns the exit status. */
 int run_main(const run_mode_t *mode, int argc, char *argv[]);
 
 /* Prints an error in one line. Returns the exit status for wrong use. */
