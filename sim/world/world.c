@@ -86,8 +86,8 @@ void world_fail(world_t *self, const char *reason) {
     }
 }
 
-/* Fails with the operator's reason. If the tracker never reported a valid pose, adds that, because the recording may be
- * the cause. */
+/* Fails the run for the operator's reason. If the tracker never reported a valid pose, the reason mentions it, because
+ * the recording may be the cause. */
 static void fail_as_operator(world_t *self) {
     const char *reason = operator_node_failure(self->operator);
     const tracker_statistics_t tracker = tracker_node_statistics(self->tracker);
@@ -116,7 +116,7 @@ static bool all_scripts_done(const world_t *self) {
     return done;
 }
 
-/* Fails with the current step of each person and of the operator. */
+/* Fails the run with a reason that names the current step of each person and of the operator. */
 static void fail_as_overdue(world_t *self) {
     char text[WORLD_TEXT_BYTES];
     size_t used = (size_t)snprintf(text, sizeof text,
@@ -130,7 +130,7 @@ static void fail_as_overdue(world_t *self) {
     world_fail(self, text);
 }
 
-/* The operator stops the arm when all scripts are done, or half a second before the end of the run. */
+/* Lets the operator stop the arm when all scripts are done, or half a second before the end of the run. */
 static void stop_when_due(world_t *self) {
     const int64_t closing_ns = ns_from_s(SCENARIO_STOP_BEFORE_END_S);
     const bool is_done = all_scripts_done(self);
@@ -179,7 +179,7 @@ static void look(world_t *self) {
     observer_begin_tick(&self->observer, self->now_ns, &hand);
 }
 
-/* Displacement of the end effector per displacement of the person's hand, per axis. */
+/* Computes the displacement of the end effector per displacement of the person's hand, for each axis. */
 static void robot_gain(const world_t *self, double scale[3]) {
     const double motion_scale = (double)self->observer.parameter[PARAMETER_MOTION_SCALE];
     for (int k = 0; k < 3; k++) {
@@ -188,7 +188,8 @@ static void robot_gain(const world_t *self, double scale[3]) {
     scale[0] *= operator_node_mirrors(self->operator) ? -1.0 : 1.0;
 }
 
-/* Moves people and scene from now_ns on. A physics step longer than a tick is made in the first of its ticks. */
+/* Moves people and scene through the tick that begins at now_ns. A physics step longer than a tick is computed entirely
+ * in the first of its ticks. */
 static void move(world_t *self) {
     const int64_t step_ns = (int64_t)self->options->physics_step_us * 1000;
     const double step_s = (double)step_ns * 1e-9;

@@ -1,6 +1,6 @@
-/* The simulated world: a physical scene with robot and people, and on one bus its drives, gripper, tracker, proximity
- * sensor and operator, in virtual time and lockstep. Monitors observe the bus and the physics, but not the firmware,
- * which is a node of the bus (sim/port). */
+/* The simulated world consists of a physical scene with robot and people, and of a bus with the drives, the gripper,
+ * the tracker, the proximity sensor and the operator. It runs in virtual time and in lockstep with the firmware, which
+ * is a node on the bus (sim/port). Monitors observe the bus and the physics, but not the firmware itself. */
 #ifndef COMANIP_SIM_WORLD_H
 #define COMANIP_SIM_WORLD_H
 
@@ -42,9 +42,9 @@ struct world {
     events_t events;
     int64_t now_ns;
     int64_t end_ns;     /* an upper limit until all scripts are done */
-    double stop_s;      /* when the operator's stop was due; negative: not yet */
+    double stop_s;      /* when the operator's stop became due; negative until then */
     bool has_fixed_end; /* --duration: the run continues to its end, even if all scripts are done */
-    bool is_shortened;  /* ends before the scenario's duration_s; unfinished scripts are no failure */
+    bool is_shortened;  /* ends before the scenario's duration_s; unfinished scripts then do not fail the run */
     bool has_recording;
     uint64_t ticks;
 
@@ -73,25 +73,25 @@ struct world {
 
     const volatile sig_atomic_t *interrupted; /* set from outside to end the run */
     uint64_t firmware_overflows;              /* frames lost in the firmware's receive queue (sim/port) */
-    /* NULL, or called after each tick; must not change the world */
+    /* Called after each tick, unless NULL. It must not change the world. */
     void (*on_tick)(void *context, const world_t *world);
     void *on_tick_context;
-    const live_bus_timing_t *timing; /* NULL, or how well the run kept up with real time */
-    char failure[WORLD_TEXT_BYTES];  /* why the run ended early; "" */
+    const live_bus_timing_t *timing; /* how well the run kept up with real time; NULL in virtual time */
+    char failure[WORLD_TEXT_BYTES];  /* why the run failed; "" if it did not */
 };
 
-/* options and scenario must outlive the world. The world takes ownership of the bus, even if this fails. Reads the
- * recordings and writes no file. Returns false on failure, with one line in `error`. */
+/* options and scenario must outlive the world. The world takes ownership of the bus, even on failure. Reads the
+ * recordings, but does not write any files. Returns false on failure, with one line in `error`. */
 bool world_init(world_t *self, const options_t *options, const scenario_t *scenario, bus_t *bus,
                 const volatile sig_atomic_t *interrupted, char error[], size_t error_size);
 
 /* Advances by one tick of 1 ms. Returns false when the run is over. */
 bool world_advance(world_t *self);
 
-/* True if motion and task are the scenario's own, so that the results can be checked. */
+/* Returns true if motion and task are the scenario's own, so that the results can be checked. */
 bool world_is_scripted(const world_t *self);
 
-/* Ends the run with a reason. Only the first reason is kept. */
+/* Ends the run as failed for this reason. Only the first reason is kept. */
 void world_fail(world_t *self, const char *reason);
 
 void world_free(world_t *self);
