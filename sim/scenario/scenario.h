@@ -1,6 +1,6 @@
-/* A scenario as data: start posture of the arm, objects, people and their motion, script of the operator, checks. Read
- * from a YAML file (scenario_file.h); docs/scenario-files.md explains every key. SI units; poses and points are in
- * torso axes (x forward, y left, z up) unless stated otherwise. */
+/* A scenario as data: the arm's start posture, the objects, the people and their motion, the operator's script, and the
+ * checks. It is read from a YAML file (scenario_file.h); docs/scenario-files.md explains every key. SI units; poses and
+ * points are in torso axes (x forward, y left, z up) unless stated otherwise. */
 #ifndef COMANIP_SIM_SCENARIO_H
 #define COMANIP_SIM_SCENARIO_H
 
@@ -20,7 +20,7 @@
 #define SCENARIO_MAX_OBJECTS 8
 #define SCENARIO_MAX_POINTS 4
 #define SCENARIO_MAX_PEOPLE 2
-#define SCENARIO_MAX_STEPS 40  /* of a person's program, of the operator's script */
+#define SCENARIO_MAX_STEPS 40  /* in a person's program or the operator's script */
 #define SCENARIO_MAX_AWAITED 3 /* events that a step waits for */
 #define SCENARIO_MAX_CHECKS 24
 
@@ -38,14 +38,14 @@ typedef struct {
 
 /* Water in the robot's cup at the start. */
 typedef struct {
-    int particles; /* 0: a scenario without water */
+    int particles; /* 0 if the scenario has no water */
     double particle_radius_m;
     double density_kgpm3; /* of a particle */
 } water_t;
 
 typedef enum {
     OBJECT_ROD,   /* rigid cylinder along its z axis, for example a pipe or a baton */
-    OBJECT_CRANK, /* turns on a fixed hinge along the object's z axis; its handle is parallel to it, radius_m away */
+    OBJECT_CRANK, /* turns on a fixed hinge along the object's z axis; the handle is parallel to the hinge */
     OBJECT_STAND, /* fixed box that a rod can lie on */
 } object_kind_t;
 
@@ -62,15 +62,15 @@ typedef struct {
 typedef struct {
     scenario_name_t name;
     object_kind_t kind;
-    rigid_pose_t pose;       /* of its centre at the start; crank: of the hinge, handle at +x */
-    double length_m;         /* rod; crank: of the handle */
-    double radius_m;         /* rod; crank: from the hinge to the handle's axis */
+    rigid_pose_t pose;       /* of the centre at the start; for a crank, of the hinge, with the handle at +x */
+    double length_m;         /* of a rod, or of a crank's handle */
+    double radius_m;         /* of a rod, or from a crank's hinge to the axis of its handle */
     double size_m[3];        /* stand */
-    double mass_kg;          /* rod; crank: of the handle with its arm */
-    double damping_Nmspprad; /* crank: N m s/rad */
-    double friction_Nm;      /* crank: dry */
+    double mass_kg;          /* of a rod, or of a crank's handle with its arm */
+    double damping_Nmspprad; /* crank: viscous friction */
+    double friction_Nm;      /* crank: dry friction */
     grip_kind_t robot_grip, person_grip;
-    bool held_by_robot; /* rod: in the closed gripper at the start */
+    bool held_by_robot; /* rod: starts in the closed gripper */
     object_point_t point[SCENARIO_MAX_POINTS];
     size_t point_count;
 } object_t;
@@ -91,7 +91,7 @@ typedef struct {
 typedef enum {
     POINT_NONE,
     POINT_OBJECT,      /* a point of object[index] */
-    POINT_PERSON_GRIP, /* of person[index] */
+    POINT_PERSON_GRIP, /* the grip point of person[index] */
     POINT_ROBOT_GRIPPER,
 } point_kind_t;
 
@@ -104,11 +104,11 @@ typedef struct {
 /* ---- when a step begins */
 
 typedef struct {
-    double at_s;                       /* earliest begin; 0: at once */
-    int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events: all must have happened */
+    double at_s;                       /* earliest begin; 0 if not restricted */
+    int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all of them */
     size_t awaited_count;
-    double delay_s;    /* after the last of these events */
-    double patience_s; /* timeout for these events, after which the run has failed; 0: none */
+    double delay_s;    /* after the last of these events, or after the previous step if there are none */
+    double patience_s; /* timeout for these events, after which the run fails; 0 for no timeout */
 } step_start_t;
 
 /* ---- people */
@@ -125,23 +125,23 @@ typedef enum {
 } person_action_t;
 
 typedef struct {
-    scenario_name_t name; /* the finished step raises "PERSON.NAME"; "": no event */
+    scenario_name_t name; /* the step raises "PERSON.NAME" when it is finished; "" for no event */
     person_action_t action;
     step_start_t start;
-    double duration_s;                     /* rest, move, reach, guide; turn: per turn */
-    double displacement_m[3];              /* move: from the start; play: none */
-    double rotation_vector_rad[3];         /* move: from the start orientation, torso axes */
-    bool from_here;                        /* move: both count from the end of the previous step, not from the start */
-    point_t what, to;                      /* guide: both; reach: to */
-    double offset_m[3];                    /* reach, guide: added to `to` */
-    double tolerance_m;                    /* reach, guide: short corrections follow until it is met */
-    double lift_m;                         /* reach, guide: height of the arc of the path */
-    size_t object;                         /* grip, turn */
-    double turns;                          /* turn: signed, about the hinge's axis */
-    char recording[SCENARIO_PATH_BYTES];   /* play; "": the recording of the command line */
-    char axes[8];                          /* play; "": by the file name */
-    double position_scale, rotation_scale; /* play: of the displacement from the recording's first pose */
-    double from_s, until_s;                /* play: section of the recording; until_s 0: to its end */
+    double duration_s;                   /* rest, move, reach, guide; turn: of one revolution */
+    double displacement_m[3];            /* move: from the start */
+    double rotation_vector_rad[3];       /* move: from the start orientation, torso axes */
+    bool from_here;                      /* move: both are relative to the end of the previous step, not to the start */
+    point_t what, to;                    /* guide: both; reach: to */
+    double offset_m[3];                  /* reach, guide: added to `to` */
+    double tolerance_m;                  /* reach, guide: short corrections follow until the point is this close */
+    double lift_m;                       /* reach, guide: height of the path's arc */
+    size_t object;                       /* grip, turn */
+    double turns;                        /* turn: signed, about the hinge's axis */
+    char recording[SCENARIO_PATH_BYTES]; /* play; "" for the recording given on the command line */
+    char axes[8];                        /* play; "" if the file's name determines them */
+    double position_scale, rotation_scale; /* play: factors of the displacement from the recording's first pose */
+    double from_s, until_s;                /* play: section of the recording; until_s is 0 for its end */
 } person_step_t;
 
 #define PERSON_GYRATION_M 0.06
@@ -149,10 +149,10 @@ typedef struct {
 typedef struct {
     scenario_name_t name;
     bool tracked;       /* wears the tracker's marker; exactly one person does */
-    rigid_pose_t start; /* of the hand. Hand frame like the robot's: z forward along the forearm, x up, palm down */
+    rigid_pose_t start; /* of the hand, whose frame is like the robot's: z forward along the forearm, x up; palm down */
     double grip_m[3];   /* grip point in the frame of the hand */
-    double elbow_m[3];  /* at the start; the forearm points to it */
-    double mass_kg;     /* effective, of hand and forearm at the hand; radius of gyration: PERSON_GYRATION_M */
+    double elbow_m[3];  /* fixed; the forearm points to it */
+    double mass_kg; /* effective mass of hand and forearm at the hand; its radius of gyration is PERSON_GYRATION_M */
     double stiffness_Npm, damping_ratio; /* of the arm, against forces at the hand */
     double stiffness_Nmprad;             /* of the wrist */
     double grip_force_limit_N;
@@ -174,11 +174,11 @@ typedef enum {
 } operate_kind_t;
 
 typedef struct {
-    scenario_name_t name; /* the acknowledged step raises "operator.NAME"; "": no event */
+    scenario_name_t name; /* the step raises "operator.NAME" when it is acknowledged; "" for no event */
     step_start_t start;
     operate_kind_t kind;
     command_t command;
-    task_id_t task;  /* select of a built-in task */
+    task_id_t task;  /* the built-in task to select */
     size_t own_task; /* OPERATE_DEFINE */
     bool close;      /* OPERATE_GRIPPER */
 } operate_step_t;
@@ -188,56 +188,56 @@ typedef struct {
     task_define_t define;
 } own_task_t;
 
-/* ---- checks. The pose of the end effector is ODE's. */
+/* ---- checks, which take the pose of the end effector from ODE */
 
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between the end effector and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, RMS of the same distance */
-    MEASURE_RELATION_RMS,     /* mm, end effector displacement since `from` less the person's times motion_scale */
-    MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` less expected_m times motion_scale */
+    MEASURE_RELATION_RMS,     /* mm, end effector displacement since `from` minus the person's times motion_scale */
+    MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` minus expected_m times motion_scale */
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
-    MEASURE_WAY_Z,             /* mm, end effector displacement along this axis from `from` to `until`; signed */
-    MEASURE_TILT,              /* deg, smallest angle of torso z to the end effector axis that started along it */
-    MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
-    MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` less expected_deg */
-    MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */
-    MEASURE_WATER_CAUGHT,      /* %, share of these that are in the person's cup at the end */
+    MEASURE_WAY_Z,         /* mm, end effector displacement along this axis from `from` to `until`; signed */
+    MEASURE_TILT,          /* deg, smallest angle between torso z and the end effector axis that started as torso z */
+    MEASURE_CUP_TILT_PEAK, /* deg, largest angle between torso z and the axis of the robot's cup */
+    MEASURE_TURN,          /* deg, end effector rotation from `from` to `until` minus expected_deg */
+    MEASURE_WATER_POURED,  /* %, share of the particles that left the robot's cup */
+    MEASURE_WATER_CAUGHT,  /* %, share of these that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
-    MEASURE_DROPS,             /* number of times that nobody held the object after its first grip, or it slipped */
+    MEASURE_DROPS,             /* how often the object was held by nobody after its first grip, or slipped */
     MEASURE_HELD,              /* 1 if only the named person holds the object at the end */
     MEASURE_FORCE_RMS,         /* N, at the person's hand while it holds the object, from ODE's joint */
     MEASURE_FORCE_PEAK,
     MEASURE_TURNS,          /* of the crank */
-    MEASURE_CARRIED_FOR,    /* s, for which robot and person hold the object together */
+    MEASURE_CARRIED_FOR,    /* s, time for which robot and person held the object together */
     MEASURE_CLEARANCE,      /* mm, smallest between person and robot outside intended contact */
     MEASURE_SELF_CLEARANCE, /* mm, smallest between the arm and the rest of the robot */
-    MEASURE_AIM,            /* mm, mean end effector position relative to the hand less expected_m; torso axes */
+    MEASURE_AIM,            /* mm, mean end effector position relative to the hand minus expected_m; torso axes */
 } measure_t;
 
 /* A time of the run, absolute or relative to an event. */
 typedef struct {
-    int event; /* EVENT_NONE: `s` counts from the run's start */
+    int event; /* `s` counts from this event; EVENT_NONE for the run's start */
     double s;
 } moment_t;
 
 typedef struct {
     scenario_name_t name;
     measure_t measure;
-    moment_t from, until;     /* the window; a single instant: `until` */
-    bool has_from, has_until; /* false: the default of check_window.h */
+    moment_t from, until;     /* the window; a measure at a single instant uses `until` */
+    bool has_from, has_until; /* false if the default of check_window.h applies */
     double expected_m[3];
     double expected_deg;
     size_t object, person;
     double limit;
-    bool is_lower_bound; /* true: at least the limit; false: at most */
+    bool is_lower_bound; /* true for at least the limit, false for at most */
 } scenario_check_t;
 
-/* Ranges of the variation by the seed: uniform, plus or minus. */
+/* Ranges in which the seed varies a scenario, uniformly from minus to plus the value. */
 typedef struct {
     double start_m;          /* start position of the tracked person's hand, per axis */
-    double move_m;           /* end of each move, per axis; moves to the same position keep a common end */
-    double object_m[3];      /* position of the objects, the same shift for all */
+    double move_m;           /* end of each move, per axis; moves to the same position still end at the same one */
+    double object_m[3];      /* position of the objects, which are all shifted alike */
     double duration_percent; /* duration of each step that has one */
 } variation_t;
 
@@ -245,7 +245,7 @@ typedef struct {
     scenario_name_t name;
     char summary[SCENARIO_TEXT_BYTES];
     char path[SCENARIO_PATH_BYTES];
-    double duration_s; /* upper limit; the operator stops at the latest SCENARIO_STOP_BEFORE_END_S before it */
+    double duration_s; /* upper limit; the operator stops the arm at least SCENARIO_STOP_BEFORE_END_S earlier */
     double start_deg[ROBOT_JOINTS];
     bool parameter_written[PARAMETER_COUNT];
     float parameter_value[PARAMETER_COUNT];
@@ -258,7 +258,7 @@ typedef struct {
     size_t object_count;
     person_t person[SCENARIO_MAX_PEOPLE];
     size_t person_count;
-    size_t tracked; /* person */
+    size_t tracked; /* index of the person who wears the tracker's marker */
     operate_step_t operate[SCENARIO_MAX_STEPS];
     size_t operate_count;
     scenario_check_t check[SCENARIO_MAX_CHECKS];
@@ -269,9 +269,10 @@ typedef struct {
     events_t events; /* all events that can happen; none has happened yet */
 } scenario_t;
 
-#define SCENARIO_STOP_BEFORE_END_S 0.5 /* the operator's stop */
+#define SCENARIO_STOP_BEFORE_END_S 0.5 /* from the operator's stop to the end of the run */
 
-/* Varies start, moves, object positions and durations within `variation` by the seed. Seed 0 changes nothing. */
+/* Varies start, moves, object positions and durations as the seed determines, within the ranges of `variation`. Seed 0
+ * changes nothing. */
 void scenario_vary(scenario_t *self, uint64_t seed);
 
 #endif

@@ -58,7 +58,7 @@ static bool needs_expected_m(measure_t measure) {
     return measure == MEASURE_DISPLACEMENT || measure == MEASURE_AIM;
 }
 
-/* A number of seconds, an event, or {event: NAME, plus_s: S}. */
+/* Reads a moment: a number of seconds, an event, or {event: NAME, plus_s: S}. */
 static moment_t read_moment(yaml_reader_t *yaml, yaml_node_t *node, const scenario_t *self) {
     static const char *const keys[] = {"event", "plus_s", NULL};
     moment_t moment = {EVENT_NONE, 0.0};
@@ -126,7 +126,7 @@ static void read_object(yaml_reader_t *yaml, const yaml_node_t *node, const scen
     }
 }
 
-/* The first object that a hand can hold. */
+/* Returns the index of the first object that a hand can hold. */
 static size_t first_held(yaml_reader_t *yaml, const yaml_node_t *word, const scenario_t *self) {
     for (size_t i = 0; i < self->object_count; i++) {
         if (self->object[i].kind != OBJECT_STAND) {
@@ -158,7 +158,7 @@ static bool has_cup(const scenario_t *self) {
     return has;
 }
 
-/* Rejects a measure whose subject is not in the scene. */
+/* Rejects a measure of something that the scene does not contain. */
 static void check_scene(yaml_reader_t *yaml, const yaml_node_t *word, const scenario_t *self, measure_t measure) {
     if (needs_water(measure) && self->water.particles == 0) {
         yaml_refuse(yaml, word, "water in the scenario");

@@ -63,7 +63,7 @@ static bool find_file(const char *name_or_path, const char *folder, char path[SC
         return false;
     }
     if (is_given || (is_whole && access(path, F_OK) == 0)) {
-        return true; /* the reader reports a file that cannot be opened */
+        return true; /* if the file cannot be opened, the reader reports it */
     }
     refuse_name(name_or_path, folder, error, error_size);
     return false;

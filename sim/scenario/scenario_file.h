@@ -1,19 +1,19 @@
-/* Reads scenario files (YAML, docs/scenario-files.md). Unknown keys, words and references, missing values and numbers
- * out of range each give one line that names file, line, key, value and what was expected. Whether the scene is
- * physically possible is checked in sim/feasibility. */
+/* Reads scenario files (YAML, docs/scenario-files.md). An unknown key, word or reference, a missing value and a number
+ * out of range are each reported in one line that names file, line, key, value and what was expected. Whether the scene
+ * is physically possible is checked in sim/feasibility. */
 #ifndef COMANIP_SIM_SCENARIO_FILE_H
 #define COMANIP_SIM_SCENARIO_FILE_H
 
 #include "scenario.h"
 
-/* name_or_path: "pour" is FOLDER/pour.yaml; with a slash or ".yaml" it is a path. Returns false on failure, with one
- * line in `error`. */
+/* name_or_path: a name such as "pour", which stands for FOLDER/pour.yaml, or a path, which contains a slash or ends in
+ * ".yaml". Returns false on failure, with one line in `error`. */
 bool scenario_load(scenario_t *self, const char *name_or_path, const char *folder, char error[], size_t error_size);
 
 typedef void scenario_visitor_t(void *context, const char *name, const char *summary);
 
-/* Visits all scenarios of the folder by the name that scenario_load() takes. Returns false on failure, with one line in
- * `error`. */
+/* Calls visit() for each scenario of the folder, with the name that scenario_load() accepts. Returns false on failure,
+ * with one line in `error`. */
 bool scenario_list(const char *folder, scenario_visitor_t *visit, void *context, char error[], size_t error_size);
 
 #endif

@@ -1,4 +1,4 @@
-/* First pass over a scenario file: names of objects and people, and all events. */
+/* Makes the first pass over a scenario file, which reads the names of objects and people, and declares all events. */
 #include <string.h>
 
 #include "scenario_sections.h"
@@ -17,7 +17,8 @@ static yaml_node_t *step_name(yaml_reader_t *yaml, yaml_node_t *steps, size_t i)
     return yaml_find(yaml, yaml_item(yaml, steps, i), "name");
 }
 
-/* program and program_with_recording may use the same names, because only one of them is played. */
+/* Rejects the name of step i if an earlier step has it. program and program_with_recording may use the same names,
+ * because only one of them is executed. */
 static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *steps, size_t i) {
     const yaml_node_t *name = step_name(yaml, steps, i);
     for (size_t j = 0; j < i; j++) {
@@ -85,7 +86,7 @@ static void read_object_names(yaml_reader_t *yaml, scenario_t *self) {
     }
 }
 
-/* "NAME.grip" and "NAME.dropped" would be ambiguous. */
+/* Rejects a person with the name of an object, because "NAME.grip" and "NAME.dropped" would be ambiguous. */
 static void refuse_object(yaml_reader_t *yaml, const yaml_node_t *name, const scenario_t *self) {
     for (size_t i = 0; i < self->object_count; i++) {
         if (strcmp(yaml_scalar(name), self->object[i].name) == 0) {

@@ -52,7 +52,7 @@ static void read_path(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     yaml_get_number(yaml, map, "lift_m", 0.0, 0.5, &step->lift_m);
 }
 
-/* A recording's path is relative to the scenario's file. */
+/* Reads the path of a recording, which is relative to the folder of the scenario file. */
 static void read_recording_path(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, person_step_t *step) {
     const yaml_node_t *node = yaml_find(yaml, map, "recording");
     if (node == NULL) {
@@ -121,7 +121,7 @@ static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     }
 }
 
-/* The number of steps was checked when their names were read. */
+/* Reads the steps. Their number was checked when their names were read. */
 static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t *self, person_step_t steps[],
                        size_t *count) {
     for (size_t i = 0; i < yaml_length(list) && !yaml->failed; i++) {
@@ -129,7 +129,7 @@ static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t 
     }
 }
 
-/* Sources of the numbers: docs/scenario-files.md. */
+/* docs/scenario-files.md names the sources of these numbers. */
 static void set_defaults(person_t *person) {
     person->mass_kg = 1.0;
     person->stiffness_Npm = 350.0;
@@ -139,8 +139,9 @@ static void set_defaults(person_t *person) {
     person->tremor_mm = 0.1;
 }
 
-/* Spring and damper are evaluated once per step (scene/hand_body.h): with w = sqrt(stiffness / inertia) and step h the
- * hand comes to rest only if 4 * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
+/* Rejects a stiffness at which the hand would not come to rest. Spring and damper are evaluated once per step
+ * (scene/hand_body.h). With w = sqrt(stiffness / inertia) and step h, the hand is therefore stable only if 4 *
+ * damping_ratio * w h + (w h)^2 < 4 (Jury's criterion). */
 static void check_is_stable(yaml_reader_t *yaml, yaml_node_t *map, const char *key, const person_t *person,
                             double stiffness, double inertia) {
     const double wh = 2.0 * (hypot(person->damping_ratio, 1.0) - person->damping_ratio);

@@ -7,7 +7,7 @@
 
 #define POINTS_MAX (SCENARIO_MAX_OBJECTS * SCENARIO_MAX_POINTS + SCENARIO_MAX_PEOPLE + 1)
 
-/* words: NULL-terminated. */
+/* Returns the index of the node's word in the NULL-terminated list, or 0 after an error. */
 static int find(yaml_reader_t *yaml, const yaml_node_t *node, const char *what, const char *const words[]) {
     const int number = yaml_choice(yaml_scalar(node), words);
     if (number < 0 && node != NULL) {

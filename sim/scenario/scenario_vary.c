@@ -5,7 +5,7 @@
 #include "../common/random.h"
 #include "scenario.h"
 
-/* Uniform in -1 .. 1. */
+/* Returns a uniform random number from -1 to 1. */
 static double draw(random_t *random) {
     return 2.0 * random_uniform(random) - 1.0;
 }

@@ -1,4 +1,5 @@
-/* When a step of a script begins: not before a given time, after events and a delay, with a timeout for the events. */
+/* Determines when a step of a script begins: not before a given time, and not before certain events and a delay after
+ * them. A timeout limits the wait for the events. */
 #ifndef COMANIP_SIM_STEP_WAIT_H
 #define COMANIP_SIM_STEP_WAIT_H
 
@@ -7,14 +8,14 @@
 
 #include "scenario.h"
 
-/* ready_s: end of the previous step. Returns false while an event is missing. */
+/* Computes when the step begins. ready_s: end of the previous step. Returns false while an event is missing. */
 bool step_wait_begin_s(const step_start_t *start, const events_t *events, double ready_s, double *begin_s);
 
 /* Returns true if the step has timed out at now_s; `text` then names the timeout and the missing event. */
 bool step_wait_timed_out(const step_start_t *start, const events_t *events, double ready_s, double now_s, char text[],
                          size_t size);
 
-/* Returns the name of the first missing event that this step waits for; NULL if it waits for none. */
+/* Returns the name of the first missing event that this step waits for, or NULL if none is missing. */
 const char *step_wait_missing(const step_start_t *start, const events_t *events);
 
 #endif

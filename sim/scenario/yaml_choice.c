@@ -6,8 +6,8 @@
 #define WORD_BYTES 64
 #define LIST_BYTES 1200
 #define SHORT_LIST_BYTES 60
-#define SIMILAR_SHARE 3   /* two words are similar if at most a third of the letters differ, */
-#define SIMILAR_LETTERS 2 /* or two letters */
+#define SIMILAR_SHARE 3   /* two words are similar if at most 1 / SIMILAR_SHARE of the letters differ, */
+#define SIMILAR_LETTERS 2 /* or at most this many letters */
 
 int yaml_choice(const char *word, const char *const words[]) {
     for (int i = 0; words[i] != NULL; i++) {
@@ -22,7 +22,7 @@ static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-/* Letters to insert, remove or replace to turn one word into the other (Levenshtein distance). */
+/* Returns how many letters to insert, remove or replace to turn one word into the other (Levenshtein distance). */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[WORD_BYTES];
     const size_t length = strnlen(b, WORD_BYTES - 1);
@@ -41,14 +41,14 @@ static size_t edit_distance(const char *a, const char *b) {
     return row[length];
 }
 
-/* Returns NULL if no word is similar. */
+/* Returns the most similar word of the list, or NULL if no word is similar. */
 static const char *most_similar(const char *word, const char *const words[]) {
     const size_t length = strlen(word);
     size_t best = (length / SIMILAR_SHARE > SIMILAR_LETTERS ? length / SIMILAR_SHARE : SIMILAR_LETTERS) + 1;
     const char *similar = NULL;
     for (size_t i = 0; length < WORD_BYTES && words[i] != NULL; i++) {
         const size_t distance = edit_distance(word, words[i]);
-        if (distance < best && distance < length) { /* else every letter would be replaced */
+        if (distance < best && distance < length) { /* not if every letter would be replaced */
             best = distance;
             similar = words[i];
         }

@@ -5,14 +5,14 @@
 
 #include "yaml_reader.h"
 
-/* Returns the index of the word in the NULL-terminated list, or -1 if it is not there. */
+/* Returns the index of the word in the NULL-terminated list, or -1 if it is not in the list. */
 int yaml_choice(const char *word, const char *const words[]);
 
-/* Reports "expected one of the WHAT a, b, c; did you mean b?". what: the kind of the words, for example "keys". A long
- * list is left out if there is a similar word. */
+/* Reports "expected one of the WHAT a, b, c; did you mean b?". what: the kind of the words, for example "keys". If
+ * there is a similar word, a long list is replaced by its length. */
 void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const words[]);
 
-/* Rejects a node that is not a mapping and keys that are not in the NULL-terminated list. A NULL map has no keys. */
+/* Rejects a node that is not a mapping and keys that are not in the NULL-terminated list. Accepts NULL. */
 void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]);
 
 #endif

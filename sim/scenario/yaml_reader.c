@@ -8,7 +8,7 @@
 
 #include "yaml_screen.h"
 
-#define SHOWN_BYTES 60 /* of a value in an error message */
+#define SHOWN_BYTES 60 /* longest part of a value that an error message shows */
 #define EXPECTED_BYTES 1400
 
 /* ---- errors */
@@ -17,7 +17,7 @@ const char *yaml_scalar(const yaml_node_t *node) {
     return node != NULL && node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value : "";
 }
 
-/* Appends the path from `node` to `target`. Without anchors each node has exactly one path. */
+/* Appends the path from `node` to `target`. Each node has exactly one path, because anchors are not allowed. */
 static bool find_path(yaml_reader_t *self, const yaml_node_t *node, const yaml_node_t *target,
                       char path[YAML_PATH_BYTES]) {
     if (node == target) {
@@ -52,7 +52,7 @@ void yaml_path(yaml_reader_t *self, const yaml_node_t *node, char path[YAML_PATH
     (void)find_path(self, yaml_root(self), node, path);
 }
 
-/* Number of bytes to show; never splits a UTF-8 character. */
+/* Returns the number of bytes to show, without splitting a UTF-8 character. */
 static int shown_bytes(const char *text) {
     size_t bytes = strnlen(text, SHOWN_BYTES);
     while (bytes > 0 && ((unsigned char)text[bytes] & 0xC0) == 0x80) {
@@ -86,7 +86,7 @@ void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node, const char *expec
 
 /* ---- documents */
 
-/* Returns NULL if the file cannot be read or is too large. */
+/* Returns the file's text, or NULL if the file cannot be read or is too large. */
 static char *read_file(yaml_reader_t *self, size_t *length) {
     char *text = malloc(YAML_FILE_MAX_BYTES + 1);
     FILE *file = text != NULL ? fopen(self->path, "rb") : NULL;
@@ -118,7 +118,7 @@ static bool load(yaml_reader_t *self, const char *text, size_t length) {
         self->is_loaded = yaml_parser_load(&parser, &self->document) != 0;
         yaml_parser_delete(&parser);
     }
-    if (!self->is_loaded) { /* out of memory: yaml_screen() has already checked the syntax */
+    if (!self->is_loaded) { /* out of memory, since yaml_screen() has already checked the syntax */
         (void)snprintf(self->error, self->error_size, "%s: not enough memory to read it", self->path);
     }
     return self->is_loaded;

@@ -13,12 +13,12 @@ typedef struct {
     size_t error_size;
     int depth;
     int documents;
-    bool is_mapping[MAX_DEPTH + 1]; /* the collection at this depth */
+    bool is_mapping[MAX_DEPTH + 1]; /* true if the collection at this depth is a mapping */
     bool key_is_next[MAX_DEPTH + 1];
 } screen_t;
 
-/* Number of bytes before the first character that could move a terminal's cursor or end a line: ASCII control
- * characters, U+0080 to U+009F, U+2028 and U+2029. The text ends with a zero byte. */
+/* Returns the number of bytes before the first character that could move a terminal's cursor or end a line: ASCII
+ * control characters, U+0080 to U+009F, U+2028 and U+2029. The text ends with a zero byte. */
 static size_t plain_bytes(const yaml_char_t *text, size_t length) {
     for (size_t i = 0; i < length; i++) {
         const bool is_control = text[i] < ' ' || text[i] == 0x7F || (text[i] == 0xC2 && text[i + 1] < 0xA0);
@@ -30,7 +30,7 @@ static size_t plain_bytes(const yaml_char_t *text, size_t length) {
     return length;
 }
 
-/* mark: shown before the value: '&' for an anchor, '*' for an alias, else "". */
+/* mark is shown before the value: "&" for an anchor, "*" for an alias, otherwise "". */
 static bool refuse(const screen_t *self, const yaml_event_t *event, const char *mark, const yaml_char_t *value,
                    const char *expected) {
     size_t shown = plain_bytes(value, strnlen((const char *)value, SHOWN_BYTES));
@@ -42,7 +42,7 @@ static bool refuse(const screen_t *self, const yaml_event_t *event, const char *
     return false;
 }
 
-/* The parser's current position is already past the error, so the line is that of its problem mark. */
+/* Reports the line of the parser's problem mark, because its current position is already past the error. */
 static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
     const size_t line = parser->error == YAML_READER_ERROR ? parser->mark.line : parser->problem_mark.line;
     (void)snprintf(self->error, self->error_size, "%s:%zu: expected YAML in UTF-8: %s%s%s", self->path, line + 1,
@@ -51,7 +51,7 @@ static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
     return false;
 }
 
-/* Every second node of a mapping is a key. */
+/* Keeps track of the keys of a mapping, which are every second node. Rejects a key that is not a scalar. */
 static bool count_node(screen_t *self, const yaml_event_t *event, bool is_scalar) {
     if (!self->is_mapping[self->depth]) {
         return true;

@@ -13,7 +13,7 @@
 
 /* ---- numbers */
 
-/* Endings of keys and the units they stand for. The first match counts. */
+/* Endings of keys and the units that they imply. The first match applies. */
 static const struct {
     const char *ending, *unit;
 } units[] = {
@@ -52,7 +52,7 @@ static const char *unit_of(yaml_reader_t *self, const yaml_node_t *node) {
     return "";
 }
 
-/* Decimal numbers only: strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
+/* Returns true for a decimal number only. strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
 static bool is_decimal(const char *text) {
     char *end = NULL;
     (void)strtod(text, &end);
@@ -79,7 +79,7 @@ static void refuse_number(yaml_reader_t *self, const yaml_node_t *node, const ch
 double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *unit, double minimum, double maximum) {
     const char *text = yaml_scalar(node);
     const double value = is_decimal(text) && !is_quoted(node) ? strtod(text, NULL) : (double)NAN;
-    if (!(value >= minimum && value <= maximum)) { /* also true for NaN */
+    if (!(value >= minimum && value <= maximum)) { /* this rejects NaN too */
         refuse_number(self, node, unit, minimum, maximum);
         return minimum;
     }

@@ -1,18 +1,20 @@
 /* Reads values of a YAML file: numbers, vectors, rotations, words, names and texts. Errors (yaml_reader.h) name the
- * unit that the ending of the key stands for. */
+ * unit that the key's ending implies. */
 #ifndef COMANIP_SIM_YAML_VALUES_H
 #define COMANIP_SIM_YAML_VALUES_H
 
 #include "yaml_reader.h"
 
-/* Decimal, without quotes. unit NULL: from the ending of the key. Returns `minimum` after an error. */
+/* Reads a decimal number without quotes. An error message names `unit`, or the one that the key's ending implies if
+ * unit is NULL. Returns `minimum` after an error. */
 double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *unit, double minimum, double maximum);
 int yaml_whole_number(yaml_reader_t *self, const yaml_node_t *node, int minimum, int maximum);
 
 /* Returns the index of the word in a NULL-terminated list, or -1 after an error. */
 int yaml_word(yaml_reader_t *self, const yaml_node_t *node, const char *const words[]);
 
-/* Reads a name: lower-case letters, digits and underscores, a letter first. After an error `name` is unchanged. */
+/* Reads a name: lower-case letters, digits and underscores, beginning with a letter. After an error `name` is
+ * unchanged. */
 void yaml_name(yaml_reader_t *self, const yaml_node_t *node, char name[], size_t size);
 
 /* ---- the value of a key in a mapping; unchanged if the key is missing */
@@ -25,7 +27,7 @@ void yaml_get_vector(yaml_reader_t *self, yaml_node_t *map, const char *key, siz
 void yaml_get_name(yaml_reader_t *self, yaml_node_t *map, const char *key, char name[], size_t size);
 void yaml_get_text(yaml_reader_t *self, yaml_node_t *map, const char *key, char text[], size_t size);
 
-/* A product of rotations in the notation of Table I, left to right: [{axis: x, angle_deg: 180}, ...]. */
+/* Reads a product of rotations in the notation of Table I, from left to right: [{axis: x, angle_deg: 180}, ...]. */
 void yaml_get_rotation(yaml_reader_t *self, yaml_node_t *map, const char *key, double rotation[4]);
 
 /* ---- the same, but a missing key is an error */
