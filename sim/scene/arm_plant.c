@@ -96,7 +96,7 @@ double arm_plant_velocity_radps(const arm_plant_t *self, int joint) {
 }
 
 double arm_plant_torque_Nm(const arm_plant_t *self, int joint) {
-    /* ODE gives force and torque at the body's centre of mass: transform the torque to the hinge's anchor. */
+    /* ODE reports force and torque at the body's centre of mass. Transform the torque to the hinge's anchor. */
     const dReal *f = self->feedback[joint].f1;
     const dReal *t = self->feedback[joint].t1;
     const dReal *centre = dBodyGetPosition(self->body[joint]);

@@ -1,6 +1,6 @@
-/* The arm as a rigid-body system in ODE: right arm of the HOAP-3 from robot_model.h, torso fixed to the world, each
- * hinge with mechanical stops and a velocity motor of limited torque. There are no collisions. The scene owns the ODE
- * world and steps it. */
+/* The arm as a rigid-body system in ODE: the right arm of the HOAP-3 (robot_model.h), with the torso fixed to the
+ * world. Each hinge has mechanical stops and a velocity motor of limited torque. The arm does not collide with
+ * anything. The scene owns the ODE world and steps it. */
 #ifndef COMANIP_SIM_ARM_PLANT_H
 #define COMANIP_SIM_ARM_PLANT_H
 
@@ -12,12 +12,13 @@ struct dxWorld;
 
 typedef struct arm_plant arm_plant_t;
 
-/* Starts at rest at start_rad, which must lie within the stops, with motors that hold. The bodies are destroyed with
- * the world. Returns NULL if out of memory. */
+/* The arm starts at rest at start_rad, which must lie within the stops, and its motors hold it there. The bodies are
+ * destroyed with the world. Returns NULL if out of memory. */
 arm_plant_t *arm_plant_create(struct dxWorld *world, const double start_rad[ROBOT_JOINTS]);
 void arm_plant_destroy(arm_plant_t *self);
 
-/* Setpoint of the joint's motor, whose torque is at most ROBOT_TORQUE_PEAK_NM. 0 holds. */
+/* Sets the setpoint of the joint's motor, whose torque is at most ROBOT_TORQUE_PEAK_NM. A setpoint of 0 holds the
+ * joint. */
 void arm_plant_set_velocity(arm_plant_t *self, int joint, double velocity_radps);
 
 /* Sets the motor's torque to zero, so that the joint swings freely between its stops. */
@@ -26,13 +27,14 @@ void arm_plant_release(arm_plant_t *self, int joint);
 double arm_plant_position_rad(const arm_plant_t *self, int joint);
 double arm_plant_velocity_radps(const arm_plant_t *self, int joint);
 
-/* Torque about the joint's axis over the last step, from motor and stop together. */
+/* Returns the torque of motor and stop together about the joint's axis during the last step. */
 double arm_plant_torque_Nm(const arm_plant_t *self, int joint);
 
-/* Pose of the end effector in the torso frame, from ODE's bodies. The quaternion's sign is continuous over time. */
+/* Computes the pose of the end effector in the torso frame from ODE's bodies. The quaternion's sign is continuous over
+ * time. */
 void arm_plant_hand(const arm_plant_t *self, rigid_pose_t *hand);
 
-/* The body that a grip is attached to: the forearm with the end effector. */
+/* Returns the body that a grip is attached to, which is the forearm with the end effector. */
 struct dxBody *arm_plant_hand_body(const arm_plant_t *self);
 
 #endif

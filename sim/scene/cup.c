@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define LATTICE_SPACING 2.05         /* of neighbours in a layer, in radii */
-#define LAYER_SPACING 1.8            /* between layers, in radii: each lies in the hollows of the one below */
-#define LAYER_TURN_RAD 2.39996322973 /* the golden angle: no two layers are alike, so no column can balance */
+#define LATTICE_SPACING 2.05         /* between neighbours in a layer, in radii */
+#define LAYER_SPACING 1.8            /* between layers, in radii; each layer lies in the hollows of the one below */
+#define LAYER_TURN_RAD 2.39996322973 /* the golden angle, so that no two layers are aligned and no column can balance */
 
 placed_cup_t cup_place(const cup_t *cup, const rigid_pose_t *pose) {
     placed_cup_t placed = {.cup = cup};
@@ -51,7 +51,8 @@ static double clamp(double value, double low, double high) {
     return fmin(fmax(value, low), high);
 }
 
-/* Contact of a sphere with the shell around one point of its centre line. Returns false if they do not touch. */
+/* Finds the contact of a sphere with the shell around one point of the shell's centre line. Returns false if they do
+ * not touch. */
 static bool touch_around(profile_t on_line, double half_wall_m, profile_t centre, const double outwards[2],
                          double radius_m, cup_contact_t *contact) {
     const double rho = centre.rho - on_line.rho;
@@ -73,7 +74,8 @@ static bool touch_around(profile_t on_line, double half_wall_m, profile_t centre
     return true;
 }
 
-/* A quick test without a square root: most particles are well inside or outside the cup. */
+/* Returns true if a sphere certainly does not touch the shell. This test is quick, because it needs no square root, and
+ * it settles the case of most particles, which are well inside or outside the cup. */
 static bool is_clear(const cup_t *self, double square, double z, double radius_m) {
     const double room_m = self->radius_m - radius_m;
     const double outer_m = self->radius_m + self->wall_m + radius_m;

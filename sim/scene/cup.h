@@ -1,6 +1,6 @@
-/* The wall of a cup in contacts with particles: the polyline bottom-corner-rim, rotated about the cup's axis and
- * thickened to a rounded shell. The shell lies outside the inner surface, so that inner radius and height are those of
- * the cup. Points are in the cup's frame unless stated otherwise. */
+/* The wall of a cup, as particles touch it. Its centre line runs along the bottom to the corner and up to the rim.
+ * Rotated about the cup's axis and thickened, it becomes a rounded shell. The shell lies outside the inner surface, so
+ * that the inner radius and height are those of the cup. Points are in the cup's frame unless stated otherwise. */
 #ifndef COMANIP_SIM_CUP_H
 #define COMANIP_SIM_CUP_H
 
@@ -30,19 +30,20 @@ void cup_from_world(const placed_cup_t *self, const double point_m[3], double in
 void cup_to_world(const placed_cup_t *self, const double in_cup_m[3], double point_m[3]);
 void cup_rotate_to_world(const placed_cup_t *self, const double direction[3], double turned[3]);
 
-/* Finds where a sphere overlaps the shell and returns the number of contacts. Exact unless the centre is within the
- * shell or the sphere is wider than the cup. */
+/* Finds where a sphere overlaps the shell and returns the number of contacts. The result is exact unless the centre is
+ * within the shell or the sphere is wider than the cup. */
 int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_contact_t contact[CUP_MAX_CONTACTS]);
 
-/* Gives points for the centres of `count` spheres in the cup: layer upon layer from the bottom, above the rim if
- * necessary. Returns the height of the last layer; 0: the cup is too narrow for one sphere. */
+/* Computes where to put the centres of `count` spheres: layer upon layer from the bottom of the cup, above the rim if
+ * necessary. Returns the height of the last layer, or 0 if the cup is too narrow for a single sphere. */
 double cup_lattice(const cup_t *self, double radius_m, int count, double point_m[][3]);
 
-/* True if the centre of a particle is in the cup's inner cylinder. */
+/* Returns true if the centre of a particle is in the cup's inner cylinder. */
 bool cup_contains(const cup_t *self, const double centre_m[3]);
 
-/* True if a particle that was in the cup has left it: it is outside the wall and below the rim, or farther from the
- * inner cylinder than its diameter plus the wall. Until then it lies on the heap or the rim and may fall back. */
+/* Returns true if a particle that was in the cup has left it, that is, if it is outside the wall and below the rim, or
+ * farther from the inner cylinder than its diameter plus the wall. Until then it may lie on the heap or on the rim, and
+ * may fall back. */
 bool cup_is_left_by(const cup_t *self, const double centre_m[3], double radius_m);
 
 #endif

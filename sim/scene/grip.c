@@ -55,7 +55,7 @@ static double length(const dReal v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* ODE gives the torque at the centre of mass of the hand's body; this is the torque at the grip. */
+/* Returns the torque at the grip. ODE reports the torque at the centre of mass of the hand's body. */
 static double torque_at_grip_Nm(const grip_t *self) {
     const dReal *f = self->feedback.f1, *t = self->feedback.t1;
     dVector3 r;

@@ -25,7 +25,7 @@ void hand_body_init(hand_body_t *self, dWorldID world, const person_t *person) {
     dBodySetQuaternion(self->body, person->start.rotation);
 }
 
-/* Rotation vector of the shorter rotation from a to b, in torso axes. */
+/* Computes the rotation vector of the shorter rotation from a to b, in torso axes. */
 static void rotation_vector_between(const double a[4], const double b[4], double vector_rad[3]) {
     const double from_a[4] = {a[0], -a[1], -a[2], -a[3]};
     double turn[4];

@@ -1,9 +1,10 @@
-/* A person's hand as a rigid body: it follows the desired pose, and external forces act against the stiffness and
- * damping of the arm and of the wrist (six degrees of freedom). The person carries its weight.
+/* A person's hand as a rigid body with six degrees of freedom. It follows the desired pose, and external forces deflect
+ * it against the stiffness and damping of the arm and of the wrist. The person carries the hand's weight.
  *
- * Force on the body per step: m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the same for rotation:
- * without external forces the hand is exactly on the desired path. The neuromuscular literature gives the arm's
- * stiffness at the hand as 100 to 800 N/m (Mussa-Ivaldi, Hogan and Bizzi, J. Neuroscience 5, 1985). */
+ * In each step the force on the body is m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the torque is
+ * computed likewise. Without external forces the hand therefore follows the desired path exactly. According to the
+ * neuromuscular literature, the arm's stiffness at the hand is 100 to 800 N/m (Mussa-Ivaldi, Hogan and Bizzi,
+ * J. Neuroscience 5, 1985). */
 #ifndef COMANIP_SIM_HAND_BODY_H
 #define COMANIP_SIM_HAND_BODY_H
 
@@ -20,7 +21,7 @@ typedef struct {
     double stiffness_Nmprad, damping_Nmspprad;
     rigid_pose_t aim;                              /* desired pose at the end of the last step */
     rigid_pose_t next_aim;                         /* desired pose at the end of the next step */
-    double aim_velocity_mps[3], aim_spin_radps[3]; /* over the last step */
+    double aim_velocity_mps[3], aim_spin_radps[3]; /* average over the last step */
 } hand_body_t;
 
 void hand_body_init(hand_body_t *self, struct dxWorld *world, const person_t *person);

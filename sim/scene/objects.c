@@ -4,10 +4,10 @@
 #include <ode/ode.h>
 #include <string.h>
 
-#define ROD_SPIN_TIME_S 0.025 /* decay time of a spin about the axis, which two ball grips leave free */
+#define ROD_SPIN_TIME_S 0.025 /* decay time of a rod's spin about its axis, which two ball grips leave free */
 #define AXIS_Z 3              /* dMassSetCylinderTotal counts x, y, z from 1 */
 
-/* Pose of the centre of the handle, which is the body of a crank. */
+/* Returns the pose of the centre of the handle, which is the only body of a crank. */
 static rigid_pose_t crank_handle(const object_t *data) {
     const rigid_pose_t offset = {{data->radius_m, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
     return rigid_pose_multiply(&data->pose, &offset);

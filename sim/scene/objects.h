@@ -13,25 +13,25 @@ struct dxWorld;
 
 typedef struct {
     const object_t *data;
-    struct dxBody *body;    /* NULL: a stand */
+    struct dxBody *body;    /* NULL for a stand */
     struct dxJoint *hinge;  /* of a crank */
     double hinge_angle_rad; /* unwrapped, 0 at the start */
-    double last_angle_rad;  /* as ODE gives it, -pi..pi */
+    double last_angle_rad;  /* as ODE reports it, from -pi to pi */
 } scene_object_t;
 
 void scene_object_init(scene_object_t *self, struct dxWorld *world, const object_t *data);
 
-/* Called before a step: damps the spin of a rod and adds up the last rotation of a crank. */
+/* Damps the spin of a rod, and adds the last rotation of a crank to its angle. Call it before each step. */
 void scene_object_prepare(scene_object_t *self);
 
-/* Pose of the centre of a rod or a stand, or of a crank's hinge with its current rotation. */
+/* Computes the pose of the centre of a rod or a stand, or of a crank's hinge with its current rotation. */
 void scene_object_pose(const scene_object_t *self, rigid_pose_t *pose);
 
-/* The point at along_m from the centre of the axis at which the object is held: that of a rod or of a crank's
- * handle. */
+/* Computes the position of the point at along_m from the centre of the axis by which the object is held, which is the
+ * axis of a rod or of a crank's handle. */
 void scene_object_point(const scene_object_t *self, double along_m, double position_m[3]);
 
-/* Gives the point of the axis nearest to `position_m` and returns its distance. */
+/* Finds the point of this axis that is nearest to `position_m`, and returns its distance. */
 double scene_object_nearest(const scene_object_t *self, const double position_m[3], double nearest_m[3]);
 
 #endif

@@ -10,8 +10,8 @@ typedef struct {
     double position_m[3];
     double velocity_mps[3];
     double radius_m;
-    double inverse_mass_pkg; /* 1/kg; 0: a wall */
-    int cup;                 /* index of the cup that it is in, or NO_CUP */
+    double inverse_mass_pkg; /* 1/kg; 0 for a wall */
+    int cup;                 /* index of the cup that contains it, or NO_CUP */
     bool is_spilt;           /* lies on the ground; has no contacts any more */
 } particle_t;
 

@@ -18,7 +18,7 @@ static int refresh(const particle_t particle[], particle_along_x_t sorted[], int
     return kept;
 }
 
-/* Insertion sort: the order hardly changes from step to step. */
+/* Uses insertion sort, because the order hardly changes from step to step. */
 static void sort_along_x(particle_along_x_t sorted[], int count) {
     for (int i = 1; i < count; i++) {
         const particle_along_x_t moved = sorted[i];
@@ -49,7 +49,7 @@ static int touch(const particle_along_x_t *a, const particle_along_x_t *b, parti
     return 1;
 }
 
-/* Sweep and prune: only pairs that are close along x are tested. */
+/* Tests only pairs that are close along x ("sweep and prune"). */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]) {
     const int count = refresh(particle, sorted, *sorted_count);

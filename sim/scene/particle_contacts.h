@@ -14,21 +14,22 @@ typedef struct {
     double impulse_Ns;     /* on `one` along the normal, >= 0; written by the solver */
 } particle_contact_t;
 
-/* An entry of the list of particles that is sorted along x. */
+/* An entry of the list of particles, which is sorted along x. */
 typedef struct {
     double position_m[3];
     double radius_m;
     int particle; /* its index */
 } particle_along_x_t;
 
-/* Contacts between particles. sorted[]: the *sorted_count particles that are not spilt, in the order of the last call;
- * before the first call in any order, with only `particle` set. Removes particles spilt since the last call. Returns
- * the number of contacts, at most one per pair. */
+/* Finds the contacts between particles. sorted[] lists the *sorted_count particles that are not spilt, in the order
+ * that the last call left. For the first call any order will do, and only `particle` needs to be set. Removes particles
+ * spilt since the last call. Returns the number of contacts, at most one per pair. */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]);
 
-/* Contacts with a cup that moves from `before` to `after` within the step. A particle's contacts with the cup get the
- * wall indices first_wall, first_wall + 1. Returns the number of contacts, at most CUP_MAX_CONTACTS per particle. */
+/* Finds the contacts with a cup that moves from `before` to `after` within the step. A particle's contacts with the cup
+ * get the wall indices first_wall, first_wall + 1. Returns the number of contacts, at most CUP_MAX_CONTACTS per
+ * particle. */
 int particle_contacts_find_cup(const particle_t particle[], int count, const placed_cup_t *before,
                                const placed_cup_t *after, double step_s, int first_wall, particle_contact_t contact[]);
 

@@ -3,9 +3,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* The stiffness is low enough that a full cup compresses its lowest particles by about 3 % of their radius, and the
- * damping prevents bouncing. Both are per kilogram of a mean particle, in 1/s^2 and 1/s, so that the behaviour does not
- * depend on the size. */
+/* With this stiffness the lowest particles of a full cup are compressed by about 3 % of their radius. The damping
+ * prevents bouncing. Both are per kilogram of a mean particle, in 1/s^2 and 1/s, so that the behaviour does not depend
+ * on the size. */
 #define STIFFNESS_PER_KG 6.0e5
 #define DAMPING_PER_KG 1.5e3
 
@@ -14,14 +14,14 @@
 
 typedef struct {
     double impulse_Ns;
-    uint64_t step; /* in which the contact was found */
+    uint64_t step; /* last step in which the contact was found */
 } memory_t;
 
 struct particle_solver {
     size_t bodies; /* particles and walls */
     double mass_kg;
     uint64_t step;
-    memory_t memory[]; /* [particles][bodies], for each pair */
+    memory_t memory[]; /* [particles][bodies], one for each pair */
 };
 
 /* ODE's ERP and CFM, each divided by the step. */

@@ -15,8 +15,8 @@ typedef struct particle_solver particle_solver_t;
 particle_solver_t *particle_solver_create(int particles, int walls, double mass_kg);
 void particle_solver_destroy(particle_solver_t *self);
 
-/* Changes the velocities of particle[particles + walls]; an inverse mass of 0 makes a wall. Writes the contacts'
- * impulses. At most one contact per pair. */
+/* Changes the velocities in particle[], which holds the particles and then the walls; walls have an inverse mass of 0.
+ * Writes the contacts' impulses. There must be at most one contact per pair. */
 void particle_solver_step(particle_solver_t *self, particle_contact_t contact[], int contacts, particle_t particle[],
                           double step_s);
 

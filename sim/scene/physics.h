@@ -8,11 +8,11 @@
 
 struct dxWorld;
 
-/* Gravity acts along -z. Initialises ODE; physics_destroy() closes it. */
+/* Initialises ODE and creates a world with gravity along -z. physics_destroy() destroys the world and closes ODE. */
 struct dxWorld *physics_create(void);
 void physics_destroy(struct dxWorld *world);
 
-/* Uses ODE's exact solver. */
+/* Makes one step with ODE's exact solver. */
 void physics_step(struct dxWorld *world, double step_s);
 
 #endif

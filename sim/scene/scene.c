@@ -13,7 +13,7 @@
 
 #define HAND_CAPTURE_M 0.025  /* an open hand can close on an axis within this distance of its grip point */
 #define OPENING_ON_OBJECT 0.3 /* opening at which the jaws touch an object */
-#define DROPPED_AFTER_S 0.02  /* dropped: held by nobody for this time */
+#define DROPPED_AFTER_S 0.02  /* an object counts as dropped after nobody has held it for this long */
 #define HOLDERS (SCENARIO_MAX_PEOPLE + 1)
 
 struct scene {
@@ -34,7 +34,7 @@ struct scene {
     bool close;   /* the last gripper command */
     double opening;
     water_body_t *water;
-    int person_with_cup; /* -1: none */
+    int person_with_cup; /* -1 if there is none */
 };
 
 /* ---- events */

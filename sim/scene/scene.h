@@ -1,9 +1,10 @@
 /* The physical scene in ODE: the robot's arm with gripper and cup, the people's hands, and the objects. ODE computes
- * all forces except those of the water. Its parts are in hand_body.h, grip.h, objects.h, support.h and water.h.
- * Commands come from outside: from the drives (arm), the gripper node and the people's programs.
+ * all forces except those of the water. The scene's parts are in arm_plant.h, hand_body.h, grip.h, objects.h, support.h
+ * and water.h. Its commands come from the drives, the gripper node and the people's programs.
  *
- * Arm, hands and objects are one system for ODE's exact solver (dWorldStep). The water is a second system: the cups act
- * on it, but it does not act on the cups. The same commands give bit-identical results. */
+ * Arm, hands and objects form one system, which ODE's exact solver (dWorldStep) solves. The water is a second system:
+ * the cups act on the water, but the water does not act on the cups. The same commands always produce bit-identical
+ * results. */
 #ifndef COMANIP_SIM_SCENE_H
 #define COMANIP_SIM_SCENE_H
 
@@ -12,7 +13,7 @@
 #include "arm_plant.h"
 #include "water.h"
 
-#define SCENE_HOLDER_ROBOT SCENARIO_MAX_PEOPLE /* holders: a person's index, or this */
+#define SCENE_HOLDER_ROBOT SCENARIO_MAX_PEOPLE /* a holder is a person's index, or this value */
 
 typedef struct scene scene_t;
 
@@ -32,23 +33,23 @@ arm_plant_t *scene_arm(const scene_t *self);
 void scene_command_gripper(scene_t *self, bool close);
 double scene_gripper_opening(const scene_t *self); /* 0 closed .. 1 open; in between on a held object */
 bool scene_robot_holds(const scene_t *self);
-double scene_gripper_force_N(const scene_t *self); /* between gripper and object; 0: nothing is held */
+double scene_gripper_force_N(const scene_t *self); /* between gripper and object; 0 if nothing is held */
 void scene_robot_cup(const scene_t *self, rigid_pose_t *cup);
 
 /* ---- people */
 
-/* Sets the desired pose of the hand at the end of the next step; its velocity follows from the difference to the last
- * call. Without external forces the hand is exactly there; forces act against the arm's stiffness. Called before each
- * scene_step(). */
+/* Sets the desired pose of the hand at the end of the next step. The desired velocity follows from the difference from
+ * the last call. Without external forces the hand reaches this pose exactly; forces deflect it against the arm's
+ * stiffness. Call it before each scene_step(). */
 void scene_aim_hand(scene_t *self, size_t person, const rigid_pose_t *hand);
 void scene_hand(const scene_t *self, size_t person, rigid_pose_t *hand);
 
-/* Returns false without effect if the hand already holds an object, the object is a stand, or no part of it is within
- * 25 mm of the grip point. */
+/* Closes the hand on the object. Returns false, and does nothing, if the hand already holds an object, if the object is
+ * a stand, or if no part of its axis is within 25 mm of the grip point. */
 bool scene_close_hand(scene_t *self, size_t person, size_t object);
 void scene_open_hand(scene_t *self, size_t person);
 
-/* Force of the object on the hand through ODE's joint over the last step; zero if nothing is held. */
+/* Reads the force of the object on the hand in the last step, from ODE's joint. It is zero if nothing is held. */
 void scene_hand_force_N(const scene_t *self, size_t person, double force_N[3]);
 
 /* ---- objects */
@@ -57,10 +58,10 @@ void scene_object(const scene_t *self, size_t object, rigid_pose_t *pose);
 bool scene_holds(const scene_t *self, size_t holder, size_t object);
 double scene_crank_turns(const scene_t *self, size_t object); /* signed, since the start */
 
-/* Current position of a point. */
+/* Computes the current position of a point. */
 void scene_point(const scene_t *self, const point_t *point, double position_m[3]);
 
-/* Current state of the water; all zero without water. */
+/* Returns the current state of the water, which is all zero if the scene has none. */
 water_count_t scene_water(const scene_t *self);
 
 #endif

@@ -4,24 +4,26 @@
 #include <ode/ode.h>
 
 #define FRICTION 0.6
-/* Rubber pads, per contact: a rod of 0.1 kg sinks in by about 0.01 mm and does not bounce. */
+/* Stiffness and damping of each contact, as of rubber pads: a rod of 0.1 kg sinks in by about 0.01 mm and does not
+ * bounce. */
 #define CONTACT_NPM 2e4
 #define CONTACT_NSPM 20.0
 /* A contact creeps by 1 mm/s per N of friction. The four contacts of a rod in a groove have more directions than the
- * rod has degrees of freedom: without creep the friction forces are undetermined, and ODE's LCP solver fails. */
+ * rod has degrees of freedom. Without creep the friction forces would be undetermined, and ODE's LCP solver would
+ * fail. */
 #define CONTACT_SLIP_MPNS 1e-3
 #define GROOVE_DEPTH_M 0.01 /* a rod that is deeper than this below its start position has left the groove */
 #define GROOVE_SLOPE 0.70710678118654752440 /* of the sides of the V: 45 degrees */
 
-/* Destination of the contacts for a step of this length. */
+/* Where contacts are added, and the length of the step that they are for. */
 typedef struct {
     dWorldID world;
     dJointGroupID group;
     double step_s;
 } contact_sink_t;
 
-/* ODE limits the friction separately along `along` and across it, which is right for a rod that slides along its
- * axis. */
+/* Adds one contact. ODE limits the friction separately along `along` and across it, which is right for a rod that
+ * slides along its axis. */
 static void add_contact(const contact_sink_t *sink, dBodyID body, const double position_m[3], const double normal[3],
                         const double along[3], double depth_m) {
     const double total = sink->step_s * CONTACT_NPM + CONTACT_NSPM;
@@ -41,8 +43,8 @@ static void add_contact(const contact_sink_t *sink, dBodyID body, const double p
     dJointAttach(dJointCreateContact(sink->world, sink->group, &contact), body, NULL);
 }
 
-/* Gives the section of the rod's axis that was above the stand at the start, measured from the rod's centre. Returns
- * false if there is none. */
+/* Computes the section of the rod's axis that was above the stand at the start, measured from the rod's centre. Returns
+ * false if the rod did not lie on the stand. */
 static bool resting_section(const object_t *rod, const object_t *stand, double *from_m, double *until_m) {
     const rigid_pose_t to_stand = rigid_pose_inverse(&stand->pose);
     const rigid_pose_t seen = rigid_pose_multiply(&to_stand, &rod->pose);
@@ -67,8 +69,8 @@ static bool resting_section(const object_t *rod, const object_t *stand, double *
     return *from_m < *until_m && fabs(gap_m) < GROOVE_DEPTH_M;
 }
 
-/* Gives the point at which the rod's axis now crosses the plane through `edge_m` across the groove. Returns false if it
- * does not. */
+/* Computes the point at which the rod's axis now crosses the plane that is perpendicular to the groove and contains
+ * `edge_m`. Returns false if the rod does not cross it. */
 static bool axis_at_edge(const scene_object_t *rod, const double edge_m[3], const double along_groove[3],
                          double crossing_m[3]) {
     double centre[3], ahead[3], gap_m = 0.0, cosine = 0.0;
@@ -85,8 +87,8 @@ static bool axis_at_edge(const scene_object_t *rod, const double edge_m[3], cons
     return true;
 }
 
-/* Adds contacts with the two sides of the V at one end of the groove. along_m: the point of the rod's axis, from its
- * centre, that was above this end at the start. */
+/* Adds contacts with the two sides of the V at one end of the groove. along_m: distance from the rod's centre to the
+ * point of its axis that was above this end at the start. */
 static void collide_groove(const contact_sink_t *sink, const scene_object_t *rod, const object_t *stand,
                            double along_m) {
     const double z[3] = {0.0, 0.0, 1.0};

@@ -8,7 +8,8 @@
 #include "particle_solver.h"
 #include "physics.h"
 
-/* Particles of equal size settle into crystal layers that do not flow. Multiples of the golden ratio spread evenly. */
+/* Particles of equal size would settle into crystal layers that do not flow. The sizes are taken from multiples of the
+ * golden ratio, which are spread evenly. */
 #define SIZE_SPREAD 0.2 /* radii differ from the mean by up to this share */
 #define GOLDEN_RATIO 0.61803398875
 
@@ -45,7 +46,7 @@ static void follow(particle_t *particle, const placed_cup_t cup[WATER_MAX_CUPS])
     }
 }
 
-/* A particle on the ground stays there and is no longer simulated. */
+/* Marks a particle that has reached the ground as spilt. It stays there and is no longer simulated. */
 static void spill(particle_t *particle, double ground_z_m) {
     if (particle->position_m[2] < ground_z_m + particle->radius_m) {
         particle->is_spilt = true;
@@ -88,7 +89,7 @@ static void move(water_body_t *self, const placed_cup_t cup[WATER_MAX_CUPS], dou
     }
 }
 
-/* Semi-implicit Euler: the new velocities move the particles. */
+/* Uses the semi-implicit Euler method, in which the new velocities move the particles. */
 void water_step(water_body_t *self, const rigid_pose_t pose[WATER_MAX_CUPS], double step_s) {
     placed_cup_t before[WATER_MAX_CUPS], after[WATER_MAX_CUPS];
     for (int i = 0; i < WATER_MAX_CUPS; i++) {

@@ -10,8 +10,8 @@
 
 #define WATER_MAX_CUPS 2
 
-/* Each particle is counted in one of the first three. It is in a cup from the time its centre enters the inner cylinder
- * until it has left (cup_is_left_by). On the heap and on the rim it still counts as inside. */
+/* Each particle is counted in exactly one of the first three members. It is in a cup from the time its centre enters
+ * the inner cylinder until it has left (cup_is_left_by). On the heap and on the rim it still counts as inside. */
 typedef struct {
     int in_robot_cup;   /* cup 0 */
     int in_person_cup;  /* cup 1 */
@@ -21,19 +21,19 @@ typedef struct {
 
 typedef struct water_body water_body_t;
 
-/* There must be at least one particle; particle_radius_m is the mean radius. cups[0] is filled at the start and the
- * particles have settled; cups[1] may be absent (present = false). pose: of the cups, torso axes. ground_z_m: height of
- * the ground. Returns NULL if out of memory or if the particles do not fit. */
+/* There must be at least one particle; particle_radius_m is the mean radius. All particles start in cups[0], where they
+ * have settled. cups[1] may be absent (present = false). pose: of the cups, in torso axes. ground_z_m: height of the
+ * ground. Returns NULL if out of memory or if the particles do not fit. */
 water_body_t *water_create(const water_t *water, const cup_t cups[WATER_MAX_CUPS],
                            const rigid_pose_t pose[WATER_MAX_CUPS], double ground_z_m);
 void water_destroy(water_body_t *self);
 
-/* The cups move to `pose` during this step. */
+/* Makes one step, during which the cups move to `pose`. */
 void water_step(water_body_t *self, const rigid_pose_t pose[WATER_MAX_CUPS], double step_s);
 
 water_count_t water_count(const water_body_t *self);
 
-/* Position and radius of a particle (0 .. particles - 1). */
+/* Return the position and the radius of a particle (0 .. particles - 1). */
 void water_particle(const water_body_t *self, int particle, double position_m[3]);
 double water_particle_radius_m(const water_body_t *self, int particle);
 
