@@ -197,12 +197,12 @@ typedef enum {
     MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` minus expected_m times motion_scale */
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
-    MEASURE_WAY_Z,         /* mm, end effector displacement along this axis from `from` to `until`; signed */
-    MEASURE_TILT,          /* deg, smallest angle between torso z and the end effector axis that started as torso z */
-    MEASURE_CUP_TILT_PEAK, /* deg, largest angle between torso z and the axis of the robot's cup */
-    MEASURE_TURN,          /* deg, end effector rotation from `from` to `until` minus expected_deg */
-    MEASURE_WATER_POURED,  /* %, share of the particles that left the robot's cup */
-    MEASURE_WATER_CAUGHT,  /* %, share of these that are in the person's cup at the end */
+    MEASURE_WAY_Z,             /* mm, end effector displacement along this axis from `from` to `until`; signed */
+    MEASURE_TILT,              /* deg, smallest angle between torso z and the end effector axis initially along it */
+    MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
+    MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` minus expected_deg */
+    MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */
+    MEASURE_WATER_CAUGHT,      /* %, share of these that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
     MEASURE_DROPS,             /* how often the object was held by nobody after its first grip, or slipped */
     MEASURE_HELD,              /* 1 if only the named person holds the object at the end */
