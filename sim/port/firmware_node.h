@@ -13,7 +13,7 @@
 typedef struct {
     world_t *world;
     int node;
-    can_frame_t queue[FIRMWARE_NODE_QUEUE_FRAMES]; /* ring */
+    can_frame_t queue[FIRMWARE_NODE_QUEUE_FRAMES]; /* ring buffer */
     size_t first, count;
     uint32_t refused_frames; /* frames dropped on sending, because the bus's queue was full */
 } firmware_node_t;

@@ -126,7 +126,7 @@ static bool await_done(void) {
     for (;;) {
         const int ready = poll(&line, 1, ANSWER_TIMEOUT_MS);
         if (ready < 0 && errno == EINTR) {
-            return false; /* the run is interrupted */
+            return false; /* a signal ends the run */
         }
         if (ready <= 0) {
             world_fail(remote.world, "the image did not answer for a minute");
