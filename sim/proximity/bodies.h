@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     body_t robot[BODIES_ROBOT_PARTS];
     body_t person[SCENARIO_MAX_PEOPLE][BODIES_PERSON_PARTS];
-    double forearm_m[SCENARIO_MAX_PEOPLE]; /* length */
+    double forearm_m[SCENARIO_MAX_PEOPLE]; /* length of each forearm */
     double forearm_point[SCENARIO_MAX_PEOPLE][BODIES_FOREARM_POINTS][3];
 } bodies_t;
 

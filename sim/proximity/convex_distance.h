@@ -5,11 +5,12 @@
 
 #include "convex_shape.h"
 
-/* Error bound for shapes of up to 1 m size and distance. */
+/* Error bound for shapes up to 1 m in size and up to 1 m apart. */
 #define CONVEX_DISTANCE_ERROR_M 0.00005
 
 /* Returns the distance, 0 if the shapes touch or overlap, and ceiling_m if they are farther apart. guess_m: distance at
- * an earlier instant, or negative; it speeds up the search and does not change the result beyond the error bound. */
+ * an earlier instant, or negative if unknown. It speeds up the search, and changes the result by no more than the error
+ * bound. */
 double convex_distance_m(const convex_shape_t *a, const convex_shape_t *b, double ceiling_m, double guess_m);
 
 #endif

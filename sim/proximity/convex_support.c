@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define MAX_ITERATIONS 200 /* touching curved surfaces need several tens */
+#define MAX_ITERATIONS 200 /* several tens are needed for curved surfaces that touch */
 
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
