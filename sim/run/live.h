@@ -15,7 +15,7 @@ typedef struct {
     hub_publisher_t hub;
 } live_t;
 
-/* Applies the world's options and prints how to listen. Called just before the run. Returns false on failure, with one
+/* Applies the world's options and prints how to listen. Call it just before the run. Returns false on failure, with one
  * line in `error`. */
 bool live_open(live_t *self, world_t *world, char error[], size_t error_size);
 
