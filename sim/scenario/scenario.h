@@ -31,7 +31,7 @@ typedef char scenario_name_t[SCENARIO_NAME_BYTES];
 /* An open cup. The origin of its frame is the centre of the inner bottom; z points to the opening. */
 typedef struct {
     bool present;
-    double radius_m, height_m; /* inside */
+    double radius_m, height_m; /* inner dimensions */
     double wall_m;
     rigid_pose_t mount; /* pose in the frame of the hand that carries it */
 } cup_t;
@@ -83,7 +83,7 @@ typedef struct {
     double stroke_s;                       /* time from open to closed */
     double capture_m;                      /* the closing jaws grip an axis within this distance of the centre */
     double stiffness_Npm, damping_Nspm;    /* of the pads, along each axis */
-    double force_limit_N, torque_limit_Nm; /* above either, the object slips out */
+    double force_limit_N, torque_limit_Nm; /* above either limit the object slips out */
 } gripper_t;
 
 /* ---- points that a hand can move to */
@@ -160,7 +160,7 @@ typedef struct {
     cup_t cup;
     person_step_t step[SCENARIO_MAX_STEPS];
     size_t step_count;
-    person_step_t recorded_step[SCENARIO_MAX_STEPS]; /* used instead when a recording is given */
+    person_step_t recorded_step[SCENARIO_MAX_STEPS]; /* used instead of `step` when a recording is given */
     size_t recorded_step_count;
     int done_event; /* "PERSON.done" */
 } person_t;
@@ -210,8 +210,8 @@ typedef enum {
     MEASURE_FORCE_PEAK,
     MEASURE_TURNS,          /* of the crank */
     MEASURE_CARRIED_FOR,    /* s, time for which robot and person held the object together */
-    MEASURE_CLEARANCE,      /* mm, smallest between person and robot outside intended contact */
-    MEASURE_SELF_CLEARANCE, /* mm, smallest between the arm and the rest of the robot */
+    MEASURE_CLEARANCE,      /* mm, smallest distance between person and robot, except for intended contact */
+    MEASURE_SELF_CLEARANCE, /* mm, smallest distance between the arm and the rest of the robot */
     MEASURE_AIM,            /* mm, mean end effector position relative to the hand minus expected_m; torso axes */
 } measure_t;
 

@@ -2,7 +2,7 @@
 #include "scenario_sections.h"
 #include "yaml_choice.h"
 
-#define DISTANCE_MAX_M 8.0 /* within the range of the frame */
+#define DISTANCE_MAX_M 8.0 /* within the range of the TaskDefine frame */
 #define BLEND_MAX_S 65.0
 
 static void read_task(yaml_reader_t *yaml, yaml_node_t *map, task_define_t *define) {
