@@ -47,7 +47,7 @@ static void create_hinges(arm_plant_t *self) {
     place_bodies(self, zero_rad);
     robot_model_forward(zero_rad, link, &hand);
     for (int i = 0; i < ROBOT_JOINTS; i++) {
-        const dBodyID parent = i == 0 ? NULL : self->body[i - 1]; /* NULL: the torso, fixed to the world */
+        const dBodyID parent = i == 0 ? NULL : self->body[i - 1]; /* NULL is the torso, which is fixed to the world */
         const dJointID hinge = dJointCreateHinge(self->world, NULL);
         dJointAttach(hinge, self->body[i], parent);
         dJointSetHingeAnchor(hinge, link[i].position_m[0], link[i].position_m[1], link[i].position_m[2]);

@@ -38,7 +38,7 @@ particle_solver_t *particle_solver_create(int particles, int walls, double mass_
     }
     self->bodies = bodies;
     self->mass_kg = mass_kg;
-    self->step = 1; /* marks the zeros of calloc as outdated */
+    self->step = 1; /* so that the zeros from calloc() count as outdated */
     return self;
 }
 

@@ -17,10 +17,10 @@
 
 typedef struct scene scene_t;
 
-/* scenario and events must outlive the scene. Raises "robot.holds", "robot.lost" (slipped out), "robot.opened",
- * "robot.closed", "PERSON.holds", "PERSON.lost", "OBJECT.dropped" (held by nobody, after it was held), declared in the
- * scenario's events. Returns NULL if out of memory. Only one scene may exist at a time, because ODE's initialisation is
- * global. */
+/* scenario and events must outlive the scene. The scene raises the events "robot.holds", "robot.lost" (slipped out),
+ * "robot.opened", "robot.closed", "PERSON.holds", "PERSON.lost", "OBJECT.dropped" (held by nobody after it was held),
+ * which the scenario declares. Returns NULL if out of memory. Only one scene may exist at a time, because ODE's
+ * initialisation is global. */
 scene_t *scene_create(const scenario_t *scenario, events_t *events);
 void scene_destroy(scene_t *self);
 
@@ -31,7 +31,7 @@ void scene_step(scene_t *self, double now_s, double step_s);
 
 arm_plant_t *scene_arm(const scene_t *self);
 void scene_command_gripper(scene_t *self, bool close);
-double scene_gripper_opening(const scene_t *self); /* 0 closed .. 1 open; in between on a held object */
+double scene_gripper_opening(const scene_t *self); /* 0 is closed, 1 is open; in between while an object is held */
 bool scene_robot_holds(const scene_t *self);
 double scene_gripper_force_N(const scene_t *self); /* between gripper and object; 0 if nothing is held */
 void scene_robot_cup(const scene_t *self, rigid_pose_t *cup);
