@@ -1,5 +1,5 @@
-"""Reads `candump -L` logs and decodes them in bulk with the DBC. The bit positions come from cantools, not from our C
-code. For logs of millions of frames; `cantools decode` itself is tested on a shorter log."""
+"""Reads `candump -L` logs with millions of frames and decodes them in bulk with the DBC. `cantools decode` is too slow
+for that and is tested on a shorter log. The bit positions come from cantools, not from our C code."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ class Frames:
 
 
 def read(path: Path) -> dict[str, Frames]:
-    """Frames by message name. Raises on an unknown id and on a line that candump -L would not write."""
+    """Returns the frames by message name. Raises an exception on an unknown id and on a line that is not in the format
+    of candump -L."""
     times: dict[int, list[str]] = {}
     payloads: dict[int, list[str]] = {}
     last = ""
@@ -62,5 +63,5 @@ def read(path: Path) -> dict[str, Frames]:
 
 
 def joint_array(frames: Frames, pattern: str, joints: int) -> np.ndarray:
-    """(N, joints) of a numbered signal, e.g. "velocity_{}_radps"."""
+    """Returns a numbered signal, e.g. "velocity_{}_radps", as an array (N, joints)."""
     return np.stack([frames[pattern.format(i)] for i in range(joints)], axis=1)

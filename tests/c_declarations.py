@@ -1,4 +1,4 @@
-"""C headers in the form that cffi reads, for tests that compile sources into their own library."""
+"""Preprocesses C headers into a form that cffi can read, for tests that compile sources into their own library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ GENERATED = Path(__file__).resolve().parents[1] / "build" / "generated"
 
 
 def declarations(headers: Iterable[Path], *options: str) -> str:
-    """The declarations of the headers, preprocessed with these options."""
+    """Returns the declarations in the headers, preprocessed with these options."""
     with tempfile.TemporaryDirectory() as folder:
         return preprocessed(
             "".join(f'#include "{header}"\n' for header in headers), Path(folder), f"-I{GENERATED}", "-P", *options

@@ -1,9 +1,9 @@
-"""Compiles C sources into Python libraries for the tests: ``load()``. Uses the product's warnings as errors and the
-undefined-behaviour sanitiser, which ends the process at the first fault. Needs build/generated, which ``make build``
-writes.
+"""Compiles C sources into Python libraries for the tests; see ``load()``. Compiles with the product's warnings, treated
+as errors, and with the undefined-behaviour sanitiser, which ends the process at the first fault. Needs build/generated,
+which ``make build`` writes.
 
-A source is compiled once for all libraries and test processes, and again when the source, a header or the command
-has changed.
+Each source is compiled only once for all libraries and test processes, and is recompiled when the source, a header or
+the command changes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from once import lock
 REPOSITORY = Path(__file__).resolve().parents[1]
 GENERATED = REPOSITORY / "build" / "generated"
 BUILD = REPOSITORY / "build" / "tests"
-# All firmware sources but main.c, which needs a HAL.
+# All firmware sources except main.c, which needs a HAL.
 CORE = sorted(file for file in REPOSITORY.glob("firmware/**/*.c") if file.name != "main.c")
 CORE.append(GENERATED / "comanip_dbc.c")
 
@@ -42,7 +42,7 @@ def _run(command: list[str]) -> None:
 
 @functools.cache
 def _headers() -> bytes:
-    """A digest of all headers that a source may include."""
+    """Returns a digest of all headers that a source may include."""
     digest = hashlib.sha256()
     for folder in ("sim", "hal", "host_tools/hub", "firmware", "tests", "build/generated"):
         for file in sorted((REPOSITORY / folder).rglob("*")):
@@ -52,22 +52,21 @@ def _headers() -> bytes:
 
 
 def _made(target: Path, key: str, command: list[str]) -> str:
-    """Returns the key of the file `target`; runs the command with ``-o`` if the file has another key or does not
-    exist."""
+    """Builds `target` by running the command with ``-o``, unless it already exists with this key. Returns the key."""
     stamp = target.with_suffix(".key")
     with lock(target.with_suffix(".lock")):
         if not (target.exists() and stamp.exists() and stamp.read_text() == key):
             unfinished = target.with_suffix(".unfinished")
             _run([*command, "-o", str(unfinished)])
             stamp.unlink(missing_ok=True)
-            unfinished.replace(target)  # a process that has the old library open keeps it
+            unfinished.replace(target)  # a process that has the old library open keeps using it
             stamp.write_text(key)
     return key
 
 
 def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, str]]:
-    """Compiles the sources, which lie in the repository. Returns object and key of each; the key depends on the
-    content."""
+    """Compiles the sources, all of which must be in the repository. Returns the object file and key of each; a key
+    identifies the contents of the source and headers and the command."""
     kind = hashlib.sha256("\0".join(compile_).encode()).hexdigest()[:8]
 
     def compiled(source: Path) -> tuple[Path, str]:
@@ -82,9 +81,9 @@ def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, st
 def load(
     name: str, declared: str, sources: Iterable[Path], *options: str, libraries: Iterable[str] = ()
 ) -> tuple[cffi.FFI, object]:
-    """``ffi, lib`` of these sources. declared: the declarations that Python sees, for cffi. options: further compiler
-    options after COMPILE. libraries: libraries to link besides libm, by their linker names. RuntimeError: the
-    compiler's output."""
+    """Compiles and links the sources and returns ``ffi, lib``. declared: the C declarations that are made visible to
+    Python through cffi. options: compiler options to add to COMPILE. libraries: names of libraries to link in addition
+    to libm, as for the linker's -l. Raises RuntimeError with the compiler's output if a command fails."""
     ffi = cffi.FFI()
     ffi.cdef(declared)
     compile_ = [*COMPILE, *options]

@@ -1,5 +1,5 @@
-"""A classic CAN data frame bit by bit, as ISO 11898-1 puts it on the wire. Tests compare simulated durations and
-computed worst cases with it. The CRC is crccheck's CRC-15/CAN; stuffing works on the list of bits."""
+"""Constructs a classic CAN data frame bit by bit, as ISO 11898-1 defines it. Tests compare simulated durations and
+computed worst cases with the result. The CRC is crccheck's CRC-15/CAN; bits are stuffed in a list."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from can_fd_bits import bits
 from crccheck.crc import Crc15
 
 NOMINAL_NS = 1000
-NOT_STUFFED = [1, 1, 1, *[1] * 7, *[1] * 3]  # CRC delimiter, ACK, its delimiter, end of frame, intermission
+NOT_STUFFED = [1, 1, 1, *[1] * 7, *[1] * 3]  # CRC delimiter, ACK, ACK delimiter, end of frame, intermission
 
 
 def unstuffed(identifier: int, data: bytes) -> list[int]:
-    """SOF, id, RTR, IDE, FDF, DLC, data, CRC."""
+    """Returns the bits from SOF to the CRC: SOF, id, RTR, IDE, FDF, DLC, data, CRC."""
     covered = [
         0,
         *bits(identifier, 11),
@@ -28,7 +28,7 @@ def unstuffed(identifier: int, data: bytes) -> list[int]:
 
 
 def stuffed(sent: list[int]) -> list[int]:
-    """Adds the complement after each five equal bits, counting stuff bits, including the last five."""
+    """Inserts the complement after every five equal bits. Stuff bits count too, as do the last five bits."""
     wire, last, run = [], None, 0
     for bit in sent:
         wire.append(bit)
@@ -40,5 +40,5 @@ def stuffed(sent: list[int]) -> list[int]:
 
 
 def frame_duration_ns(identifier: int, data: bytes) -> int:
-    """From the start of frame to the end of the intermission."""
+    """Returns the duration from the start of frame to the end of the intermission."""
     return NOMINAL_NS * (len(stuffed(unstuffed(identifier, data))) + len(NOT_STUFFED))

@@ -1,4 +1,4 @@
-"""Runs ``comanip`` as a user does, or in this process when it must share a virtual bus."""
+"""Runs ``comanip`` as a user would, or in this process when it must share a virtual bus."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ WRONG_USE = 2
 
 
 def call(*arguments: object, text: str | None = None, environment: dict | None = None) -> subprocess.CompletedProcess:
-    """Runs it in its own process; `text` is its standard input."""
+    """Runs ``comanip`` in its own process, with `text` as its standard input."""
     command = [str(COMANIP), *(str(argument) for argument in arguments)]
     return subprocess.run(
         command, input=text, capture_output=True, text=True, check=False, timeout=PATIENCE_S, env=environment
@@ -20,7 +20,7 @@ def call(*arguments: object, text: str | None = None, environment: dict | None =
 
 
 def call_here(monkeypatch, capsys, *arguments: object) -> tuple[int, str, str]:
-    """Runs it in this process. Returns exit status, standard output, standard error."""
+    """Runs ``comanip`` in this process. Returns its exit status, standard output and standard error."""
     from comanip.__main__ import main
 
     monkeypatch.setattr(sys, "argv", ["comanip", *(str(argument) for argument in arguments)])
@@ -35,7 +35,7 @@ def call_here(monkeypatch, capsys, *arguments: object) -> tuple[int, str, str]:
 
 
 def require_refusal(done: subprocess.CompletedProcess, *words: str) -> None:
-    """Expects one error line that contains these words."""
+    """Checks that the command was refused with one error line that contains these words."""
     assert done.returncode == WRONG_USE, (done.stdout, done.stderr)
     assert done.stderr.startswith("comanip: ") and done.stderr.count("\n") == 1, done.stderr
     for word in words:

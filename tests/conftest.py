@@ -1,5 +1,5 @@
-"""Shared by all tests: the built module, the frame database, a seed for each random test, and the files that the
-workers of `make test` share."""
+"""Provides what all tests share: the built module, the frame database, the seed of the random tests, and the folder of
+shared files for the workers of `make test`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ except ImportError as error:
 REPOSITORY = Path(__file__).resolve().parents[1]
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # independent of the machine's load
 hypothesis.settings.load_profile("suite")
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # started with a shell's `&`: child processes would ignore it too
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's `&` makes child processes ignore it too
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -39,7 +39,7 @@ def dbc():
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_runs(tmp_path_factory):
-    """One folder for all workers, beside the folder of each."""
+    """Sets one folder for all workers, next to their own folders."""
     own = tmp_path_factory.getbasetemp()
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 
@@ -51,7 +51,7 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Replaces `--dist loadgroup`, whose marks have no effect with pytest 9.2."""
+    """Schedules by group. Replaces `--dist loadgroup`, whose marks have no effect in pytest 9.2."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByGroup(LoadScopeScheduling):

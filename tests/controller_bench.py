@@ -1,5 +1,5 @@
-"""controller_step() on a bench: ideal drives that follow each command at once, a tracker and an operator, all by
-frames."""
+"""Runs controller_step() on a test bench with ideal drives that follow each command at once, a tracker and an operator.
+All of them communicate with the controller only by frames."""
 
 from __future__ import annotations
 
@@ -23,15 +23,16 @@ FRAME_ID = {
         "PORT_STATUS",
     )
 }
-TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # the paper's (9)
+TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # equation (9) of the paper
 
 
 class Bench:
     """A controller with simulated drives, tracker and operator.
 
-    position_rad: the arm's angles. hand: pose (8,) of the person's hand in torso axes, or None for no tracker frames.
-    prediction: by default Bench.prediction, which is off, so that the hand may jump and is followed by control law (4).
-    store_result: the result that the port reports store_ticks after a save began. stored: the values of each save.
+    position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None for no tracker
+    frames. prediction: None selects Bench.prediction. It is off by default, so that the hand may jump and control law
+    (4) follows it. store_result: the result that the port reports store_ticks after a save has started. stored: the
+    values of each save.
     """
 
     prediction = False
@@ -55,8 +56,8 @@ class Bench:
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
-        self.raw: list = []  # frames for the next tick, sent as they are
-        self.sent: list[tuple[int, bytes]] = []  # (id, data) in this tick
+        self.raw: list = []  # frames for the next tick, sent unchanged
+        self.sent: list[tuple[int, bytes]] = []  # (id, data) of each frame sent in this tick
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")
@@ -71,7 +72,7 @@ class Bench:
             parameters.value[lib.PARAMETER_PREDICTION] = self.prediction if prediction is None else prediction
         lib.controller_set_parameters(self.controller, parameters, boot_result)
 
-    # ---- frames in
+    # ---- frames to the controller
 
     def _receive(self, frame) -> None:
         lib.protocol_protect(self.sender, frame)
@@ -80,7 +81,7 @@ class Bench:
         self.inbox.count += 1
 
     def _tracker_frame(self):
-        """The hand in the tracker's axes: equation (9) inverted."""
+        """Returns the hand in the tracker's axes, by the inverse of equation (9)."""
         seen = oracle.multiply(TRACKER, self.hand)
         message = ffi.new(
             "hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid}
@@ -112,7 +113,7 @@ class Bench:
         return self.sequence
 
     def command(self, command: int, task: int = 0) -> int:
-        """Returns the result_t of the acknowledgement."""
+        """Sends a command and returns the result_t in its acknowledgement."""
         message = ffi.new("operator_command_t *", {"command": command, "sequence": self._next_sequence(), "task": task})
         return self._ask(lib.operator_command_pack, message)
 
@@ -132,7 +133,7 @@ class Bench:
         return self._ask(lib.parameter_access_pack, message)
 
     def save(self, parameter: int = 0, ticks: int = 10) -> int:
-        """Returns the answer, which comes when the store has finished."""
+        """Sends a save and returns its result, which arrives when the store has finished."""
         message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "parameter": parameter})
         message.sequence = self._next_sequence()
         self.ask(message)
@@ -155,7 +156,8 @@ class Bench:
         self._receive_broken(frame)
 
     def receive_broken_between_others(self) -> None:
-        """Sends a Clearance with a flipped bit, which is not for the firmware: a port without filters passes it on."""
+        """Sends a Clearance with a flipped bit in the next tick. Clearance is not meant for the firmware, but a port
+        without filters passes it on."""
         frame = ffi.new("can_frame_t *")
         assert lib.clearance_pack(ffi.new("clearance_t *"), frame) == lib.PROTOCOL_OK
         self._receive_broken(frame)
@@ -198,16 +200,17 @@ class Bench:
             self.position_rad = self.position_rad + self.velocity_radps * TICK_US * 1e-6
             self.ticks += 1
 
-    # ---- frames out
+    # ---- frames from the controller
 
     def answer(self) -> int:
-        """Result of the only CommandAck or ParameterValue with the last request's sequence."""
+        """Returns the result in the CommandAck or ParameterValue with the last request's sequence number; there must be
+        exactly one."""
         results = self.answers()
         assert len(results) == 1, f"one answer expected, got {results}"
         return results[0]
 
     def answers(self) -> list[int]:
-        """The results in this tick that have the last request's sequence."""
+        """Returns the results that were sent in this tick with the last request's sequence number."""
         results = []
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
@@ -252,7 +255,7 @@ class Bench:
 
     @property
     def target(self) -> np.ndarray | None:
-        """The target (8,) published by TickTrace in this tick; None if it is marked as absent."""
+        """The target (8,) in this tick's TickTrace, or None if the frame marks it as invalid or there is no frame."""
         trace = self.trace
         if trace is None or not trace.target_valid:
             return None
@@ -263,10 +266,10 @@ class Bench:
     def robot(self) -> np.ndarray:
         return oracle.hoap3().fkm(self.position_rad).vec8()
 
-    # ---- common preparations
+    # ---- common set-up steps
 
     def until_ready(self) -> Bench:
-        self.tick(60)  # also past the boot announcement
+        self.tick(60)  # long enough to include the boot announcement
         assert self.mode == lib.MODE_READY
         return self
 

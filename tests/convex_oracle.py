@@ -1,5 +1,6 @@
-"""Distances between convex shapes in numpy, many at once, written independently of the C sources: by projection with a
-lower and an upper bound (boxes, capsules, cylinders), by least squares (points), and overlap by facets."""
+"""Computes distances and overlaps of many convex shapes at once in numpy, written independently of the C sources.
+Boxes, capsules and cylinders: by projection, with a lower and an upper bound. Points: by least squares. Overlap: by
+facets."""
 
 from __future__ import annotations
 
@@ -13,17 +14,18 @@ from scipy.spatial.transform import Rotation
 
 @dataclass
 class Shapes:
-    """n shapes of one kind. Lengths in m; rotation maps the shape's axes to the world's; position_m (n, 3)."""
+    """A number n of shapes of one kind. Lengths are in m; rotation maps the shape's axes to the world's; position_m has
+    the shape (n, 3)."""
 
     kind: str  # box, capsule, cylinder
-    size_m: np.ndarray  # (n, 3), of boxes
-    length_m: np.ndarray  # (n,), along z: of cylinders, or between the cap centres of capsules
+    size_m: np.ndarray  # (n, 3), for boxes
+    length_m: np.ndarray  # (n,), along z, for cylinders, and between the cap centres for capsules
     radius_m: np.ndarray  # (n,)
     rotation: Rotation
     position_m: np.ndarray
 
     def project(self, point: np.ndarray) -> np.ndarray:
-        """The nearest points of the shapes to points (n, 3)."""
+        """Returns the points of the shapes that are nearest to the given points (n, 3)."""
         local = self.rotation.inv().apply(point - self.position_m)
         z = np.clip(local[:, 2], -self.length_m / 2, self.length_m / 2)
         if self.kind == "box":
@@ -39,7 +41,8 @@ class Shapes:
         return self.rotation.apply(nearest) + self.position_m
 
     def reach(self, direction: np.ndarray) -> np.ndarray:
-        """(n,): extent of the shapes along unit directions (n, 3), from the world's origin."""
+        """Returns how far the shapes extend along unit directions (n, 3), measured from the world's origin, as an array
+        (n,)."""
         local = self.rotation.inv().apply(direction)
         along = np.abs(local[:, 2]) * self.length_m / 2
         if self.kind == "box":
@@ -52,9 +55,11 @@ class Shapes:
 
 
 def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (n,), m, of the distances: two points, one in each shape, and a plane between them.
+    """Returns lower and upper bounds (n,), in m, of the distances. The upper bound is the distance of two points, one
+    in each shape; the lower bound comes from a plane between the shapes.
 
-    The points approach each other by projected gradient steps with Nesterov momentum, restarted every 100 steps."""
+    The points approach each other by projected gradient steps with Nesterov momentum, restarted every 100 steps.
+    """
     x, y = a.position_m, b.position_m
     x_before, y_before, t = x, y, 1.0
     lower, upper = np.zeros(len(x)), np.full(len(x), np.inf)
@@ -76,11 +81,12 @@ def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray
 
 
 def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
-    """Distance between the convex hulls of points (n, 3) and (m, 3).
+    """Returns the distance between the convex hulls of points (n, 3) and (m, 3).
 
-    Least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23): the shortest n
-    with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, and 1 / |n| is
-    the slab's width."""
+    Uses least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23). The shortest
+    n with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, and 1 / |n| is
+    the slab's width.
+    """
     differences = (a[:, None] - b[None]).reshape(-1, 3)
     rows = np.vstack([differences.T, np.ones(len(differences))])
     weights, _ = nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))
@@ -91,6 +97,7 @@ def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def hull_overlap_m(a: np.ndarray, b: np.ndarray) -> float:
-    """Depth of the origin in the hull of the differences of points (n, 3) and (m, 3); 0 outside."""
+    """Returns how deep the origin lies in the convex hull of the differences of points (n, 3) and (m, 3), or 0 if it
+    lies outside."""
     differences = (a[:, None] - b[None]).reshape(-1, 3)
     return max(0.0, -ConvexHull(differences).equations[:, 3].max())

@@ -1,6 +1,7 @@
-"""Which tests run on one worker, one after the other, under `make test`, and why.
+"""Defines which tests `make test` runs one after the other on a single worker, and why.
 
-The tests of one file always do. The longest groups start first, so that all workers end at about the same time.
+The tests of one file always run on a single worker. The longest groups start first, so that all workers finish at about
+the same time.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Group:
-    """files: file names without `test_` and `.py`."""
+    """A group of test files. files: the file names without `test_` and `.py`."""
 
     name: str
     files: tuple[str, ...]
@@ -30,7 +31,7 @@ GROUPS = (
         "cross-compiled once into one folder, each in an emulator that occupies a whole processor",
     ),
 )  # fmt: skip
-# The files without a group that take longer than half a minute.
+# Files outside any group that take longer than half a minute.
 LONG_FILES = ("experiments_physical", "recordings_campaign", "closed_loop", "package")
 
 _GROUP_OF = {f"test_{file}.py": group for group in GROUPS for file in group.files}
@@ -38,17 +39,17 @@ _FILES = [*_GROUP_OF, *(f"test_{file}.py" for file in LONG_FILES)]
 
 
 def group_of(test: str) -> str:
-    """The group's name of a test id, or its file if it belongs to no group."""
+    """Returns the name of the group that a test belongs to, or the test's file if it belongs to no group."""
     file = test.partition("::")[0]
     return _GROUP_OF[file].name if file in _GROUP_OF else file
 
 
 def position_of(test: str) -> int:
-    """Position in the queue."""
+    """Returns the position of a test in the queue."""
     file = test.partition("::")[0]
     return _FILES.index(file) if file in _FILES else len(_FILES)
 
 
 def header() -> list[str]:
-    """The header lines of `make test`."""
+    """Returns the header lines that `make test` prints."""
     return ["on one worker, one after the other:", *(f"  {group.name}: {group.reason}" for group in GROUPS)]

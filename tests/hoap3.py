@@ -1,5 +1,6 @@
-"""HOAP-3's right arm in numpy, from the manual's modified DH table, written independently of the C sources: kinematics,
-gravity torques and the inertia matrix of the simulated bodies (a 50 mm cube and rods of 40 mm diameter)."""
+"""Models HOAP-3's right arm in numpy, from the modified DH table of the manual and independently of the C sources: the
+kinematics, the gravity torques and the inertia matrix of the simulated bodies (a 50 mm cube and rods of 40 mm
+diameter)."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ MASSES_KG = np.array([0.210, 0.234, 0.1965, 0.216])
 GRAVITY = np.array([0.0, 0.0, -9.80665])
 PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
-# (alpha and a of the previous row, d, offset of theta), from WAIST over CHEST and RARM[0] to joint 4
+# Columns: alpha and a of the previous row, d, offset of theta. Rows: from WAIST over CHEST and RARM[0] to joint 4.
 MODIFIED_DH = [
     (0.0, -0.035, 0.125, 0.0),
     (-90.0, 0.0, -0.111, 0.0),
@@ -37,13 +38,14 @@ def _shift(x: float, y: float, z: float) -> np.ndarray:
 
 
 def frames(q: np.ndarray) -> list[np.ndarray]:
-    """The four link frames and the end effector in the torso frame."""
+    """Returns the four link frames and the end effector frame, in torso axes."""
     angles = [0.0, 0.0, *np.degrees(q)]
     frame, result = np.eye(4), []
     for (alpha, a, d, offset), angle in zip(MODIFIED_DH, angles, strict=True):
         frame = frame @ _about(0, alpha) @ _shift(a, 0, 0) @ _about(2, angle + offset) @ _shift(0, 0, d)
         result.append(frame)
-    # The forearm lies along y of the last frame. The end effector's z axis points along it; its x axis is unchanged.
+    # The forearm points along y of the last frame. The end effector's z axis points along the forearm; its x axis is
+    # that of the last frame.
     hand = frame @ _shift(0, 0.171, 0) @ _about(0, -90.0)
     return [*result[2:], hand]
 
@@ -56,7 +58,7 @@ def centres_of_mass(q: np.ndarray) -> np.ndarray:
 
 
 def _rod_inertia(mass: float, length: float, direction: np.ndarray) -> np.ndarray:
-    """A solid cylinder of 20 mm radius about its centre."""
+    """Returns the inertia of a solid cylinder with 20 mm radius about its centre."""
     along = 0.5 * mass * 0.020**2
     across = mass * (3 * 0.020**2 + length**2) / 12
     return across * np.eye(3) + (along - across) * np.outer(direction, direction)
@@ -76,8 +78,8 @@ def inertias(q: np.ndarray) -> list[np.ndarray]:
 
 
 def _velocity_maps(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(4 bodies, 3, 4 joints) each: maps from joint velocities to the centres' velocities and the angular
-    velocities."""
+    """Returns two arrays (4 bodies, 3, 4 joints), which map joint velocities to the velocities of the bodies' centres
+    and to their angular velocities."""
     link, centre = frames(q), centres_of_mass(q)
     linear, angular = np.zeros((4, 3, 4)), np.zeros((4, 3, 4))
     for body in range(4):
@@ -89,7 +91,7 @@ def _velocity_maps(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def holding_torque(q: np.ndarray) -> np.ndarray:
-    """Motor torques that balance gravity at rest."""
+    """Returns the motor torques that balance gravity at rest."""
     linear, _ = _velocity_maps(q)
     return -np.einsum("b,bkj,k->j", MASSES_KG, linear, GRAVITY)
 
@@ -107,7 +109,7 @@ def random_posture(rng: np.random.Generator, margin_deg: float = 2.0) -> np.ndar
 
 
 def hands(q: np.ndarray) -> np.ndarray:
-    """End effector positions of many postures: (N, 4) -> (N, 3)."""
+    """Returns the end effector positions (N, 3) of many postures (N, 4)."""
     chain = np.broadcast_to(np.eye(4), (len(q), 4, 4))
     for joint, (alpha, a, d, offset) in enumerate(MODIFIED_DH):
         angle = np.radians(offset) + (q[:, joint - 2] if joint >= 2 else np.zeros(len(q)))

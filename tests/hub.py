@@ -1,4 +1,5 @@
-"""A hub for one test, raw SocketCAN packets, and the listening tools that users run, each in its own process."""
+"""Provides a hub for one test, raw SocketCAN packets, and a way to run the listening tools of users, each in its own
+process."""
 
 from __future__ import annotations
 
@@ -30,17 +31,17 @@ CANFD_BRS = 1
 
 
 def classic(can_id: int, data: bytes = b"", length: int | None = None) -> bytes:
-    """A struct can_frame."""
+    """Returns a packed struct can_frame."""
     return struct.pack("=IB3x8s", can_id, len(data) if length is None else length, data)
 
 
 def fd(can_id: int, data: bytes = b"", length: int | None = None) -> bytes:
-    """A struct canfd_frame with bit rate switch."""
+    """Returns a packed struct canfd_frame with the bit rate switch set."""
     return struct.pack("=IBB2x64s", can_id, len(data) if length is None else length, CANFD_BRS, data)
 
 
 def wait_until(condition: Callable[[], object], what: str) -> object:
-    """Returns the condition's value when it becomes true."""
+    """Waits until the condition returns a true value, and returns that value."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         value = condition()
@@ -51,15 +52,16 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
 
 
 def everything_in(file) -> str:
-    """Reads without moving the file offset that the writing process shares."""
+    """Returns the contents of a file without moving its offset, which the writing process shares."""
     return os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0).decode(errors="replace")
 
 
 class Hub:
-    """`environment` lets the tools find it; `port` is socketcand's, None if off."""
+    """A running hub. `environment` lets the tools find it; `port` is the TCP port of its socketcand, or None if that is
+    off."""
 
     def __init__(self, *arguments: str, bus: str = "vcan0", folder: Path | None = None):
-        # short: a socket path is limited to 107 bytes
+        # a short name, because a socket path is limited to 107 bytes
         self._own = None if folder else tempfile.mkdtemp(prefix="comanip-test-")
         self.folder = Path(folder or self._own)
         self.bus, self.path = bus, self.folder / bus
@@ -87,8 +89,8 @@ class Hub:
         return client
 
     def clients(self) -> int:
-        """Connections to its Unix socket by the kernel's list: accepted sockets have its path and are connected
-        (03)."""
+        """Returns the number of connections to the hub's Unix socket in the kernel's list. Accepted sockets have its
+        path and are in the state "connected" (03)."""
         lines = Path("/proc/net/unix").read_text().splitlines()
         return sum(line.endswith(f" {self.path}") and line.split()[5] == "03" for line in lines)
 
@@ -96,7 +98,7 @@ class Hub:
         wait_until(lambda: self.clients() >= count, f"{count} clients of {self.path}")
 
     def stop(self) -> int:
-        """Stops it as Ctrl-C does: it delivers all queued frames first."""
+        """Stops the hub as Ctrl-C would, so that it first delivers all queued frames."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
         return self.process.wait(PATIENCE_S)
@@ -113,7 +115,7 @@ class Hub:
 
 @contextlib.contextmanager
 def running(*arguments: str, **places) -> Iterator[Hub]:
-    """A hub, by default without socketcand."""
+    """Runs a hub, by default without socketcand."""
     hub = Hub(*arguments, **places)
     try:
         yield hub
@@ -122,7 +124,7 @@ def running(*arguments: str, **places) -> Iterator[Hub]:
 
 
 class Tool:
-    """A program that writes into a file, or onto a terminal, until the hub or the test stops it."""
+    """A program that writes to a file or a terminal until the hub or the test stops it."""
 
     def __init__(self, hub: Hub, *command: object, terminal: bool = False):
         self.output = tempfile.TemporaryFile()
@@ -141,7 +143,7 @@ class Tool:
             os.close(slave)
 
     def text(self) -> str:
-        """All output so far."""
+        """Returns all output so far."""
         while self._master is not None and select.select([self._master], [], [], 0)[0]:
             try:
                 self.output.write(os.read(self._master, 65536))

@@ -1,5 +1,5 @@
-"""Loads a hub with RATE frames/s for SECONDS: four listeners must get each frame in order, and one that never reads
-must be dropped. Usage: hub_load.py [--seconds N] [--rate N]. Exit status 1 if a frame was lost."""
+"""Loads a hub with RATE frames/s for SECONDS. Four listeners must receive every frame in order, and a listener that
+never reads must be dropped. Usage: hub_load.py [--seconds N] [--rate N]. Exit status 1 if a frame was lost."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LONGEST_WAIT_S = 30.0
 
 
 def listen(path: str, ready, results) -> None:
-    """Counts frames in the order of the numbers that they carry, up to a frame with a negative number."""
+    """Counts frames until one is out of order. A negative number marks the end."""
     client = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     client.connect(path)
     client.settimeout(LONGEST_WAIT_S)
@@ -38,7 +38,7 @@ def listen(path: str, ready, results) -> None:
 
 
 def send(client: socket.socket, rate: int, seconds: int) -> float:
-    """Returns the duration."""
+    """Sends the frames and returns how long it took."""
     start_s, sent = time.monotonic(), 0
     while sent < rate * seconds:
         due = min(int((time.monotonic() - start_s) * rate), rate * seconds)

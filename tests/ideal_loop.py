@@ -1,5 +1,5 @@
-"""The ideal loop: dqrobotics' kinematics in double precision and drives that follow each command at once, without a bus
-or an encoder. Written from the paper and from the headers' description of the limits."""
+"""Simulates the ideal loop: dqrobotics' kinematics in double precision, and drives that follow each command at once,
+without a bus or an encoder. It was written from the paper and from the description of the limits in the C headers."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
 JERK = 1e4
-RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration grows
+RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration ramps up
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
-# distance from the limit where the stopping speed is 0
+# distance from the limit at which the stopping speed is 0
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # changes per tick that ramp down to 0 within 0, 1, 2... ticks
-RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # and the total velocity change of each
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # the change per tick that can be ramped down to 0 within 0, 1, 2... ticks
+RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # the total velocity change of each of these ramps
 
 
 def limited(demanded, last, last_change, q, gain, acceleration=25.0):
-    """joint_limits.h: approach speed, common scaling to the speed limit, stopping distance, acceleration, jerk.
+    """Applies the limits of joint_limits.h: approach speed, common scaling to the speed limit, stopping distance,
+    acceleration, jerk.
 
     Returns the change of velocity.
     """
@@ -45,8 +46,8 @@ def limited(demanded, last, last_change, q, gain, acceleration=25.0):
 
 
 def law(jacobian, hand, target, gain, weight, damping):
-    """(4) with the error in the target's frame, as oracle.law, but for one posture at a time: array overhead would
-    dominate a loop of many thousand ticks."""
+    """Evaluates control law (4) with the error in the target's frame, as oracle.law does, but for a single posture. In
+    a loop of many thousand ticks the overhead of arrays would dominate."""
     back = DQ(-target if target[:4] @ hand[:4] < 0 else target).conj().hamiplus8()
     error = IDENTITY - back @ hand
     seen = back @ jacobian
@@ -56,7 +57,8 @@ def law(jacobian, hand, target, gain, weight, damping):
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
-    """Control law (4) over the joints that are free to follow it, as joints_at_limit_find()."""
+    """Evaluates control law (4) for only the joints that are free to move as demanded, as joints_at_limit_find()
+    does."""
     free = np.ones(len(q), bool)
     above, below = JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD, q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD
     while True:
@@ -70,8 +72,8 @@ def law_with_blocked_joints(jacobian, hand, target, q, *settings):
 
 
 def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray) -> np.ndarray:
-    """targets (N, 8), one per tick; cooperating (N,) bool: in other ticks the arm brakes. Returns the end effector (N,
-    8) at each tick, before that tick's command acts."""
+    """Runs the loop over targets (N, 8), one per tick. The arm brakes in the ticks in which cooperating (N,) is false.
+    Returns the end effector pose (N, 8) at each tick, before that tick's command takes effect."""
     arm = oracle.hoap3()
     q, v, change = q0.astype(float).copy(), np.zeros(len(q0)), np.zeros(len(q0))
     hands = np.empty((len(targets), 8))

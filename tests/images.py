@@ -1,4 +1,4 @@
-"""The target images listed by `make images`, which reads each port's images.mk."""
+"""Lists the target images that `make images` prints; it reads them from each port's images.mk."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ MAKE_LOCK = REPOSITORY / "build" / "tests" / "make.lock"
 
 @dataclass(frozen=True)
 class Image:
-    """`prefix`: of the compiler's name; `specs`: its file for the libc; `cpu`: its options for the core."""
+    """A target image. `prefix`: the prefix of the compiler's name; `specs`: the compiler's specs file for the libc;
+    `cpu`: compiler options for the core."""
 
     name: str
     board: str
@@ -31,14 +32,16 @@ class Image:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
-    """Runs make: one at a time in the build folder for all test processes, in parallel in the tests' own folders."""
+    """Runs make. Runs in the build folder take turns, across all test processes; runs in a test's own folder may
+    overlap."""
     elsewhere = any(argument.startswith("TARGET_BUILD=") for argument in arguments)
     with contextlib.nullcontext() if elsewhere else lock(MAKE_LOCK):
         return _make(*arguments)
 
 
 def _make(*arguments: str) -> subprocess.CompletedProcess:
-    # Not as part of the make that runs the tests: its job server is closed to us, and make would print a warning.
+    # Drop the variables of the make that runs the tests. Its job server is not open to this process, and make would
+    # print a warning.
     environment = {
         name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")
     }

@@ -1,6 +1,6 @@
-"""Firmware and plant as two processes on one bus: the kernel's, if it has the interface named by COMANIP_TEST_CAN (as
-in tests/socketcan), else the test's own hub. The test side reads and writes SocketCAN structures and decodes with
-cantools; it uses none of the code under test."""
+"""Runs firmware and plant as two processes on one bus. This is the kernel's CAN interface named by COMANIP_TEST_CAN, if
+it exists (as in tests/socketcan), and otherwise the test's own hub. The test reads and writes SocketCAN structures
+itself and decodes with cantools; it uses none of the code under test."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
 PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
-SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # the tests' machine has no real-time guarantees
-ATTEMPTS = 3  # at a run that a busy machine may spoil by pausing one of the processes
+SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # time scale; the test machine has no real-time guarantees
+ATTEMPTS = 3  # per run, as a busy machine may pause one of the processes and spoil it
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
 CANFD_BRS = 1
@@ -37,7 +37,7 @@ def has_kernel_can() -> bool:
 
 @dataclass(frozen=True)
 class Seen:
-    """A frame seen on the bus; `t_s` by this process's clock, divided by the time scale."""
+    """A frame seen on the bus. `t_s`: reception time by this process's clock, divided by the time scale."""
 
     t_s: float
     frame_id: int
@@ -56,7 +56,7 @@ def packet(frame_id: int, data: bytes) -> bytes:
 
 
 def is_authentic(frame: Seen) -> bool | None:
-    """Checks with the package autosar-e2e; None for a frame without protection."""
+    """Checks a frame's protection with the package autosar-e2e. Returns None for a frame without protection."""
     data_id = DBC.get_message_by_frame_id(frame.frame_id).dbc.attributes.get("E2EDataId")
     if data_id is None:
         return None
@@ -68,15 +68,15 @@ def is_authentic(frame: Seen) -> bool | None:
 
 
 class Bus:
-    """A bus for the processes with one tap on it. A context manager: it stops everything that was started at its
-    end."""
+    """A bus for the processes, with a tap that records it. As a context manager, it stops everything started on it when
+    the context ends."""
 
     def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd", interface: str = INTERFACE):
         self.folder, self.slow, self.profile, self.interface = folder, slow, profile, interface
         self.environment = os.environ | {"COMANIP_HUB_DIR": str(folder)}
         self.frames: list[Seen] = []
         self._processes: list[subprocess.Popen] = []
-        self._counter = 100  # of the test's operator frames
+        self._counter = 100  # sequence number of the test's operator frames
         self._over = threading.Event()
 
     def __enter__(self) -> Bus:
@@ -128,7 +128,7 @@ class Bus:
     # ---- processes
 
     def start(self, command: list, name: str) -> subprocess.Popen:
-        """Its output goes to NAME.out and NAME.err in the folder."""
+        """Starts a process whose output goes to NAME.out and NAME.err in the folder."""
         with open(self.folder / f"{name}.out", "a") as out, open(self.folder / f"{name}.err", "a") as err:
             process = subprocess.Popen(
                 [str(part) for part in command], stdout=out, stderr=err, stdin=subprocess.DEVNULL, env=self.environment
@@ -162,7 +162,7 @@ class Bus:
     # ---- frames
 
     def message(self, name: str):
-        """The DBC message of this bus; on classic CAN the last part of a split message."""
+        """Returns the DBC message that carries this one on the bus; if it is split on classic CAN, the last part."""
         if self.profile == "fd" or name == "FirmwareHeartbeat":
             return DBC.get_message_by_name(name)
         return DBC.get_message_by_name("Classic" + {"HandPose": "HandRotation"}.get(name, name))
@@ -172,7 +172,7 @@ class Bus:
         return [frame for frame in self.frames[start:] if frame.frame_id == frame_id]
 
     def commands(self, start: int, joints: int) -> list[dict]:
-        """JointCmd's signals. On classic CAN a command is complete with the last joint's part."""
+        """Returns the signals of each JointCmd. On classic CAN, a command is complete with the last joint's part."""
         if self.profile == "fd":
             return [frame.decode() for frame in self.since(start, "JointCmd")]
         found, parts = [], {}
@@ -188,7 +188,7 @@ class Bus:
         return found
 
     def status(self) -> tuple[str, str]:
-        """Mode and reason of the latest FirmwareStatus."""
+        """Returns mode and reason from the latest FirmwareStatus."""
         frame_id = self.message("FirmwareStatus").frame_id
         for i in range(len(self.frames) - 1, -1, -1):
             if self.frames[i].frame_id == frame_id:
@@ -197,11 +197,11 @@ class Bus:
         return "", ""
 
     def wait_mode(self, *modes: str, start: int = 0) -> None:
-        """Waits until a status received after `start` has one of these modes."""
+        """Waits until the latest status is one of these modes and was received after `start`."""
         self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
 
     def statuses_for(self, duration_s: float) -> list[tuple[str, str]]:
-        """The FirmwareStatus frames of the next `duration_s`."""
+        """Returns mode and reason from each FirmwareStatus of the next `duration_s`."""
         start, count = len(self.frames), round(1000 * duration_s / self.message("FirmwareStatus").cycle_time)
         self.wait(lambda: len(self.since(start, "FirmwareStatus")) >= count, f"{count} FirmwareStatus frames")
         output = [frame.decode() for frame in self.since(start, "FirmwareStatus")]
@@ -211,7 +211,7 @@ class Bus:
         self._tap.send(data)
 
     def command(self, command: str) -> str:
-        """Sends an OperatorCommand, repeated every second until the firmware acknowledges it. Returns the result."""
+        """Sends an OperatorCommand once a second until the firmware acknowledges it. Returns the result."""
         sent_s, start = 0.0, len(self.frames)
 
         def answers() -> list[dict]:

@@ -1,5 +1,5 @@
-"""The C core on a python-can `virtual` bus, in its own thread, with drives and optionally a tracker: the peer of
-`comanip`'s live commands. It ticks as fast as it can, not in real time."""
+"""Runs the C core on a python-can `virtual` bus, in its own thread, with drives and optionally a tracker, as the
+counterpart of `comanip`'s live commands. It ticks as fast as it can, not in real time."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from controller_bench import Bench
 from simulation import PATIENCE_S
 
 CHANNEL = "live-firmware"
-INBOX_FRAMES = 8  # read from the bus per tick
+INBOX_FRAMES = 8  # maximum number of frames read from the bus per tick
 
 
 class LiveFirmware(threading.Thread):
-    """`deaf`: the number of frames to lose before the first one is received. `mute`: it receives but does not
-    answer."""
+    """The thread that runs the firmware. `deaf`: how many frames it ignores before it processes one. `mute`: it
+    receives frames but sends none."""
 
     def __init__(self, has_tracker: bool = True):
         super().__init__(daemon=True)
@@ -67,7 +67,7 @@ class LiveFirmware(threading.Thread):
 @contextmanager
 def firmware(has_tracker: bool = True) -> Iterator[LiveFirmware]:
     live = LiveFirmware(has_tracker)
-    live.bench.tick(60)  # past the boot announcement
+    live.bench.tick(60)  # long enough to include the boot announcement
     live.start()
     try:
         yield live

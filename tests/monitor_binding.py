@@ -1,4 +1,4 @@
-"""The monitors, with monitor_scene.c in place of ODE: ``ffi, lib = load()``."""
+"""Builds the monitors with monitor_scene.c in place of ODE: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""References for the firmware in double precision, independent of its code: the paper's equations in numpy (for arrays)
-and in dqrobotics (literally), and HOAP-3's right arm from Fujitsu's manual.
+"""Double-precision references for the firmware, written independently of its code: the paper's equations, in numpy (for
+arrays) and in dqrobotics (literally), and HOAP-3's right arm from Fujitsu's manual.
 
-Quaternions are (..., 4) as w x y z, dual quaternions (..., 8), as in the paper.
+Quaternions are (..., 4) in the order w x y z, dual quaternions (..., 8), as in the paper.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dqrobotics.robot_modeling import DQ_SerialManipulatorDH, DQ_SerialManipulat
 
 
 def quaternion_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """By components: numpy's cross product takes ten times as long for a single one."""
+    """Multiplies quaternions by components: for a single product, numpy's cross product takes ten times as long."""
     aw, ax, ay, az = (a[..., i] for i in range(4))
     bw, bx, by, bz = (b[..., i] for i in range(4))
     w = aw * bw - (ax * bx + ay * by + az * bz)
@@ -32,7 +32,7 @@ def quaternion_conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def rotation(axis, angle_rad) -> np.ndarray:
-    """The paper's q(axis, angle)."""
+    """Returns the paper's q(axis, angle)."""
     axis = np.asarray(axis, float)
     half = np.asarray(angle_rad, float)[..., None] / 2
     return np.concatenate([np.cos(half), np.sin(half) * axis / np.linalg.norm(axis, axis=-1, keepdims=True)], axis=-1)
@@ -67,7 +67,7 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def pose(r: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """r + eps 1/2 t r."""
+    """Returns the unit dual quaternion r + eps 1/2 t r."""
     r, t = np.asarray(r, float), np.asarray(t, float)
     pure = np.concatenate([np.zeros((*t.shape[:-1], 1)), t], axis=-1)
     return np.concatenate([r, 0.5 * quaternion_multiply(pure, r)], axis=-1)
@@ -84,18 +84,18 @@ def random_rotations(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def random_poses(rng: np.random.Generator, count: int, reach_m: float = 1.0) -> np.ndarray:
-    """Unit dual quaternions, rounded to float32 as the firmware receives them."""
+    """Returns random unit dual quaternions, rounded to float32 as the firmware receives them."""
     return pose(random_rotations(rng, count), rng.uniform(-reach_m, reach_m, (count, 3))).astype(np.float32)
 
 
 def pose_distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Largest difference of components, ignoring the common sign: x and -x are the same pose."""
+    """Returns the largest difference of components, up to a common sign, because x and -x are the same pose."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     return np.minimum(np.abs(a - b).max(-1), np.abs(a + b).max(-1))
 
 
 def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Angle [rad] between the rotations of two poses."""
+    """Returns the angle [rad] between the rotations of two poses."""
     difference = quaternion_multiply(quaternion_conjugate(np.asarray(a, float)[..., :4]), np.asarray(b, float)[..., :4])
     return 2 * np.arctan2(np.linalg.norm(difference[..., 1:], axis=-1), np.abs(difference[..., 0]))
 
@@ -106,7 +106,8 @@ def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def law(
     jacobian: np.ndarray, hand: np.ndarray, target: np.ndarray, gain, weight, damping: float, error_frame: str
 ) -> np.ndarray:
-    """Rows of (J^T W J + lambda I)^-1 J^T W K e; the target's sign is that nearest to the end effector."""
+    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. Of the target's two signs, the one nearer to the
+    end effector is used."""
     gain, weight = np.broadcast_to(gain, 8).astype(float), np.broadcast_to(weight, 8).astype(float)
     sign = np.where((target[:, :4] * hand[:, :4]).sum(1, keepdims=True) < 0, -1.0, 1.0)
     target = sign * target
@@ -131,7 +132,7 @@ HOAP3_DH = np.array(  # theta, d, a, alpha: the manual's chain in standard DH fo
         [np.pi / 2, np.pi / 2, np.pi / 2, -np.pi / 2],
     ]
 )
-HOAP3_MDH = np.array(  # the manual's modified DH, from the torso over the chest; the end effector is at 0.171 along y4
+HOAP3_MDH = np.array(  # the manual's modified DH from torso to chest to arm; the end effector is at 0.171 along y4
     [
         [0, 0, 0, np.pi / 2, np.pi / 2, 0],
         [0.125, -0.111, 0, 0, 0.111, 0],
@@ -143,7 +144,8 @@ HOAP3_RANGE_DEG = np.array([[-91, -96, -91, -115], [151, 1, 91, 1]])
 
 
 def unit(x: np.ndarray) -> np.ndarray:
-    """The nearest pose in double precision: dqrobotics rejects poses that are unit only in float32."""
+    """Returns the nearest unit dual quaternion in double precision. dqrobotics rejects poses that are unit only in
+    float32."""
     x = np.asarray(x, float) / np.linalg.norm(np.asarray(x, float)[..., :4], axis=-1, keepdims=True)
     dual = x[..., 4:] - (x[..., :4] * x[..., 4:]).sum(-1, keepdims=True) * x[..., :4]
     return np.concatenate([x[..., :4], dual], axis=-1)
@@ -164,7 +166,8 @@ def hoap3() -> DQ_SerialManipulatorDH:
 
 
 def hoap3_from_manual(q: np.ndarray) -> np.ndarray:
-    """End effector pose by the manual's modified DH table; its two fixed rows are joints that stay at 0."""
+    """Returns the end effector pose from the manual's modified DH table; its two fixed rows are joints that stay at
+    0."""
     chain = DQ_SerialManipulatorMDH(np.vstack([HOAP3_MDH, np.zeros(6)]))
     frame4 = chain.fkm(np.concatenate([[0, 0], np.asarray(q, float)]))
     hand = dq(pose([1.0, 0, 0, 0], [0, 0.171, 0])) * dq(rotation([1, 0, 0], -np.pi / 2))
@@ -172,13 +175,14 @@ def hoap3_from_manual(q: np.ndarray) -> np.ndarray:
 
 
 def evaluate(arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """End effector poses (N, 8) and Jacobians (N, 8, n) of dqrobotics."""
+    """Returns the end effector poses (N, 8) and Jacobians (N, 8, n) as computed by dqrobotics."""
     hands = np.array([arm.fkm(row).vec8() for row in np.asarray(q, float)])
     return hands, np.array([arm.pose_jacobian(row) for row in np.asarray(q, float)])
 
 
 def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, np.ndarray]:
-    """Standard DH as fixed transforms (n, 8), each followed by a rotation about z, and the effector after the last."""
+    """Returns a standard DH chain as fixed transforms (n, 8), each followed by a rotation about z, and the transform to
+    the effector that follows the last one."""
     one = np.array([1, 0, 0, 0, 0, 0, 0, 0.0])
     before, fixed = one if base is None else base, []
     for theta_i, d_i, a_i, alpha_i in zip(theta, d, a, alpha):
@@ -190,8 +194,8 @@ def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, 
 def chain_kinematics(
     fixed: np.ndarray, axis: np.ndarray, effector: np.ndarray, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """End effector poses (N, 8) and Jacobians (N, 8, n) of an arm in the form that core.Arm takes. Column i follows
-    from the product rule: the i-th rotation is replaced by its derivative."""
+    """Returns the end effector poses (N, 8) and Jacobians (N, 8, n) of an arm given in the form that core.Arm takes. By
+    the product rule, column i is the chain with the i-th rotation replaced by its derivative."""
     count, n = q.shape
     turn = np.zeros((n, count, 8))
     slope = np.zeros((n, count, 8))
@@ -222,7 +226,8 @@ EQUATION_9 = rotation([1, 0, 0], -np.pi / 2)
 
 
 class Algorithm1:
-    """The paper's Algorithm 1, line by line, on dqrobotics' own decompositional product; motion scale 1, no offset."""
+    """The paper's Algorithm 1, line by line, using dqrobotics' own decompositional product; motion scale 1, no
+    offset."""
 
     def __init__(self, task: str, hand: np.ndarray, robot: np.ndarray, tracker_rotation: np.ndarray = EQUATION_9):
         self.task = task

@@ -1,4 +1,4 @@
-"""The simulated arm with its drives in its physical scene, with ODE: ``ffi, lib = load()``."""
+"""Builds the simulated arm with its drives in its physical scene, with ODE: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MODULES = (
     "sim/scene/water",
 )  # fmt: skip
 
-# ODE itself, for forces and energies of bodies that the product has no function for.
+# ODE functions for forces and energies of bodies, for which the product has no functions.
 ODE = """
 struct dxBody; struct dxWorld; struct dxJointGroup;
 const double *dBodyGetPosition(struct dxBody *);

@@ -1,5 +1,6 @@
-"""A non-preemptive fixed-priority bus as a plain event model in integer time: the reference for response times. It is
-independent of the analysis: frames are queued at given times, answers after the frame that they answer."""
+"""Models a non-preemptive fixed-priority bus as discrete events in integer time, as the reference for response times.
+The model is independent of the response-time analysis. Frames are queued at given times, and answers a fixed delay
+after the frame that they answer."""
 
 from __future__ import annotations
 
@@ -21,15 +22,15 @@ class Played:
 
 @dataclass
 class PriorityBus:
-    """`lengths(stream)` gives the duration of each frame."""
+    """The bus model. `lengths(stream)` returns the duration of each frame."""
 
     streams: Sequence[Stream]
     lengths: object = lambda stream: stream.longest_ns  # noqa: E731
     played: list[Played] = field(default_factory=list)
 
     def play(self, releases: Sequence[tuple[int, int, Stream]]) -> list[Played]:
-        """`releases`: event, queueing time, stream. At each end of a frame the lowest queued id starts; of equal ids,
-        the one that was queued first."""
+        """Plays `releases`, each of which is (event, queueing time, stream). At the end of each frame the lowest queued
+        id starts; of equal ids, the one that was queued first."""
         coming = [(queued, number, event, stream) for number, (event, queued, stream) in enumerate(releases)]
         heapq.heapify(coming)
         number, now = len(coming), 0

@@ -1,5 +1,5 @@
-"""Convex shapes, proximity and the gripper and proximity nodes, with libccd, over a scene that tests set up
-(fake_scene.h): ``ffi, lib = load()``."""
+"""Builds the convex shapes, proximity, and the gripper and proximity nodes with libccd, over a scene that the tests set
+up (fake_scene.h): ``ffi, lib = load()``."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The reader of scenario files and the checks whether a scene is possible, with ODE and libccd: ``ffi, lib =
-load()``."""
+"""Builds the reader of scenario files and the checks that a scene is physically possible, with ODE and libccd: ``ffi,
+lib = load()``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ def load() -> tuple[cffi.FFI, object]:
 
 
 def read(path: Path) -> object:
-    """The scenario_t of a file with a possible scene. ValueError: the error line."""
+    """Reads a file and returns its scenario_t. Raises ValueError with the error line if the file or the scene is
+    invalid."""
     ffi, lib = load()
     scenario, error = ffi.new("scenario_t *"), ffi.new("char[2048]")
     if not (
@@ -32,7 +33,7 @@ def read(path: Path) -> object:
 
 
 def check(scenario: object) -> None:
-    """ValueError: the error line, if the scene is impossible."""
+    """Raises ValueError with the error line if the scene is physically impossible."""
     ffi, lib = load()
     error = ffi.new("char[2048]")
     if not lib.scenario_check_geometry(scenario, error, len(error)):

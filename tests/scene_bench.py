@@ -1,4 +1,5 @@
-"""A physical scene built by a test: an arm that holds still, people, rods, stands, cranks; no bus, no files."""
+"""Builds a physical scene for a test: an arm that holds still, people, rods, stands and cranks, without a bus or
+files."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ START_DEG = (90, -5, 0, -90)
 
 
 class Scene:
-    """People and objects are dicts with the fields of scenario.h, with lists and strings as they are."""
+    """A physical scene. People and objects are dicts whose keys are the fields in scenario.h; lists and strings are
+    converted."""
 
     def __init__(self, people=(), objects=(), start_deg=START_DEG, gripper=None, step_s=1e-3):
         self.step_s, self.now_s = step_s, 0.0
@@ -59,7 +61,7 @@ class Scene:
         lib.scene_aim_hand(self.scene, person, ffi.new("rigid_pose_t *", (list(position_m), list(rotation)))[0:1])
 
     def pose(self, call, *arguments) -> tuple[np.ndarray, Rotation]:
-        """Position (3,) in m and rotation returned by scene_hand, scene_object, ..."""
+        """Calls scene_hand, scene_object, ... and returns the position (3,) in m and the rotation."""
         pose = ffi.new("rigid_pose_t *")
         call(self.scene, *arguments, pose)
         w, x, y, z = pose.rotation
@@ -85,7 +87,7 @@ class Scene:
         return lib.scene_close_hand(self.scene, person, thing)
 
     def times(self, event: str) -> int:
-        """The number of times that the event was raised."""
+        """Returns how many times the event was raised."""
         return self.events.event[lib.events_find(self.events, event.encode())].times
 
     def first_s(self, event: str) -> float:

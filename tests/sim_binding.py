@@ -1,4 +1,4 @@
-"""The simulator's bus, nodes and people, with stand_in_scene.c in place of ODE: ``ffi, lib = load()``."""
+"""Builds the simulator's bus, nodes and people with stand_in_scene.c in place of ODE: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The simulated bus, its nodes and its listener, from Python."""
+"""The simulated bus with recording nodes and a listener, for use from Python."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def make_frame(identifier: int, data: bytes, fd: bool = True):
 
 
 class Bus:
-    """A bus with nodes that record what they receive, and a listener."""
+    """A bus with a listener, and with nodes that record the frames they receive."""
 
     def __init__(self, nodes: int):
         self.bus = ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy)

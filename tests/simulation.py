@@ -1,4 +1,5 @@
-"""Runs the simulator as a user does: in its own process, with its options, its files in a folder of the test."""
+"""Runs the simulator as a user would: in its own process, with command-line options, and with its files in a folder of
+the test."""
 
 from __future__ import annotations
 
@@ -14,12 +15,13 @@ from once import lock
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
-SCENARIOS = ("pour", "teleop", "mirror")  # of tests/scenarios: the tasks without objects
-EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # of sim/scenarios
+SCENARIOS = ("pour", "teleop", "mirror")  # in tests/scenarios: the tasks without objects
+EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # in sim/scenarios
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
-PATIENCE_S = 600  # wall time; a quiet machine needs a hundredth of it, a busy one may be slow
-# Writes, select, start, clutch, latch, stop; a gap and lost samples, which cause holds; a tracker clock that wraps.
+PATIENCE_S = 600  # wall time; an idle machine needs a hundredth of it, but a busy one may be slow
+# Parameter writes, then select, start, clutch, latch and stop. A tracker gap and lost samples cause holds, and the
+# tracker's clock wraps.
 WRITTEN = {"task_blend_s": 0.5, "motion_scale": 0.75}
 EVENTFUL = (
     "--scenario", "mirror", "--duration", "13", "--clutch", "7", "--gap", "4:0.2", "--dropout", "0.02",
@@ -60,8 +62,9 @@ def _refuse_constant(text: str) -> None:
 
 
 def _plain(arguments: list[str]) -> list[str]:
-    """After ``--scenario``, one of SCENARIOS names its file in tests/scenarios: plain hand motions without objects, so
-    that a test sees only the bus and the tracking. ``experiment()`` gives the files of the experiments."""
+    """Replaces one of SCENARIOS after ``--scenario`` by its file in tests/scenarios. These files contain plain hand
+    motions without objects, so that a test involves only the bus and the tracking. ``experiment()`` returns the files
+    of the experiments."""
     places = [i + 1 for i, argument in enumerate(arguments[:-1]) if argument == "--scenario"]
     for place in places:
         if arguments[place] in SCENARIOS:
@@ -70,7 +73,7 @@ def _plain(arguments: list[str]) -> list[str]:
 
 
 def experiment(name: str) -> Path:
-    """The file of one of the EXPERIMENTS."""
+    """Returns the file of one of the EXPERIMENTS."""
     return REPOSITORY / "sim" / "scenarios" / f"{name}.yaml"
 
 
@@ -86,14 +89,14 @@ def call(
 
 def run(out: Path, *arguments: object, cwd: Path | None = None, environment: dict[str, str] | None = None,
         quiet: bool = True) -> Run:  # fmt: skip
-    """A run into the folder `out`."""
+    """Runs the simulator with `out` as its output folder."""
     done = call("--out", out, *(["--quiet"] if quiet else []), *arguments, cwd=cwd, environment=environment)
     return Run(out, done.returncode, done.stdout, done.stderr)
 
 
 @dataclass
 class Shared:
-    """The folder of this session's shared runs, set by tests/conftest.py before the first test."""
+    """The folder for the runs shared within this session. tests/conftest.py sets it before the first test."""
 
     folder: Path | None = None
 
@@ -111,8 +114,8 @@ def _content(argument: str) -> bytes:
 
 
 def shared(*arguments: object) -> Run:
-    """As run(), for tests that only read what the run wrote: the same program, command and files run once per session
-    for all tests and workers."""
+    """Does the same as run(), for tests that only read what the run wrote. A run with the same program, command and
+    files is made only once per session, for all tests and workers."""
     command = _plain([str(argument) for argument in arguments])
     digest = hashlib.sha256(_simulator_hash())
     for argument in command:
@@ -131,5 +134,5 @@ def modes(run_: Run) -> list[tuple[str, str]]:
 
 
 def recording_csv(*rows: str) -> str:
-    """The text of a recording."""
+    """Returns the text of a recording with these rows."""
     return "\n".join([RECORDING_HEADER, *rows]) + "\n"

@@ -1,7 +1,7 @@
-"""Parts of the simulator as a Python library: the modules under test and the modules that they need.
+"""Builds parts of the simulator as a Python library: the modules under test and the modules that they need.
 
-A module is named as ``sim/bus/bus``: its header is declared, its object linked. The linker takes the others out of an
-archive of the whole simulator, unless a stand-in, a source of the tests, defines their functions.
+A module is named like ``sim/bus/bus``. Its header is declared and its object linked. The linker takes all other objects
+from an archive of the whole simulator, unless a stand-in (a source in tests/) defines their functions.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from c_declarations import declarations
 from c_library import COMPILE, CORE, OPTIMISED, REPOSITORY, objects
 
 COMMAND = [*COMPILE, *OPTIMISED]
-# All sources but the programs and their specific parts: a real bus, and where the firmware runs.
+# All sources except the programs and what is specific to one of them: a real bus, and the choice of where the firmware
+# runs.
 SOURCES = [
     *(file for file in sorted(REPOSITORY.glob("sim/*/*.c")) if file.parent.name not in ("programs", "port")),
     *(REPOSITORY / name for name in ("hal/common/frame_time.c", "hal/linux/hub_path.c")),
@@ -32,8 +33,9 @@ def _run(command: Iterable[object]) -> None:
 
 
 def link(library: Path, modules: Iterable[str], libraries: Iterable[str] = ()) -> None:
-    """RuntimeError if something that the modules need is neither there nor in the libraries ("ode", "ccd", ...)."""
-    named = [file for module in modules if (file := REPOSITORY / f"{module}.c").is_file()]  # others have a header only
+    """Links the modules with what they need from the archive and the libraries ("ode", "ccd", ...). Raises RuntimeError
+    if something is missing."""
+    named = [file for module in modules if (file := REPOSITORY / f"{module}.c").is_file()]  # some have only a header
     named, rest = ([part for part, _ in objects(sources, COMMAND)] for sources in (named, SOURCES))
     archive = library.with_suffix(".a")
     _run(["ar", "rcsT", archive, *rest])
@@ -55,7 +57,8 @@ def link(library: Path, modules: Iterable[str], libraries: Iterable[str] = ()) -
 def load(
     modules: Iterable[str], stand_ins: Iterable[str] = (), libraries: Iterable[str] = (), declared: str = ""
 ) -> tuple[cffi.FFI, object]:
-    """``ffi, lib``. `declared`: library functions that the test calls itself."""
+    """Builds the library and returns ``ffi, lib``. `declared`: declarations of library functions that the test itself
+    calls."""
     ffi = cffi.FFI()
     named = [*modules, *stand_ins]
     headers = [REPOSITORY / f"{module}.h" for module in named]

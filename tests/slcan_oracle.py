@@ -1,4 +1,4 @@
-"""SLCAN written independently: python-can's implementation without its serial port, and the dialect's grammar."""
+"""An independent implementation of SLCAN: python-can's bus without its serial port, and a grammar of the dialect."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class StockSlcan(slcanBus):
         return self._recv_internal(0)[0]
 
 
-# Data length code followed by the hex digits of the data.
+# The data length code, followed by the hex digits of the data.
 _FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * CAN_FD_DLC[code]}}}" for code in range(16))
 _CLASSIC_FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * code}}}" for code in range(9))
 FRAME = re.compile(rf"(t[0-7][0-9A-F]{{2}}({_CLASSIC_FIELDS})|[db][0-7][0-9A-F]{{2}}({_FIELDS}))\Z", re.IGNORECASE)
@@ -49,8 +49,8 @@ NOT_OF_THIS_BUS = "TDBrROCLSsYyMmAEFVvNZz"
 
 
 def read(stream: bytes) -> tuple[list[tuple[int, bytes]], int]:
-    """The frames (id, data) of a stream of lines and the number of malformed lines, not counting the unfinished last
-    one."""
+    """Returns the frames (id, data) in a stream of lines, and the number of malformed lines. An unfinished last line
+    does not count."""
     frames, malformed = [], 0
     for raw in stream.split(b"\r")[:-1]:
         line = raw.lstrip(b"\a").decode("latin-1")

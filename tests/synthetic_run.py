@@ -1,5 +1,5 @@
-"""The files of a synthetic run: minimum-jerk motions (Flash and Hogan, J. Neuroscience 1985) with closed-form figures,
-in the formats of trace.csv and summary.json."""
+"""Writes the files of a synthetic run in the formats of trace.csv and summary.json. The motions are minimum-jerk (Flash
+and Hogan, J. Neuroscience 1985), so that all figures have closed forms."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ COLUMNS = (
     *("clearance_person_mm", "clearance_self_mm", "water_robot", "water_person", "water_spilt", "crank_turns"),
 )
 FACE_TO_FACE = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
-TICK_S = 0.01  # coarser than the simulator's: faster to draw
+TICK_S = 0.01  # coarser than the simulator's, so that plots are drawn faster
 START_RAD = np.radians([90.0, -5.0, 0.0, -90.0])
 EVENTS = {
     "pour": ("operator.pouring", "person.at_spot_2", "person.at_spot_3", "person.at_spot_4"),
@@ -32,13 +32,14 @@ EVENTS = {
 
 
 def minimum_jerk(t_s: np.ndarray, start_s: float, duration_s: float) -> np.ndarray:
-    """Rises from 0 to 1."""
+    """Returns the minimum-jerk profile, which rises from 0 to 1."""
     s = np.clip((t_s - start_s) / duration_s, 0.0, 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
 
 def columns(scenario: str, duration_s: float = 8.0, tick_s: float = TICK_S) -> dict[str, np.ndarray | list[str]]:
-    """No target until 0.5 s; the hand moves 30 mm along x from 1 s to 3 s, always 2 mm behind its target."""
+    """Returns the columns of the trace. There is no target until 0.5 s. The hand moves 30 mm along x from 1 s to 3 s
+    and is always 2 mm behind its target."""
     t = np.round(np.arange(round(duration_s / tick_s)) * tick_s, 3)
     empty = np.full(len(t), np.nan)
     value: dict[str, np.ndarray | list[str]] = {name: empty.copy() for name in COLUMNS}
