@@ -1,4 +1,4 @@
-"""Kinematics against dqrobotics in double precision, for HOAP-3 and for arms of 1 to 8 joints."""
+"""Checks the kinematics of HOAP-3 and of arms with 1 to 8 joints against dqrobotics in double precision."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def test_hoap3_matches_the_manuals_chain(rng):
 
 
 def test_hoap3_check_pose():
-    """Upper arm hanging, forearm forward: end effector by the manual's lengths, its z axis forward and its x axis
-    up."""
+    """With the upper arm hanging and the forearm forward, the end effector is where the manual's lengths put it, with
+    its z axis forward and its x axis up."""
     q = np.radians([[90, 0, 0, -90], [0, 0, 0, 0]]).astype(np.float32)
     check, straight = core.forward_kinematics(HOAP3, q)
     assert np.abs(oracle.translation(check) - [-0.035 + 0.171, -0.111, 0.125 - 0.111]).max() < 1e-6
@@ -68,7 +68,7 @@ def test_hoap3_limits_are_the_manuals_minus_one_degree():
 
 
 def ur5() -> DQ_SerialManipulatorDH:
-    """Universal Robots' published table."""
+    """Returns the UR5 from Universal Robots' published table."""
     half = np.pi / 2
     return DQ_SerialManipulatorDH(
         np.array(
@@ -108,7 +108,7 @@ def test_any_arm_of_n_joints(rng, n):
 
 @pytest.mark.parametrize("n", [3, 8])
 def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
-    """With the same sign: column i = (hand(q + h) - hand(q - h)) / 2h."""
+    """Column i equals (hand(q + h) - hand(q - h)) / 2h, including its sign."""
     fixed, effector = oracle.random_poses(rng, n, 0.2), oracle.random_poses(rng, 1, 0.2)[0]
     arm = make_arm(fixed, np.tile([0, 1, 0], (n, 1)), effector)
     q = random_joints(rng, 200, n, 8.0)
@@ -122,7 +122,7 @@ def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
 
 
 def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
-    """|P| = 1 and P . D = 0 hold along every motion, so each column preserves both to first order."""
+    """|P| = 1 and P . D = 0 hold along every motion, so to first order each column preserves both."""
     q = random_joints(rng, COUNT, 4)
     hand, jacobian = core.forward_kinematics(HOAP3, q).astype(float), core.pose_jacobian(HOAP3, q).astype(float)
     assert np.abs(np.linalg.norm(hand[:, :4], axis=1) - 1).max() < 1e-6
@@ -132,7 +132,7 @@ def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
 
 
 def test_the_default_jerk_limits_of_core_and_description_are_equal():
-    """The two defaults are in packages that cannot import each other."""
+    """The two defaults are defined in packages that cannot import each other, so they must be kept equal by hand."""
     from comanip_dev.arms.description import JERK_DEFAULT_RADPS3
 
     arm = make_arm(np.eye(1, 8), np.eye(1, 3), np.eye(1, 8)[0])

@@ -1,5 +1,5 @@
-"""The C written by `make arms`: kinematics and control law (4) for one arm, against numpy in double precision and
-against the control law for any arm."""
+"""Checks the C code that `make arms` generates for a single arm, i.e. its kinematics and control law (4), against numpy
+in double precision and against the control law for any arm."""
 
 from __future__ import annotations
 
@@ -80,8 +80,8 @@ def test_the_committed_files_match_the_description():
 @pytest.mark.parametrize("frame", [lib.ERROR_FRAME_TORSO, lib.ERROR_FRAME_TARGET])
 @pytest.mark.parametrize("weight", [(1.0, 1.0), (0.01, 100.0)])
 def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, weight):
-    """Reference in double precision: the Jacobian without the columns of the joints that would move past their limit,
-    until none would. The fast law, the law for any arm and the general law agree."""
+    """The fast law, the law for any arm and the general law agree with a reference in double precision. The reference
+    repeatedly drops the Jacobian columns of the joints that would move past their limit, until none would."""
     configuration = config(weight=weight, frame=frame)
     laws = (for_this_arm, for_any_arm, general_form)
     w = np.repeat(weight, 4)
@@ -107,7 +107,7 @@ def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, 
                 break
             free &= expected * beyond <= 0
         if clear < 1e-2:
-            continue  # near zero velocity, rounding decides
+            continue  # near zero velocity, rounding decides whether a joint is blocked
         blocked_counts[4 - free.sum()] += 1
         for law in laws:
             found = solve(law, arm, configuration, q, target, lower, upper)
@@ -115,11 +115,11 @@ def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, 
             assert np.abs(found - expected).max() / scale < max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (found[~free] == 0).all()
             assert (found * beyond <= 0).all()
-    assert (blocked_counts > 0).all()  # from none to all joints
+    assert (blocked_counts > 0).all()  # every number of blocked joints occurs, from none to all
 
 
 def test_a_target_far_out_of_reach_uses_the_general_law(arm, inputs):
-    """Where the damping is too small relative to J^T W J: bit-identical results."""
+    """If the damping is too small relative to J^T W J, the result is bit-identical to that of the general law."""
     configuration = config(weight=(0.01, 100.0), damping=1e-3)
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
@@ -151,7 +151,7 @@ def test_any_other_diagonal_is_general(part, component):
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("where", ["q", "target"])
 def test_non_finite_input_gives_non_finite_output(arm, inputs, value, where):
-    """So that the joint limits detect it: it never passes for a velocity."""
+    """Non-finite input must never produce a finite velocity, so that the joint limits can detect it."""
     q, target = (x.copy() for x in inputs[0])
     (q if where == "q" else target)[1] = value
     assert not np.isfinite(solve(for_this_arm, arm, config(), q, target)).all()
@@ -175,7 +175,7 @@ LAW_SOURCES = (
 
 
 def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
-    """Both velocities, and the distance."""
+    """Returns both velocities and the distance in one array."""
     position = ffi.new("float[8]", q.tolist())
     config = ffi.new("position_priority_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
@@ -190,7 +190,7 @@ def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarr
 
 
 def write_description(path, rows, effector) -> None:
-    """rows: (alpha_deg, a_m, d_m, theta_deg) of each joint."""
+    """Writes an arm description. Each row is a joint's (alpha_deg, a_m, d_m, theta_deg)."""
     frames = [(*row, True) for row in rows] + [(*effector, False)]
     lines = [f'name = "{path.stem}"', "id = 1", "velocity_max_radps = 3.0"]
     for alpha, a, d, theta, is_joint in frames:
@@ -201,7 +201,7 @@ def write_description(path, rows, effector) -> None:
 
 
 def compiled(folder, name: str):
-    """The arm with its inverse kinematics, loaded from its own library."""
+    """Compiles the arm with its inverse kinematics into a library of its own and loads it."""
     command = ["gcc", "-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic",
                "-Wconversion",
                "-Wdouble-promotion", "-Wshadow", "-Werror", "-fPIC", *INCLUDES]  # fmt: skip
@@ -215,7 +215,7 @@ def compiled(folder, name: str):
 
 
 class Loaded:
-    """The part of an arm that solve() needs."""
+    """The attributes of an arm that solve() needs."""
 
     def __init__(self, library, ik):
         self.library, self.ik, self.table, self.joint_count = library, ik, ik.arm, ik.arm.joint_count
@@ -227,7 +227,8 @@ RIGHT_ANGLES = (-90.0, 0.0, 90.0)
 @pytest.mark.parametrize("angles", ["right", "any"])
 @pytest.mark.parametrize("n", range(1, 9))
 def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
-    """Includes the zero offsets and lengths of real arms, where the generator folds most terms."""
+    """The arms include ones with the zero offsets and lengths of real arms, for which the generator folds most
+    terms."""
     right = angles == "right"
     rows = []
     for _ in range(n + 1):
@@ -265,10 +266,11 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             )
             found = np.array([solve(for_this_arm, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
-            # the arms reach up to 2 m, HOAP-3 0.3 m: the rounding of J^T W J grows with the square
+            # the bound is wider because the rounding of J^T W J grows with the square of the reach: 2 m, against 0.3 m
+            # for HOAP-3
             bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (np.abs(found - expected).max(axis=1) / scale).max() < bound
-            # at limits: as the law for any arm, which is tested against double precision above
+            # at limits, the result matches the general law, which is tested against double precision above
             for pair in zip(q, targets, strict=True):
                 lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
                 written, general = (
@@ -276,12 +278,12 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 )
                 sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
                 assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
-                if np.array_equal(written == 0, general == 0):  # else rounding decided which joints are left out
+                if np.array_equal(written == 0, general == 0):  # otherwise they blocked different joints
                     assert np.abs(written - general).max() / max(3.5, np.abs(general).max()) < 2 * bound
                 else:
                     otherwise += 1
         assert otherwise <= 2
-    # as the law for any arm, which test_position_priority.py tests against double precision
+    # the result matches the law for any arm, which test_position_priority.py tests against double precision
     otherwise = 0
     for row, target in zip(q, targets, strict=True):
         motion = rng.normal(size=6)
@@ -296,7 +298,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
 
 
 def test_generated_code_compiles_for_any_arm(rng, tmp_path):
-    """Right angles and zero lengths remove many terms: no variable may remain unused."""
+    """The generated code has no unused variables, even if right angles and zero lengths remove many terms."""
     flags = [
         "-std=c11",
         *INCLUDES,
@@ -312,7 +314,7 @@ def test_generated_code_compiles_for_any_arm(rng, tmp_path):
     written = []
     rows_of = [
         [(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]
-    ]  # these once had unused variables
+    ]  # the generated code for these once had unused variables
     for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
         rows_of.append(
             [
@@ -391,7 +393,8 @@ def test_a_joints_jerk_limit_overrides_the_arms(tmp_path):
 
 
 def test_a_description_is_modified_dh(tmp_path):
-    """One row's torso-to-joint transform, Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), by numpy."""
+    """The torso-to-joint transform of a single row equals Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), computed with
+    numpy."""
     arm = described(
         tmp_path, GOOD.replace("alpha_deg = 90.0", "alpha_deg = 30.0\na_m = 0.2\nd_m = 0.3\ntheta_deg = 40.0")
     )

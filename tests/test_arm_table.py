@@ -1,4 +1,4 @@
-"""arm_check(): names each value outside the ranges stated in arm.h, and accepts values at the ends of the ranges."""
+"""Checks that arm_check() names each value outside the ranges in arm.h and accepts values at the ends of the ranges."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
 def verdict(
     joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object
 ) -> str | None:
-    """The verdict on a table of two valid joints with changes to the last one."""
+    """Returns arm_check()'s complaint about a table of two valid joints, the second of which is modified by
+    `changes`."""
     joints = ffi.new("arm_joint_t[2]")
     for joint in joints:
         joint.fixed = (UNIT, ZERO)
@@ -72,7 +73,7 @@ def test_a_defect_is_named(changes, complaint):
 
 @pytest.mark.parametrize("missing", ["arm", "isotropic", "position_priority"])
 def test_inverse_kinematics_without_a_member_are_refused(missing):
-    """They would be a jump to address 0."""
+    """A missing function would be called at address 0."""
     complete = ffi.new("arm_ik_t *", lib.arm_ik_any(ffi.addressof(lib.arm_hoap3_right)))
     assert lib.arm_ik_check(complete) == ffi.NULL
     setattr(complete, missing, ffi.NULL)

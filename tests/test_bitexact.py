@@ -1,5 +1,5 @@
-"""The same input gives the same bytes on the host and on the targets: a short run of `make bitexact`, and that it
-detects a build with different arithmetic."""
+"""Checks that the same input produces the same bytes on the host and on the targets, by a short run of `make bitexact`,
+and that `make bitexact` detects a build with different arithmetic."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_all_builds_send_the_same_bytes(folder):
 
 
 def test_different_arithmetic_is_detected(folder):
-    """A compiler that may reorder sums."""
+    """A compiler that is allowed to reorder sums produces a difference."""
     if not (folder / "input.bin").exists():
         bitexact.make_input(folder, smoke=True)
     reference = bitexact.host_output(folder, "gcc", "-O2")

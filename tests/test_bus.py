@@ -1,5 +1,5 @@
-"""The simulated CAN FD bus: frame durations against a bit-by-bit construction of the frame, arbitration against a
-simple event model, the log against standard tools."""
+"""Checks the simulated CAN FD bus: frame durations against a bit-by-bit construction of the frame, arbitration against
+a simple event model, and the log against standard tools."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from can_fd_bits import LENGTHS, bits, frame_duration_ns
 from sim_bus import Bus, ffi, lib, make_frame
 
-# Worst-case durations by the usual bound: one stuff bit per four bits in either phase.
+# Worst-case durations by the usual bound, which assumes one stuff bit per four bits in both phases.
 WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 
@@ -20,7 +20,7 @@ WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 
 def random_data(rng: np.random.Generator, length: int) -> bytes:
-    """Half of the data has long runs of equal bits."""
+    """Returns random bytes, which in half of the cases have long runs of equal bits."""
     if rng.random() < 0.5:
         return rng.bytes(length)
     return bytes(rng.choice([0x00, 0xFF, 0x0F, 0xF0, 0x1F, 0xF8, 0x83, 0x7C, 0x10], length).astype(np.uint8))
@@ -39,11 +39,12 @@ def test_frame_time_equals_bitwise_construction(rng):
 
 @pytest.mark.parametrize("length", WORST_CASE_US)
 def test_worst_frame_is_close_to_the_bound(length):
-    """The bound has one nominal stuff bit that IDE, FDF, res and BRS rule out, and up to one at the data's end."""
+    """The worst frame is shorter than the bound only by one nominal stuff bit, which IDE, FDF, res and BRS rule out,
+    and up to one stuff bit at the end of the data."""
     sent = [0, *bits(0x078, 11), 0, 0, 1, 0, 1, 0, *bits(LENGTHS.index(length), 4)]
     run = next(i for i in range(1, 6) if sent[-1 - i] != sent[-1])
     last, data_bits = sent[-1], []
-    for _ in range(8 * length):  # repeat the last bit: a stuff bit after each four
+    for _ in range(8 * length):  # repeat the last bit, which gives a stuff bit after every four
         if run == 5:
             last, run = 1 - last, 1
         data_bits.append(last)
@@ -62,7 +63,7 @@ def test_impossible_frames_have_no_duration(identifier, length):
 
 
 def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, int]]:
-    """Bus model for (node, id, data, ready): at each end of frame the lowest ready id starts."""
+    """Models the bus for a list of (node, id, data, ready). At the end of each frame the lowest ready id starts."""
     earliest = {}
     waiting = []
     for order, (node, identifier, data, ready_ns) in enumerate(traffic):
@@ -112,7 +113,7 @@ def test_frame_on_the_wire_ends_in_the_next_call():
     bus.run_until(1000)
     bus.run_until(end_ns - 1)
     assert bus.heard == []
-    bus.send(0, 0x001, b"", 0)  # ready in the past: starts as soon as the wire is free
+    bus.send(0, 0x001, b"", 0)  # ready in the past, so it starts as soon as the wire is free
     bus.run_until(end_ns)
     assert [item[2] for item in bus.heard] == [end_ns]
     bus.run_until(10**6)
@@ -121,8 +122,8 @@ def test_frame_on_the_wire_ends_in_the_next_call():
 
 @pytest.mark.parametrize("before", [0x200, None])
 def test_nothing_starts_exactly_at_the_end_of_a_call(before):
-    """A frame that becomes ready at that time takes part in the arbitration, whether the wire was busy or idle
-    before."""
+    """A frame that becomes ready exactly then still takes part in the arbitration, whether the wire was busy or
+    idle."""
     bus = Bus(2)
     time_ns = frame_duration_ns(0x200, bytes(8))
     if before is not None:
@@ -215,7 +216,7 @@ def test_cantools_decodes_the_log(tmp_path, dbc):
 
 
 def test_log_errors_name_file_and_cause(tmp_path, log_frames):
-    for frames in (log_frames, log_frames[:1]):  # an error while writing, and one at the end
+    for frames in (log_frames, log_frames[:1]):  # the first error occurs while writing, the second when closing
         assert write_log("/dev/full", frames) == "/dev/full: the log is incomplete: No space left on device"
     missing = tmp_path / "missing" / "bus.log"
     assert write_log(missing, []) == f"{missing}: cannot be written: No such file or directory"

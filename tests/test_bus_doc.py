@@ -1,4 +1,4 @@
-"""docs/bus.md agrees with the DBC, and the traffic stays within the ranges given in the DBC."""
+"""Checks that docs/bus.md agrees with the DBC, and that the traffic stays within the ranges given in the DBC."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_the_parameters_document_is_current():
 
 
 def test_every_frame_and_signal_is_there():
-    """Read back from the text: ids, lengths, periods and start bits, against cantools."""
+    """Ids, lengths, periods and start bits parsed from the document equal those that cantools reads from the DBC."""
     text = BUS_MD.read_text()
     rows = re.findall(
         r"^\| (0x\w+)(?:\.\.(0x\w+))? \| \[\w+(?:\.\.\d)?\]\(#\w+\) \| (\d+) \| ([\w ]+) \|", text, re.MULTILINE
@@ -46,7 +46,7 @@ def test_every_frame_and_signal_is_there():
             starts = {name: int(bit) for name, bit in re.findall(r"^\| `(\w+)` \| (\d+) \|", section, re.MULTILINE)}
             plain = {s.name: s.start for s in message.signals if s.name[:4] != "e2e_" and s.name in starts}
             assert starts and all(starts[name] == start for name, start in plain.items()), message.name
-            for name in starts.keys() - plain.keys():  # a signal that exists per joint
+            for name in starts.keys() - plain.keys():  # signals that are documented once for all joints
                 first = message.get_signal_by_name(re.sub(r"_N(?=_|$)", "_0", name))
                 assert first.start == starts[name], (message.name, name)
 
@@ -93,7 +93,7 @@ def test_traffic_is_within_the_ranges(tmp_path):
 
 
 def test_parameters_are_within_the_range_of_their_frames():
-    """The ranges that the simulator's help lists."""
+    """The parameter ranges listed in the simulator's help fit the frame's range."""
     help_text = subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
     limits = np.array(re.findall(r"^ +\w+ +(\S+) to (\S+?)(?: [^,]+)?, \S+$", help_text, re.MULTILINE), float)
     message = DBC.get_message_by_name("ParameterValue")

@@ -1,5 +1,5 @@
-"""The log of a run: standard tools read and decode it; its frames are protected, on time and complete; and it suffices
-to replay the firmware byte for byte."""
+"""Checks the log of a run: standard tools read and decode it; its frames are protected, on time and complete; and the
+firmware can be replayed from it byte for byte."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_python_can_reads_the_same_frames(short):
 
 
 def test_bulk_decoder_agrees_with_cantools(frames, decoded):
-    """The decoder of the other tests."""
+    """The decoder that the other tests use decodes the same raw values as cantools."""
     for frame_id, sent in by_id(frames).items():
         message = DBC.get_message_by_frame_id(frame_id)
         for i in np.linspace(0, len(sent) - 1, 50).astype(int):
@@ -133,7 +133,7 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
         t_us = np.array([frame.t_us for frame in logged[message.frame_id]])
         period_us = 1000 * message.cycle_time
         assert abs(len(t_us) - duration_us / period_us) <= 1, message.name
-        # within a tick a frame may wait for earlier ones
+        # a frame may have to wait for earlier frames of the same tick
         assert np.abs(np.diff(t_us) - period_us).max() < TICK_US, message.name
 
 
@@ -145,7 +145,7 @@ def test_nothing_is_lost_and_the_load_is_the_sum_of_the_frames(short):
     duration_ns = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames])
     assert bus["load_percent_mean"] == pytest.approx(100e-9 * duration_ns.sum() / short.summary["sim_s"], rel=1e-7)
 
-    end_ns = np.array([1000 * frame.t_us for frame in frames])  # up to 1 us too early
+    end_ns = np.array([1000 * frame.t_us for frame in frames])  # up to 1 us too early, as the log truncates
     assert np.all(end_ns[1:] - duration_ns[1:] > end_ns[:-1] - 1000), "two frames overlap"
     window_ns = 10_000_000
     busy_ns = np.zeros(1 + end_ns[-1] // window_ns)
@@ -183,7 +183,7 @@ def test_boot_announces_firmware_and_parameters(short):
     assert listed.keys() == default.keys()
     assert all(float(listed[name]) == pytest.approx(default[name], rel=1e-5) for name in listed)
     rotation = [default[f"tracker_rotation_{axis}_rad"] for axis in "xyz"]
-    assert rotation == pytest.approx([-np.pi / 2, 0, 0])  # the paper's (9)
+    assert rotation == pytest.approx([-np.pi / 2, 0, 0])  # equation (9) of the paper
     expected = {"motion_scale": 1, "stale_periods": 2.5, "latch_measured": 0, "trace": 1, "speed_fraction": 1}
     assert {name: default[name] for name in expected} == expected
 
@@ -220,8 +220,8 @@ def test_each_parameter_write_is_answered_with_the_value_in_force(frames):
 
 
 def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
-    """By id, the counter of the last frame that the firmware had read by this tick; None before the first. `received`
-    has one bit per counter, in the same order."""
+    """Returns, for each id, the counter of the last frame that the firmware had read by this tick, or None if it had
+    read none. The bits of `received` have the same order as the counter signals."""
     trace = DBC.get_message_by_name("TickTrace")
     signals = trace.decode(frame.data, decode_choices=False)
     received = {
@@ -237,7 +237,7 @@ def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
 
 
 def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[LoggedFrame]:
-    """Takes the frames that this tick had read from the queue, in bus order."""
+    """Removes the frames that this tick read from the front of the queue and returns them, in bus order."""
     taken = []
     while counters != traced:
         assert queue, f"the trace refers to frames that are not in the log: {traced}"
@@ -248,8 +248,8 @@ def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """Feeds the firmware with the log alone. Returns the frames that it sends, by id, and the number of frames fed.
-    The counts of its port are those of the next PortStatus."""
+    """Replays the firmware from the log alone. Returns the frames that it sends, by id, and how many frames it was fed.
+    The port counts in each tick are those of the next PortStatus."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
@@ -282,7 +282,7 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
 
 
 def test_the_log_is_enough_to_replay(eventful, frames):
-    """The C core, fed with the frames that each tick read, sends the same bytes as the firmware in the run."""
+    """Given the frames that each tick read, the C core sends the same bytes as the firmware did in the run."""
     assert {"idle", "ready", "cooperating", "hold"} == {mode for mode, _ in modes(eventful)}
     sent, fed = replay(frames)
     recorded = {i: [f.data for f in part] for i, part in by_id(frames).items() if i in SENT_BY_FIRMWARE}

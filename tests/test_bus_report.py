@@ -1,4 +1,5 @@
-"""The report of loads and response times: its figures against the DBC, its marks and its file."""
+"""Checks the report of loads and response times: its figures against the DBC, its marks for late frames, and its
+file."""
 
 from __future__ import annotations
 
@@ -46,7 +47,7 @@ def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
 
 @pytest.mark.parametrize("joints", JOINTS)
 def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
-    """The sum over the longest frames of the DBC, measured bit by bit."""
+    """The cyclic load equals the sum over the longest frames of the DBC, whose durations are constructed bit by bit."""
     share = 0.0
     for message in FD_MESSAGES:
         if message.cycle_time and not (message.name.startswith("JointState") and int(message.name[-1]) >= joints):
@@ -64,7 +65,7 @@ def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
     messages = [*CLASSIC_MESSAGES, DBC.get_message_by_name("FirmwareHeartbeat")]
     rare = {
         f"ClassicTask{part}": 100 for part in ("Translation", "Rotation", "Inverse")
-    }  # includes the parts of a TaskDefine
+    }  # the parts of a TaskDefine are included
     expected = {
         m.name: (m.frame_id, m.length, m.cycle_time or rare.get(m.name, 4)) for m in messages if m.name not in absent
     }
@@ -77,7 +78,8 @@ def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
 
 
 def test_the_classic_profile_meets_its_specification():
-    """250 Hz control rate, the pose in two frames at 125 Hz, no frame longer than 8 bytes."""
+    """The classic profile has a control rate of 250 Hz, sends the pose in two frames at 125 Hz, and has no frame longer
+    than 8 bytes."""
     by_name = {message.name.removeprefix("Classic"): message for message in CLASSIC_MESSAGES}
     assert {by_name[f"Joint{kind}{joint}"].cycle_time for kind in ("Cmd", "State") for joint in range(8)} == {4}
     assert by_name["HandPosition"].cycle_time == by_name["HandRotation"].cycle_time == 8
@@ -98,8 +100,8 @@ def test_late_frames_are_named(written):
 
 
 def test_the_last_of_four_joint_states_by_hand(by_profile):
-    """50 us of computing, the longest frame of lower priority, then one of each frame of higher priority; of the
-    operator's two acknowledgements the longer one."""
+    """The response time is the sum of 50 us of computing, the longest frame of lower priority, and one of each frame of
+    higher priority. Only the longer of the operator's two acknowledgements counts."""
     before = ["TaskDefine", "FirmwareStatus", "ParameterValue", "JointCmd", "TickTrace", "Clearance", "HandPose"]
     total_ns = 50_000
     for name in [*before, *(f"JointState{joint}" for joint in range(4))]:

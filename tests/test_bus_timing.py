@@ -1,5 +1,5 @@
-"""The simulated bus against the computed worst cases: arbitration under contention, response times in constructed worst
-cases, and in the logs of the five experiments."""
+"""Checks the simulated bus against the computed worst cases: arbitration under contention, response times in worst
+cases that the tests construct, and response times in the logs of the five experiments."""
 
 from __future__ import annotations
 
@@ -45,12 +45,13 @@ LOG_NS = 1000  # log times are whole microseconds
     )
 )
 def test_arbitration_under_contention(traffic):
-    """The wire is never idle while a frame is ready, and the frame that starts has the lowest ready id. Of two frames
-    with one id in one node the earlier goes first, so the later counts as ready when the earlier has started."""
+    """The wire is never idle while a frame is ready, and the frame that starts has the lowest ready id. Frames with
+    the same id from the same node keep their order, so the later one counts as ready only once the earlier one has
+    started."""
     bus = Bus(5)
     waiting = []
     for number, (node, tens, length, ready_10us) in enumerate(traffic):
-        identifier = 8 * tens + node  # each id has one sender
+        identifier = 8 * tens + node  # each id has a single sender
         data = bytes([number] * length)
         ready_ns = max([10_000 * ready_10us, *(w[1] for w in waiting if w[0] == identifier)])
         assert bus.send(node, identifier, data, 10_000 * ready_10us)
@@ -73,8 +74,9 @@ def test_arbitration_under_contention(traffic):
 
 
 def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
-    """Response time on the simulated bus, from the frame's queueing and from the queueing of the firmware's frames. The
-    longest frame of lower priority has just started when all frames of higher priority are queued."""
+    """Returns the frame's response time on the simulated bus, measured from when it was queued and from when the
+    firmware's frames were queued. The longest frame of lower priority has just started when all frames of higher
+    priority are queued."""
     node = {
         name: number
         for number, name in enumerate(("Firmware", "Drives", "Tracker", "Operator", "Gripper", "Proximity"))
@@ -118,7 +120,8 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """The joint states that are in time reach the bound, except for the nanosecond of the lower frame's head start."""
+    """Joint states that arrive in time take exactly as long as the bound, less the nanosecond by which the lower frame
+    starts first."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
@@ -140,8 +143,8 @@ def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.randoms(use_true_random=False), st.sampled_from([4, 8]))
 def test_random_phases_stay_within_the_bound(chance, joints):
-    """100 ms of all cyclic frames at their maximum length, each sender with its own phase, and an operator who sends
-    requests at the minimum interval; the firmware computes for 0 to 50 us."""
+    """Runs 100 ms of traffic. All cyclic frames have their maximum length, and each sender has its own phase. The
+    operator sends requests at the minimum interval, and the firmware computes for 0 to 50 us."""
     frames = {item.name: item for item in fd_frames(joints)}
     found = analyse(streams(list(frames.values()), RATES), RATES.nominal_ns)
     until_ns = 100 * MS_NS
@@ -187,7 +190,7 @@ def test_random_phases_stay_within_the_bound(chance, joints):
         assert len(ends_ns) == len(ready_ns)
         worst_ns = max(end - ready for end, ready in zip(ends_ns, ready_ns, strict=True))
         assert worst_ns <= found[name].queued_ns, name
-    assert len(queued) >= 8 + joints + 2  # cyclic, states, a request and its acknowledgement
+    assert len(queued) >= 8 + joints + 2  # cyclic frames, joint states, and a request with its acknowledgement
 
 
 # ---- the five experiments, in both profiles
@@ -195,7 +198,7 @@ def test_random_phases_stay_within_the_bound(chance, joints):
 
 @dataclass(frozen=True)
 class Profile:
-    """`prefix`: of its message names. `sync`: the message that the drives answer."""
+    """A bus profile. `prefix`: the prefix of its message names. `sync`: the message that the drives answer."""
 
     name: str
     prefix: str
@@ -206,7 +209,7 @@ class Profile:
     tick_ms: int
     event_ticks: int
     sync: str
-    least_ratio: float  # longest response of a control frame in the experiments over its bound
+    least_ratio: float  # lower bound on the longest observed response of a control frame, divided by its computed bound
 
     def plain(self, name: str) -> str:
         return name.removeprefix(self.prefix)
@@ -228,13 +231,14 @@ class Log:
     ends_ns: dict[str, np.ndarray]
 
     def tick_before_ns(self, times_ns: np.ndarray) -> np.ndarray:
-        """The firmware's first tick is at 1 ms."""
+        """Returns the time of the last firmware tick before each time. The first tick is at 1 ms."""
         tick_ns = self.profile.tick_ms * MS_NS
         return (times_ns - MS_NS) // tick_ns * tick_ns + MS_NS
 
     def queued_ns(self, name: str) -> np.ndarray | None:
-        """The time at which each frame of this name was queued: of cyclic frames by their number, of answers by the
-        frame that they answer. None for requests: the log does not show when the operator queued them."""
+        """Returns when each frame of this name was queued. For cyclic frames this follows from their number, for
+        answers from the frame that they answer. Returns None for requests, because the log does not show when the
+        operator queued them."""
         count, plain = np.arange(len(self.frames[name])), self.profile.plain(name)
         if plain.startswith("JointState"):
             return self.ends_ns[self.profile.sync][count] + ANSWER_NS
@@ -245,12 +249,12 @@ class Log:
         message = DBC.get_message_by_name(name)
         if message.senders == ["Firmware"]:
             if message.cycle_time:
-                phase_ms = self.profile.tick_ms if plain.startswith("Port") else 0  # the tick after the heartbeat's
+                phase_ms = self.profile.tick_ms if plain.startswith("Port") else 0  # one tick after the heartbeat
                 return (1 + phase_ms + count * message.cycle_time) * MS_NS + COMPUTING_NS
             payloads = [bytes(data) for data in self.frames[name].data]
             starts_ns = self.ends_ns[name] - np.array([self.profile.duration_ns(message.frame_id, d) for d in payloads])
             return self.tick_before_ns(starts_ns + LOG_NS - COMPUTING_NS) + COMPUTING_NS
-        latency_ns = 4 * MS_NS if plain in ("HandPose", "HandPosition", "HandRotation") else 0  # of the tracker
+        latency_ns = 4 * MS_NS if plain in ("HandPose", "HandPosition", "HandRotation") else 0  # latency of the tracker
         return latency_ns + count * message.cycle_time * MS_NS if message.cycle_time else None
 
 
@@ -264,13 +268,13 @@ def logged(request):
     )
 
 
-BOOT_NS = 100 * MS_NS  # at 1 kHz
+BOOT_NS = 100 * MS_NS  # at a tick rate of 1 kHz
 
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
-    """The bounds are not overly pessimistic either: the longest response of each control frame is a fair share of its
-    bound (0.46 to 0.75 on CAN FD, from 0.36 on classic CAN). Frames that never meet others stay far below their bound,
-    as the simulator's phases are fixed."""
+    """The bounds are not overly pessimistic: the longest response of each control frame is a fair share of its bound
+    (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never meet others stay far below their bound,
+    because the phases in the simulator are fixed."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)
@@ -301,7 +305,7 @@ def test_responses_in_the_experiments_are_within_the_bounds(logged):
 
 
 def test_events_are_as_rare_as_assumed(logged):
-    """The acknowledgements' ticks: any n + 1 in a row span at least 2 n - 1 ticks, on classic CAN n."""
+    """Any n + 1 successive acknowledgements span at least 2 n - 1 ticks, or n ticks on classic CAN."""
     frames, prefix = logged.frames, logged.profile.prefix
     acknowledged = [logged.queued_ns(f"{prefix}CommandAck")]
     if f"{prefix}ParameterAccess" in frames:

@@ -1,5 +1,5 @@
-"""`comanip calibrate`: the tracker's rotation from three moves, against scipy's align_vectors, and its error estimate
-against the actual errors."""
+"""Checks `comanip calibrate`: the tracker's rotation from three moves against scipy's align_vectors, and its error
+estimate against the actual errors."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ from live_firmware import CHANNEL, firmware
 from scipy.spatial.transform import Rotation
 
 RATE_HZ = 100
-PAPER = Rotation.from_rotvec([-np.pi / 2, 0, 0])  # (9)
+PAPER = Rotation.from_rotvec([-np.pi / 2, 0, 0])  # equation (9) of the paper
 AXES = np.eye(3)
 
 
 def path(
     rng, turn: Rotation, directions=AXES, length_m=0.25, noise_m=0.0005, bow_m=0.0
 ) -> list[tuple[float, np.ndarray]]:
-    """Rest, move, rest, move, rest, move, rest: a person's hand in the tracker's frame."""
+    """Returns the path of a person's hand in the tracker's frame, which alternates between four rests and three
+    moves."""
     samples, here, t_s = [], np.array([0.3, 0.1, 0.9]), 0.0
     for direction in [None, *directions]:
         if direction is not None:
@@ -65,7 +66,7 @@ def moves_along(directions) -> list[Move]:
 
 
 def random_tilts(rng, turn: Rotation, sigma_rad: float) -> np.ndarray:
-    """The images of the three axes, each slightly tilted."""
+    """Returns the images of the three axes, each slightly tilted."""
     return np.array([Rotation.from_rotvec(rng.normal(0, sigma_rad, 3)).apply(turn.apply(axis)) for axis in AXES])
 
 
@@ -96,7 +97,8 @@ def test_half_a_turn(axis, less):
 
 
 def test_reported_standard_error_matches_the_actual_errors(rng):
-    """Over many calibrations, the actual errors are as large as the reported ones, about the least certain axis."""
+    """Over many calibrations, the actual errors about the least certain axis are as large as the reported standard
+    error."""
     sigma_rad = np.radians(2)
     reported, actual = [], []
     for turn in Rotation.random(600, random_state=5):
@@ -210,7 +212,7 @@ def test_bad_recordings(tmp_path):
 
 
 def test_guides_a_person_and_sets_the_parameters(monkeypatch, capsys, rng):
-    """The person moves at each prompt; here a thread plays the path."""
+    """The person moves at each prompt; in this test a thread plays back a recorded path instead."""
     turn = Rotation.from_rotvec([-1.5, 0.2, -0.1])
     samples = path(rng, turn)
     with firmware(has_tracker=False) as live, can.Bus(interface="virtual", channel=CHANNEL, fd=True) as tracker:
