@@ -1,5 +1,5 @@
-"""The frames against cantools and the DBC in both directions, values that no frame can carry, and end-to-end
-protection."""
+"""Checks the frames against cantools and the DBC in both directions, the handling of values that no frame can carry,
+and end-to-end protection."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from e2e import p05
 
 HEADER = ("e2e_crc", "e2e_counter")
 XYZ = r"(?P<member>t_task|q_task|q_inv)_(?P<part>[wxyz])(?P<unit>_m)?"
-# C member of a signal whose name differs from the member's.
+# C members whose names differ from their signals'.
 RENAMED = {
     "hand_pose_t": {f"{c}_m": f"position_m.{c}" for c in "xyz"} | {f"q{c}": f"rotation.{c}" for c in "wxyz"},
 }
-MESSAGES = {  # DBC name: C message, name of its pack and unpack functions
+MESSAGES = {  # DBC name: C type of the message, base name of its pack and unpack functions
     "HandPose": ("hand_pose_t", "hand_pose"),
     "TrackerStatus": ("tracker_status_t", "tracker_status"),
     "JointCmd": ("joint_cmd_t", "joint_cmd"),
@@ -37,7 +37,7 @@ MESSAGES = {  # DBC name: C message, name of its pack and unpack functions
 
 
 class Codec:
-    """A message from the DBC's and from the firmware's side."""
+    """A message as the DBC describes it and as the firmware packs it."""
 
     def __init__(self, dbc, name: str):
         self.dbc_message = dbc.get_message_by_name(name)
@@ -47,7 +47,7 @@ class Codec:
         self.signals = [s for s in self.dbc_message.signals if s.name not in HEADER]
 
     def path(self, signal: str) -> list[str | int]:
-        """position_3_rad -> position_rad[3]; t_task_x_m -> t_task_m.x"""
+        """Returns the C member of a signal: position_3_rad -> position_rad[3]; t_task_x_m -> t_task_m.x"""
         renamed = RENAMED.get(self.c_type, {}).get(signal)
         if renamed:
             return renamed.split(".")
@@ -97,7 +97,7 @@ class Codec:
 
 
 def is_close(a: float, b: float, resolution: float) -> bool:
-    """Equal within the resolution and float32's rounding of the value itself."""
+    """Compares two numbers within the resolution and float32's rounding of the value itself."""
     return abs(a - b) <= resolution + 1.3e-7 * abs(b)
 
 
@@ -106,7 +106,7 @@ def test_cantools_decodes_packed_frames(dbc, rng, name):
     codec = Codec(dbc, name)
     for _ in range(300):
         values = codec.random_values(rng)
-        # also between two steps of the signal
+        # include values between two steps of the signal
         shifted = {
             s.name: values[s.name] * (1 - 1e-3 * rng.random()) if s.scale < 1 else values[s.name] for s in codec.signals
         }
@@ -184,7 +184,7 @@ def test_tracker_period_is_rounded_to_its_resolution(dbc, period_us):
     assert codec.pack({"period_us": 700_000})[0] == lib.PROTOCOL_OUT_OF_RANGE
 
 
-# ---- the two messages whose fields are not plain copies
+# ---- the two messages with fields that are not plain copies
 
 RECEIVED = {
     "hand_pose": lib.FRAME_HAND_POSE,
@@ -269,7 +269,7 @@ def test_heartbeat(dbc):
 
 
 def kind_of(message) -> int:
-    """frame_kind_t of a DBC message, by name."""
+    """Returns the frame_kind_t of a DBC message, from its name."""
     name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", message.name).upper()
     if match := re.fullmatch(r"JOINT_STATE(\d)", name):
         return lib.FRAME_JOINT_STATE0 + int(match[1])
@@ -330,7 +330,8 @@ def test_enumerations_match_the_dbc(dbc, prefix, message, signal):
 
 
 def test_clearance_names_the_two_halves_of_the_robot_alike(dbc):
-    """arm_part and body_part number the same parts as robot_part, so that one enumeration serves all three."""
+    """arm_part and body_part number the same parts as robot_part, so that a single enumeration serves all three
+    signals."""
     signal = dbc.get_message_by_name("Clearance").get_signal_by_name
     robot, arm, body = (
         [str(name) for _, name in sorted(signal(f"{part}_part").choices.items())] for part in ("robot", "arm", "body")
@@ -396,7 +397,7 @@ def test_check_refuses_and_counts(dbc):
     frame.length = 24
     assert checked(receiver, frame) == lib.PROTOCOL_WRONG_LENGTH
     frame.id, frame.length = dbc.get_message_by_name("JointCmd").frame_id, 64
-    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # a frame of another id
+    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # it has the protection of another id
     assert receiver.rejected == 4
 
 

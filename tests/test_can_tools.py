@@ -1,5 +1,6 @@
-"""Unmodified standard tools on a hub: can-utils and python-can's socketcan under the shim, python-can and cantools
-through socketcand. They show what the simulator logged, and listening does not change the run."""
+"""Checks unmodified standard tools on a hub: can-utils and python-can's socketcan interface with the shim, and
+python-can and cantools through socketcand. They show what the simulator logged, and listening does not change the
+run."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ from e2e import p05
 from hub import CAN_EFF_FLAG, PATIENCE_S, SCRIPTS, WITH_CAN, Hub, Tool, classic, fd, running, tool, wait_until
 from simulation import SIMULATOR, Run, run
 
-# 14,000 frames: fewer than the hub queues for a slow listener, so that no listener is dropped, however slow the
-# machine.
+# The run has 14,000 frames. This is less than the hub queues for a slow listener, so no listener is dropped, however
+# slow the machine is.
 PLAIN = Path(__file__).parent / "scenarios" / "teleop_moves.yaml"  # the file that run() uses for "teleop"
 SCENARIO = ("--scenario", "teleop", "--duration", 2)
 LOG_LINE = re.compile(r"\(\d+\.\d+\) \w+ ([0-9A-F]+)#(#1)?([0-9A-F]*)(?: [RT])?")
@@ -33,7 +34,7 @@ def without_listeners(tmp_path_factory) -> Run:
 
 
 def frames_in(text: str) -> list[Frame]:
-    """The frames in the output of candump -L or of python-can's logger."""
+    """Returns the frames in the output of candump -L or of python-can's logger."""
     matches = (LOG_LINE.fullmatch(line.strip()) for line in text.splitlines())
     return [(int(match[1], 16), bytes.fromhex(match[3])) for match in matches if match]
 
@@ -43,7 +44,7 @@ def logged(finished: Run) -> list[Frame]:
 
 
 def require_protected(frames: list[Frame]) -> None:
-    """Each frame decodes by the DBC and has a valid header."""
+    """Checks that each frame can be decoded with the DBC and has a valid end-to-end header."""
     for frame_id, data in frames:
         message = DBC.get_message_by_frame_id(frame_id)
         message.decode(data)
@@ -52,7 +53,7 @@ def require_protected(frames: list[Frame]) -> None:
 
 
 def tap(hub: Hub) -> tuple[str, ...]:
-    """Options that connect python-can's programs to socketcand."""
+    """Returns the options that connect python-can's programs to socketcand."""
     return ("-i", "socketcand", "-c", "vcan0", "--bus-kwargs", "host=127.0.0.1", f"port={hub.port}")
 
 
@@ -65,7 +66,8 @@ class Listened:
 
 @pytest.fixture(scope="module")
 def with_listeners(tmp_path_factory) -> Listened:
-    """A run with four listeners, one of which never reads and one of which sends."""
+    """Runs the simulator with the listening tools on its hub, and with two more clients: one never reads and the other
+    tries to send."""
     python_can = (
         "import can\n"
         "with can.Bus('vcan0', interface='socketcan', fd=True, local_loopback=True) as bus:\n"
@@ -88,7 +90,7 @@ def with_listeners(tmp_path_factory) -> Listened:
         tools = {name: Tool(hub, WITH_CAN, *command) for name, command in commands.items()}
         stalled, talking = hub.connect(), hub.connect()
         hub.wait_for_clients(len(tools) + 2)
-        talking.send(classic(0x010, bytes(8)))  # imitates the firmware's status; must be blocked
+        talking.send(classic(0x010, bytes(8)))  # imitates the firmware's status and must be blocked
         finished = run(
             tmp_path_factory.mktemp("with_listeners"), *SCENARIO, "--hub", "vcan0", environment=hub.environment
         )
@@ -143,7 +145,7 @@ def test_python_can_receives_the_run_through_socketcand(with_listeners):
 
 
 def test_the_run_starts_and_stops_its_own_hub(tmp_path, without_listeners):
-    # In a separate folder, so that no other test uses this hub.
+    # Use a separate folder, so that no other test uses this hub.
     with running() as elsewhere:
         environment = {**elsewhere.environment, "COMANIP_HUB_DIR": str(tmp_path / "hubs")}
         finished = run(tmp_path / "out", *SCENARIO, "--hub", "vcan0", environment=environment, quiet=False)
@@ -306,13 +308,14 @@ def test_socketcan_receives_its_own_frames_only_on_request(hub):
 FILTERS = [
     (0x123, 0x7FF), (0x20000100, 0x7F0), (0x80000123, 0x9FFFFFFF), (0x123, 0x1FFFFFFF), (0, 0),
     (0x40000000, 0x40000000),
-    (0x1123, 0x80001FFF),  # compared as 11-bit ids: the 12th and 13th bits do not count
+    (0x1123, 0x80001FFF),  # compared as an 11-bit id, so the two bits above do not count
 ]  # fmt: skip
 SENT = [0x000, 0x100, 0x10F, 0x110, 0x123, 0x124, 0x7FF, 0x80000123, 0x80000100, 0x9FFFFFFF, 0x40000123, 0xC0000123]
 
 
 def kernel_accepts(received: int, filters: list[tuple[int, int]], join: bool) -> bool:
-    """By the kernel's documentation: (received & mask) == (id & mask), negated if the id has CAN_INV_FILTER."""
+    """Decides as the kernel's documentation says: (received & mask) == (id & mask), negated if the id has
+    CAN_INV_FILTER."""
     matches = []
     for can_id, mask in filters:
         if mask & 0x80000000 and not can_id & 0x80000000:
@@ -345,8 +348,8 @@ def test_receive_filters_match_the_kernels(hub, filters, join):
         wait_until(lambda: "ready" in listener.text(), "a listener")
         for can_id in SENT:
             sender.send(classic(can_id))
-            sender.send(fd(can_id))  # not received without CAN_RAW_FD_FRAMES
-        sender.send(classic(0x20000004, bytes(8)))  # error frames are not received either
+            sender.send(fd(can_id))  # not received, as CAN_RAW_FD_FRAMES is off
+        sender.send(classic(0x20000004, bytes(8)))  # not received either, as it is an error frame
         sender.send(classic(MARKER))
         text = listener.wait().splitlines()[-1]
     expected = [can_id for can_id in [*SENT, MARKER] if kernel_accepts(can_id, filters, join)]
@@ -354,7 +357,8 @@ def test_receive_filters_match_the_kernels(hub, filters, join):
 
 
 def test_error_frames_are_filtered_by_class(hub):
-    """Option 2 is CAN_RAW_ERR_FILTER, for which Python has no name."""
+    """A socket receives only the error classes it asked for. Option 2 is CAN_RAW_ERR_FILTER, for which Python has no
+    constant."""
     sender = hub.connect()
     program = (
         "s = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW); s.bind(('vcan0',))\n"
@@ -374,7 +378,8 @@ def test_error_frames_are_filtered_by_class(hub):
 
 
 def shown(hub: Hub, sender, started: Tool, packets: list[bytes], pattern: str) -> None:
-    """Sends repeatedly until the tool shows the frame: there is no other sign that it is ready."""
+    """Sends the packets repeatedly until the tool shows the frame, because nothing else shows that the tool is
+    ready."""
 
     def is_shown() -> bool:
         for packet in packets:

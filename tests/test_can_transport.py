@@ -1,5 +1,5 @@
-"""Messages on classic CAN, split and reassembled by the C core: against cantools (contents of the frames), the package
-autosar-e2e (Profile 2) and numpy (rotations). Expected values never come from the sender."""
+"""Checks messages on classic CAN, split and reassembled by the C core, against cantools (contents of the frames), the
+package autosar-e2e (Profile 2) and numpy (rotations). Expected values never come from the sender."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ ALL_KINDS = (1 << lib.FRAME_KIND_COUNT) - 1
 JOINTS = 4
 POSE_PERIOD_US = 8000
 POSITION_STEP_M, TORQUE_STEP_NM = 1e-4, 0.2
-# 15 bits for each of the three smaller components, each off by half a step. The largest follows from them and is off by
-# at most three of these (all four 1/2): 2 |dq|.
+# The three smaller components have 15 bits each and are off by up to half a step. The largest component is computed
+# from them and is off by up to three half steps (when all four are 1/2). The angle is 2 |dq|.
 ROTATION_ERROR_DEG = math.degrees(2 * math.sqrt(3 + 9) * 0.5 * math.sqrt(0.5) / 16383) * 1.001
 STAMP_STEP_US, STAMP_PERIOD_US = 1024, 262_144
 
 
 def data_id_list(name: str) -> bytes:
-    """Profile 2's DataIDList, as in docs/bus.md."""
+    """Returns the DataIDList of Profile 2, as defined in docs/bus.md."""
     base = DBC.get_message_by_name(name).dbc.attributes["E2EDataId"].value
     return bytes((base + 16 * n) % 256 for n in range(16))
 
@@ -47,12 +47,12 @@ class Receiver:
         lib.transport_receiver_init(self.state, profile, joints, kinds)
 
     def take(self, frame) -> tuple[int, object]:
-        """Status, and the frame as returned. The given frame is unchanged."""
+        """Feeds a copy of the frame to the receiver. Returns the status and the frame as the receiver left it."""
         copy = ffi.new("can_frame_t *", frame[0])
         return lib.transport_receive(self.state, copy, self.kind), copy
 
     def message(self, frames: list):
-        """The message, which must complete with the last frame and not before."""
+        """Feeds the frames and returns the message, which must complete with the last frame and not earlier."""
         *before, last = [self.take(frame) for frame in frames]
         assert [status for status, _ in before] == [lib.PROTOCOL_INCOMPLETE] * len(before)
         assert last[0] == lib.PROTOCOL_OK
@@ -76,14 +76,15 @@ def decoded(frame) -> dict:
 
 
 def quaternion_of(signals: dict, prefix: str) -> np.ndarray:
-    """Smallest three: the largest component is not negative and makes the norm 1."""
+    """Returns the quaternion of a smallest-three encoding. Its largest component is not negative and makes the norm
+    1."""
     smaller = [signals[f"{prefix}_{letter}"] for letter in "abc"]
     largest = math.sqrt(max(0.0, 1.0 - sum(c * c for c in smaller)))
     return np.insert(np.array(smaller), int(signals[f"{prefix}_largest"]), largest)
 
 
 def angle_deg(a: np.ndarray, b: np.ndarray) -> float:
-    """Angle between two rotations, by the sine, which keeps its precision at small angles."""
+    """Returns the angle between two rotations, computed from the sine, which stays precise at small angles."""
     cross = a[0] * b[1:] - b[0] * a[1:] - np.cross(a[1:], b[1:])
     return math.degrees(2 * math.atan2(np.linalg.norm(cross), abs(a @ b)))
 
@@ -130,7 +131,7 @@ def test_no_two_frames_share_a_data_id_at_any_counter():
     assert all(len(set(ids)) == 16 for ids in lists)
 
 
-QUATERNIONS = {  # by message: signals w x y z, and their name on classic CAN
+QUATERNIONS = {  # for each message: its signals in the order w x y z, and their name on classic CAN
     "HandPose": [("qw qx qy qz", "q")],
     "TickTrace": [("target_qw target_qx target_qy target_qz", "target")],
     "TaskDefine": [("q_task_w q_task_x q_task_y q_task_z", "q_task"), ("q_inv_w q_inv_x q_inv_y q_inv_z", "q_inv")],
@@ -138,7 +139,7 @@ QUATERNIONS = {  # by message: signals w x y z, and their name on classic CAN
 
 
 def random_value(signal, rng):
-    """A value that both profiles can carry."""
+    """Returns a random value that both profiles can carry."""
     if signal.is_float:
         return float(np.float32(rng.normal()))
     if signal.name.endswith("_Nm"):
@@ -157,7 +158,7 @@ def random_value(signal, rng):
 
 
 def random_messages(rng):
-    """Of each kind: the DBC's message, its signals, and the CAN FD frame without protection."""
+    """Yields one message of each kind: the DBC's message, its signals, and the CAN FD frame without protection."""
     for message in FD_MESSAGES:
         values = {signal.name: random_value(signal, rng) for signal in message.signals}
         values |= {name: 0 for name in values if name.startswith("e2e")}
@@ -172,7 +173,8 @@ def random_messages(rng):
 
 
 def signals_of(parts: list) -> dict:
-    """Signals of all parts. JointCmd's have their names on CAN FD, with the joint's number."""
+    """Returns the signals of all parts. Those of JointCmd get their names on CAN FD, which contain the joint's
+    number."""
     found = {}
     for part in parts:
         joint = named(part).removeprefix("ClassicJointCmd")
@@ -189,13 +191,14 @@ def resolution(message, signal) -> float:
 
 
 IDENTITY = ("FirmwareIdentity", "build_hash")
-NOT_CARRIED = {  # not carried unchanged; their replacements have their own tests
+NOT_CARRIED = {  # values that are changed or dropped; what is sent instead has its own tests
     IDENTITY, ("HandPose", "t_us"), *((f"JointState{j}", "temperature_degC") for j in range(8))
 }  # fmt: skip
 
 
 def test_cantools_decodes_what_is_sent(rng):
-    """Every signal of every message within its resolution, in whichever frame it is."""
+    """cantools decodes every signal of every message to within its resolution, in whichever frame the signal is
+    sent."""
     sender = Sender(joints=8)
     for _ in range(100):
         for message, values, frame in random_messages(rng):
@@ -218,14 +221,14 @@ def test_cantools_decodes_what_is_sent(rng):
                 assert error <= 0.5 * resolution(message, signal) + 1e-6 * abs(values[name]), (message.name, name)
             for names, prefix in QUATERNIONS.get(message.name, ()):
                 sent = np.array([values[name] for name in names.split()])
-                coarse_deg = 0 if message.name == "HandPose" else 0.006  # 2^-14 per component already on CAN FD
+                coarse_deg = 0 if message.name == "HandPose" else 0.006  # CAN FD already rounds to 2^-14 per component
                 assert is_away or angle_deg(quaternion_of(found, prefix), sent) < ROTATION_ERROR_DEG + coarse_deg
             if message.name == "FirmwareIdentity":
                 assert int(found["build_hash_high"]) << 48 | int(found["build_hash_low"]) == values["build_hash"]
 
 
 def test_a_sent_message_is_received(rng):
-    """A message is received as it was sent, within the resolutions."""
+    """A message is received with the values that were sent, to within their resolutions."""
     sender, receiver = Sender(joints=8), Receiver(joints=8)
     for _ in range(100):
         for message, values, frame in random_messages(rng):
@@ -246,13 +249,14 @@ def test_a_sent_message_is_received(rng):
                 assert error <= 0.5 * resolution(message, signal) + 1e-6 * abs(values[name]), (message.name, name)
             for names, _ in QUATERNIONS.get(message.name, ()):
                 sent, got = (np.array([side[name] for name in names.split()]) for side in (values, found))
-                # 2^-14 per component, when sent and when received
+                # rounded to 2^-14 per component, both when sent and when received
                 coarse_deg = 0 if message.name == "HandPose" else 0.012
                 assert angle_deg(got / np.linalg.norm(got), sent) < ROTATION_ERROR_DEG + coarse_deg
 
 
 def test_rotations_of_all_kinds_are_within_their_error(rng):
-    """Each component is the largest once, with either sign, with ties, and the identity."""
+    """The rotation error stays within its bound for random rotations, the identity, rotations with ties, and rotations
+    in which each component is the largest, with either sign."""
     sender, receiver = Sender(), Receiver()
     special = [np.eye(4)[i] * s for i in range(4) for s in (1, -1)]
     special += [np.array([s, t, 0, 0]) / math.sqrt(2) for s in (1, -1) for t in (1, -1)]
@@ -310,7 +314,8 @@ def test_any_flipped_bit_is_refused():
 
 @pytest.mark.parametrize("last", [0, 7, 15])
 def test_the_counter(last):
-    """Profile 2 refuses a repetition and a step above the limit; the limit is far below the counter's 16."""
+    """Profile 2 refuses a repeated counter and a step above the limit. The limit is far below the counter's range of
+    16."""
     for step in range(16):
         sender, receiver = Sender(), Receiver()
         state = ffi.new("joint_state_t *")
@@ -338,7 +343,7 @@ def test_event_frames_are_accepted_after_any_loss():
 
 
 def sample(number: int) -> tuple[np.ndarray, np.ndarray]:
-    """A pose whose position and rotation both encode its number."""
+    """Returns a pose whose position and rotation both encode its number."""
     angle = 1e-3 * (number % 3000)
     return np.array([1e-3 * (number % 3000) - 1.5, 0, 0]), np.array([math.cos(angle / 2), math.sin(angle / 2), 0, 0])
 
@@ -349,12 +354,13 @@ def number_of(position: np.ndarray, rotation: np.ndarray) -> tuple[int, int]:
 
 @pytest.mark.parametrize("lost", [0.0, 0.05, 0.3, 0.6, 0.9])
 def test_parts_of_different_poses_are_never_mixed(rng, lost):
-    """Parts are lost at random, singly and in long runs: each received pose has both parts of one sample."""
+    """When parts are lost at random, singly and in long runs, both parts of each received pose belong to the same
+    sample."""
     sender, receiver = Sender(), Receiver()
     used = 0
     for number in range(3000):
         position, rotation = sample(number)
-        burst = (number // 100) % 3 == 2  # for 100 samples one kind of part only
+        burst = (number // 100) % 3 == 2  # for 100 samples, only one kind of part is received at a time
         for place, part in enumerate(sender.send(pose_message(position, rotation), number * POSE_PERIOD_US)):
             gone = rng.random() < lost or (burst and place == (number // 7) % 2)
             if gone:
@@ -368,7 +374,8 @@ def test_parts_of_different_poses_are_never_mixed(rng, lost):
 
 
 def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
-    """The counter wraps: it is equal, yet from another sample."""
+    """After sixteen samples the counter wraps, so the two counters are equal although the parts belong to different
+    samples."""
     sender, receiver = Sender(), Receiver()
     samples = [sender.send(pose_message(*sample(i)), i * POSE_PERIOD_US) for i in range(17)]
     assert payload(samples[0][0])[1] & 15 == payload(samples[16][0])[1] & 15
@@ -382,7 +389,7 @@ def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
     "name", ["HandPose", "JointCmd", "TickTrace", "TaskDefine", "TrackerStatus", "FirmwareIdentity"]
 )
 def test_long_messages_need_all_their_parts(rng, name):
-    """In any order; with a part missing, nothing is received; the next message is complete again."""
+    """With a part missing, nothing is received. The next message completes again, with its parts in any order."""
     for message, _, frame in random_messages(rng):
         if message.name != name:
             continue
@@ -438,7 +445,8 @@ def test_the_profiles_ignore_each_other(rng):
 
 
 def stamps(times_us, delays_us) -> list[tuple[int, int]]:
-    """True stamp and the receiver's, modulo 2^32, of poses measured at these times and received with these delays."""
+    """Returns the true stamp and the receiver's stamp, modulo 2^32, of poses measured at these times and received with
+    these delays."""
     sender, receiver = Sender(), Receiver()
     pairs = []
     for t_us, delay_us in zip(times_us, delays_us):
@@ -449,8 +457,8 @@ def stamps(times_us, delays_us) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize("start_us", [0, 2**31 - 300_000, 2**32 - 400_000])
 def test_the_stamp_is_restored_to_its_step(rng, start_us):
-    """Through gaps of any length and across the wrap of the clock: the error of the first stamp remains, the same for
-    all."""
+    """Through gaps of any length and across the wrap of the clock, all stamps have the same error as the first one, to
+    within a step."""
     gaps_us = rng.choice([8000, 8000, 8000, 16_000, 100_000, 1_000_000, 30_000_000], 300)
     times_us = start_us + np.cumsum(gaps_us)
     pairs = stamps(map(int, times_us), map(int, rng.integers(4000, 60_000, 300)))
@@ -460,10 +468,11 @@ def test_the_stamp_is_restored_to_its_step(rng, start_us):
 
 
 def test_a_delay_up_to_131_ms_shows_and_a_longer_one_does_not():
-    """The limit stated in docs/bus.md."""
+    """The receiver sees delays up to the limit stated in docs/bus.md; beyond it, a delay appears shorter than it
+    was."""
     for delay_us in range(0, 300_000, 5000):
         (_, first), (true, found) = stamps([0, 8000], [4000, 4000 + delay_us])
-        shown_us = (8000 + 4000 + delay_us) - (found - first) - 4000  # the lateness that the receiver sees
+        shown_us = (8000 + 4000 + delay_us) - (found - first) - 4000  # the delay as the receiver sees it
         if delay_us < STAMP_PERIOD_US // 2 - STAMP_STEP_US:
             assert abs(shown_us - delay_us) <= STAMP_STEP_US
         elif delay_us > STAMP_PERIOD_US // 2 + STAMP_STEP_US:

@@ -1,4 +1,5 @@
-"""The same firmware on classic CAN, in lockstep with the simulated world: 250 Hz control, observed on the bus only."""
+"""Checks the same firmware on classic CAN, in lockstep with the simulated world and with 250 Hz control, observed only
+on the bus."""
 
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ CLASSIC = ("--profile", "classic")
 EQUAL, DIFFERENT = 0, 1
 ID = {message.name: message.frame_id for message in DBC.messages}
 NAME = {message.frame_id: message.name for message in DBC.messages}
-PARTS = {  # of the messages that are split
+PARTS = {  # the messages that are split
     "HandPose": ("HandPosition", "HandRotation"),
     "TickTrace": ("TickTrace", "TickTraceInputs", "TickTraceAge", "TargetPosition", "TargetRotation"),
     "JointCmd": tuple(f"JointCmd{joint}" for joint in range(4)),
@@ -95,8 +96,8 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
 
 
 def test_frames_last_as_long_as_their_bits(frames):
-    """No two frames overlap: each ends after the previous one by at least its stuffed length, by exactly that if back
-    to back."""
+    """No two frames overlap. Each frame ends later than the previous one by at least its own stuffed length, and by
+    exactly that length if the two are back to back."""
     ends_us = np.array([frame.t_us for frame in frames])
     durations_us = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames]) / 1000
     waits_us = np.diff(ends_us) - durations_us[1:]
@@ -133,7 +134,8 @@ def test_it_holds_in_the_gap_and_resumes(eventful):
 
 
 def test_commands_stay_within_the_limits(frames):
-    """Per 4 ms tick at most the acceleration limit of 25 rad/s^2 times 4 ms, and the speed limit of the arm's table."""
+    """Commands change per 4 ms tick by at most the acceleration limit of 25 rad/s^2 times 4 ms, and stay within the
+    speed limit of the arm's table."""
     logged = by_id(frames)
     for joint in range(4):
         message = DBC.get_message_by_name(f"ClassicJointCmd{joint}")
@@ -150,7 +152,7 @@ def test_two_runs_are_byte_identical(eventful, tmp_path):
 
 
 def test_a_task_can_be_defined(tmp_path):
-    """Its four parts form one message; the result is the task that Algorithm 1 gives for these constants."""
+    """The four parts of a TaskDefine form one message, which the firmware accepts, and the run replays."""
     done = run(tmp_path / "out", "--scenario", "teleop", "--define", "constant:0,0,0.05:1,0,0,0:1,0,0,0:1", *CLASSIC)
     names = [NAME[frame.frame_id] for frame in logged_frames(done.log)]
     assert [names.count(f"ClassicTask{part}") for part in ("Define", "Translation", "Rotation", "Inverse")] == [1] * 4
@@ -220,7 +222,8 @@ def test_a_log_may_end_anywhere(eventful):
 
 
 def test_another_build_is_named_and_replayed(eventful, tmp_path):
-    """Changes the hash in a part of the identity, with valid protection."""
+    """If the build hash in one part of the identity differs, with valid protection, the replay reports another build
+    and still compares."""
     from e2e import p02
 
     lines = []

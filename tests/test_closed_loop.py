@@ -1,4 +1,5 @@
-"""The whole loop with encoder, bus and drives against the ideal loop (ideal_loop.py), and its stability."""
+"""Compares the whole loop with encoder, bus and drives with the ideal loop (ideal_loop.py), and checks its
+stability."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ def all_gains(gain_per_s: float) -> list[str]:
 
 
 def targets_of(frames: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time [us], target (N, 8) and whether a target exists, for each tick."""
+    """Returns the time [us], the target (N, 8) and whether a target exists, for each tick."""
     trace = frames["TickTrace"]
     valid = trace.raw("target_valid") > 0
     rotation = np.stack([trace[f"target_q{axis}"] for axis in "wxyz"], axis=1)
@@ -34,7 +35,7 @@ def targets_of(frames: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def measured_hands(trace_csv: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Time [us] and ODE's end effector pose (N, 8) of each tick."""
+    """Returns the time [us] and ODE's end effector pose (N, 8) for each tick."""
     table = np.genfromtxt(trace_csv, delimiter=",", names=True, dtype=None, encoding="ascii")
     position = np.stack([table[f"hand_{axis}_m"] for axis in "xyz"], axis=1)
     rotation = np.stack([table[f"hand_q{axis}"] for axis in "wxyz"], axis=1)
@@ -42,7 +43,7 @@ def measured_hands(trace_csv: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    ("recording", "scale"),  # scaled so that the target stays within the arm's reach
+    ("recording", "scale"),  # the scale keeps the target within the arm's reach
     [("kth_ho_p1s1h2_giver_raw", 0.1), ("kth_ho_sample_taker", 0.1), ("cmu_13_08_rhand", 0.2), ("kul_pour1_com", 0.1)],
 )
 def test_the_simulated_arm_follows_the_ideal_loop(tmp_path, recording, scale):
@@ -70,8 +71,8 @@ def test_the_simulated_arm_follows_the_ideal_loop(tmp_path, recording, scale):
 
 
 def minimum_jerk_move(path: Path, displacement_m) -> Path:
-    """One second of rest, one of motion, two of rest, as a tracker recording at 100 Hz. It starts RECORDING_START_S
-    after the simulation."""
+    """Writes a tracker recording at 100 Hz with one second of rest, one of motion and two of rest. Playback begins
+    RECORDING_START_S after the simulation starts."""
     t = np.arange(0, 4, 0.01)
     s = np.clip(t - 1, 0, 1)
     s = s**3 * (10 - 15 * s + 6 * s**2)
@@ -84,7 +85,7 @@ def minimum_jerk_move(path: Path, displacement_m) -> Path:
 def test_default_law_settles_a_30_mm_move_within_1_mm(tmp_path, displacement_mm):
     recording = minimum_jerk_move(tmp_path / "move.csv", np.array(displacement_mm) / 1e3)
     run = simulation.run(tmp_path / "out", "--scenario", "teleop", "--tracker", recording).require_pass()
-    assert run.summary["reach"]["out_of_reach_s"] == 0  # so the arm can reach the target
+    assert run.summary["reach"]["out_of_reach_s"] == 0  # the arm can reach the target throughout
     now_us, targets, cooperating = targets_of(bus_log.read(run.log))
     t_us, hands = measured_hands(run.trace)
     settled, tick, row = np.intersect1d(now_us[cooperating], t_us, return_indices=True)
@@ -92,13 +93,13 @@ def test_default_law_settles_a_30_mm_move_within_1_mm(tmp_path, displacement_mm)
     error_m = oracle.translation(targets[cooperating][tick]) - oracle.translation(hands[row])
     assert np.linalg.norm(error_m[last_half_second], axis=1).max() < 1e-3
     moved_m = oracle.translation(targets[cooperating])[-1] - oracle.translation(targets[cooperating])[0]
-    assert moved_m == pytest.approx(np.array(displacement_mm) / 1e3, abs=2e-4)  # the noise of the marker
+    assert moved_m == pytest.approx(np.array(displacement_mm) / 1e3, abs=2e-4)  # tolerance for marker noise
 
 
 @pytest.mark.parametrize("gain_per_s", [35, 70, 100])  # the default is 35; values far above 100 are refused
 def test_gain_margin(tmp_path, gain_per_s):
-    """With the loop's real delays, a gain of up to three times the default leaves no oscillation except that of the
-    encoder: at rest, an error of one encoder count commands gain x one count."""
+    """With the loop's real delays, a gain of up to three times the default causes no oscillation beyond that of the
+    encoder: at rest, an error of one encoder count commands a velocity of the gain times one count."""
     recording = minimum_jerk_move(tmp_path / "move.csv", [0.03, 0, 0])
     run = simulation.run(
         tmp_path / "out",

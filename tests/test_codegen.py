@@ -1,4 +1,5 @@
-"""The code generator refuses an inconsistent schema: a mistake ends the build, not a user's run."""
+"""Checks that the code generator refuses an inconsistent schema, so that a mistake breaks the build and not a user's
+run."""
 
 from __future__ import annotations
 
@@ -32,7 +33,7 @@ def test_a_joint_with_a_different_scale():
 
 def test_a_signal_with_more_bits_than_float32_holds():
     codegen.schema_header(load_string(DBC, "dbc"))
-    database = changed("now_us", "(1,0)", "(0.5,0)")  # 32 bits
+    database = changed("now_us", "(1,0)", "(0.5,0)")  # a 32-bit signal
     with pytest.raises(SystemExit, match="TickTrace.now_us: raw values to 4294967295, expected at most 8388608"):
         codegen.schema_header(database)
 
@@ -153,7 +154,7 @@ BO_ 528 GripperCommand"""
 
 @pytest.fixture
 def with_a_frame(schema):
-    """One more frame for the firmware, with its counter in TickTrace."""
+    """Adds one more frame for the firmware, with its counter in TickTrace."""
     path, messages = schema / "comanip.dbc", {message.name: message for message in load_string(DBC, "dbc").messages}
     used_ids = {message.frame_id for message in messages.values()}
     frame_id = next(number for number in range(515, 1024) if number not in used_ids)
@@ -162,8 +163,8 @@ def with_a_frame(schema):
     bits = trace.get_signal_by_name("received").length
     free = max(signal.start + signal.length for signal in trace.signals)
     counter = f' SG_ probe_counter : {free}|8@1+ (1,0) [0|255] "" Operator'
-    edit(path, rf"^( SG_ received : \d+\|){bits}(.*?\n)", rf"\g<1>{bits + 1}\2{counter}\n")  # of TickTrace
-    edit(path, rf"^( SG_ received : \d+\|){bits}", rf"\g<1>{bits + 1}")  # of ClassicTickTraceAge
+    edit(path, rf"^( SG_ received : \d+\|){bits}(.*?\n)", rf"\g<1>{bits + 1}\2{counter}\n")  # in TickTrace
+    edit(path, rf"^( SG_ received : \d+\|){bits}", rf"\g<1>{bits + 1}")  # in ClassicTickTraceAge
     generated(schema)
     return schema
 
@@ -231,7 +232,7 @@ meaning = "A test's."
 
 
 def test_a_mistake_is_one_line_of_the_build(tmp_path):
-    """Called as make calls it."""
+    """The generator, called as make calls it, reports a mistake in a single line."""
     clone = tmp_path / "clone"
     shutil.copytree(REPOSITORY / "host_tools", clone / "host_tools", symlinks=True)
     shutil.copytree(REPOSITORY / "firmware", clone / "firmware")

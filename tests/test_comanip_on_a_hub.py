@@ -1,5 +1,5 @@
-"""`comanip` as a user runs it: firmware and plant are two processes on a hub, watched and operated through socketcand
-and, with the shim, through SocketCAN; what was recorded meanwhile replays byte for byte."""
+"""Checks `comanip` as a user runs it. Firmware and plant are two processes on a hub, which the tests watch and operate
+through socketcand and, with the shim, through SocketCAN. The log recorded meanwhile replays byte for byte."""
 
 from __future__ import annotations
 
@@ -33,8 +33,9 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
-    """A hub with firmware and plant, and the plant's log. The plant's operator starts so late that the test's operator
-    acts first: on a busy machine the firmware may refuse a start, and the plant's operator would then end the run."""
+    """Starts a hub with firmware and plant, whose log is kept. The plant's operator starts the task so late that the
+    test's operator acts first. On a busy machine the firmware may refuse a start, and if the plant's own operator had
+    sent it, the run would end."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))
@@ -50,7 +51,7 @@ def session(tmp_path_factory, request):
 
 
 def accepted(hub: Hub, through: str, *arguments: object) -> bool:
-    """A busy machine may pause a process, and the firmware then refuses rightly."""
+    """Returns whether the command was accepted. A refusal may be correct, as a busy machine may pause a process."""
     return comanip(hub, through, *arguments).returncode == 0
 
 
@@ -59,15 +60,15 @@ def test_watch_and_operate(session, through):
     hub = session[0]
 
     def monitored() -> object:
-        """One second of monitoring in which the firmware and all drives are seen; the firmware may have just
-        started."""
+        """Monitors for one second. Returns a true value if the firmware and all drives were seen; the firmware may only
+        just have started."""
         shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
         assert shown.returncode == 0, shown.stderr
         assert " wrong" not in shown.stdout
         return "JointState3" in shown.stdout and re.search(STATUS, shown.stdout)
 
     wait_until(monitored, "the firmware's status and the drives' states in the monitor")
-    # the plant's operator may start in between
+    # Repeat this, as the plant's operator may start the task in between.
     write = ("param", "set", "motion_scale", "0.5")
     wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a parameter at rest")
     read = comanip(hub, through, "param", "get", "motion_scale")
@@ -79,7 +80,7 @@ def test_watch_and_operate(session, through):
 
 
 def test_the_recording_replays(session):
-    """Runs last: it ends the plant."""
+    """The log replays without a difference. This test must run last, because it stops firmware and plant."""
     _, plant, firmware, out = session
     firmware.process.send_signal(signal.SIGINT)
     firmware.process.wait(PATIENCE_S)

@@ -1,5 +1,5 @@
-"""The simulator's check comes_to_rest: its value against numpy on the trace, that it fails on an arm that oscillates,
-how it treats phases that are not still, and how it reports what could not be measured."""
+"""Checks the simulator's check comes_to_rest: its value against numpy on the trace, that it fails for an arm that
+oscillates, how it treats phases that are not still, and how it reports what could not be measured."""
 
 from __future__ import annotations
 
@@ -77,7 +77,8 @@ def fastest_radps(trace: np.ndarray) -> np.ndarray:
 
 
 def assert_oscillates(done) -> None:
-    """By the trace alone: in the last second of the cooperation a joint reverses more than twice, and is fast."""
+    """Checks from the trace alone that in the last second of the cooperation a joint reverses more than twice and moves
+    fast, and that comes_to_rest fails."""
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
     last = slice(end - 1000, end)
@@ -91,8 +92,8 @@ def assert_oscillates(done) -> None:
 
 
 def test_a_still_hand_out_of_reach_fails_with_the_former_law(tmp_path):
-    """The arm stretches towards a hand that moved out of reach and stopped, and oscillates forever: such a run once
-    passed."""
+    """The arm stretches towards a hand that has moved out of reach and stopped, and oscillates forever. Such a run must
+    fail; it once passed."""
     file = scene(
         tmp_path,
         by_m="[0.25, 0, 0]",
@@ -119,8 +120,8 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_each_experiment_ends_at_rest(name):
-    """Before the stop the person's hand is still for 2.5 s, and then so is the arm, by ODE's end effector and the
-    commands."""
+    """Before the stop, the person's hand is still for 2.5 s and the arm comes to rest, as judged by ODE's end effector
+    and the commands."""
     done = shared("--scenario", experiment(name), "--seed", 2).require_pass()
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
@@ -145,8 +146,8 @@ def test_without_noise_and_tremor_the_limit_is_as_stated(tmp_path):
     ids=["as it comes", "noise", "much noise", "much tremor"],
 )
 def test_the_limit_is_five_times_the_noise(tmp_path, tremor_mm, arguments):
-    """The computed noise is that of a stable arm at its start: the RMS of the fastest joint while the hand rests
-    there."""
+    """The computed noise is close to that of a stable arm, which is measured as the RMS of the fastest joint while the
+    hand rests at the start."""
     file = scene(tmp_path, tremor_mm=tremor_mm, steps=["do: rest, duration_s: 3"])
     file.write_text(file.read_text().replace("do: rest, duration_s: 0.5,", "do: rest, duration_s: 4,"))
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *arguments)
@@ -160,7 +161,8 @@ def test_the_limit_is_five_times_the_noise(tmp_path, tremor_mm, arguments):
 
 
 def noise_radps(tremor_mm: float, arguments: list) -> float:
-    """The statement of docs/scenarios.md in numpy: the Jacobian by differences, the pseudo-inverse by numpy."""
+    """Computes the noise as docs/scenarios.md defines it, with the Jacobian from finite differences and numpy's
+    inverse."""
     noise_mm = arguments[arguments.index("--noise-mm") + 1] if "--noise-mm" in arguments else 0.05
     noise_deg = arguments[arguments.index("--noise-deg") + 1] if "--noise-deg" in arguments else 0.02
     q = np.radians(START_DEG)
@@ -169,7 +171,7 @@ def noise_radps(tremor_mm: float, arguments: list) -> float:
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + 1e-4 * np.eye(3))
     frequency = np.linspace(8, 12, 10001)
     tremor_mps = 1e-3 * tremor_mm / np.sqrt(3) * 2 * np.pi * np.sqrt(np.mean(frequency**2))
-    rate_per_s = 35 / 4 if "prediction=0" not in arguments else 35  # the estimate leaves a quarter of a sample's noise
+    rate_per_s = 35 / 4 if "prediction=0" not in arguments else 35  # prediction leaves a quarter of a sample's noise
     hand_mps = np.hypot(tremor_mps, rate_per_s * 1e-3 * noise_mm)
     return np.hypot(np.linalg.norm(inverse, axis=1).max() * hand_mps, rate_per_s * np.radians(noise_deg))
 
@@ -218,7 +220,7 @@ def test_an_unmeasured_phase_is_reported(tmp_path, options, arguments, words):
 
 
 class Watch:
-    """Synthetic ticks of a cooperation; the hand follows the person's aim unless given otherwise."""
+    """Simulates the ticks of a cooperation for the monitor. By default, the hand is exactly at the person's aim."""
 
     def __init__(self):
         self.monitor = ffi.new("rest_monitor_t *")
@@ -228,7 +230,7 @@ class Watch:
         self.now = 0
 
     def ticks(self, count, *, aim_m=0.0, hand_m=None, turn_rad=0.0, radps=0.0, mode=2, settled_ns=0, holds=False):
-        """hand_m, radps: a number, or a function of the tick's number since the first."""
+        """Adds ticks. hand_m and radps are numbers, or functions of the number of ticks since the start."""
         tick, aim = ffi.new("tick_record_t *"), ffi.new("rigid_pose_t *")
         aim.position_m[0], aim.rotation[0] = aim_m, 1
         for _ in range(count):
@@ -257,7 +259,7 @@ def test_a_phase_counts_from_2_5_seconds():
 
 @pytest.mark.parametrize(("at", "seen"), [(1500, False), (2500, True), (2995, True), (3005, False)])
 def test_only_the_last_second_is_judged(at, seen):
-    """Any joint, in either direction; the next move is not counted as rest."""
+    """A motion of any joint in either direction counts in the last second before the next move, and not outside it."""
     for sign in (1, -1):
         watch = (
             Watch().ticks(3000, radps=lambda n: sign * (n == at)).ticks(500, aim_m=0.1, radps=lambda n: n == at).end()
@@ -295,8 +297,8 @@ def test_tremor_counts_as_still_and_a_slow_move_does_not():
 
 
 def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
-    """As by an oscillating arm that holds the same pipe; a hand that rested only for the last second is merely too
-    short."""
+    """An oscillating arm that holds the same pipe may shake the hand. A hand that rested only in the last second is
+    merely still for too short a time."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()
     assert shaken.disturbed and not shaken.measured
     settled = (

@@ -1,5 +1,5 @@
-"""The simulator's command line: wrong use gives one clear line and has no other effect; the help is correct; a run that
-fails or is interrupted reports it in its exit status and its files."""
+"""Checks the simulator's command line. Wrong use produces one clear line and has no other effect; the help is correct;
+a run that fails or is interrupted reports this in its exit status and its files."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ RECORDINGS = {
 
 @pytest.fixture
 def workspace(tmp_path):
-    """A folder with recordings, most of them invalid, and other kinds of files."""
+    """Creates a folder with recordings, most of them invalid, and other kinds of files."""
     for name, text in RECORDINGS.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
@@ -83,7 +83,7 @@ LISTS = {
                "constant:0,0,0:1,0,0,0:1,0,0,0", 300 * "constant:"),
     "param": ("motion_scale", "=1", "no_such=1", "motion_scale=", "motion_scale=nan", "motion_scale=-1"),
 }  # fmt: skip
-# Arguments, and what the line must contain: the option or file, the value and what was expected.
+# The arguments, and what the line must contain: the option or file, the value and what was expected.
 WRONG_USE = [
     (["juggle"], ["'juggle'", "expected options"]),
     (["--", "pour"], ["'pour'", "expected options"]),
