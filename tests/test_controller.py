@@ -1,5 +1,5 @@
-"""The controller tick by tick, by frames alone: boot messages, answers to the operator, and how modes, targets and
-drives follow."""
+"""Checks the controller tick by tick, using only frames: the boot messages, the answers to the operator, and how modes,
+targets and drives respond."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, JOINTS, TRACKER_PERIOD_TICKS, Bench
 
 ACCEPTED = lib.RESULT_ACCEPTED
-CLOSE_M = 2e-5  # resolution of the frames, including the marker's quaternion at arm's length
+CLOSE_M = 2e-5  # resolution of the frames, including that of the marker's rotation at arm's length
 UNKNOWN_COMMAND = 99
 
 
@@ -22,7 +22,7 @@ def moved_mm(bench: Bench, before: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(autouse=True, params=[False, True], ids=["law (4)", "prediction"])
 def predicts(request, monkeypatch):
-    """Each test runs with and without prediction unless it selects one."""
+    """Runs each test with and without prediction, unless the test selects one of them."""
     monkeypatch.setattr(Bench, "prediction", request.param)
 
 
@@ -30,12 +30,13 @@ of_law_4 = pytest.mark.parametrize("predicts", [False], indirect=True)
 
 
 def settle_ticks() -> int:
-    """Ticks until a hand that has jumped is in force. The prediction's estimate takes time to settle after a jump."""
+    """Returns how many ticks it takes until the target reflects a hand that has jumped. With prediction, the estimate
+    takes time to settle after a jump."""
     return 2000 if Bench.prediction else 5 * TRACKER_PERIOD_TICKS
 
 
 def settle(bench: Bench) -> np.ndarray:
-    """The target after the newest hand is in force."""
+    """Returns the target once it reflects the newest hand."""
     bench.tick(settle_ticks())
     return bench.target
 
@@ -71,8 +72,8 @@ def test_frames_keep_their_periods():
 
 
 def test_a_tick_count_that_wraps_is_not_a_boot():
-    """After 2^32 ticks (50 days) it is 0 again, and then the heartbeat is due (CANopen: 0 is boot-up, 5
-    operational)."""
+    """When the tick count wraps to 0 after 2^32 ticks (50 days), a heartbeat is due, and it must not report a boot
+    (CANopen: 0 is boot-up, 5 operational)."""
     bench = Bench()
     bench.tick()
     assert dict(bench.sent)[FRAME_ID["FIRMWARE_HEARTBEAT"]] == bytes([0])
@@ -114,7 +115,7 @@ def test_stale_tracker_holds_the_arm_and_the_same_reference_is_resumed(lost):
         bench.hand = None
     else:
         bench.hand_valid = False
-    bench.tick(2 * TRACKER_PERIOD_TICKS)  # a frame or two may be missing
+    bench.tick(2 * TRACKER_PERIOD_TICKS)  # one or two frames may be missing
     assert bench.mode == lib.MODE_COOPERATING
     bench.tick(TRACKER_PERIOD_TICKS)
     assert (bench.mode, bench.reason) == (lib.MODE_HOLD, lib.REASON_TRACKER_STALE)
@@ -150,7 +151,7 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
     assert bench.command(lib.COMMAND_START) == lib.RESULT_WRONG_MODE
     vars(bench).update(mend)
     bench.tick(5)
-    assert bench.mode == lib.MODE_FAULT  # it does not clear by itself
+    assert bench.mode == lib.MODE_FAULT  # the fault does not clear by itself
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED
     bench.tick(5)
     assert bench.mode == lib.MODE_READY and (bench.velocity_radps == 0).all()
@@ -158,7 +159,8 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
 
 
 def test_stop_brakes_within_the_limits_then_closes_the_brakes():
-    """Limits of acceleration and jerk; the brakes close once the velocity is 0 and no longer changes."""
+    """The stop stays within the limits of acceleration and jerk. The brakes close once the velocity is 0 and no longer
+    changes."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0.08, 0.05, 0.03])
     bench.tick(40)
@@ -179,7 +181,7 @@ def test_stop_brakes_within_the_limits_then_closes_the_brakes():
 
 
 def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
-    """For each tick: whether the drives are enabled, and their mode in JointCmd."""
+    """Returns for each tick whether the drives are enabled, and their mode in JointCmd."""
     rows = []
     for _ in range(ticks):
         bench.tick()
@@ -190,7 +192,8 @@ def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
 
 @pytest.mark.parametrize("end", ["stop", "hold, then stop", "drive silent", "drive error"])
 def test_drives_are_enabled_from_the_first_command_until_the_brakes_close(end):
-    """A fault keeps the power only until its stop has ended; boot and readiness do not enable the drives."""
+    """Booting and becoming ready do not enable the drives, and after a fault they stay enabled only until the arm has
+    stopped."""
     brake, velocity = lib.DRIVE_MODE_BRAKE, lib.DRIVE_MODE_VELOCITY
     bench = Bench()
     assert set(enabled_and_modes(bench, 60)) == {(False, brake)} and bench.mode == lib.MODE_READY
@@ -211,10 +214,10 @@ def test_drives_are_enabled_from_the_first_command_until_the_brakes_close(end):
     rows = enabled_and_modes(bench, 300)
     closed = [mode for _, mode in rows].index(brake)
     if end == "hold, then stop":
-        assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # it was already at rest
+        assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # the arm was already at rest
         assert {enabled for enabled, _ in rows} == {
             False
-        }  # the stop's own tick, just before, was the one with closing brakes
+        }  # the brakes closed in the tick of the stop command, just before these
     else:
         assert closed > 10
         assert rows == [(True, velocity)] * closed + [(True, brake)] + [(False, brake)] * (299 - closed)
@@ -257,7 +260,7 @@ def test_unknown_commands_and_tasks_are_refused():
     assert bench.define(q_inv=(0, 0, 0, 0)) == lib.RESULT_NOT_A_UNIT_QUATERNION
     assert bench.write(lib.PARAMETER_COUNT, 1.0) == lib.RESULT_UNKNOWN_PARAMETER
     assert bench.write(lib.PARAMETER_MOTION_SCALE, -1.0) == lib.RESULT_OUT_OF_RANGE
-    assert bench.controller.task_id == lib.TASK_TELEOP  # as at boot
+    assert bench.controller.task_id == lib.TASK_TELEOP  # as it was at boot
 
 
 @pytest.mark.parametrize("result", [lib.RESULT_NOT_SUPPORTED, lib.RESULT_STORE_FAILED, lib.RESULT_ACCEPTED])
@@ -281,7 +284,7 @@ def test_a_slow_save_is_one_save_with_one_answer():
     answers = []
     for tick in range(50):
         if tick % 5 == 0 and tick < 30:
-            bench.ask(message)  # as a client repeats an unanswered request
+            bench.ask(message)  # the same request again, as a client does if it gets no answer
         bench.tick()
         answers += [(tick, result) for result in bench.answers()]
     assert answers == [(30, lib.RESULT_ACCEPTED)]
@@ -321,7 +324,8 @@ def test_nothing_is_saved_in_motion():
 
 
 def announced(bench: Bench) -> list[tuple[int, int, float]]:
-    """(parameter, result, value) of each ParameterValue that is not an answer, during the announcement at boot."""
+    """Returns (parameter, result, value) of each ParameterValue in the announcement at boot, i.e. of those that do not
+    answer a request."""
     found = []
     for _ in range(lib.PARAMETER_COUNT + 10):
         bench.tick()
@@ -387,7 +391,7 @@ def test_trace_shows_fresh_drives_and_refused_frames():
 
 
 def test_damaged_frames_for_other_nodes_have_no_effect():
-    """The same bytes with and without a port's filters."""
+    """A port without filters and one with filters lead to the same bytes."""
     filtered, unfiltered = Bench().until_ready(), Bench().until_ready()
     for _ in range(20):
         unfiltered.receive_broken_between_others()
@@ -440,7 +444,7 @@ def test_blend_is_monotonic_and_takes_its_time():
         bench.tick()
         way.append(np.linalg.norm(moved_mm(bench, before)))
     assert way[0] < 0.1 and np.diff(way).min() > -0.01
-    assert 18 < way[250] < 22  # minimum jerk: half the displacement at half the time
+    assert 18 < way[250] < 22  # on a minimum-jerk profile, half the displacement takes half the time
     assert way[480] < 40.01 and way[520] == pytest.approx(40, abs=0.02)
 
 
@@ -450,7 +454,7 @@ def test_selecting_another_task_in_cooperation_does_not_jump():
     before = settle(bench)
     assert bench.write(lib.PARAMETER_TASK_BLEND_S, 1.0) == lib.RESULT_WRONG_MODE
     assert bench.define(q_task=(0, 1, 0, 0), q_inv=(0, 1, 0, 0), form=1, blend_s=1.0) == ACCEPTED
-    assert oracle.pose_distance(bench.target, before) < 1e-4  # q_inv differs from teleop's, yet nothing moves
+    assert oracle.pose_distance(bench.target, before) < 1e-4  # nothing moves, although q_inv differs from teleop's
 
 
 @pytest.mark.parametrize("task", [lib.TASK_TELEOP, lib.TASK_POUR, lib.TASK_MIRROR])
@@ -470,7 +474,8 @@ def test_clutch_takes_a_new_reference_without_a_jump(task, latched):
     bench.move_hand([0.01, 0.0, 0.0])
     settle(bench)
     expected = -10.0 if task == lib.TASK_MIRROR and not latched else 10.0
-    # the end effector is not quite where the mirrored axis is torso x: the reference is the measured pose
+    # the tolerance is wide because the reference is the measured pose, in which the mirrored axis is not exactly torso
+    # x
     assert moved_mm(bench, reference)[0] == pytest.approx(expected, abs=1.5)
 
 
@@ -508,7 +513,7 @@ def in_motion() -> Bench:
 
 @pytest.mark.parametrize("change", ["select", "define", "latch"])
 def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
-    """The velocities of the last tick are kept: the target does not move."""
+    """In the tick of a change, the velocities demanded in the last tick are kept, because the target does not move."""
     bench = in_motion()
     before = feedback(bench)
     if change == "define":
@@ -520,7 +525,7 @@ def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
     assert not np.array_equal(feedback(bench), before)
 
 
-@of_law_4  # with prediction the target keeps its own motion: test_following_hand.py
+@of_law_4  # with prediction the target keeps its own motion; see test_following_hand.py
 @pytest.mark.parametrize("change", ["clutch", "latch measured", "stop and start"])
 def test_feedback_is_zero_when_the_target_is_set_to_the_robots_pose(change):
     bench = in_motion()
@@ -531,14 +536,14 @@ def test_feedback_is_zero_when_the_target_is_set_to_the_robots_pose(change):
     ]
     before, robot = bench.velocity_radps, bench.robot
     growth = np.sign(before) * list(bench.controller.limits.change_steps)[:JOINTS]
-    if change == "stop and start":  # in one tick: the second request is sent with the first
+    if change == "stop and start":  # both in one tick: this request is sent together with the next
         frame = ffi.new("can_frame_t *")
         lib.operator_command_pack(ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP}), frame)
         bench.requests.append(frame)
         command = lib.COMMAND_START
     assert bench.command(command) == ACCEPTED
     assert (feedback(bench) == 0).all()
-    least = np.maximum(growth - 10, -25)  # of the change, in mrad/s: the jerk and the acceleration limit
+    least = np.maximum(growth - 10, -25)  # of the velocity's change, in mrad/s: the jerk and acceleration limits
     assert (np.abs(bench.velocity_radps) <= np.abs(before) + 1e-3 * least + 1e-6).all()
     assert oracle.pose_distance(bench.target, robot) < 1e-4
     bench.tick()
@@ -555,7 +560,7 @@ def test_the_demand_is_deferred_at_a_start_that_follows_a_change():
 
 
 def test_repeated_operator_commands_do_not_stop_the_control_law():
-    """A task selected in every tick: the hand is still followed."""
+    """The arm still follows the hand when a task is selected in every tick."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.tick(settle_ticks())
     before = bench.robot
@@ -567,7 +572,7 @@ def test_repeated_operator_commands_do_not_stop_the_control_law():
 
 
 def test_many_measured_latches_keep_the_relation_a_pose():
-    """Each relation follows from the previous one: an error of its norm must not grow."""
+    """Each relation is computed from the previous one, so an error of its norm must not grow."""
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_LATCH_MEASURED, 1) == ACCEPTED
     bench.start(lib.TASK_TELEOP)
@@ -580,7 +585,7 @@ def test_many_measured_latches_keep_the_relation_a_pose():
 
 
 def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
-    """The control law alone would demand it, as the hand is drawn there."""
+    """The hand is moved to where the control law alone would demand a velocity past the limit."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)
@@ -603,9 +608,9 @@ def test_motion_scale_acts_on_the_mirror_alike():
 
 
 def test_marker_lever_arm_is_compensated():
-    """A marker 0.1 m off the hand: with its transform registered, a turn of the wrist about the hand moves no
-    target."""
-    lever = oracle.pose([1.0, 0, 0, 0], [0.1, 0.0, 0.0])  # the hand in the marker's frame
+    """With the transform of a marker 0.1 m away from the hand registered, a turn of the wrist about the hand does not
+    move the target."""
+    lever = oracle.pose([1.0, 0, 0, 0], [0.1, 0.0, 0.0])  # pose of the hand in the marker's frame
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_MARKER_TO_HAND_TRANSLATION_M, 0.1) == ACCEPTED
     hand = bench.hand
@@ -628,13 +633,13 @@ def test_start_offset_sends_the_robot_to_the_person():
     bench.start(lib.TASK_TELEOP)
     assert moved_mm(bench, robot) == pytest.approx(
         [0, 0, 0], abs=0.05
-    )  # the start's own tick only takes the references
+    )  # the tick of the start itself only records the references
     bench.tick()
     assert moved_mm(bench, robot) == pytest.approx([30, 0, 0], abs=0.05)
 
 
 def test_clock_that_wraps_changes_nothing():
-    """The same motion at now_us = 0 and across 2^32 us."""
+    """The same motion produces the same commands at now_us = 0 and across 2^32 us."""
     velocities = []
     for now_us in (0, 2**32 - 200_000):
         bench = Bench(now_us=now_us).until_ready().start(lib.TASK_TELEOP)
@@ -669,7 +674,8 @@ def test_quaternion_sign_flips_in_the_stream_change_nothing():
 
 @pytest.mark.parametrize("late_us", [3, 900])
 def test_frames_stamped_after_the_tick_count_as_just_received(late_us):
-    """A frame that arrives while the inbox is filled has a time stamp after the tick's: no reason to stop."""
+    """A frame that arrives while the inbox is being filled is stamped later than the tick. This is not a reason to
+    stop."""
     bench = Bench()
     bench.stamp_offset_us = late_us
     bench.until_ready().start(lib.TASK_TELEOP)
@@ -694,6 +700,6 @@ def test_restarted_operator_is_accepted():
     bench = Bench().until_ready()
     for _ in range(30):
         assert bench.command(lib.COMMAND_STOP) == ACCEPTED
-    bench.sender = ffi.new("protocol_sender_t *")  # the drives and the tracker restart with it
+    bench.sender = ffi.new("protocol_sender_t *")  # this restarts the drives and the tracker too
     bench.tick(3)
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED

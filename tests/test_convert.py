@@ -1,4 +1,5 @@
-"""`comanip convert` and `comanip decode`: read back by python-can, scapy, mcap's reader and cantools."""
+"""Checks `comanip convert` and `comanip decode`: their output is read back by python-can, scapy, mcap's reader and
+cantools."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from scapy.utils import RawPcapReader, rdpcap
 from simulation import SHORT, shared
 
 BEGIN_US = 1_700_000_000_000_000
-# One of each kind that SocketCAN, candump and pcap distinguish.
+# One frame of each kind that SocketCAN, candump and pcap distinguish.
 KINDS = [
     Frame(BEGIN_US, 0x123, b"\xde\xad\xbe\xef", fd=False, brs=False),
     Frame(BEGIN_US + 1, 0x7FF, b"", fd=False, brs=False),
@@ -70,7 +71,7 @@ def test_python_can_reads_the_candump_lines(kinds):
 
 @pytest.mark.parametrize("suffix", [".log", ".blf", ".asc"])
 def test_logs_of_python_can_are_converted_to_candump_lines(tmp_path, suffix):
-    """python-can's .log ends each line with R or T."""
+    """The lines are plain candump lines, although python-can's .log adds R or T to the end of each line."""
     path, out = tmp_path / f"recorded{suffix}", tmp_path / "out.log"
     with can.Logger(path) as logger:
         for frame in KINDS:
@@ -85,7 +86,7 @@ def test_logs_of_python_can_are_converted_to_candump_lines(tmp_path, suffix):
 
 
 def test_trc_of_python_can(tmp_path):
-    """Its writer supports classic data frames only."""
+    """Only classic data frames are tested, as python-can's writer supports no others."""
     classic = [frame for frame in KINDS if not (frame.fd or frame.remote)]
     path, out = tmp_path / "recorded.trc", tmp_path / "out.log"
     with can.Logger(path) as logger:
@@ -111,7 +112,7 @@ def test_kernels_from_6_on_mark_fd_frames():
 
 
 def test_pcap_follows_the_specification(tmp_path, kinds):
-    """LINKTYPE_CAN_SOCKETCAN, byte by byte."""
+    """The file has the format LINKTYPE_CAN_SOCKETCAN, byte by byte."""
     out = tmp_path / "out.pcap"
     assert call("convert", kinds, out).returncode == 0
     data = out.read_bytes()

@@ -1,4 +1,5 @@
-"""Distance and overlap of convex shapes (libccd) against closed forms, certified bounds, least squares and facets."""
+"""Checks distance and overlap of convex shapes (libccd) against closed forms, certified bounds, least squares and
+facets."""
 
 from __future__ import annotations
 
@@ -12,14 +13,14 @@ from scipy.spatial.transform import Rotation
 
 ffi, lib = proximity_binding.load()
 
-ERROR_M = 0.00005  # as CONVEX_DISTANCE_ERROR_M
-OVERLAP_ERROR_M = 0.0003  # as CONVEX_OVERLAP_ERROR_M
+ERROR_M = 0.00005  # equal to CONVEX_DISTANCE_ERROR_M
+OVERLAP_ERROR_M = 0.0003  # equal to CONVEX_OVERLAP_ERROR_M
 KINDS = {"box": lib.SHAPE_BOX, "capsule": lib.SHAPE_CAPSULE, "cylinder": lib.SHAPE_CYLINDER, "hull": lib.SHAPE_HULL}
 CUBE = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
 
 
 def shape(kind, position_m=(0, 0, 0), rotation=None, size_m=(0, 0, 0), length_m=0.0, radius_m=0.0, points=None):
-    """One convex_shape_t that keeps its referenced data alive."""
+    """Returns a convex_shape_t and keeps the data it refers to alive."""
     made = ffi.new("convex_shape_t *", {"kind": KINDS[kind], "length_m": length_m, "radius_m": radius_m})
     made.size_m = list(map(float, size_m))
     made.pose.position_m = list(map(float, position_m))
@@ -61,7 +62,7 @@ def distances(a, b, ceiling_m=2.0, guess_m=None) -> np.ndarray:
 
 
 def test_spheres(rng):
-    """Capsules of zero length."""
+    """Spheres are capsules of zero length."""
     a, b = random_shapes(rng, "capsule", 2500), random_shapes(rng, "capsule", 2500)
     a.length_m[:] = b.length_m[:] = 0
     apart = np.linalg.norm(a.position_m - b.position_m, axis=1) - a.radius_m - b.radius_m
@@ -72,7 +73,8 @@ def test_spheres(rng):
 
 
 def segment_distance(p0, p1, q0, q1) -> float:
-    """Distance between two segments: the least of the common normal, where it meets both, and the four end points."""
+    """Returns the distance between two segments. It is the least of the distances from the four end points and, if it
+    meets both segments, the length of the common normal."""
 
     def to_segment(point, s0, s1):
         t = np.clip((point - s0) @ (s1 - s0) / ((s1 - s0) @ (s1 - s0)), 0, 1)
@@ -103,7 +105,7 @@ def test_capsules(rng):
 def test_between_certified_bounds(rng, first, second):
     a, b = random_shapes(rng, first, 2000), random_shapes(rng, second, 2000)
     lower, upper = distance_bracket(a, b)
-    assert np.quantile(upper - lower, 0.97) < 1e-6  # the oracle itself is precise
+    assert np.quantile(upper - lower, 0.97) < 1e-6  # the oracle's own error is small
     p, q = c_shapes(a), c_shapes(b)
     found = distances(p, q)
     assert (found > lower - ERROR_M).all() and (found < upper + ERROR_M).all()
@@ -121,7 +123,7 @@ def random_hull(rng) -> np.ndarray:
 
 
 def test_hulls_and_boxes(rng):
-    """Corners against corners: least squares is independent of GJK's search directions."""
+    """Distances between corners agree with least squares, which does not depend on GJK's search directions."""
     overlapping = 0
     for i in range(2000):
         points = random_hull(rng), (random_hull(rng) if i % 2 else CUBE * rng.uniform(0.01, 0.3, 3))
@@ -143,8 +145,8 @@ def test_hulls_and_boxes(rng):
 def test_faces_edges_and_corners(gap_m):
     cube = {"size_m": (0.1, 0.1, 0.1)}
     edge, corner = 0.1 * np.sqrt(0.5), 0.1 * np.sqrt(0.75)
-    on_edge = Rotation.from_euler("x", 45, degrees=True)  # an edge up, along x
-    crossed = Rotation.from_euler("y", 45, degrees=True)  # an edge up, along y
+    on_edge = Rotation.from_euler("x", 45, degrees=True)  # an edge on top, along x
+    crossed = Rotation.from_euler("y", 45, degrees=True)  # an edge on top, along y
     on_corner = Rotation.align_vectors([[0, 0, 1]], [[1, 1, 1]])[0]
     for turn, other, height_m in [
         (None, None, 0.1),
@@ -163,7 +165,8 @@ def test_faces_edges_and_corners(gap_m):
 @pytest.mark.parametrize("kind", ["capsule", "cylinder"])
 @pytest.mark.parametrize("gap_m", [0.0, 1e-5, 0.004, 0.3])
 def test_parallel_and_in_line(rng, kind, gap_m):
-    """Where many points are equally near, or where only one direction separates."""
+    """The distance is correct when many points are equally near, and when the shapes are separated in only one
+    direction."""
     for turn in Rotation.random(100, rng):
         radius, length = rng.uniform(0.005, 0.08, 2), rng.uniform(0.05, 0.4, 2)
         end = length / 2 + (radius if kind == "capsule" else 0)
@@ -212,11 +215,11 @@ def test_overlap_of_hulls_and_boxes(rng):
 def test_overlap_of_round_shapes(rng):
     for _ in range(200):
         radius, length = rng.uniform(0.005, 0.08, 2), rng.uniform(0, 0.4)
-        # A ball beside the middle of a cylinder's curved surface.
+        # Place a ball beside the middle of a cylinder's curved surface.
         turn, angle, depth = Rotation.random(rng=rng), rng.uniform(0, 6.3), rng.uniform(-0.01, 0.01)
         reach = radius.sum() - depth
         if length / 2 < 2 * depth + radius[1]:
-            continue  # the shorter way out is through the end face
+            continue  # the shorter way out would be through the end face
         at = turn.apply([reach * np.cos(angle), reach * np.sin(angle), 0])
         cylinder = shape("cylinder", rotation=turn, length_m=length, radius_m=radius[0])
         ball = shape("capsule", at, radius_m=radius[1])
@@ -225,7 +228,7 @@ def test_overlap_of_round_shapes(rng):
 
 @pytest.mark.parametrize("depth_m", [-0.001, 0.0, 0.0005, 0.001, 0.0075])
 def test_a_rod_on_a_stand(depth_m):
-    """Contact depths that a scenario may have, and one shape inside the other."""
+    """The overlap is correct for contact depths that occur in scenarios, and for a shape inside another."""
     stand = shape("box", size_m=(0.06, 0.12, 0.04))
     along_y = Rotation.from_euler("x", 90, degrees=True)
     rod = shape("cylinder", (0, 0, 0.02 + 0.008 - depth_m), along_y, length_m=0.28, radius_m=0.008)

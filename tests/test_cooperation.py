@@ -1,4 +1,4 @@
-"""Algorithm 1 against the paper's lines in dqrobotics, and the paper's claims about it."""
+"""Checks Algorithm 1 against the paper's lines in dqrobotics, and the paper's claims about it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def robot_at_check_posture() -> np.ndarray:
 
 
 def motion(rng, steps: int = 50) -> np.ndarray:
-    """A hand that moves and turns at random, in the tracker frame."""
+    """Returns a random motion of the hand in the tracker frame, with translation and rotation."""
     r = oracle.random_rotations(rng, 1)[0]
     t = rng.uniform(-1, 1, 3)
     rows = []
@@ -40,7 +40,7 @@ def displacement(targets: np.ndarray) -> np.ndarray:
 
 
 def hand_in_tracker(rotation, translation, tracker_rotation=oracle.EQUATION_9) -> np.ndarray:
-    """The tracker's measurement of a hand given in torso axes."""
+    """Returns the tracker's measurement of a hand that is given in torso axes."""
     return oracle.pose(
         oracle.quaternion_multiply(tracker_rotation, np.asarray(rotation, float)),
         oracle.rotate(tracker_rotation, translation),
@@ -65,7 +65,8 @@ def test_targets_are_algorithm_1(rng, task, placed):
 
 @pytest.mark.parametrize("task", TASKS)
 def test_virtual_hand_in_closed_form(rng, task):
-    """p_Hv = p_R0 + offset + s R_ET^T (p_H - p_H0), R_Hv = dR R_R0 R(q_inv); the target is q_Hv conj(q_task)."""
+    """The virtual hand is p_Hv = p_R0 + offset + s R_ET^T (p_H - p_H0), R_Hv = dR R_R0 R(q_inv), and the target is q_Hv
+    conj(q_task)."""
     for _ in range(40):
         hands, robot = motion(rng).astype(float), oracle.random_poses(rng, 1, 0.3)[0].astype(float)
         scale, offset = float(rng.uniform(0.1, 3)), rng.uniform(-0.3, 0.3, 3).astype(np.float32)
@@ -151,7 +152,7 @@ def test_mirroring_starts_at_the_robots_pose(rng):
 
 
 def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
-    """The person stands where the virtual hand is; t_task and q(x, pi) q(z, pi/4) lead from the robot to it."""
+    """With the person at the virtual hand, t_task and q(x, pi) q(z, pi/4) lead from the robot to the person."""
     for robot in oracle.random_poses(rng, 200, 0.3).astype(float):
         target = follow("pour", motion(rng, 1), robot)[0]
         roll = oracle.quaternion_multiply(oracle.quaternion_conjugate(robot[:4]), target[:4])
@@ -169,7 +170,7 @@ def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
 
 @pytest.mark.parametrize("scale", [1.0, 0.5, 2.0])
 def test_mirror_signs_and_scale(rng, scale):
-    """End effector z along +x of the torso: (dx, dy, dz) becomes s (-dx, dy, dz)."""
+    """With the end effector's z axis along +x of the torso, a displacement (dx, dy, dz) becomes s (-dx, dy, dz)."""
     robot = robot_at_check_posture()
     for d in rng.uniform(-0.05, 0.05, (50, 3)):
         hands = np.array([hand_in_tracker(ONE, [0.4, 0.1, 0.2] + factor * d) for factor in (0, 1)])
@@ -177,7 +178,7 @@ def test_mirror_signs_and_scale(rng, scale):
 
 
 def test_mirror_needs_the_hands_z_axis_forward():
-    """With z along -x of the torso the same formula gives 3 dx."""
+    """With the z axis along -x of the torso, the same formula results in 3 dx."""
     backwards = oracle.pose(oracle.rotation([0, 1, 0], -np.pi / 2), [0.1, -0.1, 0])
     hands = np.array([hand_in_tracker(ONE, [x, 0, 0]) for x in (0, 0.02)])
     assert np.abs(displacement(follow("mirror", hands, backwards)) - [0.06, 0, 0]).max() < 1e-6
@@ -277,7 +278,7 @@ def from_c(pose) -> np.ndarray:
 
 
 class Running:
-    """A cooperation in progress, using the firmware's own functions."""
+    """A cooperation in progress, run by the firmware's own functions."""
 
     def __init__(self, task: int, hand: np.ndarray, robot: np.ndarray):
         self.state, config = ffi.new("cooperation_t *"), ffi.new("cooperation_config_t *")
@@ -315,7 +316,7 @@ def test_selecting_another_task_does_not_move_the_target(rng, first, second):
 
 @pytest.mark.parametrize("task", range(3))
 def test_a_task_selected_during_cooperation_equals_one_selected_before(rng, task):
-    """The start poses are kept: after the blend the result equals that of a task selected before the start."""
+    """The start poses are kept, so after the blend the result equals that of a task selected before the start."""
     hands, robot = motion(rng), robot_at_check_posture()
     running = Running((task + 1) % 3, hands[0], robot)
     running.target(hands[20])
@@ -357,7 +358,8 @@ def test_select_right_after_a_measured_latch_continues_from_the_robots_pose(rng)
 @pytest.mark.parametrize("task", ["teleop", "pour", "mirror"])
 @pytest.mark.parametrize("motion_scale", [1.0, 0.3])
 def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
-    """Against differences of the targets of two slightly different hands, which Algorithm 1 maps as above."""
+    """The target's motion agrees with the difference of the targets of two slightly different hands, which Algorithm 1
+    maps as tested above."""
     apart_s = 0.01
     for _ in range(20):
         cooperation = core.Cooperation(task, scale=motion_scale)

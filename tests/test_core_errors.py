@@ -1,4 +1,4 @@
-"""comanip.core refuses bad arguments with a message that names the argument and the reason."""
+"""Checks that comanip.core refuses bad arguments with a message that names the argument and the reason."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def with_nan(values: np.ndarray) -> np.ndarray:
 q = np.zeros((2, 4), F)
 R, t = np.tile(np.eye(3, dtype=F), (2, 1, 1)), np.zeros((2, 3), F)
 
-ARRAY_ARGUMENTS = [  # function of the array under test, its name, a good value
+ARRAY_ARGUMENTS = [  # the function, the name of the array argument under test, a valid value
     (lambda x: core.multiply(x, poses()), "a", poses()),
     (lambda x: core.multiply(poses(), x), "b", poses()),
     (core.conjugate, "a", poses()),
@@ -233,7 +233,7 @@ def test_arms_lists_the_available_names():
 
 
 def test_an_arm_lives_as_long_as_it_is_used(rng):
-    """Tables of arms created and dropped in between do not disturb it."""
+    """Creating and dropping the tables of other arms in between does not affect it."""
     kept = arm()
     angles = rng.uniform(-1, 1, (50, 2)).astype(F)
     before = core.forward_kinematics(kept, angles)

@@ -1,5 +1,5 @@
-"""The crank: its turn count, and dry friction against the handle's weight. Energy and free oscillation:
-test_physics.py."""
+"""Checks the crank: its turn count, and dry friction against the weight of the handle. test_physics.py checks energy
+and free oscillation."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def crank(**values) -> dict:
 
 @pytest.mark.parametrize("turns", [3.0, -2.0])
 def test_turns_are_counted_with_their_sign(turns):
-    """Against the handle's position, step by step. The hand's work over whole turns equals the friction's."""
+    """The count agrees with the handle's position, tracked step by step. The hand's work equals the friction losses."""
     friction, damping, seconds = 0.03, 0.01, 4.0
     holder = {"start": (list(HINGE + [RADIUS_M, 0, 0]), (1, 0, 0, 0)), "stiffness_Npm": 2000.0, "damping_ratio": 1.0}
     with Scene([holder], [crank(friction_Nm=friction, damping_Nmspprad=damping)]) as scene:
@@ -49,7 +49,7 @@ def test_turns_are_counted_with_their_sign(turns):
 
 @pytest.mark.parametrize(("share", "moves"), [(0.95, True), (1.05, False)])
 def test_dry_friction_holds_the_handle_up(share, moves):
-    level_Nm = HANDLE_KG * GRAVITY_MPS2 * RADIUS_M  # torque of the handle's weight about the hinge at the start
+    level_Nm = HANDLE_KG * GRAVITY_MPS2 * RADIUS_M  # torque of the handle's weight about the hinge when level
     with Scene([], [crank(friction_Nm=share * level_Nm)]) as scene:
         scene.step(500)
         assert (abs(lib.scene_crank_turns(scene.scene, 0)) > 0.01) == moves

@@ -1,4 +1,5 @@
-"""`make cycles`: its model of ARM's tables line by line, its counter against code counted by hand, and its budget."""
+"""Checks `make cycles`: its model of ARM's tables line by line, its counter against code counted by hand, and its
+budget."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ def modelled(*lines: str, image: str = "cortex-m4f") -> list[tuple[bool, int]]:
 
 @pytest.mark.parametrize(
     ("line", "cost"),
-    [  # ARM DDI 0439, tables 3-1 and 7-1; P = 3
+    [  # ARM DDI 0439, tables 3-1 and 7-1, with P = 3
         ("add\tr0, r1, r2", 1), ("ldr\tr0, [r1, #4]", 2), ("ldrd\tr0, r1, [r2]", 3), ("push\t{r4, r5, lr}", 4),
         ("pop\t{r4, pc}", 6),
         ("ldr\tr2, [pc, #8]", 2), ("b.n\t20 <x>", 4), ("bl\t20 <x>", 4), ("bx\tlr", 4), ("udiv\tr0, r1, r2", 12),
@@ -120,7 +121,8 @@ def test_the_operated_states_include_each_kind():
     not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps"
 )
 def test_the_counter_is_exact(tmp_path):
-    """A loop of known length: `n` subtractions and branches, all but the last taken."""
+    """The counts of a loop of known length are exact. It has `n` subtractions and branches, and all branches except the
+    last are taken."""
     source = tmp_path / "loop.S"
     source.write_text("""
         .syntax unified
@@ -158,5 +160,5 @@ def test_the_counter_is_exact(tmp_path):
         [*machine, "-plugin", argument, "-kernel", str(elf)], check=True, stdin=subprocess.DEVNULL, timeout=PATIENCE_S
     )
     (pair,) = cycles.np.fromfile(tmp_path / "counts.bin", "<u4").reshape(-1, 2)
-    # bx lr, movs, 100 x (subs, bne), bl; cycles 4 + 1 + 100 x 2 + 99 x 3 + 4
+    # instructions: bx lr, movs, 100 x (subs, bne), bl; cycles: 4 + 1 + 100 x 2 + 99 x 3 + 4
     assert list(pair) == [1 + 1 + 200 + 1, 4 + 1 + 200 + 297 + 4]

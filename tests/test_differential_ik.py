@@ -1,4 +1,4 @@
-"""Control law (4) against numpy and dqrobotics in double precision, and its behaviour at the double cover and at
+"""Checks control law (4) against numpy and dqrobotics in double precision, and its behaviour at the double cover and at
 singularities."""
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ def postures(rng, count: int) -> np.ndarray:
 
 
 def tolerance(weight, damping: float) -> float:
-    """The precision that float32 can keep on this arm: the condition of the normal equations grows as 1/lambda."""
+    """Returns the precision that float32 can achieve on this arm. The condition number of the normal equations grows as
+    1/lambda."""
     return max(5e-5, 5e-8 * max(4.0, float(np.max(weight))) / damping)
 
 
@@ -64,8 +65,8 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
-    """A uniform weight scales the condition but not the tolerance's minimum: without iterative refinement the error
-    exceeds it. All inputs at each lambda; |u| is the largest component."""
+    """A uniform weight makes the condition worse but does not raise the tolerance's minimum, so without iterative
+    refinement the error would exceed it. Every lambda is tested on all inputs. |u| is the largest component."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -79,7 +80,8 @@ def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [(0.01, 100), (1, 1), (1, 4), (25, 100), (0, 100)], ids=str)
 def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, weight):
-    """Where differential_ik_prepare() selects it, which includes the default law."""
+    """The fast law keeps the tolerance wherever differential_ik_prepare() selects it, which includes the default
+    law."""
     weight = np.repeat(weight, 4).astype(np.float32)
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -96,7 +98,7 @@ def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, wei
 
 
 def test_the_papers_law_matches_dqrobotics_damped_controller(rng):
-    """The paper's lambda is dqrobotics' damping squared."""
+    """The law agrees with dqrobotics' controller. The paper's lambda is the square of dqrobotics' damping."""
     robot, gain = oracle.hoap3(), 4.0
     for damping in (1e-4, 1e-3, 1e-2):
         controller = DQ_PseudoinverseController(robot)
@@ -138,7 +140,8 @@ def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 def test_no_error_no_velocity(rng, error_frame):
-    """Trap 1: on raw vec8s, -q_d at zero true error commands several rad/s."""
+    """At zero error, neither sign of the target causes a motion. Trap 1: with raw vec8s, the target -q_d would command
+    several rad/s."""
     q = postures(rng, 1000)
     hand = core.forward_kinematics(HOAP3, q)
     for target in (hand, -hand):
@@ -146,7 +149,8 @@ def test_no_error_no_velocity(rng, error_frame):
 
 
 def singular_postures(rng) -> np.ndarray:
-    """Elbow straight, upper arm along the pitch axis (roll -90 deg), both; exactly, and at all distances from it."""
+    """Returns postures with a straight elbow, with the upper arm along the pitch axis (roll -90 deg), and with both.
+    Some are exactly singular, others at various distances from the singularity."""
     base = np.radians(
         [[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]]
     )
@@ -158,13 +162,14 @@ def singular_postures(rng) -> np.ndarray:
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [None, WEIGHTED], ids=["paper", "weighted"])
 def test_zero_damping_at_singular_postures(rng, error_frame, weight):
-    """Finite, bounded, and the end effector is not faster than the error demands: J u is a projection of K e."""
+    """The joint velocities are finite and bounded, and the end effector moves no faster than the error demands, because
+    J u is a projection of K e."""
     gain = 4.0
     q = singular_postures(rng)
     target = oracle.random_poses(rng, len(q), 0.3)
     u = core.joint_velocity(HOAP3, q, target, gain, 0.0, error_frame, weight)
     assert np.isfinite(u).all()
-    assert np.abs(u).max() < 2000 * gain  # 1 / sqrt(float32's resolution), the steepest gain distinguishable from none
+    assert np.abs(u).max() < 2000 * gain  # factor: 1 / sqrt(float32's resolution), beyond which a gain looks singular
     root = np.sqrt(np.broadcast_to(1.0 if weight is None else weight, 8))
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     target = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1) * target.astype(float)
@@ -176,7 +181,7 @@ def test_zero_damping_at_singular_postures(rng, error_frame, weight):
 
 
 def test_zero_damping_with_more_joints_than_degrees_of_freedom(rng):
-    """8 joints for 6 degrees of freedom: always singular; the end effector still moves as demanded."""
+    """8 joints for 6 degrees of freedom are always singular, yet the end effector moves as demanded."""
     fixed, effector = oracle.random_poses(rng, 8, 0.3), oracle.random_poses(rng, 1, 0.3)[0]
     axis = np.tile(np.array([0, 0, 1], np.float32), (8, 1))
     limits = np.full(8, 3, np.float32)
@@ -196,7 +201,8 @@ def test_without_weights_nothing_moves(rng):
 
 
 def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tuple[float, float]:
-    """Steady-state error [mm, deg] of the mirrored target for a hand moved in torso axes and held, without delay."""
+    """Returns the steady-state error [mm, deg] of the mirrored target, without delays, after the hand has been moved by
+    a displacement in torso axes."""
     q = np.radians([start_deg]).astype(np.float32)
     start = core.forward_kinematics(HOAP3, q)[0]
     cooperation = core.Cooperation("mirror", tracker_rotation=np.array([1, 0, 0, 0], np.float32))
@@ -216,7 +222,8 @@ def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tup
 
 @pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
 def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
-    """Trap 6: taken in the torso frame, the orientation that 4 joints cannot reach spoils the position."""
+    """Trap 6: with the error in the torso frame, the orientation that 4 joints cannot reach spoils the position. With
+    the error in the target's frame it does not."""
     start = (90, -5, 0, -90)
     torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
     target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)

@@ -1,4 +1,5 @@
-"""What the README and docs/ name exists: files and folders, functions, make targets, and commands of comanip."""
+"""Checks that everything the README and docs/ refer to exists: files and folders, functions, make targets, and commands
+of comanip."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from comanip.cli import app
 from simulation import REPOSITORY
 
 DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *REPOSITORY.glob("docs/*.md")])
-# The changelog names files and commands of earlier versions.
+# The changelog is left out, as it refers to files and commands of earlier versions.
 NAMES = [path.relative_to(REPOSITORY).as_posix() for path in DOCUMENTS if path.name != "CHANGELOG.md"]
 
 FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
@@ -31,7 +32,8 @@ COMANIP = re.compile(r"(?<!from )(?<![\w./-])comanip ([a-z]+)(?: ([a-z]+))?")
 
 @cache
 def files() -> frozenset[str]:
-    """With what is new and not ignored: a document may name a file before both are committed."""
+    """Returns all files in the repository, including new ones that are not ignored, because a document may refer to a
+    file before both are committed."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     listing = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=True)
     return frozenset(name for name in listing.stdout.splitlines() if (REPOSITORY / name).exists())
@@ -44,7 +46,7 @@ def folders() -> frozenset[str]:
 
 @cache
 def functions() -> frozenset[str]:
-    """Every name that a C or Python source of the repository, this one aside, follows with a parenthesis."""
+    """Returns every name followed by '(' in the repository's C and Python sources, except this file."""
     names = (name for name in files() if name.endswith((".c", ".h", ".py", ".hpp", ".cpp")))
     sources = (REPOSITORY / name for name in names if (REPOSITORY / name) != Path(__file__))
     return frozenset(name for path in sources for name in re.findall(r"(\w+)\(", path.read_text()))
@@ -52,20 +54,20 @@ def functions() -> frozenset[str]:
 
 @cache
 def make_targets() -> frozenset[str]:
-    """By make's own account."""
+    """Returns the targets in make's own database."""
     database = subprocess.run(["make", "-pq", "help"], cwd=REPOSITORY, capture_output=True, text=True, check=False)
     return frozenset(re.findall(r"^([a-z][\w-]*):", database.stdout, re.MULTILINE))
 
 
 @cache
 def commands() -> dict[str, frozenset[str]]:
-    """The commands of comanip, each with its subcommands."""
+    """Returns the commands of comanip, each with its subcommands."""
     group = typer.main.get_command(app)
     return {name: frozenset(getattr(command, "commands", {})) for name, command in group.commands.items()}
 
 
 def code_of(text: str) -> list[str]:
-    """The fenced and indented lines without their comments, and the code spans elsewhere."""
+    """Returns the fenced and indented lines without their comments, and the code spans elsewhere."""
     blocks = [line.partition("#")[0] for fence in FENCE.findall(text) for line in fence.splitlines()]
     rest = FENCE.sub("", text)
     blocks += INDENTED.findall(rest)
@@ -73,7 +75,8 @@ def code_of(text: str) -> list[str]:
 
 
 def exists(path: str) -> bool:
-    """A path from the repository's root; without that, the end of one. * and NAME stand for any name."""
+    """Checks that a path exists, either from the repository's root or as the end of some path. * and NAME match any
+    name."""
     pattern = path.replace(PLACEHOLDER, "*").rstrip("/")
     rooted = pattern.split("/")[0] in {name.split("/")[0] for name in files()}
     patterns = [pattern] if rooted and "/" in pattern else [pattern, f"*/{pattern}"]
@@ -117,7 +120,7 @@ def test_what_is_named_exists(name, missing):
 
 
 def test_what_is_missing_is_found():
-    """The checks can fail: each of these names something that does not exist."""
+    """The checks can fail: they find the name of everything that does not exist."""
     assert missing_paths("`firmware/no_such.c`, `no_such.c`, `hal/linux/`, docs/no_such.md, [x](bus.md)") == {
         "firmware/no_such.c",
         "no_such.c",
@@ -129,7 +132,7 @@ def test_what_is_missing_is_found():
 
 
 def test_something_is_named_in_each_kind():
-    """A pattern that no longer matches would pass everything."""
+    """Each pattern finds something in the README. A pattern that matches nothing would pass every document."""
     text = (REPOSITORY / "README.md").read_text()
     assert len(paths_in(text)) > 10
     assert {"sim", "test", "target"} <= make_targets()

@@ -1,4 +1,4 @@
-"""The algebra against dqrobotics and numpy in double precision."""
+"""Checks the dual quaternion algebra against dqrobotics and numpy in double precision."""
 
 from __future__ import annotations
 
@@ -61,7 +61,8 @@ def test_normalise_gives_the_nearest_pose(rng):
 
 
 def test_renormalised_products_stay_unit_while_raw_ones_drift(rng):
-    """10^6 products, as 100 chains of 10,000: float32 drifts off the unit sphere, normalisation brings it back."""
+    """In 100 chains of 10,000 products each, raw float32 products drift off the unit sphere and renormalised products
+    stay on it."""
     steps = oracle.random_poses(rng, 10_000, 0.01)
     raw = renormalised = oracle.random_poses(rng, 100)
     for step in steps:
@@ -77,7 +78,7 @@ def test_renormalised_products_stay_unit_while_raw_ones_drift(rng):
 
 
 def edge_rotations() -> np.ndarray:
-    """The 24 rotations that map axes onto axes; half turns, and turns close to half, about many axes."""
+    """Returns the 24 rotations that map axes onto axes, and half turns and turns close to half about many axes."""
     signed = [np.diag(s) @ np.eye(3)[list(p)] for p in permutations(range(3)) for s in product((1, -1), repeat=3)]
     axis_aligned = [matrix for matrix in signed if np.linalg.det(matrix) > 0]
     axes = np.array([v for v in product((-1, -1e-3, 0, 1e-3, 1), repeat=3) if np.linalg.norm(v) > 0.5])
@@ -104,7 +105,7 @@ def test_quaternion_from_rotation_vector(rng, scale):
         got = lib.quaternion_from_rotation_vector(ffi.new("vector3_t *", vector.tolist())[0])
         angle = np.linalg.norm(vector.astype(float))
         expected = oracle.rotation(vector if angle else [1, 0, 0], angle)
-        # the half angle is a float32: its rounding grows with it
+        # the half angle is a float32, and its rounding error grows with it
         assert np.abs(np.array([got.w, got.x, got.y, got.z]) - expected).max() < 4e-7 + 1.2e-7 * angle
 
 
@@ -120,4 +121,4 @@ def test_interpolation_takes_the_shorter_arc(rng):
         assert abs(np.linalg.norm(first) - 1) < 1e-6
         whole = oracle.rotation_angle(a, b)
         parts = oracle.rotation_angle(a, first) + oracle.rotation_angle(first, b)
-        assert abs(parts - whole) < 5e-6  # on the shortest arc between them
+        assert abs(parts - whole) < 5e-6  # the result lies on the shortest arc between them
