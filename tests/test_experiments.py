@@ -1,5 +1,5 @@
-"""The campaign of experiments and the search for gains, with a fake simulator that passes, fails, refuses and hangs on
-demand: the runs made, the files written, the messages."""
+"""Checks the campaign of experiments and the search for gains: the runs made, the files written and the messages. A
+fake simulator passes, fails, refuses or hangs as requested."""
 
 from __future__ import annotations
 
@@ -163,7 +163,8 @@ def test_a_failed_run_is_named_and_fails(tmp_path, simulator, monkeypatch, capsy
 def test_pouring_is_judged_over_all_seeds_of_a_condition(
     tmp_path, simulator, recordings, monkeypatch, capsys, caught, passed
 ):
-    """At least 95 % of 3 x 60 particles: 171. Each single run passes its own check."""
+    """All seeds together must catch at least 95 % of 3 x 60 particles, i.e. 171. Each single run passes its own
+    check."""
     monkeypatch.setenv("FAKE_CAUGHT", json.dumps(caught))
     assert run(simulator, tmp_path / "out", "--recordings", recordings) == (0 if passed else 1)
     text = capsys.readouterr().out
@@ -189,7 +190,7 @@ def test_a_pour_without_particles_fails(tmp_path, simulator, monkeypatch, capsys
 
 
 def runs_made(simulator: Path) -> list[str]:
-    """The output folders since the last call, relative to the campaign's."""
+    """Returns the output folders of the runs since the last call, relative to the campaign's folder."""
     path = simulator.parent / "runs"
     made = path.read_text().split() if path.exists() else []
     path.unlink(missing_ok=True)
@@ -251,7 +252,7 @@ def test_an_earlier_summary_is_not_used_for_a_run_that_wrote_none(tmp_path, simu
 def test_an_interrupt_stops_the_children_and_writes_nothing(tmp_path, simulator):
     out, pids = tmp_path / "out", tmp_path / "pids"
     out.mkdir()
-    (out / "experiments.json").write_text("[]")  # from an earlier campaign
+    (out / "experiments.json").write_text("[]")  # as left by an earlier campaign
     command = [sys.executable, "-m", "comanip_dev.experiments", "--seeds", "2", "--out", out, "--simulator", simulator]
     environment = {**os.environ, "FAKE_TELEOP": "hang", "FAKE_PIDS": str(pids)}
     process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -298,7 +299,8 @@ def test_figures_without_measurements():
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_decisive_figures_are_checks_of_the_scenario(name):
-    """Their worst value is the one closest to the check's limit, or furthest beyond it."""
+    """Each decisive figure has a check in the scenario, and the figure's better direction is that of the check's
+    limit."""
     text = experiment(name).read_text()
     for figure in DECISIVE[name]:
         found = re.search(rf"name: {figure.check},.*?(at_least|at_most):", text)
@@ -341,7 +343,7 @@ def test_the_two_laws():
 
 
 def test_share_at_the_acceleration_limit():
-    """25 rad/s^2 is 0.025 rad/s per tick: 100 of 400 steps are at the limit."""
+    """As 25 rad/s^2 is 0.025 rad/s per tick, 100 of the 400 steps are at the limit."""
     steps = np.zeros(400)
     steps[:100] = 0.025
     rate = np.concatenate([[np.nan], [0.0], np.cumsum(steps)])
@@ -357,7 +359,7 @@ def test_a_failed_check_outweighs_a_better_tracking():
 
 
 def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
-    """Minimum at gain 14, ratio 32, damping 3e-4: half a step off the coarse grid."""
+    """The minimum is at gain 14, ratio 32 and damping 3e-4, which is half a step off the coarse grid."""
 
     def bowl(candidate: gain_search.Candidate, seeds: int) -> gain_search.Score:
         logs = np.log([candidate.gain_per_s / 14.0, candidate.ratio / 32.0, candidate.damping / 3e-4])

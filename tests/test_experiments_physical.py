@@ -1,4 +1,4 @@
-"""The five experiments, judged by physics: they pass, and each criterion can fail."""
+"""Checks the five experiments in physical terms: they pass, and each criterion can fail."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def values(done: Run) -> dict[str, float]:
 
 
 def variant(tmp_path: Path, name: str, *changes: tuple[str, str]) -> Path:
-    """The experiment's file with some text replaced; each text must occur once."""
+    """Writes a copy of the experiment's file with some text replaced. Each replaced text must occur exactly once."""
     text = experiment(name).read_text()
     for old, new in changes:
         assert text.count(old) == 1, f"{name}.yaml has {text.count(old)} times: {old}"
@@ -74,7 +74,8 @@ def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
 
 @pytest.mark.parametrize("duration", [[], ["--duration", "150"]])
 def test_waiting_in_vain_fails_at_any_duration(tmp_path, duration):
-    """The gripper never closes: teleoperator and operator wait for robot.holds."""
+    """If the gripper never closes, the teleoperator and the operator wait for robot.holds in vain, and the run
+    fails."""
     path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
     done = run(tmp_path / "out", "--scenario", path, *duration)
     assert done.status == EXIT_CHECK_FAILED
@@ -94,8 +95,8 @@ def test_an_unfinished_program_is_reported_with_its_step(tmp_path):
 
 
 def test_water_misses_the_glass_when_tilted_too_early(tmp_path):
-    """Without the upright approach the glass tilts on its way to the person's. The loss of a single run is chaotic, but
-    over the seeds together it is 10 % more than `make experiments` accepts."""
+    """If the upright approach is left out, the glass tilts on its way to the person's glass. How much a single run
+    spills is chaotic, but all seeds together spill 10 % more than `make experiments` accepts."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
     runs = {seed: run(tmp_path / f"out-{seed}", "--scenario", path, "--seed", seed) for seed in (2, 5)}
     outcomes = (
@@ -106,12 +107,13 @@ def test_water_misses_the_glass_when_tilted_too_early(tmp_path):
     assert any("water_caught" in failed(done) for done in runs.values())
 
 
-FEW_PARTICLES = ("particles: 160", "particles: 10")  # they do not affect the arm's motion
+FEW_PARTICLES = ("particles: 160", "particles: 10")  # the particles do not affect the arm's motion
 
 
 @pytest.mark.parametrize("off_mm", [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10), (0, 0, -10)], ids=str)
 def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
-    """Even if the wide glass still catches the water; the start also varies by 3 mm per axis."""
+    """The check fails even if the wide glass still catches the water. The start position also varies, by 3 mm per
+    axis."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     offset_m = np.array([0, -0.06, 0]) + np.array(off_mm) / 1e3
     options = [f"--param=start_offset_{axis}_m={value:g}" for axis, value in zip("xyz", offset_m, strict=True)]
@@ -123,7 +125,8 @@ def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
 def test_the_glasses_do_not_collide_on_a_hand_that_turns_and_moves_far(tmp_path):
-    """90 degrees and 1.3 m, mostly upwards. With a twentieth of its turns instead of a fiftieth, 0.3 mm were left."""
+    """The hand turns by 90 degrees and moves by 1.3 m, mostly upwards. With its turns scaled by a twentieth instead of
+    a fiftieth, the clearance was only 0.3 mm."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     done = run(tmp_path / "out", "--scenario", path, "--tracker", RECORDINGS / "ethz_handheld1.csv")
     assert values(done)["clearance"] > 4 and not {"clearance", "aim"} & failed(done)
@@ -141,8 +144,9 @@ def test_gripper_released_early_drops_the_pipe(tmp_path):
 
 
 def test_a_recorded_hand_that_moves_the_pipe_into_its_stand_fails_with_the_reason(tmp_path):
-    """2 m down and forward are 80 mm at the scale of the scenario's `play`: twice the height of the lifted pipe. The
-    teleoperator does not bring a dropped pipe to the taker, and nobody waits until the end of the scenario."""
+    """At the scale of the scenario's `play`, 2 m down and forward become 80 mm, twice the height to which the pipe is
+    lifted. The teleoperator does not bring a dropped pipe to the taker, and the run ends instead of waiting for the end
+    of the scenario."""
     recording = tmp_path / "hand.csv"
     recording.write_text(
         recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201)))
@@ -163,7 +167,7 @@ def test_gripper_released_early_drops_the_baton(tmp_path):
 
 
 def test_without_the_latch_the_robot_does_not_follow(tmp_path):
-    """It keeps mirroring: it moves against the person's motion along x."""
+    """The robot keeps mirroring, so along x it moves against the person's motion."""
     path = variant(
         tmp_path, "mirror",
         ("  - {do: latch, name: latched, after: [robot.holds, person.holds]}\n", ""),
@@ -192,8 +196,8 @@ SEARCHED = [f"--param={name}={value:g}" for name, value in PAPER_GAINS]
     ],
 )
 def test_the_papers_law_with_its_published_gains_fails(tmp_path, name, gains, criteria):
-    """K = 1 in metres is dominated by the orientation, which four joints cannot follow; the best K found follows, and
-    pulls at the person. All by measured values."""
+    """With K = 1 in metres, the orientation dominates, which four joints cannot follow. With the best K found, the
+    robot follows but pulls at the person. All of these criteria fail by measured values."""
     done = run(tmp_path / "out", "--scenario", experiment(name), "--paper-law", *gains)
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)
@@ -217,8 +221,8 @@ DO_NOT_TILT = ("name: pouring, task: pour, after", "name: pouring, task: upright
     ],
 )  # fmt: skip
 def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
-    """A glass that is never tilted, a hand that releases too early, one that is too fast, one that turns too little, a
-    weak one."""
+    """The criteria fail for a glass that is never tilted, and for a hand that releases too early, moves too fast, turns
+    too little or is too weak."""
     done = run(tmp_path / "out", "--scenario", variant(tmp_path, name, change))
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)
@@ -227,13 +231,14 @@ def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
-    """The person's glass then collides with the robot's."""
+    """The person's glass collides with the robot's, or the water misses the glass."""
     done = run(tmp_path / "out", "--scenario", experiment("pour"), "--seed", seed, "--param", "motion_scale=0.01")
     assert done.status == EXIT_CHECK_FAILED and failed(done) & {"clearance", "water_caught"}
 
 
 def test_mirrored_motion_of_the_measured_robot(tmp_path):
-    """Person +x, robot -x; lateral and vertical motion equal: within 5 % of 30 mm, computed from the trace."""
+    """When the person moves along +x, the robot moves along -x. Lateral and vertical motions are equal. All agree
+    within 5 % of 30 mm, computed from the trace."""
     done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
     names = done.trace.open().readline().rstrip().split(",")
     columns = {

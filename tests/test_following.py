@@ -1,5 +1,5 @@
-"""The measurement of following: figures of paths with known delay and noise, the reference against the paper's lines,
-and the fast loop against physics that can be computed by hand."""
+"""Checks how following is measured: the figures of paths with known delay and noise, the reference target against the
+paper's lines, and the fast loop against physics that can be computed by hand."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ START_RAD = np.radians([60.0, -30.0, -10.0, -80.0])
 
 
 def sway(duration_s: float = 6.0, amplitude_m: float = 0.03, frequency_hz: float = 0.5) -> Recording:
-    """A smooth motion that starts and ends at rest, at 100 Hz."""
+    """Returns a smooth motion, sampled at 100 Hz, that starts and ends at rest."""
     t_s = np.arange(0.0, duration_s, 0.01)
     swing = 1.0 - np.cos(2 * np.pi * frequency_hz * t_s)
     displacement_m = amplitude_m / 2 * swing[:, None] * np.array([1.0, 0.5, -0.3])
@@ -68,7 +68,7 @@ def test_error_noise_and_acceleration_of_known_paths(rng):
 
 def test_ticks_at_a_limit_are_counted():
     command = np.zeros((101, 2))
-    command[50:, 1] = 0.025  # one step of 25 rad/s^2
+    command[50:, 1] = 0.025  # a single step of 25 rad/s^2
     command[60:70, 0] = np.minimum(0.024 * np.arange(1, 11), 4.76)
     command[70:, 0] = 0.24
     assert metrics.limit_share(command, np.array([4.76, 4.76]), 25.0) == pytest.approx(1 / 100)
@@ -80,7 +80,7 @@ def test_ticks_at_a_limit_are_counted():
 
 @pytest.mark.parametrize("task", ["teleop", "mirror", "pour"])
 def test_reference_target_matches_algorithm_1(rng, task):
-    """Against the paper's lines in dqrobotics, for the hand as the tracker sees it."""
+    """The reference target agrees with the paper's lines in dqrobotics, given the hand as the tracker measures it."""
     count = 50
     recording = Recording(
         "random", np.arange(count) * 0.1, np.vstack([np.zeros(3), rng.normal(scale=0.1, size=(count - 1, 3))]),
@@ -121,7 +121,8 @@ def test_positions_of_postures_are_reached_and_others_not(rng):
 
 
 def test_scale_is_the_largest_with_everything_in_reach():
-    """Straight up from the start: the arm is fully stretched, 0.282 m from the shoulder, at the end of the path."""
+    """The hand moves straight up from the start, and at the end of the path the arm is fully stretched, 0.282 m from
+    the shoulder."""
     t_s = np.arange(0.0, 2.0, 0.01)
     up = np.outer(t_s / t_s[-1], [0.0, 0.0, 1.0])
     recording = Recording("up", t_s, up, np.tile([1.0, 0, 0, 0], (len(t_s), 1)), np.zeros(len(t_s) - 1, bool))
@@ -163,8 +164,9 @@ def test_a_run_repeats_with_its_seed_and_differs_with_another():
 
 
 def test_former_default_lags_by_the_sum_of_its_parts():
-    """A slow sway without noise: 4 ms of latency, half a tick until a command is read, one period (4 ms) of
-    interpolation, 1/K, one tick of feedback and the drives' 3 ms, plus or minus the ticks in which frames wait."""
+    """For a slow sway without noise, the lag is the sum of 4 ms of latency, half a tick until a command is read, one
+    period (4 ms) of interpolation, 1/K, one tick of feedback and the drives' 3 ms, plus or minus the ticks for which
+    frames wait."""
     figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
     speed_mps = np.pi * 0.5 * 0.03 * np.linalg.norm([1.0, 0.5, -0.3]) / np.sqrt(2)
@@ -186,7 +188,7 @@ def test_noise_at_rest_grows_with_the_trackers():
         noise_at_rest_um(ARM, "teleop", dataclasses.replace(TRACKER, noise_m=n), former) for n in (5e-5, 1e-4)
     )
     assert large / small == pytest.approx(2.0, rel=0.3)
-    assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the control law filters and adds nothing
+    assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the control law reduces the noise and adds none
 
 
 def test_encoders_quantise_and_joints_integrate_their_commands():
@@ -217,7 +219,7 @@ def write(path, rows) -> None:
 
 
 def test_recording_is_read_about_the_torsos_axes(tmp_path):
-    """cmu_: y is up; the recorder's z is the torso's x."""
+    """In cmu_ recordings, y points up and z of the recorder is x of the torso."""
     turn = rotations.from_vector(np.array([0.0, 0.3, 0.0]))
     rows = [[5.0, 1, 2, 3, 1, 0, 0, 0], [5.1, 1.0, 2.5, 3.25, *(-turn)]]
     write(tmp_path / "cmu_x.csv", rows)

@@ -1,5 +1,5 @@
-"""The campaign of `make following`: motion within the arm's limits, the verdict on synthetic results, the peers against
-their known properties, ODE against the kinematic loop, and an interrupted campaign."""
+"""Checks the campaign of `make following`: motion within the arm's limits, the verdict on synthetic results, the peers
+against their known properties, ODE against the kinematic loop, and resuming an interrupted campaign."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def test_a_path_within_the_limits_is_unchanged():
 
 
 def test_a_step_becomes_the_fastest_allowed_motion():
-    """From rest to rest with bounded acceleration: the displacement grows with the square of the time, within the
-    limits."""
+    """The step becomes a motion from rest to rest that uses the available speed and exceeds neither speed, acceleration
+    nor joint limits."""
     step_s, acceleration = 5e-3, 10.0
     q = np.where(np.arange(400) < 200, 0.0, 0.5)[:, None]
     path = within_limits(q, step_s, (np.array([-1.0]), np.array([0.45])), np.array([1.2]), acceleration)
@@ -71,7 +71,7 @@ def test_slow_hands_are_followable_and_fast_ones_are_not():
 
 
 def results(figure, noise=lambda follower, condition: 20.0) -> Results:
-    """Each case's figures by (loop, follower, condition, setting, recording)."""
+    """Returns results in which figure(loop, follower, condition, setting, recording) computes each case."""
     found = Results(None, "", {})
     for loop in (plan.LOOP, plan.ODE):
         for follower in (*plan.FIRMWARE, *plan.PEER_NAMES):
@@ -165,7 +165,7 @@ def test_a_missing_measurement_does_not_pass(lost):
 
 
 def test_peers_are_tuned_on_the_other_half():
-    """The best choice on one half is the worst on the other, so each half is judged with its worst."""
+    """The best choice on each half is the worst on the other, so each half is judged with its worst choice."""
     first, second = plan.folds(NAMES)
     good_for = dict.fromkeys(first, "qp 20") | dict.fromkeys(second, "qp 35")
 
@@ -196,7 +196,8 @@ def test_noise_dominated_figures_are_means_over_seeds():
 
 
 def test_one_euro_is_a_low_pass_at_rest_and_lets_fast_motion_through():
-    """A first-order low-pass of white noise leaves sqrt(s / (2 - s)) of it, s being the weight of the new sample."""
+    """At rest, a first-order low-pass leaves sqrt(s / (2 - s)) of white noise, where s is the weight of the new
+    sample."""
     tracker = plan.Condition(250, 4, 0.5).tracker()
     still = measure(tracker, HandMotion(None, 1.0, 1.0, 0.0, 40.0))
     quiet = one_euro.filtered(still, 1.0, 0.0)
@@ -230,7 +231,7 @@ def test_peers_follow_within_the_arms_limits(name):
 
 @pytest.mark.parametrize("setting", [plan.TELEOP, plan.MIRROR, plan.POUR])
 def test_ode_agrees_with_the_kinematic_loop(tmp_path, setting):
-    """Two arms that share no code except the firmware."""
+    """ODE's arm and the kinematic loop's arm share no code except the firmware, and their figures agree."""
     write(tmp_path, "sway", sway())
     scene = Scene(sway(), setting.task, 0.8, setting.rotation_scale)
     job = ode.job(tmp_path / "run", plan.FORMER, plan.FAST, setting, tmp_path / "sway.csv", 0.8)
@@ -255,7 +256,7 @@ def test_ode_has_the_same_noise_at_rest_as_the_kinematic_loop(tmp_path):
 
 @pytest.fixture
 def few_cases(monkeypatch):
-    """A few cases instead of a campaign's hundreds."""
+    """Replaces the campaign's hundreds of cases by a few."""
 
     def few(choice, scenes):
         path, scale = scenes[plan.TELEOP][0]
@@ -310,7 +311,7 @@ def test_results_of_another_firmware_are_not_used(tmp_path):
 def test_missing_recordings_are_reported(tmp_path, capsys, monkeypatch):
     assert program.main(["--out", str(tmp_path), "--recordings", str(tmp_path / "none")]) == 2
     assert "none: no such folder" in capsys.readouterr().err
-    # the default folder, as in a checkout on its own
+    # the default folder does not exist, as in a checkout without recordings
     monkeypatch.setattr(program, "RECORDINGS_FOLDER", tmp_path / "none")
     assert program.main(["--out", str(tmp_path), "--recordings", str(tmp_path / "none")]) == 0
     assert "skipped: there is no folder" in capsys.readouterr().out
@@ -332,7 +333,7 @@ def test_a_duplicate_recording_with_gaps_is_left_out(tmp_path):
 
 
 def test_limits_match_the_joint_limits_module():
-    """A share of ticks at the limit that the kinematic loop can reach: a hand that jumps about."""
+    """With a hand that jumps about, the kinematic loop reaches a considerable share of ticks at the limit."""
     figures = follow(ARM, Scene(sway(4.0, 0.2), "teleop", 1.0, 0.3), plan.FAST.tracker(), followers.named(plan.FORMER))
     assert figures.limit_percent > 30.0
     assert metrics.TICK_S == 1e-3

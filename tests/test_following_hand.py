@@ -1,4 +1,5 @@
-"""controller_step() with prediction: the arm's response to the hand's motion, frame by frame, with ideal drives."""
+"""Checks controller_step() with prediction: how the arm responds to the hand's motion, frame by frame, with ideal
+drives."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ def started(**changes) -> Bench:
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     for name, value in changes.items():
         assert bench.write(getattr(lib, f"PARAMETER_{name.upper()}"), value) == lib.RESULT_ACCEPTED
-    bench.tick(300)  # the noise is measured, and the memory is long
+    bench.tick(300)  # by then the noise has been measured and the memory is long
     return bench.start(lib.TASK_TELEOP)
 
 
@@ -24,7 +25,7 @@ def position(bench: Bench) -> np.ndarray:
 
 
 def move(bench: Bench, velocity_mps, ticks: int, ramp: int = 300) -> np.ndarray:
-    """Accelerates the hand within `ramp` ticks and keeps the speed; returns the robot's position at each tick."""
+    """Accelerates the hand within `ramp` ticks and then keeps its speed. Returns the robot's position at each tick."""
     places = []
     for k in range(ticks):
         bench.move_hand(np.asarray(velocity_mps) * min(1, (k + 1) / ramp) * TICK_US * 1e-6)
@@ -43,7 +44,7 @@ def test_a_hand_that_moves_steadily_is_followed_without_lag():
     hand, robot = oracle.translation(bench.hand), position(bench)
     move(bench, [0, SPEED_MPS, 0], 700)
     lag_m = (oracle.translation(bench.hand) - hand) - (position(bench) - robot)
-    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # displacement in 10 ms; interpolation alone costs 4 ms, and 1 / K 29 ms
+    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # SPEED_MPS for 10 ms; interpolation alone would cost 4 ms, and 1 / K 29 ms
     assert np.abs(bench.velocity_radps).max() > 0.1
 
 
@@ -52,12 +53,12 @@ def test_one_parameter_switches_prediction_off():
     hand, robot = oracle.translation(bench.hand), position(bench)
     move(bench, [0, SPEED_MPS, 0], 700)
     lag_s = ((oracle.translation(bench.hand) - hand) - (position(bench) - robot))[1] / SPEED_MPS
-    assert 0.025 < lag_s < 0.045  # a tracker period, and 1 / K
+    assert 0.025 < lag_s < 0.045  # a tracker period plus 1 / K
 
 
 def test_a_clutch_in_motion_keeps_the_hands_speed():
-    """The next target is the robot's pose and moves with the hand: the robot keeps its speed (it once dropped from
-    0.156 to 0.043 m/s)."""
+    """After the clutch, the target starts at the robot's pose and moves with the hand, so the robot keeps its speed. It
+    once dropped from 0.156 to 0.043 m/s."""
     bench = started()
     before = move(bench, [0, SPEED_MPS, 0], 600)
     assert bench.command(lib.COMMAND_CLUTCH) == lib.RESULT_ACCEPTED
@@ -72,7 +73,7 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
     move(bench, [0, SPEED_MPS, 0], 600)
     bench.hand = None
     start = position(bench)
-    bench.tick(80)  # 100 ms until the hand is stale: the prediction has faded by then
+    bench.tick(80)  # the hand is stale after 100 ms, by which time the prediction has faded
     assert bench.mode == lib.MODE_COOPERATING
     assert np.abs(bench.velocity_radps).max() < 0.15
     bench.tick(60)
@@ -82,7 +83,8 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
 
 @pytest.mark.parametrize("ticks_lost", [100, 1500])
 def test_after_a_loss_the_start_does_not_use_the_old_hand_position(ticks_lost):
-    """The tracker is lost, the hand moves on by 200 mm and stops: a start as soon as possible moves nothing."""
+    """The tracker loses the hand, which moves on by 200 mm and stops. A start at the earliest possible time does not
+    move the arm."""
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     assert bench.write(lib.PARAMETER_TASK_BLEND_S, 0.0) == lib.RESULT_ACCEPTED
     hand, bench.hand = bench.hand, None
@@ -110,8 +112,8 @@ def test_prediction_starts_with_the_current_hand_pose():
 
 
 def test_the_reference_is_the_estimate_and_not_one_sample(rng):
-    """Over many starts with noise, the target's position relative to the robot: the error of the last sample is not
-    kept."""
+    """Over many starts with noise, the position of the target relative to the robot does not keep the error of the last
+    sample."""
     sigma_m, offsets = 1e-3, []
     for _ in range(12):
         bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
@@ -124,14 +126,14 @@ def test_the_reference_is_the_estimate_and_not_one_sample(rng):
         bench.hand = oracle.pose(bench.hand[:4], still)
         bench.tick(1500)
         offsets.append(np.linalg.norm(position(bench) - robot))
-    assert np.sqrt(np.mean(np.square(offsets))) < 1.0 * sigma_m  # one sample: sqrt(3) sigma
+    assert np.sqrt(np.mean(np.square(offsets))) < 1.0 * sigma_m  # a single sample would leave sqrt(3) sigma
 
 
 def test_a_target_that_returns_into_reach_causes_no_overshoot():
     bench = started()
     robot = position(bench)
     t = np.arange(0, 5.0, TICK_US * 1e-6)
-    way = 0.25 * (minimum_jerk(t) - minimum_jerk(t - 2.0))  # 0.47 m/s at most
+    way = 0.25 * (minimum_jerk(t) - minimum_jerk(t - 2.0))  # at most 0.47 m/s
     fastest, beyond, met = 0.0, 0.0, False
     for k in range(len(t)):
         bench.move_hand([0, 0, way[k] - (way[k - 1] if k > 0 else 0)])
@@ -142,7 +144,7 @@ def test_a_target_that_returns_into_reach_causes_no_overshoot():
             met = met or abs(above_m) < 1e-3
             beyond = max(beyond, above_m if met else 0.0)
         elif t[k] > 1.0:
-            assert robot[2] + way[k] - position(bench)[2] > 0.02  # out of reach
+            assert robot[2] + way[k] - position(bench)[2] > 0.02  # the target is out of reach
     assert np.linalg.norm(position(bench) - robot) < 1e-3
     assert fastest < 0.6 * 4.76
     assert beyond < 5e-3

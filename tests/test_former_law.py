@@ -1,7 +1,8 @@
-"""The paper's law, law (4) with given K and W, and the default before prediction still give the same velocities, bit by
-bit.
+"""Checks that the paper's law, law (4) with given K and W, and the default law before prediction still compute the same
+velocities, bit by bit.
 
-before_prediction.txt is the output of digest.c with the firmware at e544a9a, the last one without prediction."""
+before_prediction.txt is the output of digest.c with the firmware at e544a9a, the last commit without prediction.
+"""
 
 from __future__ import annotations
 

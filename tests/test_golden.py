@@ -1,6 +1,8 @@
-"""Golden logs (tests/golden): the firmware, fed with the recorded input, sends the recorded output.
+"""Checks the golden logs (tests/golden): given the recorded input, the firmware sends the recorded output.
 
-They were recorded by the build that their FirmwareIdentity names: a change of behaviour between builds shows here."""
+The logs were recorded by the build that is named in their FirmwareIdentity, so a change of behaviour since then fails
+here.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ CASES = [(run, profile) for run in golden.RUNS for profile in golden.PROFILES]
 
 @pytest.fixture(scope="module")
 def frames_of():
-    """Each log is read once."""
+    """Reads each log only once."""
     read = {}
 
     def frames(run, profile):
@@ -87,7 +89,7 @@ def test_the_changelog_gives_the_reason_of_each_recording():
 
 @pytest.mark.parametrize("profile", golden.PROFILES)
 def test_a_change_of_behaviour_is_detected(frames_of, profile):
-    """One bit of one command."""
+    """A single changed bit in one command is detected at that frame."""
     run = next(run for run in golden.RUNS if run.name == "handover")
     frames = list(frames_of(run, profile))
     name = "JointCmd" if profile == "fd" else "ClassicJointCmd0"
@@ -135,7 +137,8 @@ def test_another_trace_is_refused(handover, change):
 
 
 def without_parameter(frames, number: int):
-    """The frames of a build without that parameter: its frames are missing, the other counters are consecutive."""
+    """Returns the frames as a build without that parameter would have sent them: its ParameterValue frames are missing,
+    and the counters of the others are consecutive."""
     counter, kept = 0, []
     for frame in frames:
         if frame.name == "ParameterValue":

@@ -1,4 +1,5 @@
-"""Loads on grips against statics: the robot's joints, its pads, shocks, torque about the jaws."""
+"""Checks loads on grips against statics: torques of the robot's joints, deflection of its pads, shocks, and torque
+about the jaws."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from scene_bench import ALONG_Y, GRAVITY_MPS2, Scene
 _, lib = plant_binding.load()
 CHECK_DEG = (90, 0, 0, -90)
 GRIPPER = np.array([0.166, -0.111, 0.014])  # 30 mm in front of the end effector in the manual's check posture
-FREE_PLACE = np.array([0.4, 0.2, 0.0])  # far from arm and ground
+FREE_PLACE = np.array([0.4, 0.2, 0.0])  # far from the arm and the ground
 
 
 def rod(at, **values) -> dict:
@@ -24,7 +25,8 @@ def person(at, **values) -> dict:
 
 @pytest.mark.parametrize("kind", ["GRIP_BALL", "GRIP_FIXED"])
 def test_the_arms_joints_bear_what_the_gripper_holds(kind):
-    """Torque = the arm's own + J' times the rod's weight, J from numpy's kinematics."""
+    """The joint torques equal the arm's own gravity torques plus J' times the rod's weight, with J from numpy's
+    kinematics."""
     q, mass = np.radians([80, -30, 15, -70]), 0.25
     hand = hoap3.frames(q)[4]
     gripper = hand[:3, :3] @ [0, 0, 0.03] + hand[:3, 3]
@@ -44,7 +46,7 @@ def test_the_arms_joints_bear_what_the_gripper_holds(kind):
 
 @pytest.mark.parametrize("kind", ["GRIP_BALL", "GRIP_FIXED"])
 def test_pads_deflect_as_springs(kind):
-    """Held in its middle, a rod of 0.3 kg sinks by its weight over the stiffness."""
+    """A rod of 0.3 kg held in its middle sinks by its weight divided by the stiffness."""
     thing = rod(GRIPPER, held_by_robot=True, mass_kg=0.3, robot_grip=getattr(lib, kind))
     with Scene([], [thing], start_deg=CHECK_DEG, gripper={"stiffness_Npm": 1500.0}) as scene:
         scene.step(2000)
@@ -55,13 +57,13 @@ def test_pads_deflect_as_springs(kind):
 
 @pytest.mark.parametrize(("limit_share", "lost"), [(0.97, 1), (1.03, 0)])
 def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
-    """A rod gripped 60 mm from its middle loads the jaws with its weight times 60 mm."""
+    """A rod gripped 60 mm from its middle loads the jaws with a torque of its weight times 60 mm."""
     mass, lever = 0.4, 0.06
     limit = limit_share * mass * GRAVITY_MPS2 * lever
     thing = rod(GRIPPER + [0, lever, 0], held_by_robot=True, mass_kg=mass, robot_grip=lib.GRIP_FIXED)
     gripper = {"torque_limit_Nm": limit, "stiffness_Npm": 1e5, "damping_Nspm": 1e3}
     with Scene([], [thing], start_deg=CHECK_DEG, gripper=gripper) as scene:
-        for n in range(1, 1001):  # the weight grows slowly: no oscillation
+        for n in range(1, 1001):  # the weight grows slowly, so that nothing oscillates
             scene.set_gravity(-GRAVITY_MPS2 * n / 1000)
             scene.step()
         scene.step(300)
@@ -70,7 +72,8 @@ def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
 
 @pytest.mark.parametrize(("shock_steps", "lost"), [(1, 0), (40, 1)])
 def test_a_shock_of_one_step_does_not_open_the_hand(shock_steps, lost):
-    """Three times the limit (no stiffness: the puller's acceleration alone gives the force) for 1 ms, or for 40 ms."""
+    """A force of three times the limit is tolerated for 1 ms but opens the hand within 40 ms. The hands have no
+    stiffness, so the force results from the puller's acceleration alone."""
     places = [FREE_PLACE - [0, 0.1, 0], FREE_PLACE + [0, 0.1, 0]]
     limp = {"stiffness_Npm": 0.0, "mass_kg": 1.5}
     people = [person(places[0], grip_force_limit_N=10.0, **limp), person(places[1], **limp)]
@@ -79,7 +82,7 @@ def test_a_shock_of_one_step_does_not_open_the_hand(shock_steps, lost):
         assert scene.grip(0) and scene.grip(1)
         aim, speed, peak_N = places[1].copy(), 0.0, 0.0
         for n in range(100):
-            # 60 N on two hands of equal mass: 30 N at the other.
+            # 60 N accelerate two hands of equal mass, so 30 N act on the other hand.
             speed += 40.0 * scene.step_s if n < shock_steps else 0.0
             aim = aim + [0, speed * scene.step_s, 0]
             scene.aim(1, aim)

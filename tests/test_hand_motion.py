@@ -1,5 +1,5 @@
-"""The estimate of the hand's motion: against motions in closed form, its equations in double precision, and
-invariants."""
+"""Checks the estimate of the hand's motion against motions in closed form and against its equations in double
+precision, and checks invariants."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def minimum_jerk(s):
 
 
 class Estimate:
-    """A firmware-side estimate; times in us count from `zero_us` on its clock."""
+    """The estimate as the firmware computes it. Times in us count from `zero_us` on its clock."""
 
     def __init__(self, zero_us=0):
         self.zero_us = zero_us
@@ -44,7 +44,7 @@ class Estimate:
         lib.hand_motion_sample(self.state, pose, (self.zero_us + captured_us) % WRAP, (self.zero_us + now_us) % WRAP)
 
     def predict(self, now_us, ahead_s=0.0) -> np.ndarray:
-        """w x y z, position, velocity, angular velocity."""
+        """Returns w x y z, position, velocity and angular velocity as one array."""
         arguments = (self.state, (self.zero_us + now_us) % WRAP, ahead_s)
         pose = ffi.new("pose_t *", lib.hand_motion_pose(*arguments))
         motion = ffi.new("twist_t *", lib.hand_motion_twist(*arguments))
@@ -52,9 +52,11 @@ class Estimate:
 
 
 def run(truth, duration_s, rate_hz=250, latency_s=0.004, noise_m=0.0, rng=None, ahead_s=0.0, estimate=None, **how):
-    """Samples truth(t) -> position, rotation at a rate; returns the prediction at each tick.
+    """Feeds samples of truth(t) -> (position, rotation) at a given rate to the estimate. Returns the time and the
+    prediction at each tick.
 
-    how: lost(t), change(position, rotation), announced_s (the assumed latency), jitter (of the interval).
+    Options in `how`: lost(t) returns whether a sample is lost, change(position, rotation) modifies a sample,
+    announced_s is the assumed latency, and jitter is a share of the interval.
     """
     estimate = estimate or Estimate()
     lost, change = how.get("lost", lambda t: False), how.get("change", lambda p, r: (p, r))
@@ -70,7 +72,7 @@ def run(truth, duration_s, rate_hz=250, latency_s=0.004, noise_m=0.0, rng=None, 
             position, rotation = truth(captured[i])
             if noise_m:
                 position = position + noise_m * rng.standard_normal(3)
-                noise = 7 * noise_m * rng.standard_normal(3)  # 0.02 degrees at 0.05 mm
+                noise = 7 * noise_m * rng.standard_normal(3)  # 0.02 degrees for 0.05 mm
                 rotation = oracle.quaternion_multiply(turn(noise, np.linalg.norm(noise)), rotation)
             if not lost(captured[i]):
                 estimate.sample(
@@ -93,7 +95,7 @@ def angle_between(a, b):
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 @pytest.mark.parametrize("latency_s", [0.004, 0.06])
 def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
-    """In the limit: position, speed, and the requested time."""
+    """After it has settled, the prediction has the hand's position, speed and rotation at the requested time."""
     velocity, spin = np.array([0.3, -0.4, 0.2]), 2.0
     axis = np.array([1.0, 2.0, -2.0]) / 3
 
@@ -111,8 +113,8 @@ def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
 
 
 def test_a_hand_that_accelerates_is_followed():
-    """The estimate's error is the cube of the memory times the acceleration over its fading time, not a velocity
-    filter's lag."""
+    """The error has the size of the memory cubed times the acceleration divided by its fading time, which is less than
+    the lag of a velocity filter."""
     acceleration = 2.0
     t, got = run(lambda t: (0.5 * acceleration * t**2 * X, IDENTITY), 1.0)
     late = t > 0.6
@@ -144,7 +146,8 @@ def test_a_wrong_latency_only_shifts_the_time(wrong_s):
 
 
 def test_the_velocity_is_the_derivative_of_the_pose():
-    """Between samples, after the last change has faded: by finite differences of the prediction at one tick."""
+    """Between samples, once the last change has faded, the velocity equals the finite differences of predictions made
+    in the same tick."""
     estimate = Estimate()
 
     def truth(t):
@@ -161,8 +164,8 @@ def test_the_velocity_is_the_derivative_of_the_pose():
 
 @pytest.mark.parametrize(("latency_s", "most"), [(0.0, 1.2), (0.02, 1.4), (0.05, 2.4)])
 def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_s, most):
-    """4 Hz, 50 mm: a constant acceleration over the whole horizon amplified it 1.1 to 3.1 times and took it for
-    noise."""
+    """The hand shakes at 4 Hz and 50 mm. With a constant acceleration over the whole horizon, the estimate amplified
+    this 1.1 to 3.1 times and took it for noise."""
     estimate = Estimate()
     t, got = run(lambda t: (0.05 * np.sin(8 * np.pi * t) * X, IDENTITY), 4.0, 250, latency_s, estimate=estimate)
     assert np.abs(got[t > 2, 4]).max() < most * 0.05
@@ -172,8 +175,8 @@ def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_
 
 
 class Reference:
-    """Translation only: Morrison's third-order fading memory with exact exponentials and the memory's law, in
-    double."""
+    """Morrison's third-order fading memory in double precision, for translation only, with exact exponentials and the
+    firmware's rule for the memory's length."""
 
     def __init__(self):
         self.p = self.v = self.a = self.innovation = self.change = self.trend = np.zeros(3)
@@ -208,8 +211,8 @@ class Reference:
 @pytest.mark.parametrize("noise_m", [5e-5, 5e-4])
 @pytest.mark.parametrize("rate_hz", [60, 250])
 def test_the_filter_matches_its_equations(rate_hz, noise_m, rng):
-    """Rest, a reach, rest, with noise and irregular intervals: the difference left by float32 and the rational
-    exponential is a small part of the noise."""
+    """During rest, a reach and rest, with noise and irregular intervals, the errors of float32 and the rational
+    exponential are a small part of the noise."""
     estimate, reference = Estimate(), Reference()
     t = 0.0
     difference, memories = [], []
@@ -228,7 +231,7 @@ def test_the_filter_matches_its_equations(rate_hz, noise_m, rng):
     assert max(difference) < 0.2 * noise_m
     memories = np.array(memories)
     assert np.abs(memories[:, 0] / memories[:, 1] - 1).max() < 0.1
-    assert memories[:, 1].max() > 3 * memories[:, 1].min()  # the memory did adapt
+    assert memories[:, 1].max() > 3 * memories[:, 1].min()  # the memory has adapted
 
 
 # ---- invariants
@@ -239,7 +242,7 @@ def wander(t):
 
 
 def test_the_trackers_position_does_not_matter():
-    """The same motion in another frame gives the same prediction in that frame."""
+    """The same motion seen in another frame is predicted identically in that frame."""
     placed, shift = turn([3, -1, 2], 2.1), np.array([0.7, -1.1, 0.4])
     _, here = run(wander, 1.5, 120, 0.01)
     seen = lambda p, r: (oracle.rotate(placed, p) + shift, oracle.quaternion_multiply(placed, r))  # noqa: E731
@@ -271,14 +274,14 @@ def test_the_clock_may_wrap(zero_us):
 
 @pytest.mark.parametrize("rate_hz", [30, 90, 250])
 def test_a_new_sample_makes_no_jump(rate_hz, rng):
-    """From tick to tick the hand moves no further than its speed allows, and the speed changes gently, for any
-    noise."""
+    """Whatever the noise, the hand moves from tick to tick no further than its speed allows, and the predicted speed
+    changes gently."""
     t, got = run(wander, 3.0, rate_hz, 0.03, noise_m=2e-4, rng=rng)
     late = got[t > 0.5]
     fastest = np.linalg.norm(late[:, 7:10], axis=1).max()
     steps = np.linalg.norm(np.diff(late[:, 4:7], axis=0), axis=1)
     jumps = steps - 1e-3 * fastest
-    change_m = 10e-3 if rate_hz == 30 else 2e-3  # of a whole sample, spread over its interval
+    change_m = 10e-3 if rate_hz == 30 else 2e-3  # the change due to one sample, spread over its interval
     assert jumps.max() < change_m * rate_hz * 1e-3
     assert angle_between(late[1:, :4], late[:-1, :4]).max() < 1e-3 * 2 * np.linalg.norm(late[:, 10:], axis=1).max()
     assert np.sum(late[1:, :4] * late[:-1, :4], axis=1).min() > 0.99  # the sign is continuous
@@ -291,7 +294,8 @@ def test_a_new_sample_makes_no_jump(rate_hz, rng):
     ("rate_hz", "latency_s", "noise_m"), [(250, 0.004, 5e-5), (120, 0.01, 1e-4), (90, 0.03, 5e-4), (30, 0.06, 1e-3)]
 )
 def test_noise_at_rest_is_below_one_samples_noise(rate_hz, latency_s, noise_m, rng):
-    """The reference taken by a start, clutch or latch: a single sample would leave an error of noise_m permanently."""
+    """A start, clutch or latch takes its reference from the estimate. A reference taken from a single sample would
+    leave an error of noise_m permanently."""
     t, got = run(still, 15.0, rate_hz, latency_s, noise_m, rng)
     late = got[t > 4]
     assert np.sqrt(np.mean(late[:, 4:7] ** 2)) < 0.8 * noise_m
@@ -334,8 +338,8 @@ def test_the_memory_is_long_at_rest_and_short_in_motion(rng):
 
 @pytest.mark.parametrize("rate_hz", [30, 120, 500])
 def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
-    """2.5 usual intervals and 5 ms as before, then slower, at rest after GAP_S: continuous speed, never faster than
-    before."""
+    """The prediction continues for 2.5 usual intervals and 5 ms, then slows down and is at rest after GAP_S. Its speed
+    is continuous and never exceeds the speed before the gap."""
     t, got = run(lambda t: (0.4 * t * X, turn([0, 0, 1], t)), 3.0, rate_hz, lost=lambda t: t > 2)
     speed, step = got[:, 7], np.diff(got[:, 4])
     last_s = np.floor(2 * rate_hz) / rate_hz + 0.004
@@ -354,8 +358,8 @@ def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
 @pytest.mark.parametrize("gap_s", [0.08, 0.3, 2.0])
 @pytest.mark.parametrize("rate_hz", [60, 250])
 def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
-    """The hand moved on meanwhile: the estimated speed never exceeds the hand's by much, and the hand is soon followed
-    again."""
+    """The hand has moved on during the gap. The estimated speed never exceeds the hand's by much, and the estimate soon
+    follows the hand again."""
     speed = 0.3
     t, got = run(
         lambda t: (0.1 * np.sin(speed / 0.1 * t) * X, IDENTITY), 4.0, rate_hz, lost=lambda t: 1.5 < t < 1.5 + gap_s
@@ -366,7 +370,8 @@ def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
 
 
 def test_after_a_gap_the_earlier_speed_is_discarded():
-    """The hand stopped at the start of the gap: seen as one motion, the old speed would cause one backwards."""
+    """The hand stopped at the start of the gap. If both sides of the gap were treated as one motion, the old speed
+    would cause a motion backwards."""
     t, got = run(lambda t: (0.4 * min(t, 1.0) * X, IDENTITY), 1.6, lost=lambda t: 1.0 < t < 1.3)
     assert np.abs(got[t > 1.31, 7]).max() < 0.01
 
@@ -378,13 +383,13 @@ def test_a_reset_leaves_the_hand_at_rest_where_it_was_last_seen():
     at_rest = estimate.predict(1_000_000)
     assert at_rest[4] == pytest.approx(0.3, abs=5e-3)
     assert not at_rest[7:].any()
-    estimate.sample(X, IDENTITY, 77, 1_500_000)  # stamps of a restarted clock
+    estimate.sample(X, IDENTITY, 77, 1_500_000)  # the tracker's clock has restarted
     assert not estimate.predict(1_900_000)[7:].any()
     assert estimate.predict(1_900_000)[4] == 1.0
 
 
 def test_a_tracker_that_slows_down_is_not_taken_for_gaps():
-    """From 250 to 15 Hz: after some samples the hand is predicted again."""
+    """When the tracker slows down from 250 to 15 Hz, the hand is predicted again after a few samples."""
     estimate = Estimate()
     run(lambda t: (0.3 * t * X, IDENTITY), 1.0, 250, estimate=estimate)
     for i in range(1, 60):
@@ -401,7 +406,7 @@ def test_without_a_sample_the_pose_is_the_identity_at_rest():
 
 
 def test_an_old_sample_is_extrapolated_by_a_tenth_of_a_second_at_most():
-    """A latency of 0.5 s is announced; the hand is predicted as if it were 0.1 s."""
+    """With an announced latency of 0.5 s, the hand is predicted as if the latency were 0.1 s."""
     t, got = run(lambda t: (0.4 * t * X, IDENTITY), 3.0, latency_s=0.5)
     assert got[-1, 4] == pytest.approx(0.4 * (t[-1] - 0.5 + lib.HAND_MOTION_LATENCY_MAX_S), abs=2e-3)
 
@@ -416,7 +421,8 @@ def test_the_estimated_speed_is_capped():
 
 
 def test_the_estimate_is_finite_and_bounded_for_any_input(rng):
-    """Random poses, far and near, at random times: a tracker clock that jumps back, repeats, or skips seconds."""
+    """The estimate stays finite and bounded for random poses, near and far, at random times, with a tracker clock that
+    jumps back, repeats or skips seconds."""
     for far_m in (0.3, 1e3, 1e30):
         estimate, now_us, captured_us = Estimate(), 0, 0
         for _ in range(3000):
@@ -445,7 +451,8 @@ def test_the_estimate_is_finite_and_bounded_for_any_input(rng):
     [(250, 0.004, 5e-5, 0.2), (120, 0.01, 1e-4, 0.2), (90, 0.03, 5e-4, 0.4)],
 )
 def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_s, noise_m, part, rng):
-    """A minimum-jerk reach of 0.2 m in 1 s, there and back: RMS against the true hand, compared with hand_tracker's."""
+    """For a minimum-jerk reach of 0.2 m in 1 s, there and back, the RMS error against the true hand is a small part of
+    hand_tracker's."""
 
     def place(t):
         return 0.2 * (minimum_jerk((t - 2) / 1.0) - minimum_jerk((t - 4) / 1.0))
@@ -453,7 +460,7 @@ def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_
     t, got = run(lambda t: (place(t) * X, IDENTITY), 6.0, rate_hz, latency_s, noise_m, rng)
     interpolated = place(
         t - latency_s - 1.5 / rate_hz
-    )  # the newest sample is half an interval old on average and is reached one interval later
+    )  # on average the newest sample is half an interval old, and it is reached one interval later
     late = t > 1
     predicted = np.sqrt(np.mean((got[late, 4] - place(t[late])) ** 2))
     assert predicted < part * np.sqrt(np.mean((interpolated[late] - place(t[late])) ** 2))

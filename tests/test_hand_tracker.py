@@ -1,4 +1,5 @@
-"""The tracker's stream: age across two wrapping clocks, staleness, late frames, sign continuity, interpolation."""
+"""Checks the tracker's stream: age across two wrapping clocks, staleness, late frames, sign continuity and
+interpolation."""
 
 from __future__ import annotations
 
@@ -10,12 +11,12 @@ from comanip._core import ffi, lib
 WRAP = 2**32
 PERIOD_US = 4000
 NO_POSE_AGE = WRAP - 1
-# (tracker's clock, firmware's clock) at the first pose: arbitrary, and either or both about to wrap
+# (tracker's clock, firmware's clock) at the first pose: arbitrary values, and values at which either or both wrap soon
 CLOCKS = [(0, 0), (123, 4_000_000_000), (WRAP - 10_000, 5000), (5000, WRAP - 10_000), (WRAP - 9_000, WRAP - 11_000)]
 
 
 class Tracker:
-    """A firmware-side tracker fed with poses; times count from the first pose and are mapped onto both clocks."""
+    """Feeds poses to the firmware's tracker. Times count from the first pose and are mapped onto both clocks."""
 
     def __init__(self, clocks=(0, 0)):
         self.stamp_zero, self.now_zero = clocks
@@ -60,7 +61,7 @@ class Tracker:
 
 
 def test_after_switching_it_interpolates_from_the_current_pose():
-    """Never from a pose of before the switch."""
+    """Interpolation never begins at a pose from before it was switched on."""
     tracker = Tracker()
     tracker.receive(0, 0, x_m=0.1)
     tracker.receive(4000, 4000, x_m=0.2)
@@ -71,7 +72,7 @@ def test_after_switching_it_interpolates_from_the_current_pose():
     lib.hand_tracker_interpolate(tracker.state, True)
     for t_us in (8100, 10_000):
         assert oracle.translation(tracker.pose(t_us))[0] == pytest.approx(0.5, abs=1e-6)
-    lib.hand_tracker_interpolate(tracker.state, True)  # already on: no effect
+    lib.hand_tracker_interpolate(tracker.state, True)  # already on, so this has no effect
     tracker.receive(12_000, 12_000, x_m=0.6)
     lib.hand_tracker_interpolate(tracker.state, True)
     assert oracle.translation(tracker.pose(14_000))[0] == pytest.approx(0.55, abs=1e-6)
@@ -88,7 +89,7 @@ def test_without_a_pose_there_is_no_age():
 
 @pytest.mark.parametrize("clocks", CLOCKS, ids=str)
 def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
-    """Transport takes at least 700 us; a frame that took 900 us more is 900 us older."""
+    """Transport takes at least 700 us, so a frame that took 900 us longer is 900 us older."""
     tracker = Tracker(clocks)
     for i in range(20):
         extra_us = 900 if i % 5 == 4 else 0
@@ -96,7 +97,7 @@ def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
         received_us = measured_us + 700 + extra_us
         assert tracker.receive(measured_us, received_us)
         for later_us in (0, 300, 2500):
-            # the firmware raises its minimum by 1 us per 5 ms, so that clocks may drift apart
+            # the firmware raises its minimum by 1 us per 5 ms to allow for clock drift
             assert tracker.age(received_us + later_us) == pytest.approx(
                 later_us + extra_us, abs=1 + i * PERIOD_US / 5000
             )
@@ -114,7 +115,7 @@ def test_a_slow_first_frame_is_corrected_by_the_first_fast_one(clocks):
 
 @pytest.mark.parametrize("drift_ppm", [-100, 100])
 def test_clocks_that_drift_apart_do_not_age_the_poses(drift_ppm):
-    """Quartz against quartz for ten minutes: the age remains that of the frame."""
+    """With quartz clocks that drift apart for ten minutes, the age is still that of the frame."""
     tracker = Tracker()
     for i in range(150_000):
         measured_us = i * PERIOD_US
@@ -169,7 +170,8 @@ def test_invalid_poses_do_not_count_as_fresh():
 
 @pytest.mark.parametrize("silence_us", [WRAP // 2 + 1000, WRAP - 1, WRAP, WRAP + 3000, 2 * WRAP + 100])
 def test_a_pose_does_not_become_fresh_again_when_the_clock_wraps(silence_us):
-    """The firmware checks once per tick; here, once per 10 s, over the 71 minutes of a 32-bit clock in us."""
+    """The firmware checks the age in every tick. Here it is checked every 10 s, and the 32-bit clock in us wraps after
+    71 minutes."""
     tracker = Tracker()
     assert tracker.receive(0, 0)
     for t_us in range(10_000_000, silence_us, 10_000_000):
@@ -179,7 +181,7 @@ def test_a_pose_does_not_become_fresh_again_when_the_clock_wraps(silence_us):
 
 @pytest.mark.parametrize("absence_min", [1, 40, 70])
 def test_a_person_who_returns_after_a_break_is_accepted(absence_min):
-    """The tracker sends invalid poses all the while."""
+    """The tracker sends invalid poses during the whole break."""
     tracker = Tracker()
     assert tracker.receive(0, 0)
     end_us = absence_min * 60_000_000
@@ -191,8 +193,8 @@ def test_a_person_who_returns_after_a_break_is_accepted(absence_min):
 
 
 def test_a_tracker_that_restarts_its_clock_is_accepted_again():
-    """After a restart its stamps count from 0; once the old pose has been stale for a second, the new stream is
-    accepted."""
+    """A restarted tracker stamps from 0 again. Its new stream is accepted once the old pose has been stale for a
+    second."""
     tracker = Tracker((100_000_000, 0))
     assert tracker.receive(0, 0)
     for t_us in range(0, 1_100_000, 1000):  # once per tick
@@ -239,7 +241,7 @@ def test_the_newest_sample_is_reached_after_one_period_and_kept():
 
 @pytest.mark.parametrize("period_us", [4000, 16_670, 66_660])
 def test_the_path_is_continuous_even_if_samples_jitter(rng, period_us):
-    """At 1 kHz no step is longer than the hand's speed allows, apart from the effect of jitter."""
+    """At 1 kHz, no step is longer than the hand's speed allows, with a margin for the jitter."""
     tracker, speed = Tracker(), 0.5
     tracker.announce(period_us)
     path, i, received_us = [], 0, 0
@@ -255,7 +257,7 @@ def test_the_path_is_continuous_even_if_samples_jitter(rng, period_us):
 
 
 def test_flipped_signs_change_nothing(rng):
-    """The tracker may send q or -q at any time: the path is the same, and its sign is continuous."""
+    """The tracker may send either q or -q at any time. The path stays the same, and its sign is continuous."""
     rotations = [oracle.rotation([1, 2, 3], angle) for angle in np.linspace(0, 4 * np.pi, 200)]
     steady, flipped = Tracker(), Tracker()
     last = None

@@ -1,4 +1,5 @@
-"""A CAN controller's time stamps mapped to the kernel's clock; the true times are generated here."""
+"""Checks how a CAN controller's timestamps are mapped to the kernel's clock. The test itself generates the true
+times."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from c_declarations import declarations
 from simulation import REPOSITORY
 
 PERIOD_NS = 250_000  # 4,000 frames per second
-START_NS = 1_700_000_000_000_000_000  # of the kernel's clock, Unix time
+START_NS = 1_700_000_000_000_000_000  # Unix time on the kernel's clock
 HEADER = REPOSITORY / "hal" / "linux" / "hardware_clock.h"
 
 
@@ -33,8 +34,8 @@ def mapped(library, hardware_ns, kernel_ns) -> np.ndarray:
 
 
 def delays_ns(rng, count: int) -> np.ndarray:
-    """Interrupt delays: at least 20 us, about 50 us more, now and then a millisecond, and a pause of 8 ms each
-    second."""
+    """Returns random interrupt delays: at least 20 us and about 50 us more, occasionally up to a millisecond more, with
+    a pause of 8 ms each second."""
     delays = 20_000 + rng.exponential(50_000, count)
     delays += np.where(rng.random(count) < 0.01, rng.uniform(0, 1_000_000, count), 0)
     place = np.arange(count) * PERIOD_NS % 1_000_000_000
@@ -44,20 +45,22 @@ def delays_ns(rng, count: int) -> np.ndarray:
 def bus(
     rng, seconds: float, ppm: float = 0.0, hardware_start_ns: int = 12_345
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """True times of the frames by the kernel's clock, and both kinds of stamps."""
+    """Returns the true times of the frames on the kernel's clock, the controller's timestamps and the kernel's
+    timestamps."""
     count = int(seconds * 1e9 / PERIOD_NS)
     true = START_NS + np.arange(count, dtype=np.int64) * PERIOD_NS
     hardware = hardware_start_ns + ((true - START_NS) * (1 + 1e-6 * ppm)).astype(np.int64)
-    kernel = np.maximum.accumulate(true + delays_ns(rng, count))  # the kernel handles the frames in order
+    kernel = np.maximum.accumulate(true + delays_ns(rng, count))  # the kernel handles frames in order
     return true, hardware, kernel
 
 
-SETTLED = 400  # frames: 100 ms
+SETTLED = 400  # frames (100 ms) until the mapping has settled
 
 
 @pytest.mark.parametrize("ppm", [0, 20, 100, -100, 500, -500])
 def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
-    """At most 0.1 ms remains, including the least delay, while the kernel's stamps are up to 8 ms late."""
+    """The remaining error is at most 0.1 ms, including the least delay, although the kernel's timestamps are up to 8 ms
+    late."""
     true, hardware, kernel = bus(rng, 20, ppm)
     late = (mapped(library, hardware, kernel) - true)[SETTLED:]
     assert (kernel - true).max() >= 7_000_000
@@ -68,13 +71,13 @@ def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
 
 def test_no_frame_looks_later_than_the_kernel_saw_it(library, rng):
     _, hardware, kernel = bus(rng, 5, -300)
-    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # nonsense as well
+    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # and nonsense too
     assert (mapped(library, hardware, kernel) <= kernel).all()
 
 
 @pytest.mark.parametrize("step_ns", [-(10**12), -(2**32) * 1000, -(2**56), 10**9, 3600 * 10**9])
 def test_a_counter_that_wraps_or_is_set(library, rng, step_ns):
-    """As after 2^32 us, or a restart of the controller: the frames keep their times."""
+    """The frames keep their times when the counter steps, as after 2^32 us or a restart of the controller."""
     true, hardware, kernel = bus(rng, 4, 50, hardware_start_ns=2**57)
     half = len(true) // 2
     hardware[half:] += step_ns
@@ -94,7 +97,7 @@ def test_a_kernels_clock_that_is_set(library, rng, step_ns):
 
 
 def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
-    """As for a frame that was stamped just when the clock was set back."""
+    """A frame that is stamped just as the clock is set back has a time far in the past. The next frames recover."""
     true, hardware, kernel = bus(rng, 2)
     kernel[4000] -= 10**12
     late = mapped(library, hardware, kernel) - true
@@ -102,7 +105,7 @@ def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
 
 
 def test_a_pause_of_the_bus(library, rng):
-    """An hour without frames, in which the clocks drift apart by 0.4 s."""
+    """The mapping recovers after an hour without frames, during which the clocks have drifted apart by 0.4 s."""
     true, hardware, kernel = bus(rng, 2)
     half = len(true) // 2
     true[half:], kernel[half:] = true[half:] + 3600 * 10**9, kernel[half:] + 3600 * 10**9

@@ -1,5 +1,5 @@
-"""The hub: one order for all clients, frames only, listen-only clients, slow ones dropped, access for the owner
-only."""
+"""Checks the hub: the same frame order for all clients, rejection of anything but frames, listen-only clients, dropping
+of slow clients, and access for the owner only."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from simulation import REPOSITORY
 JOURNAL_FRAMES = int(
     re.search(r"JOURNAL_FRAMES (\d+)u", (REPOSITORY / "host_tools" / "hub" / "journal.h").read_text())[1]
 )
-LISTEN = "0A"  # TCP's state in /proc/net/tcp
+LISTEN = "0A"  # the listening state of TCP in /proc/net/tcp
 
 
 def receive(client: socket.socket, count: int) -> list[bytes]:
@@ -130,7 +130,7 @@ def test_a_client_that_only_sends_is_never_too_slow():
 
 
 def test_a_stalled_listener_is_dropped_and_delays_nobody():
-    count = JOURNAL_FRAMES + 8192  # more than the journal and the kernel's queue hold
+    count = JOURNAL_FRAMES + 8192  # more than the journal and the kernel's queue can hold
     with running() as hub:
         sender, listener, stalled = hub.connect(), hub.connect(), hub.connect()
         hub.wait_for_clients(3)
@@ -174,7 +174,7 @@ def sockets_of(process: subprocess.Popen) -> set[str]:
 
 
 def network_addresses(process: subprocess.Popen) -> list[tuple[str, str]]:
-    """Address and state of all its TCP and UDP sockets."""
+    """Returns address and state of all TCP and UDP sockets of the process."""
     found = []
     for kind in ("tcp", "tcp6", "udp", "udp6"):
         for line in Path(f"/proc/{process.pid}/net/{kind}").read_text().splitlines()[1:]:
@@ -243,7 +243,7 @@ def test_wrong_use_gives_one_line(arguments, named, tmp_path):
 
 
 class Line:
-    """A connection to socketcand."""
+    """A client's connection to socketcand."""
 
     def __init__(self, hub: Hub):
         self.socket = socket.create_connection(("127.0.0.1", hub.port), PATIENCE_S)
@@ -313,7 +313,7 @@ def test_an_endless_command_gets_an_error_and_is_closed():
         line = Line(hub)
         line.send("< " + "a" * 300)
         line.expect("< error command too long >")
-        with pytest.raises(ConnectionError):  # or end of file; unread data makes the kernel send a reset
+        with pytest.raises(ConnectionError):  # or end of file; the kernel sends a reset if data was left unread
             if line.socket.recv(1) == b"":
                 raise ConnectionResetError
 
@@ -331,7 +331,7 @@ def test_commands_out_of_order_are_refused():
             line.expect(answer)
 
 
-# ---- fuzzing, briefly; `make fuzz-hub` does it for ten minutes each
+# ---- brief fuzzing; `make fuzz-hub` fuzzes each program for ten minutes
 
 
 @pytest.mark.parametrize("program", ["fuzz_socketcand", "fuzz_unix"])
