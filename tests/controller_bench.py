@@ -206,7 +206,7 @@ class Bench:
         """Returns the result in the CommandAck or ParameterValue with the last request's sequence number; there must be
         exactly one."""
         results = self.answers()
-        assert len(results) == 1, f"one answer expected, got {results}"
+        assert len(results) == 1, f"expected one answer, got {results}"
         return results[0]
 
     def answers(self) -> list[int]:

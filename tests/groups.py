@@ -23,12 +23,12 @@ GROUPS = (
         "real time",
         ("two_processes", "comanip_on_a_hub", "can_tools", "parameter_file", "hub", "operator_commands", "monitor",
          "calibrate"),
-        "processes or threads on a live bus, in real time: they must not compete for the processor",
+        "they run processes or threads on a live bus in real time and must not compete for the processor",
     ),
     Group(
         "images",
         ("bitexact", "pil", "target", "port_folder", "size_report", "stack_report", "cycles"),
-        "cross-compiled once into one folder, each in an emulator that occupies a whole processor",
+        "they share images in one folder, cross-compiled once, and each emulator occupies a whole processor",
     ),
 )  # fmt: skip
 # Files outside any group that take longer than half a minute.

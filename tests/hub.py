@@ -48,7 +48,7 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
         if value:
             return value
         time.sleep(0.01)
-    raise AssertionError(f"not within {PATIENCE_S} s: {what}")
+    raise AssertionError(f"timed out after {PATIENCE_S} s waiting for: {what}")
 
 
 def everything_in(file) -> str:

@@ -152,7 +152,7 @@ class Bus:
     def wait(self, condition, what: str) -> None:
         deadline = time.monotonic() + PATIENCE_S
         while not condition():
-            assert time.monotonic() < deadline, f"{what}: not within {PATIENCE_S} s; {self._story()}"
+            assert time.monotonic() < deadline, f"timed out after {PATIENCE_S} s waiting for: {what}; {self._story()}"
             time.sleep(0.02)
 
     def _story(self) -> str:

@@ -58,7 +58,7 @@ class Run:
 
 
 def _refuse_constant(text: str) -> None:
-    raise AssertionError(f"summary.json holds {text}, which is not JSON")
+    raise AssertionError(f"summary.json contains {text}, which is not JSON")
 
 
 def _plain(arguments: list[str]) -> list[str]:

@@ -147,12 +147,12 @@ def test_full_queue_drops_and_counts():
     bus = Bus(2)
     accepted = [bus.send(0, 0x100 + i % 3, bytes([i])) for i in range(70)]
     assert accepted == [True] * 64 + [False] * 6
-    assert bus.send(1, 0x200), "queues are per node"
+    assert bus.send(1, 0x200), "each node has its own queue"
     bus.run_until(10**8)
     assert bus.statistics.dropped == 6
     assert bus.statistics.frames == 65
     per_id = {i: [item[1][0] for item in bus.heard if item[0] == 0x100 + i] for i in range(3)}
-    assert all(values == sorted(values) for values in per_id.values()), "equal ids keep their order"
+    assert all(values == sorted(values) for values in per_id.values()), "frames with the same id keep their order"
 
 
 def test_load_is_the_share_of_time_in_windows_of_10_ms(rng):

@@ -290,7 +290,7 @@ def test_the_log_is_enough_to_replay(eventful, frames):
     assert sent.keys() == recorded.keys()
     for frame_id, expected in recorded.items():
         differing = [i for i, (a, b) in enumerate(zip(sent[frame_id], expected, strict=False)) if a != b]
-        assert not differing, f"{NAME[frame_id]}: {len(differing)} frames differ, first number {differing[0]}"
+        assert not differing, f"{NAME[frame_id]}: {len(differing)} frames differ, the first is number {differing[0]}"
         assert len(expected) == len(sent[frame_id]), NAME[frame_id]
 
 

@@ -95,7 +95,7 @@ def test_late_frames_are_named(written):
             assert row["deadline_ms"] == (row["period_ms"] if row["cyclic"] else 20)
         assert item["late"] == [row["name"] for row in item["rows"] if row["late"]]
         late.add(bool(item["late"]))
-        assert set(item["late"]) <= set(item["late_at_boot"]), "more traffic makes nothing earlier"
+        assert set(item["late"]) <= set(item["late_at_boot"]), "additional traffic at boot makes no frame earlier"
     assert late == {True, False}
 
 

@@ -62,10 +62,10 @@ def test_arbitration_under_contention(traffic):
     for identifier, data, end_ns, _ in bus.heard:
         start_ns = end_ns - frame_duration_ns(identifier, data)
         assert start_ns == max(free_ns, min(item[1] for item in waiting)), (
-            "starts as soon as the wire is free and a frame is ready"
+            "a frame starts as soon as the wire is free and a frame is ready"
         )
         own = min(item for item in waiting if item[1] <= start_ns)
-        assert (own[0], own[3]) == (identifier, data), "the lowest id of all that are ready"
+        assert (own[0], own[3]) == (identifier, data), "the frame with the lowest ready id starts"
         waiting.remove(own)
         free_ns = end_ns
 
@@ -284,7 +284,7 @@ def test_responses_in_the_experiments_are_within_the_bounds(logged):
         if queued_ns is None:
             continue
         response_ns = logged.ends_ns[name] - queued_ns
-        assert response_ns.min() > 0, f"{name}: queued after its end: the test's model of the schedule is wrong"
+        assert response_ns.min() > 0, f"{name}: queued after its end, so this test models the schedule wrongly"
         is_boot = queued_ns < profile.tick_ms * BOOT_NS
         at_boot = booting.get(f"{name}, boot", booting.get(name))
         if profile.plain(name) == "ParameterValue":

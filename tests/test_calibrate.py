@@ -92,7 +92,7 @@ def test_rotation_vectors_match_scipy(vector):
 def test_half_a_turn(axis, less):
     turn = Rotation.from_rotvec((np.pi - less) * np.array(axis))
     found = rotation_vector(turn.as_matrix())
-    assert np.linalg.norm(found) <= np.pi + 1e-12, "within the parameters' range"
+    assert np.linalg.norm(found) <= np.pi + 1e-12, "the vector is within the parameters' range"
     assert (Rotation.from_rotvec(found) * turn.inv()).magnitude() < 1e-6
 
 

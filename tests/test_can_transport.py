@@ -215,7 +215,7 @@ def test_cantools_decodes_what_is_sent(rng):
                 if name.startswith("e2e") or name in coded or (message.name, name) in NOT_CARRIED:
                     continue
                 if is_away and signal.unit == "m":
-                    assert found[name] == 0, "the signal must be 0 without a value"
+                    assert found[name] == 0, "a signal without a value must be 0"
                     continue
                 error = abs(float(found[name]) - float(values[name]))
                 assert error <= 0.5 * resolution(message, signal) + 1e-6 * abs(values[name]), (message.name, name)
@@ -326,7 +326,7 @@ def test_the_counter(last):
         status = receiver.take(frames[last + step])[0]
         expected = lib.PROTOCOL_OK if 1 <= step <= lib.E2E_PROFILE2_MAX_DELTA else lib.PROTOCOL_NOT_AUTHENTIC
         assert status == expected, step
-        assert receiver.take(frames[last + step + 1])[0] == lib.PROTOCOL_OK, "refused once, then accepted"
+        assert receiver.take(frames[last + step + 1])[0] == lib.PROTOCOL_OK, "only one frame is refused"
     assert lib.E2E_PROFILE2_MAX_DELTA < 8
 
 
@@ -381,7 +381,7 @@ def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
     assert payload(samples[0][0])[1] & 15 == payload(samples[16][0])[1] & 15
     assert receiver.take(samples[0][0])[0] == lib.PROTOCOL_INCOMPLETE
     assert receiver.take(samples[16][1])[0] == lib.PROTOCOL_INCOMPLETE, (
-        "the position is of sample 0, the rotation of 16"
+        "the position belongs to sample 0, the rotation to sample 16"
     )
 
 

@@ -102,7 +102,7 @@ def test_frames_last_as_long_as_their_bits(frames):
     durations_us = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames]) / 1000
     waits_us = np.diff(ends_us) - durations_us[1:]
     assert waits_us.min() > -1, "log times are whole microseconds"
-    assert np.sum(np.abs(waits_us) < 1) > len(frames) / 3, "the firmware's frames follow one another"
+    assert np.sum(np.abs(waits_us) < 1) > len(frames) / 3, "the firmware's frames are back to back"
 
 
 @pytest.mark.parametrize("name", PARTS)

@@ -33,9 +33,9 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
-    """Starts a hub with firmware and plant, whose log is kept. The plant's operator starts the task so late that the
-    test's operator acts first. On a busy machine the firmware may refuse a start, and if the plant's own operator had
-    sent it, the run would end."""
+    """Runs firmware and plant on a hub; yields the hub, the plant, the firmware and the folder of the plant's log. The
+    plant's operator would start the task so late that the test's operator acts first. On a busy machine the firmware
+    may refuse a start, and if the plant's own operator had sent it, the run would end."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))

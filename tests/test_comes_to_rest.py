@@ -127,7 +127,7 @@ def test_each_experiment_ends_at_rest(name):
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
     still = slice(end - 2500, end)
     hand_m = np.array([trace[f"person_{axis}_m"][still] for axis in "xyz"])
-    assert np.ptp(hand_m, axis=1).max() < 2e-3, "tremor of 0.1 mm RMS, and the arm's pull"
+    assert np.ptp(hand_m, axis=1).max() < 2e-3, "the hand moves more than its tremor and the arm's pull explain"
     rest = rest_of(done)
     assert rest["pass"] and done.summary["rest"]["still_s"] >= 2.5 and done.summary["rest"]["not_measured"] is None
     assert rest["value"] == done.summary["rest"]["speed_radps"] >= fastest_radps(trace)[end - 900 : end].max()
@@ -156,7 +156,7 @@ def test_the_limit_is_five_times_the_noise(tmp_path, tremor_mm, arguments):
     rms = max(np.sqrt(np.mean(trace[f"dq{i}_command_radps"][at_start] ** 2)) for i in range(4))
     rest = rest_of(done)
     if rest["limit"] > 0.02:
-        assert 2 < rest["limit"] / rms < 15, "between 2 and 15 times this law's noise; 5 times the computed noise"
+        assert 2 < rest["limit"] / rms < 15, "the limit must be 2 to 15 times the measured noise"
     assert rest["limit"] == pytest.approx(max(0.02, 5 * noise_radps(tremor_mm, arguments)), rel=1e-3)
 
 

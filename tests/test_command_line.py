@@ -254,7 +254,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path):
     finally:
         first.kill()
         first.wait()
-    assert sorted(path.name for path in out.iterdir()) == sorted(FILES), "the second took the first one's files"
+    assert sorted(path.name for path in out.iterdir()) == sorted(FILES), "the second run removed the first one's files"
     run(out, *SHORT).require_pass()
 
 

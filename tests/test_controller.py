@@ -290,7 +290,7 @@ def test_a_slow_save_is_one_save_with_one_answer():
     assert answers == [(30, lib.RESULT_ACCEPTED)]
     assert len(bench.stored) == 1
     bench.store_ticks = 5
-    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "the next save is a new one"
+    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "a new request is saved again"
 
 
 def test_a_second_save_is_refused_until_the_first_ends():
@@ -299,8 +299,8 @@ def test_a_second_save_is_refused_until_the_first_ends():
     first = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "sequence": 201})
     bench.ask(first)
     bench.tick()
-    assert bench.save() == lib.RESULT_WRONG_MODE, "a save of another client"
-    assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED, "other requests are served"
+    assert bench.save() == lib.RESULT_WRONG_MODE, "another client's save is refused meanwhile"
+    assert bench.write(lib.PARAMETER_MOTION_SCALE, 0.5) == lib.RESULT_ACCEPTED, "other requests are still answered"
     bench.sequence = 201
     found = []
     for _ in range(30):
@@ -316,7 +316,7 @@ def test_nothing_is_saved_in_motion():
     bench.tick(50)
     bench.command(lib.COMMAND_STOP)
     assert bench.mode == lib.MODE_READY and np.abs(bench.velocity_radps).max() > 0
-    assert bench.save() == lib.RESULT_WRONG_MODE, "the arm still decelerates"
+    assert bench.save() == lib.RESULT_WRONG_MODE, "a save is refused while the arm decelerates"
     bench.tick(500)
     assert bench.velocity_radps.tolist() == [0] * 4
     assert bench.save() == lib.RESULT_NOT_SUPPORTED
@@ -513,7 +513,7 @@ def in_motion() -> Bench:
 
 @pytest.mark.parametrize("change", ["select", "define", "latch"])
 def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
-    """In the tick of a change, the velocities demanded in the last tick are kept, because the target does not move."""
+    """In the tick of a change, the previous demand is reused. This is valid, as the change does not move the target."""
     bench = in_motion()
     before = feedback(bench)
     if change == "define":

@@ -169,7 +169,7 @@ def test_zero_damping_at_singular_postures(rng, error_frame, weight):
     target = oracle.random_poses(rng, len(q), 0.3)
     u = core.joint_velocity(HOAP3, q, target, gain, 0.0, error_frame, weight)
     assert np.isfinite(u).all()
-    assert np.abs(u).max() < 2000 * gain  # factor: 1 / sqrt(float32's resolution), beyond which a gain looks singular
+    assert np.abs(u).max() < 2000 * gain  # about 1 / sqrt(float32's resolution); a weaker direction counts as singular
     root = np.sqrt(np.broadcast_to(1.0 if weight is None else weight, 8))
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     target = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1) * target.astype(float)

@@ -28,7 +28,7 @@ def variant(tmp_path: Path, name: str, *changes: tuple[str, str]) -> Path:
     """Writes a copy of the experiment's file with some text replaced. Each replaced text must occur exactly once."""
     text = experiment(name).read_text()
     for old, new in changes:
-        assert text.count(old) == 1, f"{name}.yaml has {text.count(old)} times: {old}"
+        assert text.count(old) == 1, f"{name}.yaml contains this text {text.count(old)} times: {old}"
         text = text.replace(old, new)
     path = tmp_path / f"{name}_variant.yaml"
     path.write_text(text)

@@ -59,7 +59,7 @@ def test_all_other_clients_get_the_frames_in_one_order():
         assert received[0] == received[1] == received[2]
         for i, sender in enumerate(senders):
             assert [packet for packet in received[0] if packet in set(sent[i])] == sent[i], (
-                "a sender's frames in its order"
+                "the frames of each sender keep their order"
             )
             others = [packet for packet in received[0] if packet not in set(sent[i])]
             assert receive(sender, 2 * per_sender) == others, (
