@@ -1,5 +1,5 @@
-"""Reads `candump -L` logs with millions of frames and decodes them in bulk with the DBC. `cantools decode` is too slow
-for that and is tested on a shorter log. The bit positions come from cantools, not from our C code."""
+"""Reads `candump -L` logs, which may have millions of frames, and decodes them in bulk with the DBC. The bit positions
+come from cantools, not from our C code. `cantools decode` itself is tested on a shorter log."""
 
 from __future__ import annotations
 

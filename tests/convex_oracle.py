@@ -14,12 +14,12 @@ from scipy.spatial.transform import Rotation
 
 @dataclass
 class Shapes:
-    """A number n of shapes of one kind. Lengths are in m; rotation maps the shape's axes to the world's; position_m has
+    """A set of n shapes of one kind. Lengths are in m; rotation maps the shape's axes to the world's; position_m has
     the shape (n, 3)."""
 
     kind: str  # box, capsule, cylinder
     size_m: np.ndarray  # (n, 3), for boxes
-    length_m: np.ndarray  # (n,), along z, for cylinders, and between the cap centres for capsules
+    length_m: np.ndarray  # (n,), along z: length of cylinders, distance between the cap centres of capsules
     radius_m: np.ndarray  # (n,)
     rotation: Rotation
     position_m: np.ndarray

@@ -1,4 +1,4 @@
-"""Lists the target images that `make images` prints; it reads them from each port's images.mk."""
+"""The target images, as listed by `make images`, which reads them from each port's images.mk."""
 
 from __future__ import annotations
 

@@ -227,8 +227,7 @@ RIGHT_ANGLES = (-90.0, 0.0, 90.0)
 @pytest.mark.parametrize("angles", ["right", "any"])
 @pytest.mark.parametrize("n", range(1, 9))
 def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
-    """The arms include ones with the zero offsets and lengths of real arms, for which the generator folds most
-    terms."""
+    """The arms include some with the zero offsets and lengths of real arms, where the generator folds most terms."""
     right = angles == "right"
     rows = []
     for _ in range(n + 1):

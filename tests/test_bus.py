@@ -122,8 +122,8 @@ def test_frame_on_the_wire_ends_in_the_next_call():
 
 @pytest.mark.parametrize("before", [0x200, None])
 def test_nothing_starts_exactly_at_the_end_of_a_call(before):
-    """A frame that becomes ready exactly then still takes part in the arbitration, whether the wire was busy or
-    idle."""
+    """A frame that becomes ready exactly at the end of a call still takes part in the arbitration, whether the wire was
+    busy or idle."""
     bus = Bus(2)
     time_ns = frame_duration_ns(0x200, bytes(8))
     if before is not None:

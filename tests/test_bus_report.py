@@ -65,7 +65,7 @@ def test_classic_rows_are_the_dbcs_frames(by_profile, joints):
     messages = [*CLASSIC_MESSAGES, DBC.get_message_by_name("FirmwareHeartbeat")]
     rare = {
         f"ClassicTask{part}": 100 for part in ("Translation", "Rotation", "Inverse")
-    }  # the parts of a TaskDefine are included
+    }  # the other parts of a TaskDefine
     expected = {
         m.name: (m.frame_id, m.length, m.cycle_time or rare.get(m.name, 4)) for m in messages if m.name not in absent
     }

@@ -97,7 +97,7 @@ class Codec:
 
 
 def is_close(a: float, b: float, resolution: float) -> bool:
-    """Compares two numbers within the resolution and float32's rounding of the value itself."""
+    """Returns whether two numbers agree within the resolution and float32's rounding of the value itself."""
     return abs(a - b) <= resolution + 1.3e-7 * abs(b)
 
 

@@ -314,8 +314,8 @@ SENT = [0x000, 0x100, 0x10F, 0x110, 0x123, 0x124, 0x7FF, 0x80000123, 0x80000100,
 
 
 def kernel_accepts(received: int, filters: list[tuple[int, int]], join: bool) -> bool:
-    """Decides as the kernel's documentation says: (received & mask) == (id & mask), negated if the id has
-    CAN_INV_FILTER."""
+    """Returns whether the kernel would accept the id, according to its documentation: (received & mask) == (id & mask),
+    negated if the id has CAN_INV_FILTER."""
     matches = []
     for can_id, mask in filters:
         if mask & 0x80000000 and not can_id & 0x80000000:

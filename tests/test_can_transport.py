@@ -16,7 +16,8 @@ JOINTS = 4
 POSE_PERIOD_US = 8000
 POSITION_STEP_M, TORQUE_STEP_NM = 1e-4, 0.2
 # The three smaller components have 15 bits each and are off by up to half a step. The largest component is computed
-# from them and is off by up to three half steps (when all four are 1/2). The angle is 2 |dq|.
+# from them and is off by up to three half steps (when all four are 1/2). With a quaternion error dq, the angle error is
+# 2 |dq|.
 ROTATION_ERROR_DEG = math.degrees(2 * math.sqrt(3 + 9) * 0.5 * math.sqrt(0.5) / 16383) * 1.001
 STAMP_STEP_US, STAMP_PERIOD_US = 1024, 262_144
 

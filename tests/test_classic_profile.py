@@ -152,7 +152,7 @@ def test_two_runs_are_byte_identical(eventful, tmp_path):
 
 
 def test_a_task_can_be_defined(tmp_path):
-    """The four parts of a TaskDefine form one message, which the firmware accepts, and the run replays."""
+    """The four parts of a TaskDefine form one message, which the firmware accepts, and the log replays."""
     done = run(tmp_path / "out", "--scenario", "teleop", "--define", "constant:0,0,0.05:1,0,0,0:1,0,0,0:1", *CLASSIC)
     names = [NAME[frame.frame_id] for frame in logged_frames(done.log)]
     assert [names.count(f"ClassicTask{part}") for part in ("Define", "Translation", "Rotation", "Inverse")] == [1] * 4
@@ -223,7 +223,7 @@ def test_a_log_may_end_anywhere(eventful):
 
 def test_another_build_is_named_and_replayed(eventful, tmp_path):
     """If the build hash in one part of the identity differs, with valid protection, the replay reports another build
-    and still compares."""
+    and still succeeds."""
     from e2e import p02
 
     lines = []

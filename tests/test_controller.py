@@ -391,7 +391,7 @@ def test_trace_shows_fresh_drives_and_refused_frames():
 
 
 def test_damaged_frames_for_other_nodes_have_no_effect():
-    """A port without filters and one with filters lead to the same bytes."""
+    """Whether or not the port filters out a damaged frame for another node, the controller sends the same bytes."""
     filtered, unfiltered = Bench().until_ready(), Bench().until_ready()
     for _ in range(20):
         unfiltered.receive_broken_between_others()
@@ -474,8 +474,7 @@ def test_clutch_takes_a_new_reference_without_a_jump(task, latched):
     bench.move_hand([0.01, 0.0, 0.0])
     settle(bench)
     expected = -10.0 if task == lib.TASK_MIRROR and not latched else 10.0
-    # the tolerance is wide because the reference is the measured pose, in which the mirrored axis is not exactly torso
-    # x
+    # wide tolerance, as the reference is the measured pose, in which the mirrored axis is not exactly torso x
     assert moved_mm(bench, reference)[0] == pytest.approx(expected, abs=1.5)
 
 
@@ -536,7 +535,7 @@ def test_feedback_is_zero_when_the_target_is_set_to_the_robots_pose(change):
     ]
     before, robot = bench.velocity_radps, bench.robot
     growth = np.sign(before) * list(bench.controller.limits.change_steps)[:JOINTS]
-    if change == "stop and start":  # both in one tick: this request is sent together with the next
+    if change == "stop and start":  # both requests in one tick
         frame = ffi.new("can_frame_t *")
         lib.operator_command_pack(ffi.new("operator_command_t *", {"command": lib.COMMAND_STOP}), frame)
         bench.requests.append(frame)
@@ -585,7 +584,8 @@ def test_many_measured_latches_keep_the_relation_a_pose():
 
 
 def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
-    """The hand is moved to where the control law alone would demand a velocity past the limit."""
+    """A joint at its limit gets no demand beyond it, although the control law alone would demand this to follow the
+    hand."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)

@@ -66,7 +66,8 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
     """A uniform weight makes the condition worse but does not raise the tolerance's minimum, so without iterative
-    refinement the error would exceed it. Every lambda is tested on all inputs. |u| is the largest component."""
+    refinement the error would exceed it. Every lambda is tested on all inputs. Errors are relative to the largest
+    component of u."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -181,7 +182,7 @@ def test_zero_damping_at_singular_postures(rng, error_frame, weight):
 
 
 def test_zero_damping_with_more_joints_than_degrees_of_freedom(rng):
-    """8 joints for 6 degrees of freedom are always singular, yet the end effector moves as demanded."""
+    """An arm with 8 joints for 6 degrees of freedom is always singular, yet its end effector moves as demanded."""
     fixed, effector = oracle.random_poses(rng, 8, 0.3), oracle.random_poses(rng, 1, 0.3)[0]
     axis = np.tile(np.array([0, 0, 1], np.float32), (8, 1))
     limits = np.full(8, 3, np.float32)

@@ -75,7 +75,7 @@ def code_of(text: str) -> list[str]:
 
 
 def exists(path: str) -> bool:
-    """Checks that a path exists, either from the repository's root or as the end of some path. * and NAME match any
+    """Returns whether a path exists, either from the repository's root or as the end of some path. * and NAME match any
     name."""
     pattern = path.replace(PLACEHOLDER, "*").rstrip("/")
     rooted = pattern.split("/")[0] in {name.split("/")[0] for name in files()}
@@ -120,7 +120,7 @@ def test_what_is_named_exists(name, missing):
 
 
 def test_what_is_missing_is_found():
-    """The checks can fail: they find the name of everything that does not exist."""
+    """The checks can fail: each finds the names that do not exist."""
     assert missing_paths("`firmware/no_such.c`, `no_such.c`, `hal/linux/`, docs/no_such.md, [x](bus.md)") == {
         "firmware/no_such.c",
         "no_such.c",

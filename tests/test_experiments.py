@@ -299,8 +299,8 @@ def test_figures_without_measurements():
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_decisive_figures_are_checks_of_the_scenario(name):
-    """Each decisive figure has a check in the scenario, and the figure's better direction is that of the check's
-    limit."""
+    """Each decisive figure has a check in the scenario, and the check's limit (at_least or at_most) shows whether
+    higher is better."""
     text = experiment(name).read_text()
     for figure in DECISIVE[name]:
         found = re.search(rf"name: {figure.check},.*?(at_least|at_most):", text)

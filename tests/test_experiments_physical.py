@@ -112,8 +112,8 @@ FEW_PARTICLES = ("particles: 160", "particles: 10")  # the particles do not affe
 
 @pytest.mark.parametrize("off_mm", [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10), (0, 0, -10)], ids=str)
 def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
-    """The check fails even if the wide glass still catches the water. The start position also varies, by 3 mm per
-    axis."""
+    """The aim fails its check even if the wide glass still catches the water. The start position also varies, by 3 mm
+    per axis."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     offset_m = np.array([0, -0.06, 0]) + np.array(off_mm) / 1e3
     options = [f"--param=start_offset_{axis}_m={value:g}" for axis, value in zip("xyz", offset_m, strict=True)]
@@ -197,7 +197,8 @@ SEARCHED = [f"--param={name}={value:g}" for name, value in PAPER_GAINS]
 )
 def test_the_papers_law_with_its_published_gains_fails(tmp_path, name, gains, criteria):
     """With K = 1 in metres, the orientation dominates, which four joints cannot follow. With the best K found, the
-    robot follows but pulls at the person. All of these criteria fail by measured values."""
+    robot follows but pulls at the person. Each criterion fails because of its measured value, not for lack of a
+    measurement."""
     done = run(tmp_path / "out", "--scenario", experiment(name), "--paper-law", *gains)
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)

@@ -219,7 +219,7 @@ def write(path, rows) -> None:
 
 
 def test_recording_is_read_about_the_torsos_axes(tmp_path):
-    """In cmu_ recordings, y points up and z of the recorder is x of the torso."""
+    """In cmu_ recordings y is up, and the recorder's z axis is the torso's x axis."""
     turn = rotations.from_vector(np.array([0.0, 0.3, 0.0]))
     rows = [[5.0, 1, 2, 3, 1, 0, 0, 0], [5.1, 1.0, 2.5, 3.25, *(-turn)]]
     write(tmp_path / "cmu_x.csv", rows)

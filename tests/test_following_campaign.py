@@ -333,7 +333,7 @@ def test_a_duplicate_recording_with_gaps_is_left_out(tmp_path):
 
 
 def test_limits_match_the_joint_limits_module():
-    """With a hand that jumps about, the kinematic loop reaches a considerable share of ticks at the limit."""
+    """With a hand that jumps about, the kinematic loop is at a limit in a large share of the ticks."""
     figures = follow(ARM, Scene(sway(4.0, 0.2), "teleop", 1.0, 0.3), plan.FAST.tracker(), followers.named(plan.FORMER))
     assert figures.limit_percent > 30.0
     assert metrics.TICK_S == 1e-3

@@ -44,7 +44,7 @@ def test_a_hand_that_moves_steadily_is_followed_without_lag():
     hand, robot = oracle.translation(bench.hand), position(bench)
     move(bench, [0, SPEED_MPS, 0], 700)
     lag_m = (oracle.translation(bench.hand) - hand) - (position(bench) - robot)
-    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # SPEED_MPS for 10 ms; interpolation alone would cost 4 ms, and 1 / K 29 ms
+    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # the distance in 10 ms; interpolation alone costs 4 ms, and 1 / K 29 ms
     assert np.abs(bench.velocity_radps).max() > 0.1
 
 

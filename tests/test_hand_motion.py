@@ -113,8 +113,8 @@ def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
 
 
 def test_a_hand_that_accelerates_is_followed():
-    """The error has the size of the memory cubed times the acceleration divided by its fading time, which is less than
-    the lag of a velocity filter."""
+    """The error is of the order of the memory cubed times the acceleration divided by its fading time, instead of the
+    lag of a velocity filter."""
     acceleration = 2.0
     t, got = run(lambda t: (0.5 * acceleration * t**2 * X, IDENTITY), 1.0)
     late = t > 0.6
@@ -146,8 +146,8 @@ def test_a_wrong_latency_only_shifts_the_time(wrong_s):
 
 
 def test_the_velocity_is_the_derivative_of_the_pose():
-    """Between samples, once the last change has faded, the velocity equals the finite differences of predictions made
-    in the same tick."""
+    """Between samples, once the last change has faded, the velocity agrees with the finite differences of predictions
+    made in the same tick."""
     estimate = Estimate()
 
     def truth(t):

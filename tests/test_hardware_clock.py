@@ -71,7 +71,7 @@ def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
 
 def test_no_frame_looks_later_than_the_kernel_saw_it(library, rng):
     _, hardware, kernel = bus(rng, 5, -300)
-    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # and nonsense too
+    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # some are nonsense
     assert (mapped(library, hardware, kernel) <= kernel).all()
 
 
