@@ -63,7 +63,8 @@ uint16_t transport_timeout_ms(can_profile_t profile, frame_kind_t kind);
 /* Largest coordinate of a hand's position that this profile can carry; a pose beyond it is sent as invalid. */
 float transport_hand_range_m(can_profile_t profile);
 
-/* True if a message is the same frame in both profiles: at most 8 bytes, and without frames of its own for classic CAN. */
+/* True if a message is the same frame in both profiles: it has at most 8 bytes, and no frames of its own for classic
+ * CAN. */
 bool transport_is_same_frame(frame_kind_t kind);
 
 /* Ids of the frames that the firmware receives, for the filters of a CAN controller. Returns their number. */
