@@ -4,24 +4,26 @@
  *
  * On CAN FD a tick is 1 ms, on classic CAN 4 ms.
  *
- * A tick is a pure function of the state, the time, the received frames and the outcome of a save: the same log gives
- * the same bytes on every target. */
+ * A tick is a pure function of the state, the time, the received frames and the outcome of a save, so the same log
+ * yields the same bytes on every target. */
 #ifndef COMANIP_CONTROLLER_H
 #define COMANIP_CONTROLLER_H
 
 #include "controller_state.h"
 
-/* ik, with its arm, must outlive the controller. */
+/* ik and its arm must outlive the controller. */
 void controller_init(controller_t *self, const arm_ik_t *ik, can_profile_t profile);
 
-/* Replaces the default parameters, before the first step. result: reported in the boot announcement, RESULT_ACCEPTED,
- * or RESULT_STORE_FAILED if the stored record was not valid. */
+/* Replaces the default parameters; call it before the first step. result: the result to report in the boot
+ * announcement, RESULT_ACCEPTED, or RESULT_STORE_FAILED if the stored record was not valid. */
 void controller_set_parameters(controller_t *self, const parameters_t *parameters, result_t result);
 
-/* now_us: monotonic modulo 2^32, one tick after the last call. inbox: the frames received since then, oldest first;
- * they are reassembled in place. A frame with a time stamp after now_us, which arrived while the inbox was being
- * filled, is treated as received at now_us. outbox: its sink receives the frames to send, in this order; its other
- * members are set. */
+/* Runs one tick.
+ *
+ * now_us: the time, monotonic modulo 2^32, one tick after the previous call.
+ * inbox: the frames received since then, oldest first; they are reassembled in place. A frame that arrived while the
+ * inbox was being filled has a time stamp after now_us, and is treated as received at now_us.
+ * outbox: the sink receives the frames to send, in order; the other members are set. */
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox);
 
 #endif

@@ -1,14 +1,14 @@
-/* Computes the demanded joint velocities: see controller_demand.h. */
+/* Computes the joint velocities that Algorithm 1 and inverse kinematics demand: see controller_demand.h. */
 #include "controller_demand.h"
 
 #include <string.h>
 
-/* After the end effector has lost the target, it approaches with at most this share of the joints' speed limits, until
- * it is within this distance of the target. */
+/* While the end effector catches up with a target that it has lost, the joint velocities are limited to
+ * CATCHING_UP_SPEED of their limits, until the end effector is within CAUGHT_UP_M of the target. */
 #define CATCHING_UP_SPEED 0.55f
 #define CAUGHT_UP_M 1e-3f
 
-/* In line for its caller in every tick. */
+/* Inline, because it is called in every tick. */
 static inline float task_blend(const controller_t *self) {
     if (self->blend_elapsed_s >= self->blend_s) {
         return 1.0f;
@@ -31,7 +31,7 @@ void controller_zero_demand(controller_t *self) {
     self->catching_up = false;
 }
 
-/* Scales all joints alike, so that the end effector keeps its direction. */
+/* Scales all joints by the same factor, so that the end effector keeps its direction. */
 static void limit_catching_up(controller_t *self) {
     const float part = CATCHING_UP_SPEED * self->parameters.value[PARAMETER_SPEED_FRACTION];
     float scale = 1.0f;
@@ -48,8 +48,8 @@ static void limit_catching_up(controller_t *self) {
     }
 }
 
-/* The twist of the person's hand, in the tracker frame, at the time when this tick's command takes effect. The lever
- * from the marker to the hand rotates until then. */
+/* Returns the twist of the person's hand, in the tracker frame, at the time when this tick's command takes effect.
+ * Allows for the rotation of the lever from the marker to the hand until then. */
 static twist_t hand_twist(const controller_t *self, uint32_t now_us) {
     const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
     const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);
@@ -63,7 +63,7 @@ static twist_t hand_twist(const controller_t *self, uint32_t now_us) {
                      marker.angular_velocity_radps};
 }
 
-/* With prediction: the target's motion is fed forward, and position has priority over orientation. */
+/* With prediction, the target's motion is fed forward, and position has priority over orientation. */
 static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_at_limit_t at_limit) {
     const twist_t hand = hand_twist(self, now_us);
     const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
@@ -90,7 +90,7 @@ static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_
     }
 }
 
-/* Without prediction: the paper's differential inverse kinematics. */
+/* Without prediction, the paper's differential inverse kinematics is used. */
 static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     const differential_ik_request_t request = {
         .position_rad = self->joints.position_rad,
@@ -100,9 +100,9 @@ static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     arm_ik_differential(self->ik, &self->differential_ik_config, &request, self->feedback_radps);
 }
 
-/* In a tick in which the operator changes the cooperation, the demand of the last tick is kept, because both together
- * would take too long. This is not done twice in succession, so that repeated operator commands cannot starve control.
- * */
+/* When the operator changes the cooperation, that tick reuses the previous demand, since handling the change and
+ * computing a new demand would overrun the tick. This never happens twice in a row, so that repeated commands cannot
+ * starve control. */
 void controller_compute_demand(controller_t *self, uint32_t now_us) {
     const bool was_deferred = self->demand_deferred;
     self->demand_deferred = false;

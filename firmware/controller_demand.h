@@ -1,13 +1,14 @@
-/* The joint velocities demanded in a tick, by Algorithm 1 and inverse kinematics. */
+/* Computes the joint velocities that Algorithm 1 and inverse kinematics demand in a tick. */
 #ifndef COMANIP_CONTROLLER_DEMAND_H
 #define COMANIP_CONTROLLER_DEMAND_H
 
 #include "controller_state.h"
 
-/* The blend from the previous task (0) to the selected task (1), with minimum jerk. */
+/* Returns the share of the selected task, from 0 (previous task) to 1 (selected task); it follows a minimum-jerk
+ * profile. */
 float controller_task_blend(const controller_t *self);
 
-/* Sets the feedback to 0, as when the end effector is at its target. The feedforward of the target's motion stays. */
+/* Sets the feedback to 0, as if the end effector were at its target. Keeps the feedforward of the target's motion. */
 void controller_zero_feedback(controller_t *self);
 
 /* Sets feedback and feedforward to 0. */

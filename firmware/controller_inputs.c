@@ -4,8 +4,8 @@
 typedef struct {
     const can_frame_t *frame;
     frame_kind_t kind;
-    uint8_t index;        /* in the inbox */
-    uint32_t received_us; /* not after now_us */
+    uint8_t index;        /* index in the inbox */
+    uint32_t received_us; /* time of reception, not after now_us */
     uint32_t now_us;
 } received_t;
 
@@ -53,8 +53,8 @@ static void take_parameter_access(controller_t *self, const received_t *received
     note_request(self, received);
 }
 
-/* Calls the function of the frame's kind. If the DBC sends a frame to the firmware and its function is missing here,
- * this does not compile. */
+/* Calls the handler for the frame's kind. If the DBC lists a frame as received by the firmware and it has no handler
+ * here, this does not compile. */
 static void take(controller_t *self, const received_t *received) {
     switch (received->kind) {
 #define TAKE(NAME, name)                                                                                               \
@@ -77,8 +77,8 @@ void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t 
     }
 }
 
-/* The encoders were sampled one tick ago, when the last command arrived. With prediction, self->hand is the pose of the
- * hand at that time. */
+/* The encoders were sampled one tick ago, when the last command arrived. With prediction, self->hand is therefore the
+ * pose of the hand at that time. */
 void controller_update_hand(controller_t *self, uint32_t now_us) {
     if (self->predicts && self->marker_motion.is_running) {
         self->hand = hand_motion_pose(&self->marker_motion, now_us, -controller_tick_s(self));

@@ -1,16 +1,16 @@
-/* The first stages of a tick: the received frames, the person's hand, and the mode that follows from both. */
+/* The first stages of a tick: process the received frames, update the person's hand, and derive the mode from both. */
 #ifndef COMANIP_CONTROLLER_INPUTS_H
 #define COMANIP_CONTROLLER_INPUTS_H
 
 #include "controller_state.h"
 
-/* Processes all measurements. Operator requests are stored for later, because they need this tick's poses. */
+/* Processes all measurements. Stores operator requests for later, because they need this tick's poses. */
 void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t *inbox);
 
 /* Sets self->hand and self->lever_m. */
 void controller_update_hand(controller_t *self, uint32_t now_us);
 
-/* Checks that drives and tracker are fresh, and updates the mode. */
+/* Checks that the data from drives and tracker are fresh, and updates the mode. */
 void controller_supervise(controller_t *self, uint32_t now_us);
 
 #endif

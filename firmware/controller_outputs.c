@@ -31,10 +31,10 @@ void controller_send_parameter(controller_t *self, uint8_t parameter, uint8_t se
     controller_send(self, &frame, outbox);
 }
 
-/* ---- each tick */
+/* ---- sent in each tick */
 
 static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
-    /* The brakes close only when the arm has stopped. */
+    /* The brakes close only after the arm has stopped. */
     bool moving = supervisor_is_engaged(&self->supervisor) || !joint_limits_at_rest(&self->limits, self->arm);
     outbox->enable_drives = moving || self->moving;
     self->moving = moving;
@@ -55,7 +55,7 @@ static void send_joint_command(controller_t *self, controller_outbox_t *outbox) 
 static const pose_t no_target = {{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
 
 static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
-    tick_trace_t trace; /* every member is set below; an initialiser would write zeros first */
+    tick_trace_t trace; /* every member is set below; an initialiser would first write zeros */
     trace.now_us = now_us;
     trace.target_valid = self->supervisor.mode == MODE_COOPERATING;
     trace.target = trace.target_valid ? self->cooperation.target : no_target;
@@ -69,7 +69,7 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
     controller_send(self, &frame, outbox);
 }
 
-/* ---- periodically */
+/* ---- sent periodically */
 
 static void send_status(controller_t *self, controller_outbox_t *outbox) {
     firmware_status_t status = {
@@ -107,7 +107,7 @@ static void send_heartbeat(controller_t *self, controller_outbox_t *outbox) {
 _Static_assert(COMANIP_PORT_STATUS_CYCLE_TIME_MS == COMANIP_FIRMWARE_HEARTBEAT_CYCLE_TIME_MS,
                "PortStatus is sent in the tick after each heartbeat");
 
-/* Time since the last tick in which frames of this kind were due. */
+/* Returns the time since the last tick in which a frame of this kind was due. */
 static uint32_t phase_ms(const controller_t *self, frame_kind_t kind) {
     return self->tick * self->tick_ms % transport_period_ms(self->sender.profile, kind);
 }
@@ -123,7 +123,7 @@ void controller_publish(controller_t *self, uint32_t now_us, const port_status_t
     const uint32_t since_heartbeat_ms = phase_ms(self, FRAME_FIRMWARE_HEARTBEAT);
     if (since_heartbeat_ms == 0u) {
         send_heartbeat(self, outbox);
-    } else if (since_heartbeat_ms == self->tick_ms) { /* has the same period, and another tick to spread the load */
+    } else if (since_heartbeat_ms == self->tick_ms) { /* the heartbeat's period; a tick later, to spread the load */
         send_port_status(self, port, outbox);
     }
 }

@@ -16,7 +16,7 @@ void controller_apply_parameters(controller_t *self) {
     self->predicts = parameters_predict(&self->parameters);
     self->changes_posture = parameters_change_posture(&self->parameters);
     hand_tracker_interpolate(&self->hand_tracker, !self->predicts);
-    if (!self->predicts) { /* when prediction is switched on again, it starts with the next sample */
+    if (!self->predicts) { /* if prediction is switched on again later, it starts afresh with the next sample */
         hand_motion_init(&self->marker_motion);
     }
     self->marker_is_hand = memcmp(&self->marker_to_hand, &pose_identity, sizeof pose_identity) == 0;
@@ -35,7 +35,7 @@ result_t controller_require_stable(controller_t *self, uint8_t sequence) {
     return RESULT_PARAMETERS_UNSTABLE;
 }
 
-/* Reports start in the tick after the refusal, one per tick, to limit the bus load. */
+/* The reports start in the tick after the refusal and are sent one per tick, to limit the bus load. */
 void controller_report_unstable(controller_t *self, controller_outbox_t *outbox) {
     if (self->unreported == 0u) {
         return;
@@ -50,7 +50,7 @@ void controller_report_unstable(controller_t *self, controller_outbox_t *outbox)
 
 /* ---- read and write */
 
-/* Parameters change only at rest: in motion, a new gain or a new tracker rotation would make the command jump. */
+/* Parameters change only at rest. In motion, a new gain or a new tracker rotation would make the command jump. */
 static bool may_change(const controller_t *self) {
     return !supervisor_is_engaged(&self->supervisor) && joint_limits_at_rest(&self->limits, self->arm);
 }
@@ -77,7 +77,7 @@ static result_t read_or_write(controller_t *self, const parameter_access_t *acce
 
 /* ---- save */
 
-/* A repeated request with the same sequence number belongs to the same save. A save is refused while the arm moves. */
+/* A repeated request with the same sequence number counts as the same save. A save is refused while the arm moves. */
 static void begin_save(controller_t *self, const parameter_access_t *access, controller_outbox_t *outbox) {
     if (self->saving && access->sequence == self->save_sequence) {
         return;
@@ -101,8 +101,8 @@ void controller_finish_save(controller_t *self, const controller_inbox_t *inbox,
     }
 }
 
-/* A parameter that is written before the boot announcement has reached it is announced first, because a replay needs
- * the value at boot. */
+/* If a parameter is written before the boot announcement has reached it, its value at boot is announced first, because
+ * a replay needs it. */
 void controller_access_parameter(controller_t *self, const parameter_access_t *access, controller_outbox_t *outbox) {
     if (access->operation == PARAMETER_SAVE) {
         begin_save(self, access, outbox);

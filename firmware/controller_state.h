@@ -15,28 +15,29 @@
 #include "protocol/can_transport.h"
 #include "protocol/port_status.h"
 
-/* On CAN FD eight drives, tracker and operator send 13 frames in a tick; more wait for the next tick. */
+/* On CAN FD, eight drives, the tracker and the operator send 13 frames in a tick; any beyond 16 wait for the next
+ * tick. */
 #define CONTROLLER_INBOX_FRAMES 16
-/* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and the identity, or two ParameterValue and
- * PortStatus. */
+/* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and either the identity, or two ParameterValue
+ * frames and PortStatus. */
 #define CONTROLLER_CYCLIC_FRAMES 19
-/* For each received frame an answer and the announcement of a parameter before it, and the outcome of a save. */
+/* For each received frame, an answer and the announcement of a parameter before it; also the outcome of a save. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
 typedef struct {
     can_frame_t frame[CONTROLLER_INBOX_FRAMES];
     uint8_t count;
-    bool save_over; /* the save that an outbox requested has ended with save_result */
+    bool save_over; /* the save requested by an outbox has ended, with save_result */
     result_t save_result;
-    port_status_t port; /* only published: no decision depends on it, so TickTrace need not hold it */
+    port_status_t port; /* published but never used in a decision, so TickTrace need not record it */
 } controller_inbox_t;
 
 typedef struct {
     can_sink_t sink; /* receives the tick's frames in order, at most CONTROLLER_OUTBOX_FRAMES */
-    bool save;       /* start to save the parameters; not set again until an inbox reports the end of the save */
+    bool save;       /* request to save the parameters; not set again until an inbox reports that the save has ended */
     /* Enables the drives' power while the arm cooperates or holds, and until it has come to rest after a stop or a
-     * fault. Set from the tick of the first JointCmd in velocity mode to the tick after the first one in brake mode, so
-     * that the brakes close before the power is switched off. */
+     * fault. It is true from the tick of the first JointCmd in velocity mode until the tick after the first JointCmd in
+     * brake mode, so that the brakes close before the power is switched off. */
     bool enable_drives;
 } controller_outbox_t;
 
@@ -47,28 +48,28 @@ typedef struct {
 
     parameters_t parameters;
     parameter_set_t parameter_set; /* stability of the parameters as a set */
-    /* derived from the parameters whenever one is written: */
+    /* derived from the parameters whenever one of them is written: */
     differential_ik_config_t differential_ik_config;
     position_priority_config_t position_priority_config;
     joint_limits_config_t joint_limits_config;
     cooperation_config_t cooperation_config;
     bool predicts, changes_posture;
     pose_t marker_to_hand;
-    bool marker_is_hand; /* marker_to_hand is the identity, and the product with it is skipped */
+    bool marker_is_hand; /* marker_to_hand is the identity, so multiplying by it is skipped */
 
     transport_receiver_t receiver;
     transport_sender_t sender;
     struct {
         frame_kind_t kind;
-        uint8_t index;                  /* in the inbox */
+        uint8_t index;                  /* index in the inbox */
     } request[CONTROLLER_INBOX_FRAMES]; /* the operator's requests in this tick */
     uint8_t request_count;
 
     hand_tracker_t hand_tracker;
     hand_motion_t marker_motion; /* in the tracker frame */
     joint_feedback_t joints;
-    /* The person's hand in the tracker frame, now or, with prediction, at the time when the encoders were sampled; and
-     * the lever from the marker to the hand at that time (not updated while marker_is_hand). */
+    /* The person's hand in the tracker frame, and the lever from the marker to the hand (not updated while
+     * marker_is_hand): their present values, or, with prediction, those at the time when the encoders were sampled. */
     pose_t hand;
     vector3_t lever_m;
 
@@ -78,28 +79,28 @@ typedef struct {
 
     task_id_t task_id; /* the selected task */
     task_t task;
-    float blend_s;         /* time over which it replaces the previous task */
-    float blend_elapsed_s; /* elapsed part of blend_s, while cooperating */
+    float blend_s;         /* time over which the selected task replaces the previous one */
+    float blend_elapsed_s; /* elapsed part of blend_s; advances only while cooperating */
     cooperation_t cooperation;
-    bool cooperation_changed; /* in this tick the operator started it, or changed its task, relation or reference */
-    bool demand_deferred;     /* the demand was deferred to the next tick because of that change */
-    float feedback_radps[ARM_MAX_JOINTS];    /* demanded for the pose error */
-    float feedforward_radps[ARM_MAX_JOINTS]; /* demanded for the target's own motion; 0 without prediction */
-    bool catching_up; /* the target was out of reach or too fast, and the end effector has not reached it since */
+    bool cooperation_changed;                /* in this tick, the operator started or changed the cooperation */
+    bool demand_deferred;                    /* because of that change, the demand was deferred to the next tick */
+    float feedback_radps[ARM_MAX_JOINTS];    /* velocities that correct the pose error */
+    float feedforward_radps[ARM_MAX_JOINTS]; /* velocities that follow the target's own motion; 0 without prediction */
+    bool catching_up; /* the target was out of reach or too fast, and has not been reached since */
     posture_change_t posture_change;
     joint_limits_t limits;
     bool moving; /* the last JointCmd was in velocity mode */
 
     uint32_t tick;
-    uint16_t announced;   /* frames of the boot announcement sent so far */
-    result_t boot_result; /* result reported with each parameter in the announcement */
+    uint16_t announced;   /* number of boot announcement frames sent so far */
+    result_t boot_result; /* result to report with each parameter in the announcement */
     bool saving;
-    uint8_t save_parameter, save_sequence; /* of the request that started the save; repeated in its answer */
-    uint64_t unreported;                   /* bit mask of the parameters still to be reported after a refused request */
-    uint8_t unreported_sequence;           /* the sequence number of that request */
+    uint8_t save_parameter, save_sequence; /* from the request that started the save; repeated in its answer */
+    uint64_t unreported;                   /* bit mask of the parameters yet to be reported after a refused request */
+    uint8_t unreported_sequence;           /* sequence number of that request */
 } controller_t;
 
-/* The tick period on this bus. */
+/* Returns the tick period on this bus. */
 static inline float controller_tick_s(const controller_t *self) {
     return 1e-3f * (float)self->tick_ms;
 }

@@ -1,4 +1,4 @@
-/* The firmware's main loop, the same on the host and on every target. */
+/* The firmware's main loop, which is the same on the host and on every target. */
 #include "main.h"
 
 #include <stddef.h>
@@ -8,7 +8,7 @@
 #include "controller.h"
 #include "parameters/parameter_store.h"
 
-/* Stored parameters take effect all or none. */
+/* Stored parameters are applied either all together or not at all. */
 static void load_parameters(controller_t *controller) {
     uint8_t record[PARAMETER_STORE_MAX_BYTES + 1]; /* the spare byte detects oversized records */
     size_t length;
@@ -61,7 +61,7 @@ void firmware_main(void) {
             inbox.count++;
         }
         if (tick_ms % controller.tick_ms != 0u) {
-            continue; /* classic CAN carries one command every 4 ms */
+            continue; /* on classic CAN the controller runs every 4 ms */
         }
         report_save(&inbox);
         hal_port_status(&inbox.port);

@@ -1,5 +1,5 @@
-/* The whole boundary between the firmware and its platform: link-time functions, one folder per port.
- * firmware/main.c calls them from one thread. Ports themselves may call hal_panic(). */
+/* The complete interface between the firmware and its platform. The functions are bound at link time; each port has a
+ * folder of its own. Only firmware/main.c calls them, from a single thread, but ports may call hal_panic(), too. */
 #ifndef COMANIP_HAL_H
 #define COMANIP_HAL_H
 
@@ -11,34 +11,37 @@
 #include "../firmware/protocol/can_profile.h"
 #include "../firmware/protocol/port_status.h"
 
-/* Starts clock, CAN controller (1 Mbit/s; data phase of CAN FD 5 Mbit/s) and watchdog. Panics on defective hardware. */
+/* Starts the clock, the CAN controller (1 Mbit/s; data phase of CAN FD 5 Mbit/s) and the watchdog. Panics if the
+ * hardware is defective. */
 void hal_init(void);
 
-/* What the bus carries: fixed by the board, or chosen by whoever starts the port. */
+/* Returns the kind of bus, which is fixed by the board or chosen by whoever starts the port. */
 can_profile_t hal_can_profile(void);
 
-/* Sleeps until the next tick of 1 kHz and gives its time, monotonic modulo 2^32 us. Missed ticks are skipped, not
- * caught up. False: the platform shuts down, as a simulation or a process does. */
+/* Sleeps until the next tick of 1 kHz and returns the tick's time in *now_us, monotonic modulo 2^32 us. Missed ticks
+ * are skipped, not caught up. Returns false if the platform is shutting down, which only a simulation or a process
+ * does. */
 bool hal_wait_tick(uint32_t *now_us);
 
-/* The oldest frame received, with its time of reception, which may be after that of the tick. False: there is none. */
+/* Returns the oldest received frame, with its time of reception, which may be later than the tick's time. Returns false
+ * if there is none. */
 bool hal_can_receive(can_frame_t *frame);
 
-/* Queues a frame without blocking. False: the queue is full, and the frame is dropped and counted. */
+/* Queues a frame without blocking. If the queue is full, drops and counts the frame, and returns false. */
 bool hal_can_send(const can_frame_t *frame);
 
-/* Faults of the port since hal_init(): counts, and which of them it cannot know. */
+/* Reports the port's faults since hal_init() as counts, and which of these counts the port cannot know. */
 void hal_port_status(port_status_t *status);
 
-/* Once per tick. The platform takes the drives' power away if 10 ms pass without a call. */
+/* Must be called once per tick. If it is not called for 10 ms, the platform cuts the drives' power. */
 void hal_watchdog_feed(void);
 
-/* The drives' enable line, off after hal_init(). It permits motion and never causes any: drives move as commanded over
- * the bus. Does nothing on a port without this line. */
+/* Sets the drives' enable line, which is off after hal_init(). The line permits motion but never causes any, since the
+ * drives move only as commanded over the bus. Does nothing on a port without this line. */
 void hal_enable_drives(bool enable);
 
-/* Takes the drives' power away by the shortest way, reports the cause (one line) on the console, if any, and stops for
- * good. */
+/* Cuts the drives' power in the quickest way available, reports the cause (one line) on the console, if there is one,
+ * and stops for good. */
 _Noreturn void hal_panic(const char *cause);
 
 /* ---- one non-volatile record, if the port has a store */
@@ -47,17 +50,18 @@ typedef enum {
     HAL_STORE_NONE, /* no store */
     HAL_STORE_WRITING,
     HAL_STORE_WRITTEN,
-    HAL_STORE_FAILED, /* the previous record is kept; the cause is on the console, if any */
+    HAL_STORE_FAILED, /* the previous record is kept; the cause is on the console, if there is one */
 } hal_store_status_t;
 
-/* The record as of hal_init(): copies up to `capacity` bytes and gives their number. False: there is none. */
+/* Reads the record as it was at hal_init(): copies up to `capacity` bytes of it and returns their number in *length.
+ * Returns false if there is no record. */
 bool hal_store_read(void *bytes, size_t capacity, size_t *length);
 
-/* Starts to replace the record by a copy of these bytes, and returns at once. If interrupted, the next boot reads
- * either the previous record or this one. Not to be called during HAL_STORE_WRITING. */
+/* Starts replacing the record by a copy of these bytes, and returns at once. If the write is interrupted, the next boot
+ * reads either the previous record or this one. Must not be called during HAL_STORE_WRITING. */
 void hal_store_write(const void *bytes, size_t length);
 
-/* Of the last write. */
+/* Returns the status of the last write. */
 hal_store_status_t hal_store_status(void);
 
 #endif

@@ -1,11 +1,11 @@
-# `make target`: the firmware as linked images for microcontrollers. Included by the Makefile, which defines BUILD,
-# GENERATED, CORE_SOURCES (all but main.c) and CORE_CFLAGS.
+# `make target` links the firmware to images for microcontrollers. Included by the Makefile, which defines BUILD,
+# GENERATED, CORE_SOURCES (all except main.c) and CORE_CFLAGS.
 #
-# An image is a name in IMAGES and NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}, in its port's
-# images.mk: see docs/porting.md.
+# An image consists of a name in IMAGES and the variables NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}
+# in its port's images.mk: see docs/porting.md.
 
-# PROFILE=: the CAN that the images use: fd, classic, or both (the board then selects one at reset). Without classic CAN
-# they are a quarter smaller.
+# PROFILE=: the kind of CAN that the images support: fd, classic, or both (the board then selects one at reset). Without
+# classic CAN, the images are a quarter smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
 PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY) \
@@ -16,20 +16,20 @@ TARGET_MAIN ?= firmware/main.c
 TARGET_CFLAGS := $(CORE_CFLAGS) $(PROFILE_CFLAGS) -g -ffunction-sections -fdata-sections -fcallgraph-info=su
 TARGET_LDFLAGS := -nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings
 
-# Sources that ports share: a tick from a timer and no parameter store; CAN over a UART.
+# Sources that ports share: first the tick loop and the stubs for a missing parameter store, then CAN over a UART.
 COMMON_SOURCES := hal/common/tick.c hal/common/no_store.c
 SLCAN_SOURCES := $(wildcard hal/slcan/*.c)
 
 IMAGES :=
 include $(sort $(wildcard hal/*/images.mk))
-MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they hold the compilers' options
+MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they contain the compilers' options
 
-# BOARD=: the name of a QEMU machine, or what the port's images.mk says.
+# BOARD=: the name of a QEMU machine, or the name given in the port's images.mk.
 BOARDS := $(foreach image,$(IMAGES),$($(image).board))
 BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $(image) $($(image).board),$(BOARD)),$(image))))
 BOARD_CHECK = @if [ "$(words $(BOARD_IMAGE))" != 1 ] || [ "$(words $(BOARD))" != 1 ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected one of $(BOARDS), or an image: $(IMAGES)" >&2; exit 2; fi
-# For targets that cover all images and do not take BOARD=; $(1): the profiles that their figures are for.
+# For targets that cover all images and do not accept BOARD=; $(1): the profiles for which their figures are valid.
 ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) covers all images" >&2; exit 2; fi; \
     case ' $(1) ' in *' $(TARGET_PROFILE) '*) ;; *) \
@@ -41,7 +41,7 @@ TARGET_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi gcc-riscv64-unknown
 .PHONY: images target targets target-check target-deps pil pil-check pil-matrix pil-matrix-check bitexact \
     bitexact-check size size-check stack stack-check cycles cycles-check
 
-# All images, or the one for BOARD.
+# All images, or only the one for BOARD.
 target: $(if $(BOARD),$(BOARD_IMAGE:%=target-%),targets)
 target: ## build all images in build/target/, or BOARD=mps2-an386 etc.; PROFILE=fd|classic|both
 	$(if $(BOARD),$(BOARD_CHECK))
@@ -80,8 +80,8 @@ targets: target-$(1)
 endef
 $(foreach image,$(IMAGES),$(eval $(call TARGET_RULES,$(image))))
 
-# The same images in lockstep with the simulator (hal/lockstep/lockstep.h), for ports with CAN over a UART. For
-# `make pil`; not among IMAGES.
+# The same images, in lockstep with the simulator (hal/lockstep/lockstep.h), for ports with CAN over a UART. They are
+# built by `make pil` and are not among IMAGES.
 define PIL_VARIABLES
 $(foreach variable,prefix specs cpu folder script,$(eval $(1)-pil.$(variable) := $($(1).$(variable))))
 $(1)-pil.sources := $$(filter-out $(LOCKSTEP_REPLACES),$$($(1).sources)) hal/lockstep/lockstep.c
@@ -155,12 +155,13 @@ cycles: cycles-check build $(VENV)/.installed-tests target-check
 cycles: ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
-# NAME, board, compiler's prefix, its specs file, its options for the core, the emulator's command, separated by tabs.
+# Each line contains NAME, board, the compiler's prefix, specs file and options for the core, and the emulator's
+# command.
 images: ## list the images for scripts: one line each, separated by tabs
 	@printf '%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES), \
 	    $(image) $($(image).board) $($(image).prefix) $($(image).specs) "$($(image).cpu)" "$($(image).emulator)")
 
-# A compiler that does not find a specs file prints its bare name.
+# A compiler that does not find a specs file prints only the file's name.
 target-check:
 	@case '$(TARGET_PROFILE)' in fd|classic|both) ;; *) \
 	    echo "make target: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac

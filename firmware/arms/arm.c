@@ -47,7 +47,7 @@ const char *arm_check(const arm_t *arm) {
     return NULL;
 }
 
-/* The pose after the joint's rotation, in the joint's frame. */
+/* Rotates a pose, given in the joint's frame, about the joint's axis. */
 static pose_t turned(vector3_t axis, float angle_rad, pose_t pose) {
     const sine_cosine_t half = sine_cosine(0.5f * angle_rad);
     const quaternion_t turn = {half.cosine, half.sine * axis.x, half.sine * axis.y, half.sine * axis.z};
@@ -63,9 +63,9 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
     return end_effector;
 }
 
-/* Computed from the end effector towards the torso and in the end effector's frame, where the numbers stay small. */
+/* Works from the end effector towards the torso, in the end effector's frame, where the numbers stay small. */
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian) {
-    pose_t end_effector = arm->effector; /* in the present joint's frame, whose axis goes through its origin */
+    pose_t end_effector = arm->effector; /* in the current joint's frame; the joint's axis passes through the origin */
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
         const quaternion_t to_end_effector = quaternion_conjugate(end_effector.rotation);

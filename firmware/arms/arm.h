@@ -1,4 +1,4 @@
-/* A serial arm described by a constant table, and its kinematics.
+/* A serial arm, described by a constant table, and its kinematics.
  *
  * Frames: torso (x forward, y left, z up) -> joint 0 -> ... -> end effector (z forward, x up when the forearm points
  * forward). */
@@ -13,18 +13,18 @@
 
 typedef struct arm arm_t;
 
-/* One revolute joint: `fixed` leads from the moving frame of the previous joint (for the first joint: the torso) to the
- * joint, which then rotates by its angle about `axis`. */
+/* One revolute joint. `fixed` is the transform from the previous joint's moving frame (for the first joint, from the
+ * torso) to the joint, which then rotates by its angle about `axis`. */
 typedef struct {
     pose_t fixed;           /* translation within 100 m */
-    vector3_t axis;         /* unit, in the frame after `fixed` */
-    float position_min_rad; /* usable range, inside the mechanical stops; within +-8 rad */
+    vector3_t axis;         /* unit vector, in the frame that `fixed` leads to */
+    float position_min_rad; /* usable range, inside the mechanical stops and within +-8 rad */
     float position_max_rad;
-    float velocity_max_radps; /* > 0, at most 32 */
-    float jerk_max_radps3;    /* 1,000 (one step of the bus's resolution per tick of 1 ms) to 1e6 */
+    float velocity_max_radps; /* greater than 0, at most 32 */
+    float jerk_max_radps3;    /* 1,000 (one step of the bus's resolution per 1 ms tick) to 1e6 */
 } arm_joint_t;
 
-/* A function like arm_forward_kinematics(). */
+/* Has the contract of arm_forward_kinematics(). */
 typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
 
 struct arm {
@@ -32,29 +32,32 @@ struct arm {
     uint8_t id;          /* FirmwareIdentity.arm in the DBC */
     uint8_t joint_count; /* 1..ARM_MAX_JOINTS */
     const arm_joint_t *joints;
-    pose_t effector;                      /* from the last joint's moving frame to the end effector */
-    arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or the one that `make arms` generated */
+    pose_t effector;                      /* the end effector's pose in the last joint's moving frame */
+    arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or the function that `make arms` generated */
 };
 
 /* The end effector's pose in the torso frame, and the geometric Jacobian in the end effector's frame. Column i is the
- * twist of the end effector per rad/s of joint i: angular is its axis, linear_m is p x axis, p a point on the axis. */
+ * end effector's twist per rad/s of joint i: `angular` is the joint's axis, and `linear_m` is p x axis, where p is a
+ * point on the axis. */
 typedef struct {
     pose_t end_effector;
     vector3_t angular[ARM_MAX_JOINTS];
     vector3_t linear_m[ARM_MAX_JOINTS];
 } arm_jacobian_t;
 
-/* NULL if the table is complete and within the ranges above, otherwise a line that names the defect. */
+/* Returns NULL if the table is complete and within the ranges above, otherwise a line that names the defect. */
 const char *arm_check(const arm_t *arm);
 
-/* The end effector's pose in the torso frame (equation (3)), for any arm. Callers use arm->forward_kinematics(), which
- * may be faster. position_rad: joint_count angles, each within TRIGONOMETRY_MAX_RAD. */
+/* Returns the end effector's pose in the torso frame (equation (3)), for any arm. Callers use
+ * arm->forward_kinematics(), which may be faster. position_rad: joint_count angles, each within
+ * TRIGONOMETRY_MAX_RAD. */
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian);
 
-/* Half a column of the geometric Jacobian as a dual quaternion. The end effector's dual quaternion times it is the
- * joint's column of the analytic 8 x n Jacobian, d(vec8 end effector) / d(position), for the same sign. */
+/* Returns half a column of the geometric Jacobian as a dual quaternion. The end effector's dual quaternion times this
+ * one is the joint's column of the analytic 8 x n Jacobian, d(vec8 end effector) / d(position), for that sign of the
+ * end effector's dual quaternion. */
 dual_quaternion_t arm_half_twist(vector3_t angular, vector3_t linear_m);
 
 #endif

@@ -1,5 +1,5 @@
-/* An arm with its inverse kinematics: functions that `make arms` generated for this arm (arms/), or those for any arm.
- * */
+/* An arm with its inverse kinematics: either functions that `make arms` generated for this arm (arms/), or those for
+ * any arm. */
 #ifndef COMANIP_ARM_IK_H
 #define COMANIP_ARM_IK_H
 
@@ -14,17 +14,17 @@ typedef float arm_ik_position_priority_t(const arm_t *arm, const position_priori
 
 typedef struct {
     const arm_t *arm;
-    arm_ik_isotropic_t *isotropic;                 /* computes what differential_ik_isotropic() computes */
-    arm_ik_position_priority_t *position_priority; /* computes what position_priority() computes */
+    arm_ik_isotropic_t *isotropic;                 /* equivalent to differential_ik_isotropic() */
+    arm_ik_position_priority_t *position_priority; /* equivalent to position_priority() */
 } arm_ik_t;
 
-/* The inverse kinematics for any arm. The arm must outlive the result. */
+/* Returns inverse kinematics that work for any arm. The arm must outlive the result. */
 arm_ik_t arm_ik_any(const arm_t *arm);
 
-/* NULL if all members are set and arm_check() finds no defect, otherwise a line that names the defect. */
+/* Returns NULL if all members are set and arm_check() finds no defect, otherwise a line that names the defect. */
 const char *arm_ik_check(const arm_ik_t *self);
 
-/* The paper's differential inverse kinematics. velocity_radps: joint_count values, not limited. */
+/* Computes the paper's differential inverse kinematics. velocity_radps: joint_count values, not limited. */
 static inline void arm_ik_differential(const arm_ik_t *self, const differential_ik_config_t *config,
                                        const differential_ik_request_t *request, float velocity_radps[]) {
     if (config->isotropic.applies) {

@@ -1,23 +1,23 @@
 /* Algorithm 1: see cooperation.h. */
 #include "cooperation.h"
 
-/* Not inline: the code that is not time-critical shares one copy. */
+/* Not inline, so that the code that is not time-critical shares one copy. */
 __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion_t b) {
     return quaternion_multiply(a, b);
 }
 
 /* ---- the loop's constants
  *
- * Let q_H^E = (r, t) with the start (r_0, t_0), c = conj(q_Tv^E) the tracker's rotation, s the scale, and q_Hv0^H0 =
- * (r_v, t_v). The lines up to (7) give the virtual hand with
+ * Let q_H^E = (r, t) with the start (r_0, t_0), c = conj(q_Tv^E) the tracker's rotation, s the scale, q_Hv0^H0 = (r_v,
+ * t_v), and p_0 the virtual hand's translation at the start. The lines up to (7) then yield a virtual hand with
  *
- *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0),      p_0: its translation at the start.
+ *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0).
  *
- * Then q_Hv^Tv conj(q_task) with q_task = (r_k, t_k) has the rotation r' = c r r_v conj(r_k), and its translation is
- * that of the virtual hand minus R(r') t_k. */
+ * With q_task = (r_k, t_k), the target q_Hv^Tv conj(q_task) has the rotation r' = c r r_v conj(r_k), and its
+ * translation is that of the virtual hand minus R(r') t_k. */
 
-/* The matrix of r -> left r right on (w, x, y, z). Its columns are left 1 right, left i right, left j right and
- * left k right. */
+/* Computes the matrix of the map r -> left r right on (w, x, y, z). Its columns are left 1 right, left i right, left j
+ * right and left k right. */
 static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4]) {
     const quaternion_t times_unit[4] = {
         left,
@@ -34,7 +34,7 @@ static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4
     }
 }
 
-/* The matrix of v -> scale rotation v conj(rotation). */
+/* Computes the matrix of the map v -> scale rotation v conj(rotation). */
 static void fold_displacement(quaternion_t rotation, float scale, float carry[3][3]) {
     const float w = rotation.w, x = rotation.x, y = rotation.y, z = rotation.z;
     const float twice = scale + scale;
@@ -51,17 +51,18 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
     carry[2][2] = twice * (ww + zz);
 }
 
-/* ---- start, and changes */
+/* ---- start and changes */
 
-/* conj(a) b: the pose b in the frame a. Normalised, so that rounding errors do not accumulate over changes. */
+/* Returns conj(a) b, which is the pose b in the frame a. The result is normalised, so that rounding errors do not
+ * accumulate over successive changes. */
 static pose_t seen_from(pose_t a, pose_t b) {
     const quaternion_t back = quaternion_conjugate(a.rotation);
     const vector3_t way = vector3_add(b.translation_m, vector3_scale(a.translation_m, -1.0f));
     return (pose_t){quaternion_normalise(product(back, b.rotation)), quaternion_rotate(back, way)};
 }
 
-/* The virtual hand at the start, q_Rv0^Tv q_inv: the end effector's pose, moved by the start offset and rotated by
- * q_inv. */
+/* Returns the virtual hand at the start, q_Rv0^Tv q_inv: the end effector's pose, moved by the start offset and rotated
+ * by q_inv. */
 static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     return (pose_t){
         product(robot.rotation, self->task.q_inv),
@@ -69,8 +70,8 @@ static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     };
 }
 
-/* Makes `hand` and `virtual_hand` the references of displacements. Of q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, the last line
- * of Algorithm 1's initialisation, the loop needs only the rotation. */
+/* Makes `hand` and `virtual_hand` the references of displacements. The last line of Algorithm 1's initialisation
+ * computes q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, but the loop needs only its rotation. */
 static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
     const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
     const quaternion_t hand_in_torso = product(from_tracker, hand.rotation); /* equation (8) */
@@ -81,12 +82,12 @@ static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand
     self->forward_displacement_m = 0.0f;
 }
 
-/* The latest virtual hand, q_Hv^Tv = q_R^Tv q_task. */
+/* Returns the latest virtual hand, q_Hv^Tv = q_R^Tv q_task. */
 static pose_t virtual_hand(const cooperation_t *self) {
     return pose_multiply(self->target, task_relation_at(&self->relation, self->forward_displacement_m));
 }
 
-/* Equation (1): the q_task of these poses of the end effector and the virtual hand. */
+/* Returns the q_task of equation (1) for these poses of the end effector and the virtual hand. */
 static task_relation_t performed_relation(pose_t robot, pose_t hand) {
     return (task_relation_t){seen_from(robot, hand), 0.0f};
 }
@@ -114,8 +115,8 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
 }
 
 void cooperation_select(cooperation_t *self, const task_t *task) {
-    /* q_inv may change with the task: the virtual hand then rotates by conj(old q_inv) new q_inv. The relation until
-     * now is expressed with the rotated hand, so that the target does not move. */
+    /* q_inv may change with the task, in which case the virtual hand rotates by conj(old q_inv) new q_inv. The present
+     * relation is therefore re-expressed with the rotated hand, so that the target does not move. */
     const quaternion_t turn = product(quaternion_conjugate(self->task.q_inv), task->q_inv);
     pose_t turned_hand = virtual_hand(self);
     turned_hand.rotation = product(turned_hand.rotation, turn);
@@ -150,7 +151,7 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
 
 /* ---- the loop */
 
-/* Sets the target, whose rotation is r. */
+/* Sets the target. r: its rotation. */
 static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_t r) {
     const cooperation_loop_t *loop = &self->loop;
     const float (*carry)[3] = loop->carry;
@@ -176,7 +177,7 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     self->target.translation_m.z = loop->virtual_hand_start_m.z + up - self->relation_m.z;
 }
 
-/* For the time in which a task comes into force. Not inline, so that the loop need not save registers. */
+/* Used while a task is being blended in. Not inline, so that the loop need not save registers. */
 __attribute__((noinline)) static void update_and_settle(cooperation_t *self, const pose_t *hand, float blend) {
     self->relation = relation_in_force(self, blend);
     const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
@@ -212,7 +213,7 @@ static vector3_t carried(const float carry[3][3], vector3_t v) {
     };
 }
 
-/* The derivative of set_target(): the target rotates with the hand, about the virtual hand. */
+/* This is the derivative of set_target(): the target rotates with the hand, about the virtual hand. */
 twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand) {
     const float (*carry)[3] = (const float (*)[3])self->loop.carry;
     const vector3_t virtual_hand_mps = carried(carry, hand->velocity_mps);

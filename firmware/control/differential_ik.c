@@ -1,13 +1,13 @@
 /* Selects the form of the equation and prepares its constants: see differential_ik.h. */
 #include "differential_ik.h"
 
-/* Without refinement, the error of the solution is the rounding error of J^T W J divided by the damping. Axes are unit
- * vectors and levers are short, so the rotation's weight matters most. Outside these bounds, which were found by
- * measurement (tests/test_differential_ik.py), differential_ik_general() is used, which refines. */
-#define DAMPING_MIN 1e-5f                 /* as part of the largest weight */
-#define ROTATION_WEIGHT_MAX 1.0f          /* absolute, or */
-#define ROTATION_TO_TRANSLATION_MAX 0.25f /* as part of the translation's weight */
-#define TRACE_DAMPING_MIN 1e-6f           /* as part of the trace of J^T W J, checked in each tick */
+/* Without refinement, the error of the solution is the rounding error of J^T W J divided by the damping. Since axes are
+ * unit vectors and levers are short, the rotation's weight matters most. Outside these bounds, which were found by
+ * measurement (tests/test_differential_ik.py), differential_ik_general() is used, because it refines the solution. */
+#define DAMPING_MIN 1e-5f                 /* relative to the largest weight */
+#define ROTATION_WEIGHT_MAX 1.0f          /* the rotation's weight is at most this, */
+#define ROTATION_TO_TRANSLATION_MAX 0.25f /* or at most this share of the translation's weight */
+#define TRACE_DAMPING_MIN 1e-6f           /* relative to the trace of J^T W J; checked in each tick */
 
 static bool is_isotropic(const float diagonal[8]) {
     for (int i = 1; i < 4; i++) {

@@ -1,12 +1,12 @@
-/* Differential inverse kinematics by damped least squares, the paper's equation (4): joint velocities from the error
- * between the target's pose and the end effector's.
+/* Differential inverse kinematics by damped least squares, the paper's equation (4). It computes joint velocities from
+ * the error between the target's pose and the end effector's:
  *
  *     u = (J^T W J + lambda I)^-1 J^T W K e
  *
  * This is the n x n form of the paper's J^T (J J^T + lambda I)^-1 K e, to which it is equal for W = I. Poses and e are
- * vec8: a dual quaternion's eight numbers.
+ * vec8, that is, the eight numbers of a dual quaternion.
  *
- * The equation is isotropic if K and W have one value for rotation and one for translation: then it need not be
+ * The equation is isotropic if K and W each have one value for rotation and one for translation. It then need not be
  * evaluated in vec8. arm_ik.h selects the form. */
 #ifndef COMANIP_DIFFERENTIAL_IK_H
 #define COMANIP_DIFFERENTIAL_IK_H
@@ -17,25 +17,24 @@
 
 typedef enum {
     ERROR_FRAME_TORSO = 0,  /* e = q_d - q, as in the paper */
-    ERROR_FRAME_TARGET = 1, /* e = 1 - conj(q_d) q, Jacobian conj(q_d) J: the error's dual part is half the position
-                               error, so that W weighs position against orientation */
+    ERROR_FRAME_TARGET = 1, /* e = 1 - conj(q_d) q, Jacobian conj(q_d) J; W weighs position against orientation */
 } error_frame_t;
 
-/* The constants of the isotropic normal equations, which are multiplied by 4 to avoid factors 1/2, and divided by the
+/* Constants of the isotropic normal equations, which are multiplied by 4 to avoid factors of 1/2 and divided by the
  * translation's weight. */
 typedef struct {
-    bool applies; /* isotropic, and enough damping for float32 without refinement */
+    bool applies; /* the equation is isotropic, and damped enough for float32 without refinement */
     float weight_rotation;
-    float pull_rotation, pull_translation; /* 2 weight gain */
+    float pull_rotation, pull_translation; /* 2 x weight x gain of rotation and translation */
     float diagonal;                        /* weight_rotation + 4 lambda: rotation and damping on the diagonal */
-    float trace_max;                       /* above this trace of the translation's J^T W J the damping is too small */
+    float trace_max;                       /* largest trace of the translation's J^T W J that is damped enough */
 } differential_ik_isotropic_t;
 
 typedef struct {
     float gain_per_s[8]; /* diagonal of K, in the order of vec8; >= 0 */
     float weight[8];     /* diagonal of W; >= 0; 1 in the paper */
-    /* lambda >= 0. If it is below 2.5e-7 of the largest diagonal element of J^T W J, where float32's rounding would
-     * dominate, 2e-6 of that element is used instead: the velocity is bounded at singularities even for lambda = 0. */
+    /* lambda >= 0. Below 2.5e-7 of the largest diagonal element of J^T W J, float32's rounding would dominate, so 2e-6
+     * of that element is used instead. The velocity is therefore bounded at singularities even if lambda is 0. */
     float damping;
     error_frame_t error_frame;
     differential_ik_isotropic_t isotropic; /* set by differential_ik_prepare() */
@@ -50,7 +49,7 @@ typedef struct {
 /* Sets config->isotropic. Call it once, after the other members of the config are set. */
 void differential_ik_prepare(differential_ik_config_t *config);
 
-/* Solves the equation for any K, W and damping, with the 8 x n Jacobian. velocity_radps: joint_count values, not
+/* Solves the equation for any K, W and damping, using the 8 x n Jacobian. velocity_radps: joint_count values, not
  * limited. */
 void differential_ik_general(const arm_t *arm, const differential_ik_config_t *config,
                              const differential_ik_request_t *request, float velocity_radps[]);

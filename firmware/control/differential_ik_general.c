@@ -5,8 +5,8 @@
 
 #include "../maths/ldlt.h"
 
-/* In parts of the largest diagonal element of J^T W J. With less damping than the first, float32's rounding would
- * dominate at a singularity, and the second is used instead. */
+/* Relative to the largest diagonal element of J^T W J. With less damping than the first value, float32's rounding would
+ * dominate at a singularity, so the second value is used instead. */
 #define RELATIVE_DAMPING_MIN 2.5e-7f
 #define RELATIVE_DAMPING_SAFE 2e-6f
 
@@ -20,13 +20,13 @@ static dual_quaternion_t from_vec8(const float vec8[8]) {
     return x;
 }
 
-/* The dot product, summed in pairs: three successive roundings instead of seven. */
+/* Returns the dot product, summed in pairs, which takes three successive roundings instead of seven. */
 static float dot8(const float a[8], const float b[8]) {
     return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
            ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
 }
 
-/* The transpose of multiplication by x from the left: <multiply(x, a), b> = <a, multiply_transposed(x, b)>. */
+/* Applies the transpose of left multiplication by x: <multiply(x, a), b> = <a, multiply_transposed(x, b)>. */
 static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternion_t b) {
     const dual_quaternion_t conjugate = dual_quaternion_conjugate(x);
     return (dual_quaternion_t){
@@ -35,11 +35,11 @@ static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternio
     };
 }
 
-/* (J^T W J + damping I) u = J^T W desired */
+/* The equations (J^T W J + damping I) u = J^T W desired. */
 typedef struct {
     int joint_count;
     dual_quaternion_t hand;
-    /* The joints' axes in the end effector's frame, halved: the columns of J are hand * half_line. */
+    /* The joints' axes in the end effector's frame, halved, so that the columns of J are hand * half_line. */
     dual_quaternion_t half_line[ARM_MAX_JOINTS];
     const float *weight;
     float desired[8]; /* K e */
@@ -47,8 +47,9 @@ typedef struct {
     ldlt_t normal;
 } equations_t;
 
-/* J^T W e. The product with `hand` is computed once for all joints: its rounding is then an error of e, which is
- * harmless. Rounded columns would be an error of J, which a damping of 1e-4 amplifies. */
+/* Computes J^T W e. The product with `hand` is computed once for all joints, so that its rounding acts as an error of
+ * e, which is harmless. If the columns were rounded instead, the error would be one of J, which a damping of 1e-4
+ * amplifies. */
 static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {
@@ -63,7 +64,7 @@ static void project(const equations_t *self, const float e[8], float projection[
     }
 }
 
-/* desired - J u */
+/* Computes desired - J u. */
 static void residual(const equations_t *self, const float u[], float rest[8]) {
     float motion[8] = {0.0f}; /* sum of half_line u, so that J u = hand * motion */
     for (int i = 0; i < self->joint_count; i++) {
@@ -86,7 +87,7 @@ static void solve(void *equations, float u[]) {
     project(self, self->desired, u);
     ldlt_solve(&self->normal, self->joint_count, u);
 
-    /* One step of iterative refinement: near a singularity J^T W J has lost half of the digits. */
+    /* One step of iterative refinement, because near a singularity J^T W J has lost half of its digits. */
     float rest[8], correction[ARM_MAX_JOINTS];
     residual(self, u, rest);
     project(self, rest, correction);
@@ -120,7 +121,7 @@ static void set_hand(equations_t *self, const arm_t *arm, const float position_r
 
 static void set_desired(equations_t *self, const differential_ik_config_t *config, const pose_t *target_pose) {
     dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*target_pose), self->hand);
-    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same equation with all poses in the target's frame */
+    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same equation, with all poses in the target's frame */
         self->hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), self->hand);
         target = dual_quaternion_identity;
     }
@@ -131,7 +132,7 @@ static void set_desired(equations_t *self, const differential_ik_config_t *confi
 }
 
 static void set_normal(equations_t *self, const differential_ik_config_t *config) {
-    float jacobian[ARM_MAX_JOINTS][8]; /* transposed: one row per joint */
+    float jacobian[ARM_MAX_JOINTS][8]; /* transposed Jacobian: one row per joint */
     float largest = 0.0f;
     for (int i = 0; i < self->joint_count; i++) {
         float weighted[8];

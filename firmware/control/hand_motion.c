@@ -11,9 +11,9 @@ static const motion_filter_scale_t rotation_scale = {
 #define INTERVAL_FIRST_S 0.01f
 #define INTERVAL_MIN_S 0.0005f
 #define INTERVAL_MAX_S 0.1f
-#define INTERVAL_WEIGHT 0.1f /* weight of a new interval in the usual interval */
+#define INTERVAL_WEIGHT 0.1f /* weight of a new interval in the running mean of the intervals */
 
-/* A pose that is farther than this from the prediction is not treated as a continuation of the motion. */
+/* A pose farther than this from the prediction is not treated as a continuation of the motion. */
 #define JUMP_M 0.5f
 #define JUMP_COS_HALF 0.87758256f /* cosine of half of 1 rad */
 
@@ -35,29 +35,29 @@ static inline pose_t displace(pose_t pose, vector3_t way_m, vector3_t turn_rad) 
     };
 }
 
-/* The rotation vector of a unit quaternion with w > 0, by the series of 2 asin(|v|). The error is below 1e-4 rad up to
- * 1 rad; at pi the result is 18 % too short. */
+/* Returns the rotation vector of a unit quaternion with w > 0, from the series of 2 asin(|v|). The error is below 1e-4
+ * rad up to 1 rad; at pi the result is 18 % too short. */
 static vector3_t rotation_vector(quaternion_t q) {
     const vector3_t v = {q.x, q.y, q.z};
     const float square = vector3_dot(v, v);
     return vector3_scale(v, 2.0f + square * (0.33333334f + square * (0.15f + square * 0.089285714f)));
 }
 
-/* The rotation from b to a, in the axes of their common frame. */
+/* Returns the rotation from b to a, in the axes of their common frame. */
 static quaternion_t turn_between(quaternion_t a, quaternion_t b) {
     return quaternion_align(quaternion_multiply(a, quaternion_conjugate(b)), quaternion_identity);
 }
 
-/* The time after a sample at which a gap begins. */
+/* Returns the time after a sample at which a gap begins. */
 static float awaited_s(const hand_motion_t *self) {
     return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_GRACE_S;
 }
 
-/* The extrapolation at one time. */
+/* The extrapolation to a point in time. */
 typedef struct {
     motion_filter_ahead_t horizon;
-    float pace; /* factor on the velocity, 1 to 0 in a gap */
-    float left; /* remaining share of the newest sample's change, 1 to 0 */
+    float pace; /* factor on the velocity, which falls from 1 to 0 in a gap */
+    float left; /* remaining share of the newest sample's change, which falls from 1 to 0 */
 } schedule_t;
 
 static inline schedule_t schedule(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
@@ -102,8 +102,8 @@ void hand_motion_reset(hand_motion_t *self) {
     self->is_running = false;
 }
 
-/* Restarts the motion at this pose. If the sample arrived in time, the jump fades in. After a gap, or for the first
- * sample, the prediction does not start from an old pose. */
+/* Restarts the motion at this pose. If the sample arrived in time, the jump fades in. After a gap, and for the first
+ * sample, the prediction starts from the new pose at once. */
 static void restart(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
     const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
     const twist_t motion = hand_motion_twist(self, now_us, 0.0f);
@@ -118,16 +118,16 @@ static void restart(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bo
     self->is_running = true;
 }
 
-/* The times for a new sample. */
+/* The extrapolation and the time spans needed to process a new sample. */
 typedef struct {
-    schedule_t before;              /* the extrapolation to now without the new sample */
+    schedule_t before;              /* the extrapolation to now, without the new sample */
     motion_filter_ahead_t interval; /* from the last sample to the new one */
     motion_filter_ahead_t latency;  /* from the new sample to now */
 } sample_times_t;
 
-/* Updates the filter. moved: its displacement in the interval. innovation: the sample minus that displacement. The
- * change of the prediction is the old prediction minus the new one. Rotation vectors are added as if rotations
- * commuted, so the prediction is continuous to first order in the angle of extrapolation. */
+/* Updates the filter. moved: the filter's displacement in the interval. innovation: the sample minus that displacement.
+ * The change of the prediction is the old prediction minus the new one. Rotation vectors are added as if rotations
+ * commuted, so the prediction is continuous only to first order in the angle of extrapolation. */
 static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change,
                                const motion_filter_scale_t *scale, vector3_t moved, vector3_t innovation,
                                const sample_times_t *at) {
@@ -141,7 +141,8 @@ static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *ch
     return correction;
 }
 
-/* Continues the motion with this pose. False, without a change, if the pose is too far from the prediction. */
+/* Continues the motion with this pose. Returns false, and changes nothing, if the pose is too far from the
+ * prediction. */
 static bool continue_motion(hand_motion_t *self, const pose_t *hand, float interval_s, uint32_t now_us,
                             float latency_s) {
     const sample_times_t at = {schedule(self, now_us, 0.0f), motion_filter_ahead(interval_s),
@@ -151,7 +152,7 @@ static bool continue_motion(hand_motion_t *self, const pose_t *hand, float inter
     const pose_t predicted = displace(self->pose, moved_m, turned_rad);
     const vector3_t way_m = difference(hand->translation_m, predicted.translation_m);
     const quaternion_t turn = turn_between(hand->rotation, predicted.rotation);
-    if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* also if NaN */
+    if (!(vector3_dot(way_m, way_m) < JUMP_M * JUMP_M && turn.w > JUMP_COS_HALF)) { /* also for NaN */
         return false;
     }
     const vector3_t correction_m =
@@ -159,13 +160,14 @@ static bool continue_motion(hand_motion_t *self, const pose_t *hand, float inter
     const vector3_t correction_rad =
         update(&self->rotation, &self->rotation_change, &rotation_scale, turned_rad, rotation_vector(turn), &at);
     const quaternion_t corrected = {1.0f, 0.5f * correction_rad.x, 0.5f * correction_rad.y,
-                                    0.5f * correction_rad.z}; /* unit below */
+                                    0.5f * correction_rad.z}; /* normalised below */
     self->pose.translation_m = vector3_add(predicted.translation_m, correction_m);
     self->pose.rotation = quaternion_normalise(quaternion_multiply(corrected, predicted.rotation));
     return true;
 }
 
-/* The usual interval grows by at most a tenth per sample, so that a gap is not mistaken for a slow tracker. */
+/* The running mean of the interval grows by at most a tenth per sample, so that a gap is not mistaken for a slow
+ * tracker. */
 static void learn_interval(hand_motion_t *self, float interval_s) {
     const float longest_s = 2.0f * self->interval_s;
     const float seen_s = float_is_below(interval_s, longest_s) ? interval_s : longest_s;

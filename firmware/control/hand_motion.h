@@ -1,10 +1,10 @@
-/* Estimates pose and twist of the person's hand at any time from time-stamped samples of its pose.
+/* Estimates the pose and twist of the person's hand at any time from time-stamped samples of its pose.
  *
- * Samples may arrive at any rate from 15 to 500 Hz, irregularly and with losses; noise and rate are measured
- * (motion_filter.h). Between samples the prediction is continuous: the change due to a new sample fades in over one
- * interval. If no sample arrives for HAND_MOTION_AWAITED_INTERVALS usual intervals plus HAND_MOTION_GRACE_S, the motion
- * slows down linearly and is at rest HAND_MOTION_GAP_S later. After a longer gap the next sample restarts the motion.
- * */
+ * Samples may arrive at any rate from 15 to 500 Hz, even irregularly and with losses; noise and rate are measured
+ * (motion_filter.h). Between samples the prediction is continuous: the change caused by a new sample fades in over one
+ * interval. If no sample arrives for HAND_MOTION_AWAITED_INTERVALS mean intervals plus HAND_MOTION_GRACE_S, the motion
+ * slows down linearly, and it is at rest HAND_MOTION_GAP_S later. After a longer gap, the next sample restarts the
+ * motion. */
 #ifndef COMANIP_HAND_MOTION_H
 #define COMANIP_HAND_MOTION_H
 
@@ -17,44 +17,45 @@
 #define HAND_MOTION_GAP_S 0.05f
 #define HAND_MOTION_GRACE_S 0.005f
 
-/* The time from the capture of a sample to its use is saturated to this range. It may be negative, because a reported
- * latency may be wrong. */
+/* The time from the capture of a sample to its use is clamped to this range. It can be negative, because a reported
+ * latency can be wrong. */
 #define HAND_MOTION_LATENCY_MIN_S -0.02f
 #define HAND_MOTION_LATENCY_MAX_S 0.1f
 
-/* The change of the prediction due to the newest sample, which fades over one interval. */
+/* The change of the prediction caused by the newest sample. It fades over one interval. */
 typedef struct {
     vector3_t displacement, velocity;
 } hand_motion_change_t;
 
 typedef struct {
-    bool is_running;                       /* there was a sample since the reset */
-    pose_t pose;                           /* at captured_us */
-    motion_filter_t translation, rotation; /* the rotation as rotation vectors relative to `pose` */
+    bool is_running;                       /* there has been a sample since the reset */
+    pose_t pose;                           /* pose at captured_us */
+    motion_filter_t translation, rotation; /* the rotation is filtered as rotation vectors relative to `pose` */
     hand_motion_change_t translation_change, rotation_change;
-    uint32_t captured_us, taken_us; /* of the newest sample */
+    uint32_t captured_us, taken_us; /* times of the newest sample */
     float latency_s;                /* taken_us - captured_us, within HAND_MOTION_LATENCY_MIN_S and _MAX_S */
-    float interval_s;               /* usual interval between samples */
+    float interval_s;               /* running mean of the interval between samples */
 } hand_motion_t;
 
-/* Initialises to the identity at rest, without a sample. */
+/* Initialises to the identity at rest, without any sample. */
 void hand_motion_init(hand_motion_t *self);
 
-/* To be called when the tracker is lost and its clock is unknown: the hand is at rest in its last pose, and the next
- * sample restarts the motion. Call it at most 35 minutes after the last sample, before the firmware's clock wraps. */
+/* Call this when the tracker is lost and its clock is unknown. The hand is then at rest in its last pose, and the next
+ * sample restarts the motion. It must be called at most 35 minutes after the last sample, before the firmware's clock
+ * wraps. */
 void hand_motion_reset(hand_motion_t *self);
 
-/* Takes the hand's pose (unit quaternion of either sign) at captured_us, received at now_us; both by the firmware's
- * clock, modulo 2^32. A wrong or jumping captured_us, as while the tracker's clock is being estimated, only reduces the
- * accuracy. A pose more than 0.5 m or 1 rad from the prediction restarts the motion. */
+/* Takes the hand's pose (a unit quaternion of either sign), captured at captured_us and received at now_us, both by the
+ * firmware's clock, modulo 2^32. If captured_us is wrong or jumps, as it does while the tracker's clock is being
+ * estimated, only the accuracy suffers. A pose more than 0.5 m or 1 rad from the prediction restarts the motion. */
 void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captured_us, uint32_t now_us);
 
-/* The hand at now_us + ahead_s, as known at now_us, which is not before the newest sample. The quaternion's sign is
- * continuous except at a restart. */
+/* Returns the hand's pose at now_us + ahead_s, as known at now_us, which must not be before the newest sample. The
+ * quaternion's sign is continuous except at a restart. */
 pose_t hand_motion_pose(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
-/* The twist at now_us + ahead_s. At the sample the speeds are at most 20 m/s and 50 rad/s; after it they change by at
- * most 200 m/s^2 and 1000 rad/s^2. The twist is that of the hand, without the motion by which a change fades in. */
+/* Returns the hand's twist at now_us + ahead_s. At the sample, the speeds are at most 20 m/s and 50 rad/s; after it,
+ * they change by at most 200 m/s^2 and 1000 rad/s^2. The twist excludes the motion by which a change fades in. */
 twist_t hand_motion_twist(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
 #endif

@@ -3,11 +3,11 @@
 
 #define UNIT_TOLERANCE 1e-3f
 
-/* Two quartz clocks drift apart by some ten ppm. The least clock offset is raised by 1 us every 5 ms (200 ppm), so that
- * it follows the drift and does not keep an old minimum. */
+/* Two quartz clocks drift apart by some tens of ppm. The minimum clock offset is raised by 1 us every 5 ms (200 ppm),
+ * so that it follows the drift instead of keeping an outdated minimum. */
 #define CLOCK_CREEP_PERIOD_US 5000u
 
-/* A tracker that was stale for this long is treated as new. */
+/* A tracker that has been stale for this long is treated as new. */
 #define FORGET_US 1000000u
 
 #define PERIOD_MIN_US 1000u
@@ -25,7 +25,7 @@ void hand_tracker_init(hand_tracker_t *self, uint32_t period_us) {
 
 void hand_tracker_interpolate(hand_tracker_t *self, bool interpolates) {
     if (interpolates && !self->interpolates) {
-        self->from = self->to; /* earlier poses were not stored */
+        self->from = self->to; /* no earlier pose was stored */
     }
     self->interpolates = interpolates;
 }
@@ -37,7 +37,7 @@ void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status) {
     self->latency_us = status->latency_us < LATENCY_MAX_US ? status->latency_us : LATENCY_MAX_US;
 }
 
-/* The delay of this frame compared with the fastest one, from the readings of both clocks modulo 2^32. */
+/* Returns the delay of this frame relative to the fastest one, from the readings of both clocks modulo 2^32. */
 static uint32_t lateness_us(hand_tracker_t *self, uint32_t stamp_us, uint32_t received_us) {
     uint32_t offset_us = received_us - stamp_us;
     if (!self->has_clock) {
@@ -47,7 +47,7 @@ static uint32_t lateness_us(hand_tracker_t *self, uint32_t stamp_us, uint32_t re
         return 0u;
     }
     uint32_t creep_us = (stamp_us - self->creep_stamp_us) / CLOCK_CREEP_PERIOD_US;
-    self->creep_stamp_us += creep_us * CLOCK_CREEP_PERIOD_US; /* the remainder is kept for the next frame */
+    self->creep_stamp_us += creep_us * CLOCK_CREEP_PERIOD_US; /* the remainder is carried over to the next frame */
     uint32_t least_us = self->clock_offset_us + creep_us;
     int32_t above_least_us = (int32_t)(offset_us - least_us);
     self->clock_offset_us = above_least_us < 0 ? offset_us : least_us;

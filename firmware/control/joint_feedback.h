@@ -1,4 +1,4 @@
-/* The state of the joints as the drives report it. */
+/* The state of the joints, as reported by the drives. */
 #ifndef COMANIP_JOINT_FEEDBACK_H
 #define COMANIP_JOINT_FEEDBACK_H
 
@@ -16,14 +16,14 @@ typedef struct {
 /* timeout_us: timeout of JointState on this bus. */
 void joint_feedback_init(joint_feedback_t *self, uint32_t timeout_us);
 
-/* joint: 0..ARM_MAX_JOINTS - 1. received_us: not after the time of the next check. */
+/* Takes a drive's report. joint: 0..ARM_MAX_JOINTS - 1. received_us: must not be after the time of the next check. */
 void joint_feedback_receive(joint_feedback_t *self, int joint, const joint_state_t *state, uint32_t received_us);
 
-/* True if every joint has answered within the timeout. Call it once per tick: an answer that has timed out is
- * discarded, because it would appear fresh again when the clock wraps after 71 minutes. */
+/* Returns true if every joint has reported within the timeout. Call it once per tick: it discards a report that has
+ * timed out, which would otherwise look fresh again when the clock wraps after 71 minutes. */
 bool joint_feedback_check_fresh(joint_feedback_t *self, int joint_count, uint32_t now_us);
 
-/* True if a drive reports an error. */
+/* Returns true if any drive reports an error. */
 bool joint_feedback_has_error(const joint_feedback_t *self, int joint_count);
 
 #endif

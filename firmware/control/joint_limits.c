@@ -11,20 +11,20 @@
 #define VELOCITY_STEPS_PER_RADPS COMANIP_JOINT_CMD_VELOCITY_0_RADPS_PER_UNIT
 #define POSITION_RESOLUTION_RAD COMANIP_JOINT_CMD_POSITION_0_RAD_RESOLUTION
 
-/* A quotient that is an integer except for float32's rounding is treated as that integer. */
+/* A quotient that is an integer except for float32's rounding error is treated as that integer. */
 #define ROUNDING_STEPS 1e-3f
 
-/* Upper limit of a^2 / j: if the jerk limit makes the deceleration grow too slowly, braking is planned with less than
- * the acceleration limit. With a larger value the arm overshoots on arrival. */
+/* Upper limit of a^2 / j. If the jerk limit makes the deceleration grow too slowly, braking is planned with less than
+ * the acceleration limit. With a larger value, the arm would overshoot on arrival. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
 static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The largest speed, up to the limit, from which a joint stops within the distance if its deceleration grows from 0:
- * v^2 / (2 a) + v a / (2 j) = distance. Until a command takes effect, the joint moves with earlier commands, which are
- * faster while it brakes; coasting_radps allows for that. */
+/* Returns the largest speed, up to the limit, from which a joint stops within the distance if its deceleration grows
+ * from 0: v^2 / (2 a) + v a / (2 j) = distance. Until a command takes effect, the joint follows earlier commands, which
+ * are faster while it brakes; coasting_radps allows for that. */
 static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad) {
     if (!float_is_below(0.0f, distance_rad)) {
         return 0.0f;
@@ -37,9 +37,9 @@ static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad)
     return float_is_below(0.0f, speed) ? float_smaller(speed, plan->speed_max_radps) : 0.0f;
 }
 
-/* The demanded speed is K times the remaining distance, so it decays as exp(-K t). Above the linear speed a / K this
- * requires more deceleration than a; there the speed is limited to the one from which the joint stops within the
- * remaining distance. Below it the demanded speed is returned. */
+/* The demanded speed is K times the remaining distance, so it decays as exp(-K t). Above the linear speed a / K, this
+ * would require more deceleration than a, so the speed is limited to the one from which the joint stops within the
+ * remaining distance. Below it, the demanded speed is returned. */
 static float approach_speed(float demanded_radps, float linear_radps) {
     if (!float_is_below(linear_radps, demanded_radps)) {
         return demanded_radps;
@@ -48,7 +48,7 @@ static float approach_speed(float demanded_radps, float linear_radps) {
     return __builtin_sqrtf(linear_radps * (2.0f * demanded_radps - linear_radps));
 }
 
-/* The speed rounded down to steps of the bus's resolution. */
+/* Returns the speed in steps of the bus's resolution, rounded down. */
 static int32_t steps_below(float speed_radps) {
     return (int32_t)(speed_radps * VELOCITY_STEPS_PER_RADPS + ROUNDING_STEPS);
 }
@@ -57,10 +57,13 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* The change of velocity in this tick, towards a velocity that is `way` >= 0 steps higher. last: the change in the last
- * tick. The result is the largest change that does not overshoot: a change x that decreases by J per tick adds up to (k
- * + 1) x - T(k), where k = floor(x / J) is the number of ticks that follow and T(k) = J k (k + 1) / 2. As x is within J
- * of the last change, its k is within 1 of that of the last change. If even last - J overshoots, it is last - J. */
+/* Returns the change of velocity in this tick, towards a velocity that is `way` >= 0 steps higher. last: the change in
+ * the last tick.
+ *
+ * The result is the largest change that does not overshoot. A change x that decreases by J per tick adds up to (k + 1)
+ * x - T(k), where k = floor(x / J) is the number of ticks that follow and T(k) = J k (k + 1) / 2. Since x is within J
+ * of the last change, its k is within 1 of that of the last change. If even last - J overshoots, last - J is
+ * returned. */
 static int32_t next_change(const joint_limits_plan_t *plan, int32_t way, int32_t last) {
     const int32_t jerk = plan->jerk_steps;
     int32_t k = last > 0 ? last / jerk : 0;
@@ -86,7 +89,7 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
                                                __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
-    /* A command lasts for one tick; the velocity lags behind the stopping speed by half the duration of a ramp. */
+    /* A command is held for one tick; the velocity lags behind the stopping speed by half the duration of a ramp. */
     const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
     const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
     return (joint_limits_plan_t){
@@ -119,7 +122,7 @@ void joint_limits_init(joint_limits_t *self) {
     *self = (joint_limits_t){0};
 }
 
-/* The factor on the feedback velocities with which each joint stops within its remaining distance. */
+/* Returns the factor on the feedback velocities with which each joint stops within its remaining distance. */
 static float approach_scale(const joint_limits_plan_t plan[], int joint_count, const float feedback_radps[]) {
     float scale = 1.0f; /* common to all joints */
     for (int i = 0; i < joint_count; i++) {
@@ -132,7 +135,7 @@ static float approach_scale(const joint_limits_plan_t plan[], int joint_count, c
     return scale;
 }
 
-/* The greatest distance that a joint moves until a change that increases its speed has decreased to 0. */
+/* Returns the greatest distance that a joint moves while a change that increases its speed decreases to 0. */
 static float ramp_way(const joint_limits_config_t *config, const joint_limits_plan_t *plan, float speed_radps,
                       int32_t change_steps) {
     const float change = (float)change_steps;

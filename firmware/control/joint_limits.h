@@ -1,12 +1,13 @@
-/* Limits position, velocity, acceleration and jerk of each joint. Every command passes through here, whatever the
- * demand and whatever the state.
+/* Limits the position, velocity, acceleration and jerk of each joint. Every command passes through here, regardless of
+ * demand and state.
  *
- * Let j be the jerk limit, and a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit, but at most
- * sqrt(0.1 rad/s j); both are rounded down to whole steps of the bus's resolution per tick. The rules are:
+ * Let j be the jerk limit, and a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit, but at most sqrt(0.1
+ * rad/s j); both j and a are rounded down to whole steps of the bus's resolution per tick. The rules are:
  *
  *   approach  A feedback speed u above a/K is lowered to sqrt(a/K (2 u - a/K)), from which the joint stops within the
- *             remaining distance; all joints are scaled alike. The feedforward velocity is added unchanged.
- *   speed     All joints are scaled alike to their speed limits, so that the end effector keeps its direction.
+ *             remaining distance; all joints are scaled by the same factor. The feedforward is added as is.
+ *   speed     All joints are scaled by the same factor to keep within their speed limits, so that the end effector
+ *             keeps its direction.
  *   range     Towards a limit at distance d, the speed is at most
  *             sqrt(2 a d + (a^2/2j)^2) - a^2/j - a (command_delay_s + tick_s). Of a^2/j, one half allows for the growth
  *             of the deceleration, the other for the lag of the velocity behind this speed.
@@ -14,7 +15,7 @@
  *             from that of the last tick by at most the jerk limit times tick_s^2. The change decreases to 0 in time,
  *             so that the velocity does not overshoot the value allowed by the rules above.
  *
- * From every reachable state, a joint with demand 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where a is the
+ * From every reachable state, a joint whose demand is 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where a is the
  * acceleration limit. */
 #ifndef COMANIP_JOINT_LIMITS_H
 #define COMANIP_JOINT_LIMITS_H
@@ -23,60 +24,62 @@
 
 #include "../arms/arm.h"
 
-/* Braking is planned with this share of the acceleration limit; the rest absorbs rounding and the encoder's noise. */
+/* Braking is planned with this share of the acceleration limit. The rest absorbs rounding and encoder noise. */
 #define JOINT_LIMITS_BRAKING_RESERVE 0.9f
 
-/* A joint is treated as at its limit this far before its stopping speed becomes 0, where it would only creep. */
+/* A joint is treated as at its limit from this distance before its stopping speed becomes 0; any closer, it would only
+ * creep. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
 /* Constants of a joint, derived from the config and the arm. */
 typedef struct {
     int32_t change_max_steps;  /* largest change of the velocity per tick */
-    int32_t jerk_steps;        /* largest difference of that change from the last tick's, >= 1 */
-    float ramp_ticks_per_step; /* ticks until a change has decreased to 0, per step of the change */
+    int32_t jerk_steps;        /* largest difference between that change and the last tick's, >= 1 */
+    float ramp_ticks_per_step; /* number of ticks in which a change of one step decreases to 0 */
     float speed_max_radps;
     float braking_radps2; /* a, the deceleration used for planning */
-    float linear_radps;   /* a / K: below it the approach rule keeps the demanded speed */
+    float linear_radps;   /* a / K, below which the approach rule keeps the demanded speed */
     float twice_braking_radps2;
-    float ramp_square;       /* (a^2 / (2 j))^2, where a^2 / (2 j) is lost while the deceleration grows to a */
-    float fastest_square;    /* square from which on the stopping speed is speed_max_radps */
+    float ramp_square;       /* (a^2 / (2 j))^2; the speed a^2 / (2 j) is lost while the deceleration grows to a */
+    float fastest_square;    /* from this squared speed on, the stopping speed is speed_max_radps */
     float coasting_radps;    /* part of the stopping speed lost to that growth and to earlier commands */
-    float reference_min_rad; /* slightly inside the limits, so that the rounded reference on the bus */
-    float reference_max_rad; /* is within them */
+    float reference_min_rad; /* slightly inside the limits, so that the reference, when rounded for */
+    float reference_max_rad; /* the bus, is within the limits */
 } joint_limits_plan_t;
 
 typedef struct {
     float tick_s;                  /* > 0 */
-    float speed_fraction;          /* 0..1 of each joint's velocity_max_radps */
+    float speed_fraction;          /* fraction of each joint's velocity_max_radps, 0..1 */
     float acceleration_max_radps2; /* > 0 */
-    float command_delay_s;         /* from the command to the drive's motion */
-    float approach_gain_per_s;     /* largest gain K of the feedback, which is K times the remaining distance */
+    float command_delay_s;         /* time from the command to the drive's motion */
+    float approach_gain_per_s;     /* largest gain K of the feedback; its velocity is K times the distance */
     /* set by joint_limits_prepare(): */
     joint_limits_plan_t plan[ARM_MAX_JOINTS];
-    float at_limit_rad[ARM_MAX_JOINTS]; /* a joint nearer to a limit is treated as at that limit */
+    float at_limit_rad[ARM_MAX_JOINTS]; /* a joint nearer than this to a limit is treated as at that limit */
 } joint_limits_config_t;
 
-/* Derives plan and at_limit_rad. Call it once, after the other members of the config are set. */
+/* Derives `plan` and `at_limit_rad`. Call it once, after the other members of the config are set. */
 void joint_limits_prepare(joint_limits_config_t *config, const arm_t *arm);
 
-/* The last command. */
+/* State: the last command. */
 typedef struct {
     float position_rad[ARM_MAX_JOINTS];     /* reference for the next tick, within the arm's range */
     int32_t velocity_steps[ARM_MAX_JOINTS]; /* velocity in steps of the bus's resolution */
-    int32_t change_steps[ARM_MAX_JOINTS];   /* its change from the previous command */
+    int32_t change_steps[ARM_MAX_JOINTS];   /* change of the velocity from the previous command */
     float velocity_radps[ARM_MAX_JOINTS];   /* the same velocity in rad/s */
 } joint_limits_t;
 
 void joint_limits_init(joint_limits_t *self);
 
-/* Computes the command, which is left in self. measured_rad, feedback_radps, feedforward_radps: joint_count values; the
- * feedback velocities correct the error and are subject to the approach rule, the feedforward velocities are those of
- * the target's motion. Commanded velocities are whole multiples of the bus's resolution (1 mrad/s), so that exactly the
- * limited values are sent. Returns false and brakes if a value, or the sum of a joint's velocities, is not finite. */
+/* Computes the command and leaves it in self. measured_rad, feedback_radps, feedforward_radps: joint_count values each.
+ * The feedback velocities correct the error and are subject to the approach rule; the feedforward velocities are those
+ * of the target's motion. Commanded velocities are whole multiples of the bus's resolution (1 mrad/s), so that exactly
+ * the limited values are sent. Returns false and brakes if a value, or the sum of a joint's velocities, is not
+ * finite. */
 bool joint_limits_apply(joint_limits_t *self, const arm_t *arm, const joint_limits_config_t *config,
                         const float measured_rad[], const float feedback_radps[], const float feedforward_radps[]);
 
-/* True if all commanded velocities and their changes are 0. */
+/* Returns true if all commanded velocities and their changes are 0. */
 bool joint_limits_at_rest(const joint_limits_t *self, const arm_t *arm);
 
 #endif

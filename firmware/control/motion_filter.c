@@ -1,20 +1,21 @@
 /* Fading-memory filter: see motion_filter.h. */
 #include "motion_filter.h"
 
-/* The noise is averaged over NOISE_S; at the start over the elapsed time plus NOISE_TIME_MIN_S. */
+/* The noise is averaged over NOISE_S or, shortly after the start, over the elapsed time plus NOISE_TIME_MIN_S. */
 #define NOISE_S 1.0f
 #define NOISE_TIME_MIN_S 0.03f
 
-/* If the trend's square exceeds its expected value by more than this factor, the shortest memory shrinks with the
+/* If the trend's square exceeds its expected value by more than this factor, the shortest memory is reduced by the
  * eighth root of the excess. */
 #define TREND_FAST 10.0f
 
-#define NOISE_MIN 0.2f /* in standard deviations of the scale */
+#define NOISE_MIN 0.2f /* in units of the scale's standard deviation */
 #define NOISE_MAX 100.0f
-/* Limit of a single second difference of innovations, in variances, so that an outlier does not count as noise. */
+/* Upper limit of a single second difference of innovations, in variances, so that an outlier does not count as
+ * noise. */
 #define OUTLIER_VARIANCES 9.0f
 
-#define INTERVAL_S 0.004f /* sample interval for which MOTION_FILTER_MEMORY_S is valid */
+#define INTERVAL_S 0.004f /* sample interval for which MOTION_FILTER_MEMORY_S was tuned */
 
 void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scale) {
     *self = (motion_filter_t){
@@ -32,9 +33,9 @@ void motion_filter_restart(motion_filter_t *self) {
     };
 }
 
-/* The share of the past that is kept after a time x >= 0 in units of the memory, exp(-x), and 1 minus that share. The
- * exponential is approximated by 1 / (1 + x + x^2/2 + x^3/6), which decreases monotonically from 1 to 0 and is at most
- * 0.03 above it (at x = 2.9; 2e-4 at x = 0.3). */
+/* kept: the share of the past that is kept after a time x >= 0 in units of the memory, exp(-x). forgotten: 1 minus that
+ * share. The exponential is approximated by 1 / (1 + x + x^2/2 + x^3/6), which decreases monotonically from 1 to 0 and
+ * exceeds exp(-x) by at most 0.03 (at x = 2.9; by 2e-4 at x = 0.3). */
 typedef struct {
     float kept, forgotten;
 } fading_t;
@@ -49,13 +50,14 @@ static float cube(float x) {
     return x * x * x;
 }
 
-/* x clamped to min..max. None of the three may be negative. */
+/* Returns x clamped to min..max. None of the three may be negative. */
 static float clamp(float x, float min, float max) {
     return float_is_below(x, min) ? min : float_smaller(x, max);
 }
 
-/* x^(1/8) of a normal number, within 0.4 %. Without a floating-point unit three square roots would cost twice as much.
- * An eighth of the bits, taken as a logarithm, gives a guess within 4 %; one Newton step follows. */
+/* Returns x^(1/8) of a normal number, within 0.4 %. Without a floating-point unit, three square roots would cost twice
+ * as much. The bits approximate a logarithm, so an eighth of them yields a guess within 4 %; one Newton step
+ * follows. */
 static float eighth_root(float x) {
     const uint32_t guess_bits = (float_bits(x) >> 3) + 0x378B6000u;
     float guess;
@@ -69,14 +71,14 @@ static vector3_t shorten(vector3_t v, float length_max) {
     return float_is_below(length_max * length_max, square) ? vector3_scale(v, length_max / __builtin_sqrtf(square)) : v;
 }
 
-/* For white noise the innovations are white and have the variance noise / kept^3. */
+/* If the noise is white, the innovations are white too, and their variance is noise / kept^3. */
 static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
                           float interval_s, float kept) {
     const vector3_t change = vector3_add(innovation, vector3_scale(self->innovation, -1.0f));
     const vector3_t bend = vector3_add(change, vector3_scale(self->innovation_change, -1.0f));
     self->innovation_change = change;
     const float measured =
-        cube(kept) * vector3_dot(bend, bend) * (1.0f / 18.0f); /* three components, variances 1 + 4 + 1 */
+        cube(kept) * vector3_dot(bend, bend) * (1.0f / 18.0f); /* three components; 1 + 4 + 1 variances each */
     const float believed = float_smaller(measured, OUTLIER_VARIANCES * self->noise_variance);
     self->noise_time_s = float_smaller(self->noise_time_s + interval_s, NOISE_S);
     const float variance = self->noise_variance + (believed - self->noise_variance) * (interval_s / self->noise_time_s);

@@ -1,7 +1,7 @@
-/* Estimates velocity and acceleration of a quantity with three components from noisy samples at irregular times. It is
- * the fading-memory polynomial filter of third order (N. Morrison, "Introduction to Sequential Smoothing and
- * Prediction", 1969), which is a critically damped alpha-beta-gamma filter. Its memory adapts to the samples, so that
- * no tracker needs tuning:
+/* Estimates the velocity and acceleration of a quantity with three components from noisy samples taken at irregular
+ * times. It is the fading-memory polynomial filter of third order (N. Morrison, "Introduction to Sequential Smoothing
+ * and Prediction", 1969), which is a critically damped alpha-beta-gamma filter. Its memory adapts to the samples, so
+ * that no tracker needs tuning:
  *
  *   noise   is measured by the second differences of the innovations, on which motion has little influence.
  *   trend   is the mean of the innovations over the memory. While the filter follows the motion, its size is that of
@@ -14,32 +14,32 @@
 #include "../maths/dual_quaternion.h"
 #include "../maths/float_bits.h"
 
-/* The shortest memory, in motion, at the scale's noise and a sample interval of 4 ms. It grows with the eighth root of
- * noise variance times interval (that of a Kalman filter for white jerk grows with the sixth root; recordings need
- * less), and shrinks in very fast motion. */
+/* The shortest memory, which is used in motion, at the scale's noise and a sample interval of 4 ms. It grows with the
+ * eighth root of noise variance times interval, and shrinks in very fast motion. (The memory of a Kalman filter for
+ * white jerk would grow with the sixth root, but recordings need less growth.) */
 #define MOTION_FILTER_MEMORY_S 0.038f
-/* The longest memory, at rest, divided by the shortest. */
+/* Ratio of the longest memory, which is used at rest, to the shortest. */
 #define MOTION_FILTER_REST_RATIO 2.8f
 #define MOTION_FILTER_SETTLE_S 1.0f
 /* Without innovations the acceleration decays with this time constant. */
 #define MOTION_FILTER_ACCELERATION_S 0.15f
-/* Extrapolation uses the acceleration for this time only. Longer, it would amplify tremor: at 4 Hz the acceleration
+/* Extrapolation uses the acceleration only for this time. A longer time would amplify tremor: at 4 Hz, the acceleration
  * changes sign within 60 ms. */
 #define MOTION_FILTER_ACCELERATION_AHEAD_S 0.03f
 
-/* Typical values of the quantity, in its unit (m or rad). */
+/* Typical values of the quantity, in its own unit (m or rad). */
 typedef struct {
-    float noise_variance;                 /* per component: initial value; estimates are 0.2^2 to 100^2 times it */
-    float velocity_max, acceleration_max; /* bounds of the estimates' magnitudes, in unit/s and unit/s^2 */
+    float noise_variance;                 /* initial value, per component; estimates are 0.2^2 to 100^2 times this */
+    float velocity_max, acceleration_max; /* upper bounds of the estimates' magnitudes, in unit/s and unit/s^2 */
 } motion_filter_scale_t;
 
 typedef struct {
-    vector3_t velocity, acceleration; /* at the newest sample */
-    vector3_t innovation;             /* of the newest sample */
-    vector3_t innovation_change;      /* from the sample before */
+    vector3_t velocity, acceleration; /* estimates at the newest sample */
+    vector3_t innovation;             /* innovation of the newest sample */
+    vector3_t innovation_change;      /* change of the innovation from that of the previous sample */
     vector3_t trend;
-    float noise_variance; /* per component */
-    float noise_time_s;   /* time over which it has been measured, up to NOISE_S of motion_filter.c */
+    float noise_variance; /* measured noise, per component */
+    float noise_time_s;   /* time over which the noise has been measured, up to NOISE_S of motion_filter.c */
     float memory_s;
 } motion_filter_t;
 
@@ -49,11 +49,11 @@ void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scal
 /* Resets to rest, but keeps the measured noise. */
 void motion_filter_restart(motion_filter_t *self);
 
-/* A time after the newest sample, shared by several filters. The motion is extrapolated with constant acceleration for
- * MOTION_FILTER_ACCELERATION_AHEAD_S and with constant velocity afterwards. */
+/* A point in time after the newest sample; several filters can share it. The motion is extrapolated with constant
+ * acceleration for MOTION_FILTER_ACCELERATION_AHEAD_S and with constant velocity afterwards. */
 typedef struct {
     float ahead_s, accelerated_s;
-    float curve_s2; /* factor of the acceleration in the displacement */
+    float curve_s2; /* factor by which the acceleration contributes to the displacement */
 } motion_filter_ahead_t;
 
 static inline motion_filter_ahead_t motion_filter_ahead(float ahead_s) {
@@ -62,7 +62,7 @@ static inline motion_filter_ahead_t motion_filter_ahead(float ahead_s) {
     return (motion_filter_ahead_t){ahead_s, accelerated_s, accelerated_s * (ahead_s - 0.5f * accelerated_s)};
 }
 
-/* The displacement from the newest sample to that time, and the velocity at that time. */
+/* Return the displacement from the newest sample to that time, and the velocity at that time. */
 static inline vector3_t motion_filter_displacement(const motion_filter_t *self, const motion_filter_ahead_t *then) {
     return vector3_add(vector3_scale(self->velocity, then->ahead_s), vector3_scale(self->acceleration, then->curve_s2));
 }
@@ -70,9 +70,9 @@ static inline vector3_t motion_filter_velocity(const motion_filter_t *self, cons
     return vector3_add(self->velocity, vector3_scale(self->acceleration, then->accelerated_s));
 }
 
-/* Takes a sample, interval->ahead_s > 0 after the last one. innovation: the sample minus the position predicted by
- * motion_filter_displacement(interval). Returns the correction of that prediction. The filter stores no position, so
- * that it can also be used for rotations. */
+/* Takes a sample that was captured interval->ahead_s > 0 after the last one. innovation: the sample minus the position
+ * predicted by motion_filter_displacement(interval). Returns the correction of that prediction. The filter stores no
+ * position, so that it can also be used for rotations. */
 vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
                                const motion_filter_ahead_t *interval);
 

@@ -91,7 +91,7 @@ static void set_up(position_priority_equations_t *self, const arm_t *arm, const 
     }
 }
 
-/* The equations and the arrays for their two solutions. */
+/* The equations, and the arrays for their two solutions. */
 typedef struct {
     position_priority_equations_t *equations;
     int joint_count;

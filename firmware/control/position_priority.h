@@ -1,5 +1,5 @@
-/* Position-priority differential inverse kinematics: the end effector follows a moving target, with priority of
- * position over orientation, and comes to rest where it cannot follow.
+/* Position-priority differential inverse kinematics: the end effector follows a moving target, with position taking
+ * priority over orientation, and comes to rest where it cannot follow.
  *
  * The joint velocities descend the gradient of
  *
@@ -7,23 +7,26 @@
  *
  * - p: the position error [m];
  * - v: the vector part of the error's quaternion, so that 2 v is nearly the rotation vector;
- * - x_i: how far joint i is within POSITION_PRIORITY_MARGIN_RAD of a limit;
+ * - x_i: how deep joint i is in the margin of POSITION_PRIORITY_MARGIN_RAD before a limit;
  * - k: the stiffness of that margin, which grows with the orientation error (its derivative is neglected);
- * - h(p) = p^2, continued linearly beyond POSITION_PRIORITY_ERROR_MAX_M: a longer error is shortened to that length.
+ * - h(p) = p^2, continued linearly beyond POSITION_PRIORITY_ERROR_MAX_M: an error longer than that is shortened to that
+ *   length.
  *
- * With J = (J_p, J_r) the geometric Jacobian, e the shortened position error, and xi the target's twist,
+ * With the geometric Jacobian J = (J_p, J_r), the shortened position error e and the target's twist xi, the equations
+ * are
  *
  *     M [u_feedback u_feedforward] = [K (J_p^T e + w (2 J_r^T v + k x))   J_p^T xi_p + w J_r^T xi_r]
  *     M = J_p^T A J_p + w (J_r^T J_r + k) + D
  *
  * M is positive definite, so V decreases while k is constant and the target is at rest, and the arm comes to rest.
  *
- * - w is so small that it changes the position by a few tenths of a millimetre at most.
+ * - w is small enough to change the position by at most a few tenths of a millimetre.
  * - The margin keeps an unreachable orientation from driving joints to their limits, where the position would be lost.
  *   A reachable orientation is reached.
- * - A = I + damping (J_p J_p^T)^-1 damps motion of the position only. Near a singularity it prevents the amplification
- *   of noise and tremor, and does not slow down the orientation.
- * - D is a small damping plus a share of the terms of V's Hessian that J_p^T J_p (Gauss-Newton) omits: on the diagonal
+ * - A = I + damping (J_p J_p^T)^-1 damps only the motion of the position. Near a singularity, it prevents the
+ *   amplification of noise and tremor without slowing down the orientation.
+ * - D is a small damping plus a share of the terms of V's Hessian that J_p^T J_p (Gauss-Newton) omits. The share is a
+ *   diagonal matrix with the elements
  *   sum_j |(a_min(i,j) x e) . m_max(i,j)|, Gershgorin's bound, with the joints' axes a and moments m. It keeps the
  *   loop's rate at K when the arm is stretched out towards a target out of reach. */
 #ifndef COMANIP_POSITION_PRIORITY_H
@@ -36,17 +39,17 @@
 
 typedef struct {
     float gain_per_s;            /* K > 0 */
-    float orientation_weight_m2; /* w >= 0: squared position error that is equivalent to 1 rad^2 */
+    float orientation_weight_m2; /* w >= 0: the squared position error that counts as much as 1 rad^2 */
 } position_priority_config_t;
 
 typedef struct {
     const float *position_rad;  /* joint_count angles */
     const pose_t *target;       /* in the torso frame; either sign */
     const twist_t *motion;      /* the target's twist, in the torso frame */
-    joints_at_limit_t at_limit; /* joints that feedback plus feedforward must not drive beyond their limits */
+    joints_at_limit_t at_limit; /* joints that the sum of feedback and feedforward must not drive beyond their limits */
 } position_priority_request_t;
 
-/* Solves the equations for any arm; arm_ik_position_priority() uses the code generated for an arm if there is any.
+/* Solves the equations for any arm; arm_ik_position_priority() uses the code generated for the arm, if there is any.
  * feedback_radps, feedforward_radps: joint_count values each, not limited. Returns the position error [m]. */
 float position_priority(const arm_t *arm, const position_priority_config_t *config,
                         const position_priority_request_t *request, float feedback_radps[], float feedforward_radps[]);

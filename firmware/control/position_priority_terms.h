@@ -10,10 +10,10 @@
 #define POSITION_PRIORITY_TASK_DAMPING_M2 3e-4f
 #define POSITION_PRIORITY_TASK_FLOOR_M2 1e-5f
 #define POSITION_PRIORITY_CURVATURE_SHARE 0.25f
-#define POSITION_PRIORITY_STIFFNESS 5.0f   /* greatest k: holds a joint in the margin for any orientation, 2 |v| <= 2 */
-#define POSITION_PRIORITY_TURN_RAD4 0.073f /* k is half of that at 0.52 rad, 30 degrees */
+#define POSITION_PRIORITY_STIFFNESS 5.0f   /* greatest k: keeps a joint in the margin for any orientation, 2 |v| <= 2 */
+#define POSITION_PRIORITY_TURN_RAD4 0.073f /* k is half its greatest value at 0.52 rad, 30 degrees */
 
-/* x: depth of the joint in the margin of its lower limit, minus its depth in the margin of its upper limit. */
+/* Returns x, the joint's depth in the margin of its lower limit minus its depth in the margin of its upper limit. */
 static inline float position_priority_margin(float min_rad, float max_rad, float position_rad) {
     const float above_lower_rad = position_rad - min_rad;
     const float below_upper_rad = max_rad - position_rad;
@@ -27,28 +27,29 @@ static inline float position_priority_margin(float min_rad, float max_rad, float
     return within_rad;
 }
 
-/* The factor that shortens the position error to POSITION_PRIORITY_ERROR_MAX_M. */
+/* Returns the factor that shortens the position error to POSITION_PRIORITY_ERROR_MAX_M. */
 static inline float position_priority_share(float distance_m) {
     return float_is_below(POSITION_PRIORITY_ERROR_MAX_M, distance_m) ? POSITION_PRIORITY_ERROR_MAX_M / distance_m
                                                                      : 1.0f;
 }
 
-/* k as a function of |2 v|^2. */
+/* Returns k as a function of |2 v|^2. */
 static inline float position_priority_stiffness(float turn_rad2) {
     const float turn_rad4 = turn_rad2 * turn_rad2;
     return POSITION_PRIORITY_STIFFNESS * turn_rad4 / (turn_rad4 + POSITION_PRIORITY_TURN_RAD4);
 }
 
-/* The cofactors of J_p J_p^T + floor I times this factor give A - I. The determinant is at least floor^2 times the
- * largest eigenvalue; if two directions are singular, rounding may reduce it, so it is bounded from below. */
+/* Returns the factor by which the cofactors of J_p J_p^T + floor I must be multiplied to obtain A - I. The determinant
+ * is at least floor^2 times the largest eigenvalue. If two directions are singular, rounding may reduce it, so it is
+ * bounded from below. */
 static inline float position_priority_task_scale(float determinant, float trace) {
     const float least =
         trace * (POSITION_PRIORITY_TASK_FLOOR_M2 * POSITION_PRIORITY_TASK_FLOOR_M2 / 3.0f + 1e-9f * trace);
     return POSITION_PRIORITY_TASK_DAMPING_M2 / (float_is_below(determinant, least) ? least : determinant);
 }
 
-/* The sum of D and w k on the diagonal for a joint, without the Hessian terms. weighted_stiffness: w k. within_rad: x.
- * */
+/* Returns a joint's diagonal element of D plus w k, without the Hessian terms. weighted_stiffness: w k. within_rad:
+ * x. */
 static inline float position_priority_damping(float weighted_stiffness, float within_rad) {
     return POSITION_PRIORITY_DAMPING_M2 + (float_magnitude_bits(within_rad) != 0u ? weighted_stiffness : 0.0f);
 }
@@ -58,7 +59,7 @@ typedef struct {
     float feedback[ARM_MAX_JOINTS], feedforward[ARM_MAX_JOINTS]; /* right-hand sides */
 } position_priority_equations_t;
 
-/* Solves and overwrites the equations. The sum of both solutions drives no joint beyond a limit that it is at. */
+/* Solves and overwrites the equations. The sum of the two solutions drives no joint that is at a limit beyond it. */
 void position_priority_solve(position_priority_equations_t *equations, int joint_count, joints_at_limit_t at_limit,
                              float feedback_radps[], float feedforward_radps[]);
 

@@ -4,18 +4,18 @@
 #include <float.h>
 #include <string.h>
 
-#define STILL_M 5e-3f    /* a watched target that moves less is at rest */
-#define PROGRESS_M 1e-3f /* if the distance changes by more meanwhile, the end effector is not stuck */
+#define STILL_M 5e-3f    /* a watched target that moves less than this is at rest */
+#define PROGRESS_M 1e-3f /* if the distance from the target changes by more than this, the end effector is not stuck */
 
-#define SEED_JOINTS 4 /* further joints start at the same side of their ranges as these, in order */
+#define SEED_JOINTS 4 /* any further joint starts at the same side of its range as one of these, in order */
 #define SEEDS (1 << SEED_JOINTS)
-#define STEPS 40 /* per candidate */
+#define STEPS 40 /* number of steps per candidate */
 #define MET_M 5e-4f
-#define ORIENTATION_SHARE 0.1f /* of the orientation weight: enough to select by, with less influence on the position */
+#define ORIENTATION_SHARE 0.1f /* share of the orientation weight: enough to select by, but affects the position less */
 
 #define ARRIVED_RAD 1e-3f
-#define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther away from the posture, */
-#define STANDS_M 1e-3f   /* or if the target moves farther */
+#define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther than this from the posture, */
+#define STANDS_M 1e-3f   /* or if the target moves farther than this */
 
 static bool is_away(const posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(self->target_m, -1.0f));
@@ -57,9 +57,9 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
     begin_candidate(self, arm, 0);
 }
 
-/* Moves the candidate by one step: position_priority() for a second with K = 1/s. Each joint stays just inside the
- * margin in which it is treated as at its limit. Returns the end effector's distance from the target before the step.
- * */
+/* Moves the candidate by one step, which is position_priority() applied for a second with K = 1/s. Each joint stays
+ * just inside the margin in which it is treated as at its limit. Returns the end effector's distance from the target
+ * before the step. */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     const arm_t *arm = config->ik->arm;
@@ -94,7 +94,8 @@ static void keep_nearest(posture_change_t *self, const float position_rad[], int
     }
 }
 
-/* After all seeds the nearest candidate makes further steps, so that its orientation is nearly optimal as well. */
+/* After all seeds, the nearest candidate takes further steps, so that its orientation becomes nearly optimal as
+ * well. */
 static void search(posture_change_t *self, const posture_change_config_t *config,
                    const position_priority_request_t *request) {
     const float distance_m = improve(self, config, request->target);
@@ -129,7 +130,8 @@ static float hand_speed(const arm_t *arm, const float position_rad[], const floa
     return __builtin_sqrtf(vector3_dot(hand_mps, hand_mps));
 }
 
-/* All joints are scaled alike: a straight line between two postures within the joint limits is within them. */
+/* All joints are scaled by the same factor, so the arm moves in a straight line in joint space. Since both ends of that
+ * line are within the joint limits, so is the whole line. */
 static void move(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[],
                  float velocity_radps[]) {
     const arm_t *arm = config->ik->arm;

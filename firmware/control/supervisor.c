@@ -10,7 +10,7 @@ void supervisor_init(supervisor_t *self) {
     enter(self, MODE_IDLE, REASON_BOOT);
 }
 
-/* True if the arm must not move, with the reason. */
+/* Returns true, and sets the reason, if the arm must not move. */
 static bool fault_present(const supervisor_inputs_t *inputs, reason_t *reason) {
     if (!inputs->finite) {
         *reason = REASON_NOT_FINITE;

@@ -20,16 +20,17 @@ void supervisor_init(supervisor_t *self);
 
 /* Updates the mode from the inputs, once per tick:
  *   idle <-> ready as drives and tracker come and go; cooperating <-> hold as the tracker comes and goes;
- *   cooperating, hold -> fault when a drive falls silent or reports an error, or a number is not finite. */
+ *   cooperating, hold -> fault when a drive stops responding or reports an error, or a number is not finite. */
 void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs);
 
-/* ready -> cooperating. */
+/* Changes from ready to cooperating. */
 result_t supervisor_start(supervisor_t *self);
 
-/* cooperating, hold -> ready; fault -> idle if its cause is gone; idle and ready stay. */
+/* Changes from cooperating or hold to ready, and from fault to idle if the cause of the fault is gone. Idle and ready
+ * remain. */
 result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
 
-/* True in mode cooperating or hold. */
+/* Returns true in mode cooperating or hold. */
 static inline bool supervisor_is_engaged(const supervisor_t *self) {
     return self->mode == MODE_COOPERATING || self->mode == MODE_HOLD;
 }

@@ -10,19 +10,19 @@
 
 typedef struct {
     task_form_t form;
-    vector3_t t_task_m;  /* in the end effector's frame */
-    quaternion_t q_task; /* unit */
-    quaternion_t q_inv;  /* unit: rotation from end effector to virtual hand at the start */
+    vector3_t t_task_m;  /* translation of q_task, in the end effector's frame */
+    quaternion_t q_task; /* rotation of q_task, unit */
+    quaternion_t q_inv;  /* unit: rotation from the end effector to the virtual hand at the start */
 } task_t;
 
-/* The built-in tasks of Table I, indexed by task_id_t. TASK_CUSTOM and unused numbers have zeros. */
+/* The built-in tasks of Table I, indexed by task_id_t. The entries of TASK_CUSTOM and of unused numbers are zero. */
 extern const task_t task_table[COMANIP_TASK_NUMBERS];
 
-/* The built-in task with this number, or NULL. */
+/* Returns the built-in task with this number, or NULL. */
 const task_t *task_built_in(uint8_t number);
 
-/* q_task as a function of the person's hand: its displacement along the torso's x axis since the start, times `slope`,
- * is added to the translation along z. */
+/* q_task as a function of the person's hand. The hand's displacement along the torso's x axis since the start, times
+ * `slope`, is added to the translation along z. */
 typedef struct {
     pose_t pose;
     float slope; /* 0: constant */
@@ -30,7 +30,7 @@ typedef struct {
 
 task_relation_t task_relation(const task_t *task);
 
-/* Equation (2): q_task at this displacement. */
+/* Returns the q_task of equation (2) at this displacement. */
 pose_t task_relation_at(const task_relation_t *relation, float forward_displacement_m);
 
 /* Interpolates from a (s = 0) to b (s = 1) like pose_interpolate(). */

@@ -1,11 +1,11 @@
 /* Quaternions and dual quaternions, the algebra of the paper (sections III and IV-A).
  *
- * Conventions: Hamilton product, order w x y z, float32, SI units. A pose is the unit dual quaternion
- * x = r + eps * 1/2 * t * r with rotation r and translation t [m] (equation (2)); its 8 floats lie in memory as
- * [rw rx ry rz dw dx dy dz], the paper's vec8. x and -x are the same pose.
+ * Conventions: Hamilton product, order w x y z, float32, SI units. A pose is the unit dual quaternion x = r + eps * 1/2
+ * * t * r with rotation r and translation t [m] (equation (2)); its 8 floats are stored as [rw rx ry rz dw dx dy dz],
+ * the paper's vec8. x and -x represent the same pose.
  *
- * All functions pass values and are total; NaN in the input gives NaN in the result. Unit inputs give results that are
- * unit within rounding; only the functions that say so normalise. */
+ * All functions take and return values, and accept any input; a NaN in the input yields a NaN in the result. If the
+ * inputs are unit, the result is unit within rounding; only the functions that say so normalise it. */
 #ifndef COMANIP_DUAL_QUATERNION_H
 #define COMANIP_DUAL_QUATERNION_H
 
@@ -61,18 +61,17 @@ static inline float quaternion_dot(quaternion_t a, quaternion_t b) {
     return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* True if | |a| - 1 | is below the tolerance, to first order. False for NaN. */
+/* Returns true if | |a| - 1 | is below the tolerance, to first order; false for NaN. */
 bool quaternion_is_unit(quaternion_t a, float tolerance);
 
-/* a / |a|. The zero quaternion gives the identity. */
+/* Returns a / |a|, or the identity for the zero quaternion. */
 quaternion_t quaternion_normalise(quaternion_t a);
 
-/* Of a and -a, which are the same rotation, the one with a dot product >= 0 with the reference. */
+/* Returns a or -a, which are the same rotation, whichever has a dot product >= 0 with the reference. */
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
-/* The vector rotated by the unit quaternion, r v conj(r) = (w^2 - u . u) v + 2 (u . v) u + 2 w u x v, where u is the
- * vector part. In this form a rounding error in the quaternion's norm changes the result's length, not its direction.
- * */
+/* Rotates a vector by a unit quaternion: r v conj(r) = (w^2 - u . u) v + 2 (u . v) u + 2 w u x v, where u is the vector
+ * part. In this form, a rounding error in the quaternion's norm changes the result's length but not its direction. */
 static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
     const vector3_t r = {rotation.x, rotation.y, rotation.z};
     const vector3_t straight = vector3_scale(v, rotation.w * rotation.w - vector3_dot(r, r));
@@ -81,36 +80,38 @@ static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
     return vector3_add(vector3_add(straight, along), across);
 }
 
-/* Rotation of `angle` = |v| [rad] about v / |v|; |v| within TRIGONOMETRY_MAX_RAD. Zero gives the identity. */
+/* Returns the rotation by the angle |v| [rad] about v / |v|, or the identity for zero. |v| must be within
+ * TRIGONOMETRY_MAX_RAD. */
 quaternion_t quaternion_from_rotation_vector(vector3_t v_rad);
 
-/* The unit quaternion with w >= 0 of a rotation matrix, row by row (the paper's footnote 1). The largest component is
- * computed first, so that no rotation loses precision. The matrix must be a rotation within rounding. */
+/* Returns the unit quaternion with w >= 0 of a rotation matrix, given row by row (the paper's footnote 1). The result
+ * is computed from its largest component, so that no rotation loses precision. The matrix must be a rotation within
+ * rounding. */
 quaternion_t quaternion_from_matrix(const float matrix[9]);
 
-/* Normalised linear interpolation from a (s = 0) to b (s = 1) along the shorter path. */
+/* Interpolates linearly from a (s = 0) to b (s = 1) along the shorter path, and normalises. */
 quaternion_t quaternion_interpolate(quaternion_t a, quaternion_t b, float s);
 
 dual_quaternion_t dual_quaternion_add(dual_quaternion_t a, dual_quaternion_t b);
 dual_quaternion_t dual_quaternion_negate(dual_quaternion_t a);
 dual_quaternion_t dual_quaternion_multiply(dual_quaternion_t a, dual_quaternion_t b);
 
-/* Conjugates both quaternions: the inverse of a unit dual quaternion. */
+/* Conjugates both quaternions, which yields the inverse of a unit dual quaternion. */
 dual_quaternion_t dual_quaternion_conjugate(dual_quaternion_t a);
 
-/* Normalises to a pose: |P| = 1 and P . D = 0. A zero primary part gives the identity. */
+/* Normalises to a pose, so that |P| = 1 and P . D = 0. Returns the identity if the primary part is zero. */
 dual_quaternion_t dual_quaternion_normalise(dual_quaternion_t a);
 
-/* r + eps 1/2 t r from a unit rotation and a translation [m] (footnote 1 of the paper). */
+/* Returns r + eps 1/2 t r for a unit rotation r and a translation t [m] (footnote 1 of the paper). */
 dual_quaternion_t dual_quaternion_from_pose(quaternion_t rotation, vector3_t translation_m);
 
-/* The translation t [m] of a pose: 2 D conj(P). */
+/* Returns the translation t [m] of a pose, 2 D conj(P). */
 vector3_t dual_quaternion_translation(dual_quaternion_t pose);
 
-/* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a): translations add, rotations compose as P(b) P(a). */
+/* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a). Translations add, and rotations compose as P(b) P(a). */
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);
 
-/* Of pose and -pose, which are the same pose, the one with <P(pose), P(reference)> >= 0. */
+/* Returns pose or -pose, which are the same pose, whichever has <P(pose), P(reference)> >= 0. */
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference);
 
 #endif

@@ -1,5 +1,5 @@
-/* Float predicates on bit patterns. Without a floating-point unit a float comparison is a function call; these are not.
- * */
+/* Float predicates that work on bit patterns. Without a floating-point unit, a float comparison is a function call, and
+ * these are not. */
 #ifndef COMANIP_FLOAT_BITS_H
 #define COMANIP_FLOAT_BITS_H
 
@@ -13,7 +13,8 @@ static inline uint32_t float_bits(float x) {
     return bits;
 }
 
-/* The bits of |x|, ordered as the magnitudes, with infinity above all numbers and NaN above infinity. */
+/* Returns the bits of |x|. They are ordered like the magnitudes, with infinity above all numbers and NaN above
+ * infinity. */
 static inline uint32_t float_magnitude_bits(float x) {
     return float_bits(x) & 0x7FFFFFFFu;
 }
@@ -26,20 +27,20 @@ static inline bool float_is_negative(float x) {
     return float_bits(x) >> 31 != 0u;
 }
 
-/* x < limit, unless both are negative. As integers, the bits of non-negative floats are ordered like the floats, and
- * those of negative floats are below them. -0 is below +0. The result for a NaN depends on its sign, which differs
- * between processors, so callers must not depend on it. */
+/* Returns whether x < limit, provided that x and limit are not both negative. As integers, the bits of non-negative
+ * floats are ordered like the floats, and those of negative floats are below them. -0 counts as below +0. The result
+ * for a NaN depends on its sign, which differs between processors, so callers must not depend on it. */
 static inline bool float_is_below(float x, float limit) {
     return (int32_t)float_bits(x) < (int32_t)float_bits(limit);
 }
 
-/* The smaller of two values, neither of which may be negative. */
+/* Returns the smaller of two values, neither of which may be negative. */
 static inline float float_smaller(float a, float b) {
     return float_is_below(a, b) ? a : b;
 }
 
-/* Rounds to the nearest integer, halves away from 0: adds 0.5 with the sign of x and truncates. The rounding of the sum
- * may move values just below a half up. |x| must be below 2^31; x must not be NaN. */
+/* Rounds to the nearest integer, and halves away from 0, by adding 0.5 with the sign of x and truncating. Values just
+ * below a half may be rounded up, because the sum itself is rounded. |x| must be below 2^31, and x must not be NaN. */
 static inline int32_t float_nearest(float x) {
     const uint32_t half_bits = (float_bits(x) & 0x80000000u) | 0x3F000000u;
     float half;

@@ -1,5 +1,5 @@
-/* A pose as rotation and translation, the form in which the tick computes. It is the same pose as the dual quaternion
- * r + eps 1/2 t r of dual_quaternion.h; (r, t) and (-r, t) are the same pose. */
+/* A pose as a rotation and a translation, the form used for computation in a tick. It is the same pose as the dual
+ * quaternion r + eps 1/2 t r of dual_quaternion.h; (r, t) and (-r, t) are the same pose. */
 #ifndef COMANIP_POSE_H
 #define COMANIP_POSE_H
 
@@ -21,10 +21,12 @@ extern const pose_t pose_identity;
 pose_t pose_from_dual_quaternion(dual_quaternion_t pose);
 dual_quaternion_t pose_to_dual_quaternion(pose_t pose);
 
-/* The product a b of the dual quaternions: b, given in the frame a, in the reference frame of a. */
+/* Returns the product a b of the two dual quaternions: if b is given in the frame a, the result is b in the frame in
+ * which a is given. */
 pose_t pose_multiply(pose_t a, pose_t b);
 
-/* From a (s = 0) to b (s = 1): translation in a straight line, rotation by quaternion_interpolate(). */
+/* Interpolates from a (s = 0) to b (s = 1), with the translation along a straight line and the rotation as in
+ * quaternion_interpolate(). */
 pose_t pose_interpolate(pose_t a, pose_t b, float s);
 
 #endif

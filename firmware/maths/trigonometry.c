@@ -13,7 +13,7 @@ sine_cosine_t sine_cosine_reduced(float angle_rad) {
     float turns = angle_rad * 0.63661977236758134f; /* quarter turns, 2/pi */
     int32_t quadrant = (int32_t)(turns + (turns < 0.0f ? -0.5f : 0.5f));
     float k = (float)quadrant;
-    /* pi/2 in three parts; the products of k and the first two are exact for |k| <= 41, the range above */
+    /* pi/2 in three parts; k times each of the first two is exact for |k| <= 41, which covers the accepted range */
     float x = ((angle_rad - k * 1.5703125f) - k * 4.8375129699707031e-4f) - k * 7.5497899548918861e-8f;
     const sine_cosine_t near = sine_cosine_small(x);
     const float s = near.sine, c = near.cosine;

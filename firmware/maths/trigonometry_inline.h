@@ -1,5 +1,5 @@
-/* sine_cosine() as an inline function, and its parts. Half angles of joints are mostly within +-pi/2, where it calls no
- * function. */
+/* sine_cosine() as an inline function, and its parts. For angles within +-pi/2, as most half angles of joints are, it
+ * makes no function call. */
 #ifndef COMANIP_TRIGONOMETRY_INLINE_H
 #define COMANIP_TRIGONOMETRY_INLINE_H
 
@@ -8,8 +8,8 @@
 #include "float_bits.h"
 #include "trigonometry.h"
 
-/* Minimax polynomials on [-pi/2, pi/2]: the sine is x + x^3 (SINE_3 + ...), the cosine 1 - x^2 / 2 + x^4 (COSINE_4 +
- * ...). */
+/* Minimax polynomials on [-pi/2, pi/2]. The sine is x + x^3 (SINE_3 + ...), and the cosine is 1 - x^2 / 2 + x^4
+ * (COSINE_4 + ...). */
 #define SINE_3 -0.166666567f
 #define SINE_5 8.33301712e-3f
 #define SINE_7 -1.98066016e-4f
@@ -30,7 +30,7 @@ static inline sine_cosine_t sine_cosine_small(float angle_rad) {
     return (sine_cosine_t){sine * (z * angle_rad) + angle_rad, cosine * (z * z) + (1.0f - 0.5f * z)};
 }
 
-/* For angles that are not small. */
+/* Computes both for angles beyond +-pi/2. */
 sine_cosine_t sine_cosine_reduced(float angle_rad);
 
 static inline sine_cosine_t sine_cosine_inline(float angle_rad) {

@@ -3,16 +3,17 @@
 
 _Static_assert(PARAMETER_NUMBERS <= 64, "parameter sets are 64-bit masks");
 
-/* Largest k T: pi / 2 minus a margin for the drives' lag and the braking by the limits, measured by tests/rest. */
+/* Largest k T: pi / 2 minus a margin for the drives' lag and for braking by the joint limits, measured by
+ * tests/rest. */
 #define RATE_TIMES_DELAY_MAX 0.8f
-#define COMMAND_DELAY_MIN_S 5e-3f /* no drive is assumed to act sooner */
-#define DELAY_TICKS 1.5f          /* a reading is one tick old; a command holds for one tick, on average half a tick */
+#define COMMAND_DELAY_MIN_S 5e-3f /* no drive is assumed to act faster */
+#define DELAY_TICKS 1.5f /* one tick for the age of a reading, and half a tick, on average, for holding a command */
 
 static uint64_t bit(int parameter) {
     return UINT64_C(1) << parameter;
 }
 
-/* The paper's control law is never refused, whatever its gains. */
+/* The paper's control law is never refused, regardless of its gains. */
 static bool is_the_papers_law(const parameters_t *parameters) {
     bool found = parameters->value[PARAMETER_ERROR_FRAME] == (float)ERROR_FRAME_TORSO;
     for (int i = 0; i < 8; i++) {
@@ -36,7 +37,7 @@ static uint64_t too_fast_gains(const parameters_t *parameters, float gain_max_pe
     return involved;
 }
 
-/* The parameters that make the loop faster than its delays allow. */
+/* Returns the parameters that make the loop faster than its delays allow. */
 static uint64_t too_fast(const parameters_t *parameters, float tick_s) {
     const float reported_s = parameters->value[PARAMETER_COMMAND_DELAY_S];
     const float delay_s = (reported_s > COMMAND_DELAY_MIN_S ? reported_s : COMMAND_DELAY_MIN_S) + DELAY_TICKS * tick_s;
@@ -49,7 +50,7 @@ parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s
     if (parameters_predict(parameters)) {
         return (parameter_set_t){involved == 0u ? PARAMETER_SET_RESTS : PARAMETER_SET_UNSTABLE, involved};
     }
-    if (involved == 0u) { /* stable near the target; may oscillate when stretched out towards a target out of reach */
+    if (involved == 0u) { /* stable near the target; may oscillate when stretched out towards one out of reach */
         return (parameter_set_t){PARAMETER_SET_MAY_SWING, bit(PARAMETER_PREDICTION)};
     }
     return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,

@@ -1,10 +1,10 @@
-/* Stability of the parameters as a set. They are written one by one, each within its range; the set is checked when
- * the loop starts and before it is saved.
+/* Checks the stability of the parameters as a set. Parameters are written one by one, each within its range; the set is
+ * checked when the cooperation starts and before a save.
  *
- * Near its target the closed loop is e' = -P K e, with P = J (J^T W J + D)^-1 J^T W. P is similar to a symmetric
- * matrix with eigenvalues from 0 to 1. So no error decays faster than exp(-k t) in any posture, where k is the
- * largest gain of a component with a weight. With the loop delay T this is stable for k T < pi / 2, and rings above
- * about half of that.
+ * Near its target the closed loop is e' = -P K e, with P = J (J^T W J + D)^-1 J^T W. P is similar to a symmetric matrix
+ * with eigenvalues from 0 to 1. No error therefore decays faster than exp(-k t) in any posture, where k is the largest
+ * gain of a component with a weight. With a loop delay T, the loop is stable for k T < pi / 2, and rings above about
+ * half of that.
  *
  * A slow loop is never unstable, so gains, speed and acceleration have no lower bound here. */
 #ifndef COMANIP_PARAMETER_SET_H
@@ -13,17 +13,17 @@
 #include "parameters.h"
 
 typedef enum {
-    PARAMETER_SET_RESTS,     /* the arm comes to rest when the hand rests */
-    PARAMETER_SET_MAY_SWING, /* the arm may oscillate: without prediction, or with the paper's control law */
-    PARAMETER_SET_UNSTABLE,  /* the arm does not come to rest: start and save are refused */
+    PARAMETER_SET_RESTS,     /* the arm comes to rest when the hand does */
+    PARAMETER_SET_MAY_SWING, /* the arm may oscillate, because prediction is off or the paper's control law is used */
+    PARAMETER_SET_UNSTABLE,  /* the arm does not come to rest, so a start and a save are refused */
 } parameter_set_verdict_t;
 
 typedef struct {
     parameter_set_verdict_t verdict;
-    uint64_t involved; /* bit mask of the parameters that together make it unstable */
+    uint64_t involved; /* bit mask of the parameters that together cause the verdict */
 } parameter_set_t;
 
-/* tick_s: the control period, > 0. */
+/* Checks the parameters. tick_s: the control period, > 0. */
 parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s);
 
 #endif

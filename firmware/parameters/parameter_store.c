@@ -68,7 +68,7 @@ size_t parameter_store_encode(const parameters_t *parameters, uint8_t record[PAR
     return end + CRC_BYTES;
 }
 
-/* Stores a value. Values of unknown parameters are skipped. False: the value is out of range. */
+/* Stores a value; skips the value of an unknown parameter. Returns false if the value is out of range. */
 static bool take(parameters_t *stored, uint8_t number, float value) {
     return !parameters_has(number) || parameters_set(stored, number, value) == RESULT_ACCEPTED;
 }
@@ -86,7 +86,7 @@ static bool decode(const uint8_t record[], size_t length, parameters_t *stored) 
     return true;
 }
 
-/* ---- the former format, of firmware with 38 to 43 parameters */
+/* ---- the former record format, written by firmware with 38 to 43 parameters */
 
 #define FORMER_NAMES_AT 4
 #define FORMER_VALUES_AT 8
@@ -95,7 +95,7 @@ static bool decode(const uint8_t record[], size_t length, parameters_t *stored) 
 
 static const uint8_t former_magic[] = {'C', 'M', 'N', 'P'};
 
-/* CRC-32 of the names of the first 38 to 43 parameters, each with its terminating 0. */
+/* CRC-32 of the names of the first 38 to 43 parameters, each name with its terminating 0. */
 static const uint32_t former_names[FORMER_COUNT_MAX - FORMER_COUNT_MIN + 1] = {
     0x51F3859Fu, 0x3BBF57B0u, 0xC93C10CFu, 0xCC105CC2u, 0x235A3D15u, 0x8F7CCC71u,
 };

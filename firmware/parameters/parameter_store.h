@@ -5,11 +5,11 @@
  *    5  5  for each parameter: its number, and its value as a float32
  *   -4  4  CRC-32 of all preceding bytes
  *
- * Little-endian. CRC-32 is that of IEEE 802.3 (zlib's crc32): it detects every error of up to 3 bits in so short a
- * record. A parameter is stored under its number, which is never reused: parameters may be added and removed.
+ * Little-endian. The CRC-32 is that of IEEE 802.3 (zlib's crc32), which detects every error of up to 3 bits in so short
+ * a record. A parameter is stored under its number, which is never reused, so that parameters may be added and removed.
  *
- * Records of the former format, 'C' 'M' 'N' 'P', are read as well: the CRC-32 of the parameters' names, then the values
- * of parameters 0 to 37, or up to 42, and the CRC-32. */
+ * Records of the former format are read as well. They hold 'C' 'M' 'N' 'P', the CRC-32 of the parameters' names, the
+ * values of parameters 0 to N, where N is 37 to 42, and the CRC-32. */
 #ifndef COMANIP_PARAMETER_STORE_H
 #define COMANIP_PARAMETER_STORE_H
 
@@ -21,11 +21,11 @@
 #define PARAMETER_STORE_BYTES PARAMETER_STORE_RECORD_BYTES(PARAMETER_COUNT)       /* largest record of this firmware */
 #define PARAMETER_STORE_MAX_BYTES PARAMETER_STORE_RECORD_BYTES(PARAMETER_NUMBERS) /* largest record of any firmware */
 
-/* Writes the record. Returns its length. */
+/* Writes the record and returns its length. */
 size_t parameter_store_encode(const parameters_t *parameters, uint8_t record[PARAMETER_STORE_BYTES]);
 
 /* Reads the record. Returns false and leaves *parameters unchanged if the record is damaged or a value is out of range.
- * Values of parameters that this firmware does not have are skipped; parameters missing in the record get their
+ * Skips values of parameters that this firmware does not have, and sets parameters missing from the record to their
  * defaults. */
 bool parameter_store_decode(const uint8_t record[], size_t length, parameters_t *parameters);
 

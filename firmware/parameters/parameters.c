@@ -59,7 +59,7 @@ void parameters_position_priority(const parameters_t *self, position_priority_co
     config->orientation_weight_m2 = self->value[PARAMETER_ORIENTATION_WEIGHT_M2];
 }
 
-/* The largest gain of the inverse kinematics in use. */
+/* Returns the largest gain of the inverse kinematics in use. */
 static float largest_gain_per_s(const parameters_t *self) {
     if (parameters_predict(self)) {
         return self->value[PARAMETER_FOLLOWING_GAIN_PER_S];

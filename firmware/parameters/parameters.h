@@ -1,4 +1,5 @@
-/* The tunable parameters of the firmware: name (with the unit), range and default; every new value is checked. */
+/* The tunable parameters of the firmware. Each has a name (with its unit), a range and a default; every new value is
+ * checked. */
 #ifndef COMANIP_PARAMETERS_H
 #define COMANIP_PARAMETERS_H
 
@@ -17,28 +18,29 @@ typedef struct {
     bool integer; /* only whole numbers are accepted */
 } parameter_description_t;
 
-/* By parameter_id_t, from firmware/schema/parameters.toml; unused numbers have no name. */
+/* Indexed by parameter_id_t; generated from firmware/schema/parameters.toml. Unused numbers have no name. */
 extern const parameter_description_t parameter_table[PARAMETER_COUNT];
 
 typedef struct {
     float value[PARAMETER_COUNT];
 } parameters_t;
 
-/* Whether a parameter has this number. */
+/* Returns whether a parameter with this number exists. */
 bool parameters_has(uint8_t parameter);
 
 void parameters_set_defaults(parameters_t *self);
 
-/* RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (NaN included); a refused value changes nothing. */
+/* Returns RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (also for NaN). A refused value changes
+ * nothing. */
 result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
-/* Whether the hand's motion is predicted and followed by position_priority.h. */
+/* Returns whether the hand's motion is predicted and followed by position_priority.h. */
 bool parameters_predict(const parameters_t *self);
 
-/* Whether the arm may change its posture when joint limits block the target. */
+/* Returns whether the arm may change its posture when joint limits block the target. */
 bool parameters_change_posture(const parameters_t *self);
 
-/* Configuration of each stage, derived from the parameters. */
+/* Derive each stage's configuration from the parameters. */
 void parameters_differential_ik(const parameters_t *self, differential_ik_config_t *config);
 void parameters_position_priority(const parameters_t *self, position_priority_config_t *config);
 void parameters_joint_limits(const parameters_t *self, const arm_t *arm, float tick_s, joint_limits_config_t *config);

@@ -1,4 +1,4 @@
-/* Splits messages into frames of classic CAN and joins them: see can_classic.h. */
+/* Splits messages into classic CAN frames and joins them again: see can_classic.h. */
 #include "can_classic.h"
 
 #include <string.h>
@@ -32,7 +32,7 @@ static int32_t divide_rounding(int32_t value, int32_t step) {
     return (value + (value < 0 ? -step : step) / 2) / step;
 }
 
-/* Divides and rounds. False, with *coarse = 0, if the result is beyond +-maximum. */
+/* Divides and rounds. Returns false and sets *coarse to 0 if the result is beyond +-maximum. */
 static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse) {
     const int32_t rounded = divide_rounding(fine, step);
     const bool fits = rounded >= -maximum && rounded <= maximum;
@@ -40,7 +40,7 @@ static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse
     return fits;
 }
 
-/* Factor from a quaternion with `bits` fractional bits to that of rotation_code.h. */
+/* Factor that converts a quaternion component with `bits` fractional bits to that of rotation_code.h. */
 #define ROTATION_STEP(bits) ((int32_t)1 << (ROTATION_CODE_ONE_BITS - (bits)))
 
 /* ---- codec of each message */

@@ -1,5 +1,5 @@
-/* The frames of the bus on CAN FD: identification, end-to-end protection and its check. messages.h has their contents;
- * nodes use can_transport.h, which also works on classic CAN:
+/* The frames of the bus on CAN FD: identification, end-to-end protection and its check. messages.h defines their
+ * contents. Nodes use can_transport.h, which also works on classic CAN:
  *
  *   sending:   X_pack(&message, &frame); transport_send(&sender, &frame, ...);
  *   receiving: if (transport_receive(&receiver, &frame, &kind) == PROTOCOL_OK) X_unpack(&frame, &message); */
@@ -14,30 +14,32 @@
 #include "frame_table.h"
 #include "messages.h"
 
-/* One per sender: the next counter of each frame. Zero-initialise. */
+/* State of a sender: the next counter of each frame. Zero-initialise. */
 typedef struct {
     uint8_t counter[FRAME_KIND_COUNT];
 } protocol_sender_t;
 
-/* One per receiver. Zero-initialise. */
+/* State of a receiver. Zero-initialise. */
 typedef struct {
     e2e_receiver_t e2e[FRAME_KIND_COUNT];
     uint32_t rejected; /* number of refused frames */
 } protocol_receiver_t;
 
-/* False: the id belongs to another system on the same bus; *kind is then undefined. */
+/* Finds the kind of the frame with this id. Returns false if the id belongs to another system on the same bus; *kind is
+ * then undefined. */
 bool protocol_find(uint16_t id, frame_kind_t *kind);
 
-/* Adds end-to-end protection. Frames of other systems are left unchanged. */
+/* Adds end-to-end protection. Leaves frames of other systems unchanged. */
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
-/* Event messages are accepted however many of them were lost, because a restarted sender must be heard; only a
- * repetition is refused. Every refusal is counted. */
+/* Checks a received frame. An event message is accepted no matter how many before it were lost, since a sender that has
+ * restarted must get through; only a repetition is refused. Every refusal is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
-/* ---- the input frames of a tick, as TickTrace records them */
+/* ---- the input frames of a tick, as recorded in TickTrace */
 
-/* last: for each frame kind, the last frame received with a correct CRC. */
+/* Convert between the input frames and their record in a TickTrace. last: for each frame kind, the last frame received
+ * with a correct CRC. */
 void protocol_trace_inputs(const e2e_receiver_t last[FRAME_KIND_COUNT], tick_trace_t *trace);
 void protocol_traced_inputs(const tick_trace_t *trace, e2e_receiver_t last[FRAME_KIND_COUNT]);
 

@@ -17,7 +17,7 @@ static bool is_classic(can_profile_t profile) {
     return can_profile_in_force(profile) == CAN_PROFILE_CLASSIC;
 }
 
-/* A message without frames of its own for classic CAN, such as FirmwareHeartbeat, is the same in both profiles. */
+/* A message that has no classic CAN frames of its own, such as FirmwareHeartbeat, is the same in both profiles. */
 static bool is_translated(can_profile_t profile, frame_kind_t kind) {
     return is_classic(profile) && classic_parts(kind, ARM_MAX_JOINTS) != 0u;
 }
@@ -26,7 +26,7 @@ bool transport_is_same_frame(frame_kind_t kind) {
     return classic_parts(kind, ARM_MAX_JOINTS) == 0u && frame_table[kind].length <= CLASSIC_MAX_BYTES;
 }
 
-/* The message's first frame. */
+/* Returns the description of the message's first frame. */
 static const frame_description_t *description_of(can_profile_t profile, frame_kind_t kind) {
     return is_translated(profile, kind) ? &classic_table[classic_first(kind)] : &frame_table[kind];
 }
@@ -110,17 +110,18 @@ void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, 
     self->kinds = kinds;
 }
 
-/* Index in `pending` of the kinds that have several parts. */
+/* Index in `pending` of each kind that has several parts. */
 #define PENDING_INDEX(name, index) [FRAME_##name] = (index),
 static const uint8_t pending_index[FRAME_KIND_COUNT] = {COMANIP_MULTIPART(PENDING_INDEX)};
 
-/* A counter repeats after 16 messages, so a part that has waited longer than the timeout belongs to another message. */
+/* A counter repeats after 16 messages. A part that has waited longer than the timeout is therefore taken to belong to
+ * another message. */
 static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, uint32_t now_us) {
     uint32_t within_ms = transport_timeout_ms(CAN_PROFILE_CLASSIC, kind);
     return now_us - pending->begun_us > 1000u * (within_ms != 0u ? within_ms : EVENT_PARTS_WITHIN_MS);
 }
 
-/* The time stamp of an invalid pose has no meaning. */
+/* Extends the time stamp of a valid pose to 32 bits; that of an invalid pose has no meaning. */
 static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
     if ((message->data[COMANIP_HAND_POSE_VALID_BYTE] & COMANIP_HAND_POSE_VALID_MASK) == 0u) {
         return;
@@ -168,7 +169,7 @@ static protocol_status_t receive_classic(transport_receiver_t *self, classic_fra
     }
     const uint8_t parts = classic_parts(kind, self->joint_count), index = (uint8_t)(number - classic_first(kind));
     if (index >= parts) {
-        return PROTOCOL_UNKNOWN_ID; /* the arm has no such joint */
+        return PROTOCOL_UNKNOWN_ID; /* the arm does not have this joint */
     }
     e2e_status_t status = e2e_profile2_check(&self->classic[number], frame->data, frame->length, description->data_id);
     const uint8_t counter = self->classic[number].counter;

@@ -3,7 +3,7 @@
 
 #define COUNTER4_MASK 0x0Fu
 
-/* Judges the counter of a frame whose CRC is correct. */
+/* Checks the counter of a frame that has a correct CRC. */
 static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, uint8_t max_delta) {
     uint8_t delta = (uint8_t)(counter - self->counter) & mask;
     bool first = !self->started;
@@ -20,9 +20,9 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
 
 /* ---- Profile 5 */
 
-/* CRC-16/CCITT by words, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1. Modulo 2 a square has no mixed
- * terms, so P^2 = x^32 + x^24 + x^10 + 1. The remainder modulo P^2 is a 32-bit word; at the end, crc_end() computes the
- * remainder of that word modulo P.
+/* CRC-16/CCITT computed word by word, without a table. The polynomial is P = x^16 + x^12 + x^5 + 1. Modulo 2, a square
+ * has no mixed terms, so P^2 = x^32 + x^24 + x^10 + 1. The remainder modulo P^2 is a 32-bit word; at the end, crc_end()
+ * computes the remainder of that word modulo P.
  *
  * Let y be the word that is shifted out at the top. Its quotient by P^2 is y + D y + D^2 y + ..., where D y is the
  * overflow of y (x^24 + x^10 + 1). This sum equals (1 + D) (1 + D^2) (1 + D^4) ... y. */
@@ -32,7 +32,7 @@ static uint32_t crc_word(uint32_t crc, uint32_t word) {
     return word ^ q ^ q << 10 ^ q << 24;
 }
 
-/* y x^16 modulo P. */
+/* Returns y x^16 modulo P. */
 static uint32_t crc_end(uint32_t y) {
     uint32_t q = y ^ y >> 4 ^ y >> 11 ^ y >> 16;
     q ^= q >> 8 ^ q >> 22;
@@ -40,7 +40,7 @@ static uint32_t crc_end(uint32_t y) {
     return (q ^ q << 5 ^ q << 12) & 0xFFFFu;
 }
 
-/* x^-16 0xFFFF modulo P: as the first word, it makes the CRC start from 0xFFFF. */
+/* x^-16 0xFFFF modulo P; used as the first word, it makes the CRC start from 0xFFFF. */
 #define CRC_START 0x84CFu
 
 static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id) {
@@ -51,7 +51,7 @@ static uint16_t frame_crc(const uint8_t data[], uint8_t length, uint16_t data_id
         const uint8_t *byte = &data[i];
         words = crc_word(words, (uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3]);
     }
-    if (i + 2 == length) { /* the usual case: lengths are multiples of 4 */
+    if (i + 2 == length) { /* the usual case, because lengths are multiples of 4 */
         return (uint16_t)crc_end(crc_word(words, (uint32_t)data[i] << 24 | (uint32_t)data[i + 1] << 16 | id));
     }
     uint32_t crc = crc_end(words);

@@ -1,11 +1,12 @@
 /* End-to-end protection. Source: AUTOSAR FO R22-11, PRS_E2EProtocol.
  *
- * Profile 5 (6.6), on CAN FD: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2,
+ * Profile 5 (6.6), on CAN FD: CRC-16 (0x1021, initial 0xFFFF) little-endian at byte 0, 8-bit counter at byte 2, and an
  * implicit 16-bit Data ID, low byte first, after the data.
  *
  * Profile 2 (6.4), on classic CAN: CRC-8 (0x2F, initial and final XOR 0xFF) at byte 0, 4-bit counter in the low half of
- * byte 1, implicit Data ID after the data: one of 16, by the counter, E2E_PROFILE2_DATA_ID. It is weaker: one in
- * 256 corrupted frames has a correct CRC, and a frame that is 16 counts late looks new. */
+ * byte 1, and an implicit Data ID after the data, which is one of 16, selected by the counter: E2E_PROFILE2_DATA_ID.
+ * This profile is weaker: one in 256 corrupted frames has a correct CRC, and a frame that is 16 counts late looks
+ * new. */
 #ifndef COMANIP_E2E_H
 #define COMANIP_E2E_H
 
@@ -13,7 +14,7 @@
 #include <stdint.h>
 
 #define E2E_HEADER_BYTES 3
-#define E2E_MAX_DELTA 10 /* largest accepted step of the counter; the frame of a larger one is refused */
+#define E2E_MAX_DELTA 10 /* largest accepted step of the counter; a frame with a larger one is refused */
 
 #define E2E_PROFILE2_HEADER_BYTES 2
 #define E2E_PROFILE2_COUNTERS 16
@@ -29,17 +30,17 @@ typedef enum {
 } e2e_status_t;
 
 typedef struct {
-    bool started; /* false: any counter is accepted next */
+    bool started; /* false: the next frame may have any counter */
     uint8_t counter;
 } e2e_receiver_t;
 
-/* Writes the header to data[0..2]. length: of the whole frame, at least E2E_HEADER_BYTES. */
+/* Writes the header to data[0..2]. length: length of the whole frame, at least E2E_HEADER_BYTES. */
 void e2e_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter);
 
-/* Checks a received frame and updates the expected counter. The data may be used only if the status is not negative. */
+/* Checks a received frame and updates the expected counter. The data must not be used if the status is negative. */
 e2e_status_t e2e_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id);
 
-/* The same for Profile 2. length: at most 8; the high half of byte 1 is payload. counter: modulo 16. */
+/* The same functions for Profile 2. length: at most 8; the high half of byte 1 is payload. counter: modulo 16. */
 void e2e_profile2_protect(uint8_t data[], uint8_t length, uint16_t data_id, uint8_t counter);
 e2e_status_t e2e_profile2_check(e2e_receiver_t *self, const uint8_t data[], uint8_t length, uint16_t data_id);
 

@@ -6,7 +6,7 @@
 #include "comanip_schema.h"
 #include "frame_table.h"
 
-/* Starts a frame of this kind; the generated code writes all of its data. */
+/* Starts a frame of this kind. The generated code then writes all of its data. */
 static void begin(can_frame_t *frame, frame_kind_t kind) {
     frame->timestamp_us = 0;
     frame->id = frame_table[kind].id;
@@ -14,9 +14,10 @@ static void begin(can_frame_t *frame, frame_kind_t kind) {
     frame->fd = true;
 }
 
-/* Rounds to the nearest raw value. If the signal cannot carry the value, or for NaN: returns 0 and clears *fits. */
+/* Rounds to the nearest raw value. If the signal cannot carry the value, or the value is NaN, returns 0 and clears
+ * *fits. */
 static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t maximum, bool *fits) {
-    if (float_magnitude_bits(value) == 0u) { /* the common case in JointCmd: joints that the arm does not have */
+    if (float_magnitude_bits(value) == 0u) { /* common in JointCmd, for the joints that the arm does not have */
         return 0;
     }
     const float scaled = value * per_unit;
@@ -24,7 +25,7 @@ static int32_t quantise(float value, float per_unit, int32_t minimum, int32_t ma
     const bool is_negative = float_is_negative(scaled);
     const bool fits_either_way = magnitude <= float_magnitude_bits((float)maximum) && (minimum != 0 || !is_negative);
     if (fits_either_way || (is_negative && magnitude <= float_magnitude_bits((float)minimum))) {
-        return float_nearest(scaled); /* at most 24 bits, which the code generator checks */
+        return float_nearest(scaled); /* at most 24 bits, as the code generator checks */
     }
     *fits = false;
     return 0;

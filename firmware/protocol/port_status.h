@@ -1,13 +1,13 @@
-/* For hal_port_status(), in which a port fills in the message PortStatus. */
+/* Helpers for hal_port_status(), in which a port fills in the message PortStatus. */
 #ifndef COMANIP_PORT_STATUS_H
 #define COMANIP_PORT_STATUS_H
 
 #include "messages.h"
 
-/* Stands for a count that the port cannot have. 0: it has not happened. */
+/* Value of a count that the port cannot know, as opposed to 0, which means that the fault has not occurred. */
 #define PORT_UNKNOWN UINT16_MAX
 
-/* A port starts with this and fills in the counts that it has. */
+/* A port starts with this value and fills in the counts that it knows. */
 #define PORT_STATUS_UNKNOWN                                                                                            \
     {.can_state = PORT_CAN_UNKNOWN,                                                                                    \
      .refused_frames = PORT_UNKNOWN,                                                                                   \
@@ -17,7 +17,7 @@
      .missed_ticks = PORT_UNKNOWN,                                                                                     \
      .longest_tick_us = PORT_UNKNOWN}
 
-/* A known count: 65,534 means as many or more. */
+/* Returns a known count, saturated at 65,534. */
 static inline uint16_t port_count(uint64_t count) {
     return count < PORT_UNKNOWN ? (uint16_t)count : PORT_UNKNOWN - 1u;
 }

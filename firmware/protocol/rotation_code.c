@@ -3,7 +3,7 @@
 
 #define ONE ((int64_t)1 << ROTATION_CODE_ONE_BITS)
 #define UNIT (ONE * ONE)
-#define TOLERANCE (UNIT / 512) /* of the squared norm: 1e-3 of the norm */
+#define TOLERANCE (UNIT / 512) /* tolerance of the squared norm, 1e-3 of the norm */
 #define ENCODE 5931280         /* 16383 sqrt(2) 2^8 */
 #define DECODE 2966002         /* 2^22 / (16383 sqrt(2)) 2^14 */
 
@@ -29,7 +29,7 @@ bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code) {
     for (int i = 0, place = 0; i < 4; i++) {
         if (i != code->largest) {
             int64_t c = divide_rounding(sign * quaternion[i] * ENCODE, ONE << 8);
-            /* Out of range by rounding if two components are equally large and the norm is slightly above 1. */
+            /* Rounding may exceed the range if two components are equally large and the norm is slightly above 1. */
             c = c > ROTATION_CODE_MAX ? ROTATION_CODE_MAX : c;
             code->smaller[place++] = (int16_t)(c < -ROTATION_CODE_MAX ? -ROTATION_CODE_MAX : c);
         }
@@ -37,7 +37,7 @@ bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code) {
     return true;
 }
 
-/* The integer square root, rounded down, computed bit by bit. */
+/* Returns the integer square root, rounded down, computed bit by bit. */
 static int32_t square_root(int64_t square) {
     int32_t root = 0;
     for (int32_t bit = (int32_t)ONE; bit != 0; bit >>= 1) {

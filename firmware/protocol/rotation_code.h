@@ -1,23 +1,23 @@
-/* Smallest-three code of a rotation, in 47 bits: the three smaller components of its unit quaternion; the largest
- * follows from them. Integer arithmetic, so all targets compute the same bits. */
+/* The smallest-three code of a rotation, in 47 bits: the three smaller components of its unit quaternion, from which
+ * the largest follows. It uses integer arithmetic, so all targets compute the same bits. */
 #ifndef COMANIP_ROTATION_CODE_H
 #define COMANIP_ROTATION_CODE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#define ROTATION_CODE_ONE_BITS 22 /* fixed point: 1 is 2^22 in a quaternion w x y z */
-#define ROTATION_CODE_MAX 16383   /* code of 1/sqrt(2), the greatest value of a smaller component */
+#define ROTATION_CODE_ONE_BITS 22 /* fixed point: a quaternion component of 1 is 2^22 */
+#define ROTATION_CODE_MAX 16383   /* code of 1/sqrt(2), the largest possible value of a smaller component */
 
 typedef struct {
-    int16_t smaller[3]; /* in the order of w x y z */
-    uint8_t largest;    /* 0..3: w x y z; never negative, because q and -q are the same rotation */
+    int16_t smaller[3]; /* in the order w x y z */
+    uint8_t largest;    /* index of the largest component (w x y z), made positive, as q and -q are the same */
 } rotation_code_t;
 
-/* False if the quaternion's norm is not 1 within 1e-3. */
+/* Encodes a quaternion, w x y z. Returns false if its norm is not 1 within 1e-3. */
 bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code);
 
-/* The result is within 0.009 deg of the encoded rotation. */
+/* Decodes a rotation. The result is within 0.009 deg of the encoded rotation. */
 void rotation_decode(const rotation_code_t *code, int32_t quaternion[4]);
 
 #endif

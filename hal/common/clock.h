@@ -1,5 +1,5 @@
-/* What a port's timer provides to the tick loop (tick.c), which the ports share. A port with another
- * source of ticks uses neither. */
+/* The interface of a port's timer to the tick loop tick.c, which several ports share. A port that has another source of
+ * ticks uses neither. */
 #ifndef COMANIP_HAL_CLOCK_H
 #define COMANIP_HAL_CLOCK_H
 
@@ -7,10 +7,12 @@
 
 #define CLOCK_TICK_US 1000u
 
-/* Provided by the port: the time now, monotonic modulo 2^32. In interrupts, or with interrupts off. */
+/* Provided by the port. Returns the current time, monotonic modulo 2^32. Called only in interrupts or with interrupts
+ * off. */
 uint32_t clock_us(void);
 
-/* Provided by the port: the time of the last tick, a multiple of CLOCK_TICK_US. The timer interrupts at each tick. */
+/* Provided by the port. Returns the time of the last tick, a multiple of CLOCK_TICK_US. The timer must interrupt at
+ * each tick. */
 uint32_t clock_tick_us(void);
 
 #endif

@@ -1,5 +1,5 @@
-/* Frame duration from the frame's bits. A table advances the stuffing by eight bits at a time: bit by bit, 64
- * bytes would cost more than the rest of the bus model. */
+/* Computes a frame's duration from its bits. A table advances the bit stuffing by eight bits at a time, because for 64
+ * bytes, going bit by bit would cost more than the rest of the bus model. */
 #include "frame_time.h"
 
 #include <stdbool.h>
@@ -16,7 +16,7 @@
 #define CRC21_FIELD_BITS (4 + 21 + 7)
 #define CRC17_MAX_BYTES 16
 
-/* Classic: SOF, id 11, RTR, IDE, FDF, DLC 4, CRC 15; CRC delimiter, ACK, its delimiter, EOF 7, intermission 3. */
+/* Classic CAN: SOF, id 11, RTR, IDE, FDF, DLC 4, CRC 15; CRC delimiter, ACK, ACK delimiter, EOF 7, intermission 3. */
 #define CLASSIC_BITS (19 + 15 + 13)
 #define CLASSIC_MAX_BYTES 8
 #define CRC15_POLYNOMIAL 0x4599U
@@ -25,8 +25,9 @@
 #define ID_MAX 0x7FFU
 #define STUFF_RUN 5U
 
-/* The last bit sent and how often it came in a row, 1..STUFF_RUN. A stuff bit is counted when the bit after it is sent:
- * a run that ends with the data thus causes none, as in the standard, where the fixed stuff bit takes its place. */
+/* The last bit sent, and the number of times it has been sent in a row, 1..STUFF_RUN. A stuff bit is counted when the
+ * next bit is sent. A run that ends with the data therefore causes no stuff bit, as in the standard, where the fixed
+ * stuff bit is sent instead. */
 #define STATE(bit, run) (((bit) << 3) | (run))
 #define STATES 16
 
@@ -48,7 +49,8 @@ static stuffing_t stuffing_step(stuffing_t before, unsigned int bit) {
     return (stuffing_t){.state = (uint8_t)STATE(bit, run), .stuff_bits = (uint8_t)stuff_bits};
 }
 
-/* table[state][octet]: the state after the octet's bits, most significant first, and the stuff bits among them. */
+/* Returns the table: table[state][octet] is the state after the octet's bits, most significant first, and the number of
+ * stuff bits inserted among them. */
 static const stuffing_t (*stuffing_table(void))[256] {
     static stuffing_t table[STATES][256];
     static bool built = false;
@@ -91,8 +93,9 @@ static int64_t fd_ns(const can_frame_t *frame) {
 
     const unsigned int id = frame->id;
 
-    /* Two bits of bus idle that cause no stuffing, SOF = 0, id, RRS = 0, IDE = 0 | FDF = 1, res = 0, BRS = 1, ESI = 0,
-     * DLC. A run can end at IDE at the latest, so all stuff bits up to the DLC are nominal ones. */
+    /* Two bits of bus idle, which cause no stuffing, then SOF = 0, id, RRS = 0, IDE = 0 | FDF = 1, res = 0, BRS = 1,
+     * ESI = 0, DLC. A run can end at IDE at the latest, so all stuff bits up to the DLC are sent at the nominal bit
+     * rate. */
     const uint8_t header[3] = {
         (uint8_t)(0x40U | (id >> 6)),
         (uint8_t)((id << 2) & 0xFFU),
@@ -136,8 +139,8 @@ static int64_t classic_ns(const can_frame_t *frame) {
     if (frame->length > CLASSIC_MAX_BYTES || frame->id > ID_MAX) {
         return -1;
     }
-    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five bits before represent bus idle. For the CRC they are
-     * zeros, which leave its initial 0 unchanged; for the stuffing they are 10101, which cause no stuff bit. */
+    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five preceding bits stand for bus idle. In the CRC they are zeros,
+     * which leave its initial 0 unchanged; in the stuffing they are 10101, which causes no stuff bit. */
     const unsigned int header = ((unsigned int)frame->id << 7) | frame->length;
     const unsigned int idle = 0xA80000U;
     unsigned int state = STATE(1U, 1U), stuff_bits = 0, crc = 0;
@@ -150,7 +153,7 @@ static int64_t classic_ns(const can_frame_t *frame) {
         stuff_bits += add_stuff_bits(&state, frame->data[i]);
     }
     const unsigned int crc_and_delimiter =
-        (crc << 1) | 1U; /* a run that ends with the CRC is stuffed, before the delimiter */
+        (crc << 1) | 1U; /* a run that ends with the CRC is stuffed before the delimiter */
     stuff_bits += add_stuff_bits(&state, crc_and_delimiter >> 8);
     stuff_bits += add_stuff_bits(&state, crc_and_delimiter & 0xFFU);
     return (int64_t)(CLASSIC_BITS + 8U * frame->length + stuff_bits) * NOMINAL_BIT_NS;

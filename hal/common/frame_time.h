@@ -1,5 +1,5 @@
-/* How long a frame occupies the bus: ISO 11898-1, 11-bit id, 1 Mbit/s nominal; the data
- * phase of CAN FD 5 Mbit/s. */
+/* Computes how long a frame occupies the bus, according to ISO 11898-1, with an 11-bit id and 1 Mbit/s nominal; the
+ * data phase of CAN FD has 5 Mbit/s. */
 #ifndef COMANIP_FRAME_TIME_H
 #define COMANIP_FRAME_TIME_H
 
@@ -7,8 +7,9 @@
 
 #include "../../firmware/protocol/can_frame.h"
 
-/* From SOF to the end of the intermission, including the stuff bits of this id and data. Negative: there is no such
- * frame, since the id has more than 11 bits or no DLC corresponds to the length. */
+/* Returns the time from SOF to the end of the intermission, including the stuff bits for this id and data. Returns a
+ * negative value if there is no such frame, because the id has more than 11 bits or no DLC corresponds to the
+ * length. */
 int64_t frame_time_ns(const can_frame_t *frame);
 
 #endif

@@ -1,13 +1,13 @@
 #include "tick.h"
 
-#include <board.h> /* the image's, by its -I: the interrupt mask and wait_for_interrupt() */
+#include <board.h> /* from the image's -I folder: the interrupt mask and wait_for_interrupt() */
 
 #include "../hal.h"
 #include "clock.h"
 
 static struct {
     bool running;
-    uint32_t given_us; /* time of the last tick that hal_wait_tick() gave */
+    uint32_t given_us; /* time of the tick last returned by hal_wait_tick() */
     uint32_t missed, longest_us;
 } ticks;
 
@@ -20,7 +20,8 @@ static void measure(uint32_t now_us) {
 }
 
 bool hal_wait_tick(uint32_t *now_us) {
-    /* With interrupts off no tick can come between the check and the sleep; a pending one still ends the sleep. */
+    /* With interrupts off, no tick can come between the check and the sleep. A pending interrupt still ends the
+     * sleep. */
     interrupts_off();
     const uint32_t end_us = clock_us();
     while (clock_tick_us() == ticks.given_us) {
@@ -28,7 +29,7 @@ bool hal_wait_tick(uint32_t *now_us) {
         interrupts_on();
         interrupts_off();
     }
-    if (ticks.running) { /* the first call follows no tick */
+    if (ticks.running) { /* there is no tick before the first call */
         measure(end_us);
     }
     ticks.running = true;

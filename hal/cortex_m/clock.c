@@ -1,5 +1,5 @@
-/* SysTick: the 1 kHz tick, and between ticks the microseconds. */
-#include <board.h> /* the image's, by its -I */
+/* SysTick as the 1 kHz tick and, between ticks, as the microsecond clock. */
+#include <board.h> /* from the image's -I folder */
 #include <stdbool.h>
 
 #include "drivers.h"
@@ -23,14 +23,15 @@ uint32_t clock_us(void) {
     uint32_t tick;
     uint32_t value;
     bool pending;
-    do { /* again if a tick came meanwhile */
+    do { /* read again if a tick occurred meanwhile */
         tick = tick_us;
         pending = (SCB_INTERRUPT_STATE & SCB_INTERRUPT_STATE_SYSTICK_PENDING) != 0;
         value = SYSTICK_VALUE;
     } while (tick != tick_us || pending != ((SCB_INTERRUPT_STATE & SCB_INTERRUPT_STATE_SYSTICK_PENDING) != 0));
     /* SysTick requests its interrupt when it reaches 0, and reloads one cycle later. */
     uint32_t cycles = value == 0 ? 0 : CYCLES_PER_TICK - value;
-    /* Interrupts do not preempt each other: the caller may be one that runs before the pending tick interrupt. */
+    /* Interrupts do not preempt each other, so the caller may be an interrupt that runs before the pending tick
+     * interrupt. */
     return tick + (pending ? CLOCK_TICK_US : 0u) + cycles / CYCLES_PER_US;
 }
 

@@ -1,21 +1,22 @@
 /* The thread uses the process stack, at the lowest addresses of RAM. Exceptions use the main stack above it, and can
- * therefore report that the thread has overflowed its stack. An access below the process stack causes a fault: on
- * ARMv8-M by its stack limit, on ARMv7-M by the MPU, and on ARMv6-M, which may have neither, because no memory is
- * there. */
+ * therefore report that the thread has overflowed its stack. An access below the process stack causes a fault. On
+ * ARMv8-M, the stack limit register triggers it; on ARMv7-M, the MPU does. ARMv6-M may have neither, but there is no
+ * memory at those addresses. */
 #include "cortex_m.h"
 #include "drivers.h"
 
-/* From the linker script. */
+/* Defined by the linker script. */
 extern uint32_t link_thread_stack_end[];
 
-/* A fault's frame is pushed on the thread's stack if it still fits: then less than the largest push is left. */
+/* On a fault, the exception frame is pushed on the thread's stack if it still fits. After an overflow, the stack
+ * therefore has less than the largest push left. */
 #define LARGEST_PUSH_BYTES 128u
 
 void stack_guard_start(void) {
 #if defined(__ARM_ARCH_8M_MAIN__)
     __asm__ volatile("msr psplim, %0" ::"r"(link_thread_stack_end));
 #elif defined(__ARM_ARCH_7M__) || defined(__ARM_ARCH_7EM__)
-    enum { GUARD_LOG2_BYTES = 12 }; /* larger than any function's frame, which could jump over a small one */
+    enum { GUARD_LOG2_BYTES = 12 }; /* larger than any function's frame, which could jump over a smaller guard */
     MPU_REGION_BASE = ((uint32_t)link_thread_stack_end - (1u << GUARD_LOG2_BYTES)) | MPU_REGION_BASE_VALID;
     MPU_REGION_ATTRIBUTES = MPU_REGION_EXECUTE_NEVER | MPU_REGION_SIZE(GUARD_LOG2_BYTES) | MPU_REGION_ENABLE;
     MPU_CONTROL = MPU_CONTROL_ENABLE | MPU_CONTROL_DEFAULT_MAP;
@@ -26,7 +27,7 @@ void stack_guard_start(void) {
 bool stack_overflowed(void) {
 #if defined(__ARM_ARCH_8M_MAIN__)
     if ((SCB_FAULT_STATUS & SCB_FAULT_STATUS_STACK_OVERFLOW) != 0) {
-        return true; /* the stack pointer was not changed */
+        return true; /* the stack pointer has not been changed */
     }
 #endif
     uint32_t thread_stack;

@@ -1,11 +1,12 @@
-/* Reset: vector table, memory, FPU, stacks, then the firmware. Every fault ends in hal_panic(). */
-#include <board.h> /* the image's, by its -I */
+/* The reset handler sets up vector table, memory, FPU and stacks, and then runs the firmware. Every fault ends in
+ * hal_panic(). */
+#include <board.h> /* from the image's -I folder */
 
 #include "../../firmware/main.h"
 #include "../hal.h"
 #include "drivers.h"
 
-/* From the linker script. */
+/* Defined by the linker script. */
 extern uint32_t link_exception_stack_top[];
 extern const uint32_t link_data_image[];
 extern uint32_t link_data_start[];
@@ -24,7 +25,8 @@ typedef struct {
 void reset_handler(void);
 _Noreturn void thread(void);
 
-/* Switches to the thread's stack; the other one is for exceptions. Naked: it must not use the stack that it leaves. */
+/* Switches to the thread's stack, since the other one is for exceptions. It is naked, because it must not use the stack
+ * that it leaves. */
 __attribute__((naked)) void reset_handler(void) {
     __asm__ volatile("ldr r0, =link_thread_stack_top\n\t"
                      "msr psp, r0\n\t"
@@ -55,7 +57,7 @@ _Noreturn void thread(void) {
     hal_panic("the firmware's loop ended");
 }
 
-/* The kind is of the fault that the processor detected first. */
+/* kind: the fault that the processor detected first. */
 static _Noreturn void fault(const char *kind) {
     hal_panic(stack_overflowed() ? "stack overflow" : kind);
 }
@@ -99,9 +101,9 @@ __attribute__((section(".vectors"), used)) static const vector_table_t vector_ta
             usage_fault_handler,
             [11] = unexpected_handler, /* debug monitor */
 #endif
-            [10] = unexpected_handler, /* SVCall; those left out are reserved */
+            [10] = unexpected_handler, /* SVCall; the numbers left out are reserved */
             [13] = unexpected_handler, /* PendSV */
             [14] = BOARD_SYSTICK_HANDLER,
         },
-    .interrupt = {BOARD_INTERRUPT_HANDLERS}, /* no others are enabled */
+    .interrupt = {BOARD_INTERRUPT_HANDLERS}, /* no other interrupts are enabled */
 };

@@ -36,6 +36,6 @@ void can_errors_report(const char *program, const char *bus, const struct canfd_
     if (is_controller && (controller & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)) != 0) {
         counters->receive_drops += (controller & CAN_ERR_CRTL_RX_OVERFLOW) != 0;
         counters->send_drops += (controller & CAN_ERR_CRTL_TX_OVERFLOW) != 0;
-        report(program, bus, "the controller's queue ran over: frames are lost");
+        report(program, bus, "the controller's queue overflowed: frames are lost");
     }
 }

@@ -1,4 +1,4 @@
-/* CAN error frames of the kernel's drivers (linux/can/error.h): reported on stderr and counted. */
+/* Reports the CAN error frames of the kernel's drivers (linux/can/error.h) on stderr, and counts them. */
 #ifndef COMANIP_CAN_ERRORS_H
 #define COMANIP_CAN_ERRORS_H
 
@@ -6,8 +6,8 @@
 
 #include "can_counters.h"
 
-/* error: a frame with CAN_ERR_FLAG. Bus-off, restart, error-passive and overflow are reported each time, other classes
- * are only counted. program, bus: their names. */
+/* error: a frame with CAN_ERR_FLAG. Bus-off, restart, error-passive and overflow are reported each time; other classes
+ * are only counted. program, bus: their names, for the report. */
 void can_errors_report(const char *program, const char *bus, const struct canfd_frame *error, can_counters_t *counters);
 
 #endif

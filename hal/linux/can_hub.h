@@ -1,5 +1,5 @@
-/* The hub for machines without CAN in the kernel, found as hub_path.h says. Each packet, both ways, is one struct
- * can_frame or struct canfd_frame; no client gets its own frames back. */
+/* Connects to the hub, for machines without CAN in the kernel. hub_path.h defines where the hub is found. Each packet,
+ * in either direction, is one struct can_frame or struct canfd_frame; no client receives its own frames back. */
 #ifndef COMANIP_CAN_HUB_H
 #define COMANIP_CAN_HUB_H
 
@@ -7,10 +7,10 @@
 
 #include "hub_path.h"
 
-/* Fills in the path and connects. On failure -1, and one line in `error`. */
+/* Fills in the path, connects and returns the socket. On failure, returns -1 and one line in `error`. */
 int can_hub_open(const char *name, char path[HUB_PATH_BYTES], char error[], size_t error_size);
 
-/* Connects, non-blocking. -1 on failure, with errno. */
+/* Returns a connected, non-blocking socket; -1 on failure, with errno. */
 int can_hub_connect(const char *path);
 
 #endif

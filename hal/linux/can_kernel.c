@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define RECEIVE_BUFFER_BYTES (1 << 20) /* some 1000 frames: 150 ms of a full loop */
+#define RECEIVE_BUFFER_BYTES (1 << 20) /* about 1000 frames, or 150 ms at full bus load */
 #define FILTERS_MAX 64
 
 bool can_kernel_has(const char *name) {
@@ -53,14 +53,14 @@ static bool set_filters(int fd, const can_selection_t *selection) {
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(selection->count * sizeof filter[0])) == 0;
 }
 
-/* Time stamps: those of the kernel, which candump writes, and those of the controller if it has any. */
+/* Requests the kernel's time stamps, which candump also writes, and those of the controller, if it provides any. */
 static bool set_options(int fd, const can_selection_t *selection) {
     const can_err_mask_t errors =
         CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;
     const unsigned stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                             SOF_TIMESTAMPING_RAW_HARDWARE;
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)) {
-        (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as much as an ordinary user is granted */
+        (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as much as an ordinary user may have */
     }
     return set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) && set_filters(fd, selection) &&
            set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, selection->own) &&
@@ -71,7 +71,7 @@ static bool set_options(int fd, const can_selection_t *selection) {
 int can_kernel_open(const char *name, const can_selection_t *selection, char error[], size_t error_size) {
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     struct ifreq request = {0};
-    memcpy(request.ifr_name, name, strlen(name)); /* fits: can_socket_open() checked it */
+    memcpy(request.ifr_name, name, strlen(name)); /* it fits, because can_socket_open() has checked it */
     if (fd < 0 || ioctl(fd, SIOCGIFMTU, &request) != 0) {
         return fail(fd, name, "cannot be opened", error, error_size);
     }
@@ -117,7 +117,7 @@ static void read_notes(struct msghdr *message, can_kernel_notes_t *notes) {
 
 ssize_t can_kernel_receive(int fd, struct canfd_frame *packet, can_kernel_notes_t *notes) {
     union {
-        struct cmsghdr header; /* for its alignment */
+        struct cmsghdr header; /* aligns `bytes` */
         char bytes[CMSG_SPACE(sizeof(struct scm_timestamping)) + CMSG_SPACE(sizeof(uint32_t))];
     } control;
     struct iovec data = {.iov_base = packet, .iov_len = sizeof *packet};

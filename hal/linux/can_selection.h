@@ -1,4 +1,4 @@
-/* Selection of the frames of a bus. */
+/* Selects the frames of a bus to receive. */
 #ifndef COMANIP_CAN_SELECTION_H
 #define COMANIP_CAN_SELECTION_H
 
@@ -6,12 +6,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Frames that a socket receives. */
+/* The frames that a socket receives. */
 typedef struct {
-    const uint16_t *ids; /* the kernel filters; a hub sends all frames, and the reader ignores the others */
+    const uint16_t *ids; /* the kernel filters by these ids; a hub sends all frames, and the reader ignores the rest */
     size_t count;        /* 0: all */
     bool classic;        /* an interface without CAN FD is sufficient */
-    bool own;            /* also the socket's own frames, in the bus's order; from the kernel only */
+    bool own;            /* also receive the socket's own frames, in the bus's order; supported by the kernel only */
 } can_selection_t;
 
 #endif

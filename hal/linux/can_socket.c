@@ -51,7 +51,7 @@ static void lose(can_socket_t *self, const char *why) {
         self->counters.losses++;
         (void)fprintf(stderr, "%s: %s: lost: %s\n", self->program, self->name, why);
     }
-    if (self->hub_path[0] != '\0' && self->fd >= 0) { /* an interface keeps its sockets while it is down */
+    if (self->hub_path[0] != '\0' && self->fd >= 0) { /* an interface's socket survives while the interface is down */
         (void)close(self->fd);
         self->fd = -1;
     }
@@ -64,7 +64,7 @@ static void return_to_bus(can_socket_t *self) {
     }
 }
 
-/* True: there is a socket. */
+/* Returns whether there is a socket, after trying to reconnect if there is none. */
 static bool has_socket(can_socket_t *self) {
     if (self->fd < 0 && monotonic_ns() >= self->retry_ns) {
         self->retry_ns = monotonic_ns() + HUB_RETRY_NS;
@@ -83,7 +83,7 @@ static void count_kernel_drops(can_socket_t *self, uint32_t drops) {
     self->kernel_drops = drops;
 }
 
-/* The structures share their first eight bytes and the offset of the data. */
+/* struct can_frame and struct canfd_frame share their first eight bytes and the offset of the data. */
 static bool take(can_socket_t *self, const struct canfd_frame *packet, ssize_t bytes, can_frame_t *frame) {
     const bool is_classic = bytes == CAN_MTU && packet->len <= CAN_MAX_DLEN;
     const bool is_fd = bytes == CANFD_MTU && packet->len <= CANFD_MAX_DLEN;
@@ -130,7 +130,7 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
 
 bool can_socket_send(can_socket_t *self, const can_frame_t *frame) {
     struct canfd_frame packet = {.can_id = frame->id, .len = frame->length, .flags = frame->fd ? CANFD_BRS : 0};
-    const ssize_t size = frame->fd ? CANFD_MTU : CAN_MTU; /* the structures share their first bytes */
+    const ssize_t size = frame->fd ? CANFD_MTU : CAN_MTU; /* the two structures share their first bytes */
     memcpy(packet.data, frame->data, frame->length);
     const ssize_t bytes = has_socket(self) ? send(self->fd, &packet, (size_t)size, MSG_NOSIGNAL) : -1;
     if (bytes == size) {
@@ -148,7 +148,7 @@ bool can_socket_send(can_socket_t *self, const can_frame_t *frame) {
 
 void can_socket_status(const can_socket_t *self, port_status_t *status) {
     status->refused_frames = port_count(self->counters.send_drops);
-    if (self->hub_path[0] == '\0' || self->counters.error_frames > 0) { /* a hub may pass error frames on */
+    if (self->hub_path[0] == '\0' || self->counters.error_frames > 0) { /* a hub may pass on error frames */
         status->can_state = self->counters.can_state;
         status->lost_frames = port_count(self->counters.receive_drops);
         status->error_passive = port_count(self->counters.error_passive);

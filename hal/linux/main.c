@@ -12,26 +12,27 @@
 #define ERROR_BYTES 512
 
 static const char usage[] =
-    "comanip-firmware: the firmware as a process of its own on a CAN bus\n"
+    "comanip-firmware: runs the firmware as a separate process on a CAN bus\n"
     "\n"
     "usage: build/linux/comanip-firmware --can NAME [--profile fd|classic] [--slow N] [--parameters FILE]\n"
     "       make run-firmware CAN=NAME PARAMETERS=FILE\n"
     "\n"
-    "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; without it, the hub of this "
-    "name\n"
+    "  --can NAME   the kernel's CAN interface of this name, for example can0 or vcan0; if there is none, the hub of "
+    "this name\n"
     "  --profile P  fd: CAN FD, control at 1 kHz (default); classic: classic CAN, control at 250 Hz. The plant needs "
     "the same\n"
     "  --slow N     time scale: a tick lasts N ms while the firmware's clock advances by 1 ms, 1 (default) to 1000; "
-    "give\n"
-    "               the plant the same\n"
-    "  --parameters FILE  where `comanip param save` puts the parameters, and from where they come at the start; "
-    "without it\n"
-    "               they are the defaults, and cannot be saved\n"
+    "the\n"
+    "               plant needs the same\n"
+    "  --parameters FILE  file in which `comanip param save` saves the parameters, and from which they are read at the "
+    "start;\n"
+    "               without it, they have their defaults and cannot be saved\n"
     "  -h, --help   this text\n"
     "\n"
-    "Ends on SIGINT or SIGTERM. exit status: 0 ended so, 1 panic, 2 wrong use\n";
+    "Ends on SIGINT or SIGTERM. Exit status: 0 after such a signal, 1 panic, 2 wrong use\n";
 
-/* One line without control characters: a terminal must not execute text of the command line. */
+/* Prints one line without control characters, because a terminal must not interpret escape sequences from the command
+ * line. */
 static int complain(const char *error) {
     (void)fputs("comanip-firmware: ", stderr);
     for (const char *character = error; *character != '\0'; character++) {
@@ -64,7 +65,7 @@ int main(int argc, char *argv[]) {
         }
     }
     if (options.can == NULL) {
-        return complain("expected --can NAME, for example --can vcan0; --help says more");
+        return complain("expected --can NAME, for example --can vcan0; see --help");
     }
     if (!port_open(options.can, profile, options.slow, parameters, error, sizeof error)) {
         return complain(error);

@@ -8,7 +8,7 @@
 #include <time.h>
 
 #define NS_PER_S INT64_C(1000000000)
-#define STEP_MIN_NS INT64_C(1000000) /* two clocks read in succession differ by some us */
+#define STEP_MIN_NS INT64_C(1000000) /* readings of two clocks in succession differ by some us */
 
 static int64_t read_ns(clockid_t clock) {
     struct timespec now;
@@ -62,7 +62,7 @@ bool pace_find_step(pace_t *self) {
     const int64_t after_ns = read_ns(CLOCK_MONOTONIC);
     const int64_t step_ns = unix_ns - before_ns - self->offset_ns;
     const int64_t change_ns = step_ns - self->step_ns;
-    const int64_t doubt_ns = after_ns - before_ns; /* the process may have been paused in between */
+    const int64_t doubt_ns = after_ns - before_ns; /* the process may have been paused between the readings */
     if (change_ns > -STEP_MIN_NS && change_ns < STEP_MIN_NS + doubt_ns) {
         return false;
     }

@@ -14,7 +14,7 @@
 #include "watchdog.h"
 
 #define PROGRAM "comanip-firmware"
-#define PRIORITY 80       /* above the plant's and other programs' */
+#define PRIORITY 80       /* higher than that of the plant and other programs */
 #define REPORT_TICKS 1000 /* overruns are reported at most once a second */
 #define EXIT_PANIC 1
 
@@ -26,7 +26,7 @@ static struct {
     uint64_t reported_overruns;
     hardware_clock_t hardware_clock;
     bool has_reported_stamps;
-    int64_t empty_ns; /* the last tick at which the queue was empty: frames received later arrived later */
+    int64_t empty_ns; /* time of the last tick at which the receive queue was empty */
 } port;
 
 static volatile sig_atomic_t stopped;
@@ -56,7 +56,7 @@ void hal_init(void) {
     const struct sigaction action = {.sa_handler = on_stop};
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-    store_start(); /* before this thread has a priority, which the store's thread would inherit */
+    store_start(); /* before this thread is given a priority, which the store's thread would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
     pace_init(&port.pace, (uint32_t)port.pace.slow); /* the start does not count as an overrun */
@@ -82,16 +82,16 @@ static void report_clock(void) {
 bool hal_wait_tick(uint32_t *now_us) {
     bool waiting = true;
     while (stopped == 0 && waiting) {
-        waiting = !pace_wait_tick(&port.pace); /* a signal that does not end the process */
+        waiting = !pace_wait_tick(&port.pace); /* a signal that does not end the process: wait again */
     }
-    port.ticks += !waiting; /* not a tick that a signal ended */
+    port.ticks += !waiting; /* a wait that a signal ended is not a tick */
     report_clock();
     *now_us = pace_clock_us(&port.pace, port.pace.tick_ns);
     return stopped == 0;
 }
 
-/* A hub gives no time: the frame is then stamped with the earliest possible time, so that it does not look fresher than
- * it is. */
+/* A hub provides no time stamps. A frame is then stamped with the earliest time at which it can have arrived, so that
+ * it does not look fresher than it is. */
 static int64_t time_of_reception_ns(const can_reception_t *reception) {
     if (reception->unix_ns == 0) {
         return port.empty_ns;
@@ -101,7 +101,7 @@ static int64_t time_of_reception_ns(const can_reception_t *reception) {
                                        : hardware_clock_map(&port.hardware_clock, reception->hardware_ns, kernel_ns);
 }
 
-/* Once, at the first frame: the kind of time stamp does not change. */
+/* Reports once, at the first frame, because the kind of time stamp does not change. */
 static void report_stamps(const can_reception_t *reception) {
     if (!port.has_reported_stamps) {
         port.has_reported_stamps = true;
@@ -139,12 +139,12 @@ void hal_watchdog_feed(void) {
     watchdog_feed();
 }
 
-/* A process has no such line. */
+/* A process has no enable line. */
 void hal_enable_drives(bool enable) {
     (void)enable;
 }
 
-/* There is no power to switch off: the commands end with the process, and the drives brake by their own timeout. */
+/* There is no power to cut. The commands end with the process, and the drives brake when their own timeout expires. */
 _Noreturn void hal_panic(const char *cause) {
     (void)fprintf(stderr, PROGRAM ": panic: %s\n", cause);
     _exit(EXIT_PANIC);

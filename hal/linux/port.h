@@ -8,12 +8,12 @@
 
 #include "../../firmware/protocol/can_profile.h"
 
-/* Opens the bus and reads the store; before firmware_main(). parameters: the store's file, or NULL for none. On
- * failure false, and one line in `error`. */
+/* Opens the bus and reads the store. Must be called before firmware_main(). parameters: the store's file, or NULL for
+ * none. On failure, returns false and one line in `error`. */
 bool port_open(const char *can, can_profile_t profile, uint32_t slow, const char *parameters, char error[],
                size_t error_size);
 
-/* After firmware_main(): closes the bus and reports on stdout how the run went. */
+/* Closes the bus and reports on stdout how the run went. Must be called after firmware_main(). */
 void port_close(void);
 
 #endif

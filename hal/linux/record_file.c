@@ -9,7 +9,7 @@
 
 #define SUFFIX ".tmp"
 
-/* Preserves errno. */
+/* Closes the file and preserves errno. */
 static void close_quietly(int fd) {
     const int cause = errno;
     (void)close(fd);
@@ -19,7 +19,7 @@ static void close_quietly(int fd) {
 static int open_folder(const char *path) {
     char folder[PATH_MAX];
     const char *slash = strrchr(path, '/');
-    const size_t length = slash == NULL ? 0 : (size_t)(slash - path) + 1; /* with the slash, for a file in / */
+    const size_t length = slash == NULL ? 0 : (size_t)(slash - path) + 1; /* including the slash, for a file in / */
     if (length >= sizeof folder) {
         errno = ENAMETOOLONG;
         return -1;

@@ -1,4 +1,4 @@
-/* A small file that holds, after any interruption, either the previous content or the new one. */
+/* A small file that holds either the previous content or the new one after any interruption. */
 #ifndef COMANIP_RECORD_FILE_H
 #define COMANIP_RECORD_FILE_H
 
@@ -7,15 +7,16 @@
 
 typedef enum {
     RECORD_FILE_READ,
-    RECORD_FILE_MISSING, /* but its folder is there */
-    RECORD_FILE_FAILED,  /* with errno */
+    RECORD_FILE_MISSING, /* the file is missing, but its folder exists */
+    RECORD_FILE_FAILED,  /* failed, with errno */
 } record_file_status_t;
 
-/* Up to `capacity` bytes of the file. */
+/* Reads up to `capacity` bytes of the file. */
 record_file_status_t record_file_read(const char *path, void *bytes, size_t capacity, size_t *length);
 
-/* Writes FILE.tmp next to the file and renames it; file and folder are on the disk when this returns. False, with
- * errno: the file is unchanged, or, if only the folder could not be synchronised, the new one. */
+/* Writes FILE.tmp next to the file and renames it. File and folder are on the disk when this returns. On failure,
+ * returns false with errno, and the file is unchanged. However, if only the folder could not be synchronised, the file
+ * is already the new one. */
 bool record_file_write(const char *path, const void *bytes, size_t length);
 
 #endif

@@ -1,4 +1,4 @@
-/* Options of both programs on a live bus: which bus, and how fast time passes. */
+/* Options of both programs that run on a live bus: which bus, and how fast time passes. */
 #ifndef COMANIP_RUN_OPTIONS_H
 #define COMANIP_RUN_OPTIONS_H
 
@@ -9,19 +9,19 @@
 #include "../../firmware/protocol/can_profile.h"
 
 typedef struct {
-    const char *can; /* NULL: not given */
+    const char *can; /* name of the bus; NULL if not given */
     uint32_t slow;
 } run_options_t;
 
-/* Removes --can NAME and --slow N from the arguments, at any position, and leaves the others in their order; *argc is
- * then their number. On failure false, and one line in `error`. */
+/* Removes --can NAME and --slow N from the arguments, at any position, keeps the others in order, and sets *argc to
+ * their number. On failure, returns false and one line in `error`. */
 bool run_options_take(run_options_t *self, int *argc, char *argv[], char error[], size_t error_size);
 
-/* The same for --profile fd|classic, which the plant's simulator parses itself. */
+/* Does the same for --profile fd|classic, which the plant's simulator parses itself. */
 bool run_options_take_profile(can_profile_t *profile, int *argc, char *argv[], char error[], size_t error_size);
 
-/* True if argv[*index] is this option, as "--name value" or "--name=value": moves *index to its last argument and gives
- * its value, NULL if it has none. */
+/* Returns true if argv[*index] is this option, as "--name value" or "--name=value". Moves *index to the option's last
+ * argument, and sets *value to its value, or to NULL if it has none. */
 bool run_options_is(const char *name, int argc, char *argv[], int *index, const char **value);
 
 #endif

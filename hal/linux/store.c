@@ -20,9 +20,9 @@ typedef struct {
 
 static struct {
     const char *program;
-    const char *path; /* NULL: there is no store */
+    const char *path; /* path of the file; NULL if there is no store */
     bool has_record;
-    record_t read, written; /* used by the thread from sem_post() to the end of HAL_STORE_WRITING */
+    record_t read, written; /* used by the thread from sem_post() until HAL_STORE_WRITING ends */
     sem_t wanted;
     atomic_int status; /* hal_store_status_t */
 } store;
@@ -50,7 +50,7 @@ bool store_open(const char *program, const char *path, char error[], size_t erro
 static void *write_records(void *unused) {
     (void)unused;
     for (;;) {
-        while (sem_wait(&store.wanted) != 0) { /* a signal */
+        while (sem_wait(&store.wanted) != 0) { /* interrupted by a signal */
         }
         const bool is_written = record_file_write(store.path, store.written.bytes, store.written.length);
         if (!is_written) {
@@ -66,7 +66,7 @@ void store_start(void) {
     if (store.path != NULL &&
         (sem_init(&store.wanted, 0, 0) != 0 || pthread_create(&thread, NULL, write_records, NULL) != 0 ||
          pthread_detach(thread) != 0)) {
-        hal_panic("store: no thread for it");
+        hal_panic("store: cannot create its thread");
     }
 }
 

@@ -17,7 +17,7 @@ static int own_priority;
 static void *watch(void *unused) {
     (void)unused;
     const struct sched_param parameters = {.sched_priority = own_priority};
-    (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); /* as far as allowed, like the loop's own */
+    (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); /* if permitted, like the loop's */
     unsigned last = atomic_load(&feeds);
     int hungry_looks = 0;
     for (;;) {
@@ -37,12 +37,12 @@ void watchdog_start(int64_t look_ns, int priority) {
     own_priority = priority;
     look = (struct timespec){.tv_sec = (time_t)(look_ns / 1000000000), .tv_nsec = (long)(look_ns % 1000000000)};
     if (pthread_create(&thread, NULL, watch, NULL) != 0 || pthread_detach(thread) != 0) {
-        hal_panic("watchdog: no thread for it");
+        hal_panic("watchdog: cannot create its thread");
     }
 }
 
 void watchdog_feed(void) {
     if (atomic_fetch_add(&feeds, 1) == UINT32_MAX) {
-        (void)atomic_fetch_add(&feeds, 1); /* 0 means: not yet */
+        (void)atomic_fetch_add(&feeds, 1); /* 0 means that it has not been fed yet */
     }
 }

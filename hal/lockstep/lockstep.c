@@ -4,15 +4,15 @@
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 
-#define QUEUE_FRAMES 32 /* two ticks' maximum */
+#define QUEUE_FRAMES 32 /* the maximum of two ticks */
 
 static struct {
     can_frame_t frame[QUEUE_FRAMES]; /* ring */
     uint8_t first, count;
-    uint32_t stamp_us; /* of the next frame */
+    uint32_t stamp_us; /* time of reception of the next frame */
 } received;
 
-static uint32_t refused_frames, lost_frames; /* as the simulator reports them */
+static uint32_t refused_frames, lost_frames; /* as last reported by the simulator */
 
 static void keep(const can_frame_t *frame) {
     if (received.count == QUEUE_FRAMES) {
@@ -26,7 +26,7 @@ static void keep(const can_frame_t *frame) {
 static void report_done(void) {
     const can_frame_t done = lockstep_frame(LOCKSTEP_DONE_ID, drives_enabled());
     while (!hal_can_send(&done)) {
-        serial_wait(); /* until the line has sent the tick's frames */
+        serial_wait(); /* wait until the line has sent the tick's frames */
         hal_watchdog_feed();
     }
 }
@@ -37,7 +37,7 @@ bool hal_wait_tick(uint32_t *now_us) {
         can_frame_t frame;
         if (!slcan_link_receive(&slcan_hal_link, &frame)) {
             serial_wait();
-            hal_watchdog_feed(); /* the simulator may take any time */
+            hal_watchdog_feed(); /* the simulator may take any length of time */
         } else if (frame.id == LOCKSTEP_STAMP_ID) {
             received.stamp_us = lockstep_number(&frame);
         } else if (frame.id == LOCKSTEP_TICK_ID) {
@@ -63,7 +63,7 @@ bool hal_can_receive(can_frame_t *frame) {
     return true;
 }
 
-/* Equal to those of the firmware in the simulator's process: sim/port/local_firmware.c. */
+/* Reports the same values as the firmware in the simulator's process: see sim/port/local_firmware.c. */
 void hal_port_status(port_status_t *status) {
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = port_count(refused_frames);

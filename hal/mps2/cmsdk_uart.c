@@ -1,5 +1,5 @@
-/* UART of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.3): one byte of buffer each way. */
-#include <board.h> /* the image's, by its -I */
+/* UART of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.3): buffers one byte in each direction. */
+#include <board.h> /* from the image's -I folder */
 
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
@@ -19,7 +19,7 @@
 #define UART_INTERRUPT_TX (1u << 0)
 #define UART_INTERRUPT_RX (1u << 1)
 #define UART_DIVIDER REGISTER(BOARD_UART_BASE + 0x10u)
-#define UART_DIVIDER_MIN 16u /* 1.5625 Mbaud: this UART's maximum; docs/porting.md says what is needed */
+#define UART_DIVIDER_MIN 16u /* 1.5625 Mbaud, this UART's maximum; for the required rate, see docs/porting.md */
 #define UART_PART_NUMBER REGISTER(BOARD_UART_BASE + 0xFE0u)
 #define UART_PART_NUMBER_CMSDK 0x21u
 
@@ -56,8 +56,8 @@ void uart_tx_handler(void) {
 }
 
 void serial_start_transmission(void) {
-    /* The UART interrupts when a byte has been sent. No byte precedes the first one, so that software triggers the
-     * interrupt; the link's bytes also keep one consumer that way. */
+    /* The UART interrupts when a byte has been sent. Since no byte precedes the first one, software triggers that
+     * interrupt. This way, the link's bytes also have only one consumer. */
     NVIC_SET_PENDING(BOARD_UART_TX_INTERRUPT) = NVIC_BIT(BOARD_UART_TX_INTERRUPT);
 }
 

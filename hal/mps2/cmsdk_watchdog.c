@@ -1,6 +1,6 @@
-/* Watchdog of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.5): expires once into the NMI, twice into a
- * reset. */
-#include <board.h> /* the image's, by its -I */
+/* Watchdog of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.5). The first time it expires, it triggers the
+ * NMI; the second time, a reset. */
+#include <board.h> /* from the image's -I folder */
 
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
@@ -15,7 +15,7 @@
 #define WATCHDOG_PART_NUMBER REGISTER(BOARD_WATCHDOG_BASE + 0xFE0u)
 #define WATCHDOG_PART_NUMBER_CMSDK 0x24u
 
-/* Unlocked only for the write: a stray write must not stop it. */
+/* The watchdog is unlocked only for the write, so that a stray write cannot stop it. */
 static void write_unlocked(volatile uint32_t *target, uint32_t value) {
     WATCHDOG_LOCK = WATCHDOG_LOCK_KEY;
     *target = value;

@@ -1,4 +1,4 @@
-# Three boards that differ in nothing but the core.
+# Three boards that differ only in the core.
 IMAGES += cortex-m3 cortex-m4f cortex-m7
 
 cortex-m3.cpu := -mcpu=cortex-m3 -mthumb -mfloat-abi=soft

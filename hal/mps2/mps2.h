@@ -1,12 +1,12 @@
-/* Common to the MPS2 boards: user LED 0, user button 0, and the interrupt handlers. */
+/* Definitions shared by the MPS2 boards: user LED 0, user button 0, and the interrupt handlers. */
 #ifndef COMANIP_MPS2_H
 #define COMANIP_MPS2_H
 
-/* Represents the drives' enable line: the board has no power stage. */
+/* LED 0 represents the drives' enable line, because the board has no power stage. */
 #define BOARD_LEDS REGISTER(BOARD_IO_BASE + 0x0u)
 #define BOARD_LED_DRIVE_ENABLE (1u << 0)
 
-/* Held at reset, it selects classic CAN. */
+/* Button 0, if held at reset, selects classic CAN. */
 #define BOARD_BUTTONS REGISTER(BOARD_IO_BASE + 0x8u)
 #define BOARD_BUTTON_CLASSIC_CAN (1u << 0)
 

@@ -1,5 +1,5 @@
-/* The HAL on an MPS2 board. CAN goes over UART 0 (hal/slcan). */
-#include <board.h> /* the image's, by its -I */
+/* The HAL on an MPS2 board. UART 0 carries CAN (hal/slcan). */
+#include <board.h> /* from the image's -I folder */
 
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
@@ -8,7 +8,7 @@
 #define WATCHDOG_TIMEOUT_US 10000u
 
 void hal_init(void) {
-    uart_start(); /* first: a panic is reported through it */
+    uart_start(); /* first, since a panic is reported through it */
     watchdog_start(WATCHDOG_TIMEOUT_US);
     clock_start();
     hal_enable_drives(false);
@@ -38,9 +38,9 @@ _Noreturn void hal_panic(const char *cause) {
     static volatile bool panicking;
     hal_enable_drives(false);
     interrupts_off();
-    if (!panicking) { /* else a fault during the report: the drives are off, and nothing more can be reported */
+    if (!panicking) { /* if already panicking, the report itself faulted: do not try again */
         panicking = true;
-        watchdog_stop(); /* no reset: it would lose the cause, and this state is the safe one */
+        watchdog_stop(); /* prevents a reset, which would lose the cause; this state is the safe one */
         slcan_hal_report_panic(cause);
     }
     for (;;) {

@@ -1,9 +1,9 @@
-/* TIMER0 counts microseconds (nRF51 manual, chapter 18): the nRF51 has no SysTick. */
+/* TIMER0 counts microseconds (nRF51 manual, chapter 18), because the nRF51 has no SysTick. */
 #include "../cortex_m/drivers.h"
 #include "board.h"
 #include "watchdog.h"
 
-#define CLOCK_START REGISTER(0x40000000u) /* the crystal, 16 MHz */
+#define CLOCK_START REGISTER(0x40000000u) /* starts the crystal oscillator, 16 MHz */
 #define CLOCK_STARTED REGISTER(0x40000100u)
 
 #define TIMER(offset) REGISTER(0x40008000u + (offset))
@@ -35,7 +35,8 @@ void clock_start(void) {
     TIMER_START = 1;
 }
 
-/* Called in interrupts, which do not preempt each other, or with interrupts off: one capture channel serves all. */
+/* Must be called in interrupts, which do not preempt each other, or with interrupts off, because one capture channel
+ * serves all callers. */
 uint32_t clock_us(void) {
     TIMER_CAPTURE(CHANNEL_NOW) = 1;
     return TIMER_COUNT(CHANNEL_NOW);
@@ -43,7 +44,7 @@ uint32_t clock_us(void) {
 
 void timer_handler(void) {
     TIMER_COMPARE_EVENT(CHANNEL_TICK) = 0;
-    do { /* again if the next tick's time passed before it was set */
+    do { /* repeat if the next tick's time passed before it was set */
         if (clock_us() - tick_us >= CLOCK_TICK_US) {
             tick_us += CLOCK_TICK_US;
         }

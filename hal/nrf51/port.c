@@ -1,4 +1,4 @@
-/* The HAL on a micro:bit. CAN goes over the UART (hal/slcan). */
+/* The HAL on a micro:bit. The UART carries CAN (hal/slcan). */
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
@@ -8,7 +8,7 @@
 
 void hal_init(void) {
     BOARD_GPIO_CONFIG(BOARD_PIN_CLASSIC_CAN) = BOARD_GPIO_CONFIG_INPUT_PULL_UP;
-    uart_start(); /* first: a panic is reported through it */
+    uart_start(); /* first, since a panic is reported through it */
     watchdog_start(WATCHDOG_TIMEOUT_US);
     clock_start();
     hal_enable_drives(false);
@@ -39,11 +39,11 @@ _Noreturn void hal_panic(const char *cause) {
     static volatile bool panicking;
     hal_enable_drives(false);
     interrupts_off();
-    if (!panicking) { /* else a fault during the report: the drives are off, and nothing more can be reported */
+    if (!panicking) { /* if already panicking, the report itself faulted: do not try again */
         panicking = true;
         slcan_hal_report_panic(cause);
     }
     for (;;) {
-        watchdog_feed(); /* no reset: this state is the safe one */
+        watchdog_feed(); /* prevents a reset: this state is the safe one */
     }
 }

@@ -1,4 +1,4 @@
-/* The nRF51's UART (manual, chapter 29), 1 Mbaud: it buffers one byte to send and six received ones. */
+/* The nRF51's UART (manual, chapter 29), 1 Mbaud. It buffers one byte to send and six received bytes. */
 #include "../cortex_m/drivers.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -20,9 +20,9 @@
 #define UART_RX_DATA UART(0x518u)
 #define UART_TX_DATA UART(0x51Cu)
 #define UART_BAUD_RATE UART(0x524u)
-#define UART_BAUD_RATE_1M 0x10000000u /* the maximum; docs/porting.md says what is needed */
+#define UART_BAUD_RATE_1M 0x10000000u /* the maximum; for the required rate, see docs/porting.md */
 
-/* The UART signals that a byte has been sent, not that it can take one. */
+/* Tracks whether a byte is being sent: the UART signals that a byte has been sent, not that it can accept one. */
 static volatile bool sending;
 
 void uart_start(void) {
@@ -41,7 +41,7 @@ void uart_start(void) {
 
 static void receive(void) {
     while (UART_RX_READY != 0) {
-        UART_RX_READY = 0; /* before the byte is read: the next one sets it again */
+        UART_RX_READY = 0; /* cleared before the byte is read, because the next byte sets it again */
         if ((UART_ERROR & UART_ERROR_OVERRUN) != 0) {
             UART_ERROR = UART_ERROR_OVERRUN;
             slcan_link_overrun(&slcan_hal_link);
@@ -68,13 +68,13 @@ void uart_handler(void) {
 }
 
 void serial_start_transmission(void) {
-    /* The interrupt sends, so that the link's bytes have one consumer. */
+    /* The interrupt does the sending, so that the link's bytes have only one consumer. */
     NVIC_SET_PENDING(BOARD_UART_INTERRUPT) = NVIC_BIT(BOARD_UART_INTERRUPT);
 }
 
 void serial_wait(void) {
     wait_for_interrupt();
-    /* QEMU raises no interrupt for a byte that its reader has delayed. */
+    /* QEMU does not raise an interrupt for a byte that its reader has delayed. */
     serial_start_transmission();
 }
 

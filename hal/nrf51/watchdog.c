@@ -1,5 +1,6 @@
-/* The nRF51's watchdog (manual, chapter 24) can only reset, and cannot be stopped. The tick's interrupt therefore
- * checks first, and reports the cause; the watchdog resets after twice the time, if even interrupts hang. */
+/* The nRF51's watchdog (manual, chapter 24) can only reset the chip, and cannot be stopped. The tick's interrupt
+ * therefore checks the firmware first, and reports the cause. The watchdog resets the chip after twice that time, if
+ * even interrupts hang. */
 #include "watchdog.h"
 
 #include "../cortex_m/drivers.h"
@@ -15,7 +16,7 @@
 static struct {
     uint32_t timeout_us;
     volatile bool fed;
-    uint32_t fed_us; /* tick at which the last feed was seen */
+    uint32_t fed_us; /* time of the tick at which the last feed was seen */
 } watchdog;
 
 void watchdog_start(uint32_t timeout_us) {

@@ -1,10 +1,10 @@
-/* Functions that the port's files share, in addition to drivers.h. */
+/* Functions shared by the port's files, in addition to drivers.h. */
 #ifndef COMANIP_NRF51_WATCHDOG_H
 #define COMANIP_NRF51_WATCHDOG_H
 
 #include <stdint.h>
 
-/* Called by the tick's interrupt. tick_us: its time. Panics if the watchdog was not fed in time. */
+/* Panics if the watchdog was not fed in time. Called by the tick's interrupt. tick_us: the tick's time. */
 void watchdog_check(uint32_t tick_us);
 
 #endif

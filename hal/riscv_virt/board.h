@@ -10,6 +10,6 @@
 #define BOARD_PLIC_BASE 0x0C000000u
 
 #define BOARD_UART_BASE 0x10000000u /* 16550, registers one byte apart */
-#define BOARD_UART_INTERRUPT 10u    /* at the PLIC */
+#define BOARD_UART_INTERRUPT 10u    /* its number at the PLIC */
 
 #endif

@@ -1,4 +1,4 @@
-/* Machine timer (CLINT): the 1 kHz tick, and between ticks the microseconds. */
+/* The machine timer (CLINT) as the 1 kHz tick and, between ticks, as the microsecond clock. */
 #include "board.h"
 #include "drivers.h"
 
@@ -11,8 +11,8 @@
 #define COUNTS_PER_TICK (CLOCK_TICK_US * COUNTS_PER_US)
 
 static volatile uint32_t tick_us;  /* time of the last tick */
-static uint64_t next_tick;         /* in counts of the timer */
-static volatile uint32_t tick_low; /* low half of the timer at the last tick */
+static uint64_t next_tick;         /* time of the next tick, in counts of the timer */
+static volatile uint32_t tick_low; /* low half of the timer's count at the last tick */
 
 static uint64_t timer_now(void) {
     uint32_t high;
@@ -25,7 +25,7 @@ static uint64_t timer_now(void) {
 }
 
 static void set_compare(uint64_t count) {
-    TIMER_COMPARE_HIGH = UINT32_MAX; /* no early match while only one half is new */
+    TIMER_COMPARE_HIGH = UINT32_MAX; /* prevents an early match while only one half is new */
     TIMER_COMPARE_LOW = (uint32_t)count;
     TIMER_COMPARE_HIGH = (uint32_t)(count >> 32);
 }
@@ -40,7 +40,7 @@ void clock_start(void) {
 
 void clock_handler(void) {
     uint64_t now = timer_now();
-    while (next_tick <= now) { /* more than once if interrupts were off for a whole tick */
+    while (next_tick <= now) { /* repeats if interrupts were off for a whole tick */
         tick_us += CLOCK_TICK_US;
         tick_low = (uint32_t)next_tick;
         next_tick += COUNTS_PER_TICK;
@@ -56,7 +56,7 @@ uint32_t clock_tick_us(void) {
 uint32_t clock_us(void) {
     uint32_t tick;
     uint32_t count;
-    do { /* again if a tick came meanwhile */
+    do { /* read again if a tick occurred meanwhile */
         tick = tick_us;
         count = TIMER_LOW - tick_low;
     } while (tick != tick_us);

@@ -1,4 +1,4 @@
-/* Functions that the port's files share. */
+/* Functions shared by the port's files. */
 #ifndef COMANIP_RISCV_DRIVERS_H
 #define COMANIP_RISCV_DRIVERS_H
 
@@ -6,23 +6,23 @@
 
 #include "../common/clock.h"
 
-/* clock.c: the CLINT's machine timer as the 1 kHz tick and the microsecond clock. */
+/* Defined in clock.c: the CLINT's machine timer as the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
 void clock_handler(void);
 
-/* ns16550.c: 8N1, interrupt-driven, connected to slcan_hal_link. */
+/* Defined in ns16550.c: the UART, 8N1, interrupt-driven, connected to slcan_hal_link. */
 void uart_start(void);
 void uart_handler(void);
 
-/* plic.c: the platform's interrupt controller; the UART is its only source. */
+/* Defined in plic.c: the platform's interrupt controller, whose only source is the UART. */
 void plic_start(void);
 void plic_handler(void);
 
-/* port.c: panics if the firmware has not fed the watchdog in time. Called by the tick's interrupt. */
+/* Defined in port.c: panics if the firmware has not fed the watchdog in time. Called by the tick's interrupt. */
 void watchdog_check(void);
 
-/* trap.c: called by startup.S, on the stack of traps. cause: mcause; thread_stack: the stack pointer of the interrupted
- * thread. */
+/* Defined in trap.c. Called by startup.S, on the stack of traps. cause: mcause. thread_stack: the stack pointer of the
+ * interrupted thread. */
 void trap_handler(uint32_t cause, uintptr_t thread_stack);
 
 #endif

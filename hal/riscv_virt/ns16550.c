@@ -1,4 +1,4 @@
-/* UART 16550: 16 bytes of buffer each way. */
+/* UART 16550, which buffers 16 bytes in each direction. */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -12,7 +12,7 @@
 #define UART_INTERRUPT_TX_EMPTY 0x02u
 #define UART_FIFO BYTE_REGISTER(BOARD_UART_BASE + 2u)
 #define UART_FIFO_ENABLE_AND_CLEAR 0x07u
-#define UART_INTERRUPT_CAUSE BYTE_REGISTER(BOARD_UART_BASE + 2u) /* same address, read */
+#define UART_INTERRUPT_CAUSE BYTE_REGISTER(BOARD_UART_BASE + 2u) /* the same address when read */
 #define UART_LINE BYTE_REGISTER(BOARD_UART_BASE + 3u)
 #define UART_LINE_8N1 0x03u
 #define UART_LINE_DIVISOR_ACCESS 0x80u
@@ -64,13 +64,13 @@ static void transmit(void) {
 }
 
 void uart_handler(void) {
-    (void)UART_INTERRUPT_CAUSE; /* reading it acknowledges the transmitter's interrupt */
+    (void)UART_INTERRUPT_CAUSE; /* reading this register acknowledges the transmitter's interrupt */
     receive();
     transmit();
 }
 
 void serial_start_transmission(void) {
-    UART_INTERRUPT = UART_INTERRUPT_RX | UART_INTERRUPT_TX_EMPTY; /* interrupts at once if there is room */
+    UART_INTERRUPT = UART_INTERRUPT_RX | UART_INTERRUPT_TX_EMPTY; /* causes an interrupt at once if there is room */
 }
 
 void serial_wait(void) {

@@ -17,7 +17,7 @@ void plic_start(void) {
 
 void plic_handler(void) {
     uint32_t source = PLIC_CLAIM;
-    if (source == 0) { /* no longer pending */
+    if (source == 0) { /* the interrupt is no longer pending */
         return;
     }
     if (source != BOARD_UART_INTERRUPT) {

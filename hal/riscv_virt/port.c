@@ -1,8 +1,8 @@
-/* The HAL on QEMU's virt machine. CAN goes over the UART (hal/slcan).
+/* The HAL on QEMU's virt machine. The UART carries CAN (hal/slcan).
  *
- * The machine has no watchdog: the tick's interrupt checks that the firmware's loop runs. It detects a loop that hangs,
- * but, unlike a watchdog, not one that hangs with interrupts off. The machine has no output either that could take the
- * drives' power away: a panic stops the commands, and each drive brakes by its own timeout (3 ms). */
+ * Since the machine has no watchdog, the tick's interrupt checks that the firmware's loop runs. Unlike a watchdog, this
+ * check detects a hang only while interrupts are on. Nor does the machine have an output that could cut the drives'
+ * power. A panic stops the commands, and each drive then brakes when its own timeout (3 ms) expires. */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -11,7 +11,7 @@
 #define WATCHDOG_TIMEOUT_US 10000u
 
 static volatile uint32_t fed_us;
-static bool enabled; /* instead of a line */
+static bool enabled; /* replaces the enable line, which the machine does not have */
 
 void hal_init(void) {
     uart_start();
@@ -21,7 +21,7 @@ void hal_init(void) {
 }
 
 can_profile_t hal_can_profile(void) {
-    return CAN_PROFILE_FD; /* the machine has no input to select by */
+    return CAN_PROFILE_FD; /* the machine has no input that could select a profile */
 }
 
 void hal_watchdog_feed(void) {
@@ -46,7 +46,7 @@ _Noreturn void hal_panic(const char *cause) {
     static bool panicking;
     hal_enable_drives(false);
     interrupts_off();
-    if (!panicking) { /* else a fault during the report: nothing more can be reported */
+    if (!panicking) { /* if already panicking, the report itself faulted: do not try again */
         panicking = true;
         slcan_hal_report_panic(cause);
     }

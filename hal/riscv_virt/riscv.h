@@ -1,5 +1,5 @@
-/* Control and status registers of the RISC-V machine mode that the port uses (privileged specification 1.12, chapter
- * 3). */
+/* The control and status registers of the RISC-V machine mode that the port uses (privileged specification 1.12,
+ * chapter 3). */
 #ifndef COMANIP_RISCV_H
 #define COMANIP_RISCV_H
 
@@ -13,7 +13,7 @@
 #define MIE_EXTERNAL (1u << 11)
 #define MCAUSE_INTERRUPT (1u << 31)
 
-/* The compiler's -march leaves Zicsr out, since no libc is built for that spelling of rv32imac. */
+/* The compiler's -march leaves out Zicsr, because no libc is built for that spelling of rv32imac. */
 #define CSR_ASM(instruction) ".option push\n\t.option arch, +zicsr\n\t" instruction "\n\t.option pop"
 
 static inline void interrupts_off(void) {
@@ -28,7 +28,7 @@ static inline void interrupts_enable(uint32_t mie) {
     __asm__ volatile(CSR_ASM("csrs mie, %0")::"r"(mie) : "memory");
 }
 
-/* Returns when an interrupt is pending, even with interrupts off. */
+/* Sleeps until an interrupt is pending, even with interrupts off. */
 static inline void wait_for_interrupt(void) {
     __asm__ volatile("wfi" ::: "memory");
 }

@@ -1,9 +1,10 @@
-/* Reset: trap vector, stacks and memory, then the firmware. Runs on hart 0; the others sleep. Also the entry of traps,
- * which have their own stack, and can therefore report that the thread has overflowed its stack. */
+/* The reset handler sets up trap vector, stacks and memory, and then runs the firmware. It uses hart 0; the other harts
+ * sleep. This file also contains the entry of traps. Traps have their own stack, and can therefore report that the
+ * thread has overflowed its stack. */
     .option arch, +zicsr
     .equ MSTATUS_FLOATING_POINT, 1 << 13 /* initial */
-    .equ PMP_LOCKED_NAPOT, 0x98          /* no access, in machine mode too */
-    .equ STACK_GUARD_BYTES, 4096         /* larger than any function's frame, which could jump over a small one */
+    .equ PMP_LOCKED_NAPOT, 0x98          /* no access, not even in machine mode */
+    .equ STACK_GUARD_BYTES, 4096         /* larger than any function's frame, which could jump over a smaller guard */
 
     .section .text.start, "ax", @progbits
     .globl reset_handler
@@ -15,13 +16,13 @@ reset_handler:
     la t0, trap_entry
     csrw mtvec, t0
     la t0, link_trap_stack_top
-    csrw mscratch, t0 /* the stack pointer of the one that does not run: thread or trap */
+    csrw mscratch, t0 /* holds the stack pointer of whichever is not running: thread or trap */
 #ifdef __riscv_flen
     li t0, MSTATUS_FLOATING_POINT
     csrs mstatus, t0
 #endif
 
-    /* An access below the thread's stack causes a fault: PMP, privileged specification 1.12, chapter 3.7. */
+    /* An access below the thread's stack causes a fault, by PMP (privileged specification 1.12, chapter 3.7). */
     la t0, link_thread_stack_end - STACK_GUARD_BYTES
     srli t0, t0, 2
     ori t0, t0, (STACK_GUARD_BYTES >> 3) - 1
@@ -70,7 +71,7 @@ sleep:
 #else
     .equ FRAME_BYTES, 4 * 16
 #endif
-/* Registers that a call may overwrite. operation: a store or a load. */
+/* Stores or loads the registers that a call may overwrite. operation, float_operation: store or load. */
     .macro caller_saved operation, float_operation
     .set slot, 0
     .irp name, ra, t0, t1, t2, t3, t4, t5, t6, a0, a1, a2, a3, a4, a5, a6, a7
@@ -85,7 +86,7 @@ sleep:
 #endif
     .endm
 
-    .balign 4 /* the low bits of mtvec are its mode */
+    .balign 4 /* the low bits of mtvec hold its mode */
     .type trap_entry, @function
 trap_entry:
     csrrw sp, mscratch, sp

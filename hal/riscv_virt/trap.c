@@ -1,9 +1,9 @@
-/* Traps: the tick, the UART, and faults, which end in hal_panic(). */
+/* Handles traps: the tick, the UART, and faults, which end in hal_panic(). */
 #include "../hal.h"
 #include "board.h"
 #include "drivers.h"
 
-/* Values of mcause. */
+/* Causes of traps, as given in mcause. */
 #define CAUSE_FETCH_MISALIGNED 0u
 #define CAUSE_FETCH_ACCESS 1u
 #define CAUSE_ILLEGAL_INSTRUCTION 2u
@@ -14,10 +14,10 @@
 #define CAUSE_TIMER (MCAUSE_INTERRUPT | 7u)
 #define CAUSE_EXTERNAL (MCAUSE_INTERRUPT | 11u)
 
-/* From the linker script. */
+/* Defined by the linker script. */
 extern uint32_t link_thread_stack_end[];
 
-/* The kind is of the fault that the processor detected first. */
+/* kind: the fault that the processor detected first. */
 static _Noreturn void fault(const char *kind, uintptr_t thread_stack) {
     hal_panic(thread_stack < (uintptr_t)link_thread_stack_end ? "stack overflow" : kind);
 }

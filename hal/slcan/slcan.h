@@ -1,12 +1,12 @@
 /* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol, extended by the CAN FD letters of the
- * CANable 2 firmware). Portable: shared by every port without a CAN controller, and by the tests.
+ * CANable 2 firmware). It is portable, and shared by all ports without a CAN controller and by the tests.
  *
  *   tIIIL...   classic frame        dIIIL...   FD frame        bIIIL...   FD frame with bit-rate switch
  *
- * III: 11-bit id, L: data length code, each one hexadecimal digit (9..F = 12, 16, 20, 24, 32, 48, 64 bytes, FD only),
- * then two digits per byte, then CR. Digits are read in both cases and written in upper case; FD frames are written
- * with b. The capital letters (29-bit ids), r and R (remote frames) and the adapter's channel commands (O, C, S8, Y5,
- * ...) are ignored. */
+ * III is the 11-bit id and L the data length code, in hexadecimal digits (9..F = 12, 16, 20, 24, 32, 48, 64 bytes, FD
+ * only). Two digits per byte follow, then CR. Hexadecimal digits are accepted in lower and upper case, and written in
+ * upper case; FD frames are written with b. The capital letters (29-bit ids), r and R (remote frames) and the adapter's
+ * channel commands (O, C, S8, Y5, ...) are ignored. */
 #ifndef COMANIP_SLCAN_H
 #define COMANIP_SLCAN_H
 
@@ -17,15 +17,15 @@
 
 #define SLCAN_LINE_MAX_BYTES (1 + 3 + 1 + 2 * CAN_FRAME_MAX_BYTES + 1)
 
-/* Writes the frame's line, CR included, without a terminating zero. Returns its length; 0 if the id has more than 11
- * bits or no CAN FD frame has this length. */
+/* Writes the frame's line, including the CR, without a terminating zero. Returns the line's length, or 0 if the id has
+ * more than 11 bits or no CAN FD frame has this length. */
 size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]);
 
 typedef enum {
-    SLCAN_PENDING,   /* the line is not complete */
-    SLCAN_FRAME,     /* the line is complete, the frame is valid */
-    SLCAN_IGNORED,   /* the line is complete: empty, or SLCAN that this bus does not use */
-    SLCAN_MALFORMED, /* the line is complete and is not SLCAN */
+    SLCAN_PENDING,   /* the line is not yet complete */
+    SLCAN_FRAME,     /* the line is complete, and the frame is valid */
+    SLCAN_IGNORED,   /* the line is complete, but empty or of an SLCAN kind that this bus does not use */
+    SLCAN_MALFORMED, /* the line is complete, but is not SLCAN */
 } slcan_event_t;
 
 typedef enum {
@@ -41,16 +41,16 @@ typedef enum {
 /* Zero-initialise. */
 typedef struct {
     slcan_state_t state;
-    uint8_t max_length_code; /* 8: classic, 15: FD */
-    uint8_t digits;          /* of the current field */
+    uint8_t max_length_code; /* 8 for classic, 15 for FD */
+    uint8_t digits;          /* number of digits of the current field so far */
 } slcan_decoder_t;
 
-/* Takes the next byte of the line, in a few tens of instructions: it runs in receive interrupts of UARTs that buffer
- * only one byte. frame: the same one for all bytes of a line; id, length and data are valid only at SLCAN_FRAME; the
- * caller sets the timestamp. */
+/* Takes the next byte of the line. This takes only a few tens of instructions, because it runs in receive interrupts of
+ * UARTs that buffer only one byte. frame: must be the same for all bytes of a line; id, length and data are valid only
+ * at SLCAN_FRAME, and the caller must set the timestamp. */
 slcan_event_t slcan_decode(slcan_decoder_t *self, uint8_t byte, can_frame_t *frame);
 
-/* Bytes were lost: the current line is treated as malformed. */
+/* Call this when bytes were lost: the current line is then treated as malformed. */
 void slcan_spoil(slcan_decoder_t *self);
 
 #endif

@@ -1,4 +1,4 @@
-/* The rings between thread and interrupt. A producer publishes its elements by storing the head, a consumer frees them
+/* The rings between thread and interrupt. A producer publishes its elements by storing the head; a consumer frees them
  * by storing the tail. */
 #include "slcan_link.h"
 
@@ -36,7 +36,7 @@ bool slcan_link_send(slcan_link_t *self, const can_frame_t *frame) {
 
 void slcan_link_put_byte(slcan_link_t *self, uint8_t byte, uint32_t now_us) {
     uint16_t head = atomic_load_explicit(&self->rx_head, memory_order_relaxed);
-    can_frame_t *frame = &self->rx[head]; /* always free, so lines decode in place */
+    can_frame_t *frame = &self->rx[head]; /* this slot is always free, so lines are decoded in place */
     switch (slcan_decode(&self->decoder, byte, frame)) {
     case SLCAN_FRAME:
         if (after(head, SLCAN_LINK_RX_FRAMES) == atomic_load_explicit(&self->rx_tail, memory_order_acquire)) {

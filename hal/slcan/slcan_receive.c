@@ -1,4 +1,5 @@
-/* Reception from the serial line, and its faults. An image in lockstep with a simulator has hal/lockstep/ instead. */
+/* Receives frames from the serial line and reports its faults. In an image in lockstep with a simulator, hal/lockstep/
+ * replaces this file. */
 #include "../common/tick.h"
 #include "../hal.h"
 #include "slcan_hal.h"
@@ -11,7 +12,7 @@ void hal_port_status(port_status_t *status) {
     const slcan_link_counters_t *counters = &slcan_hal_link.counters;
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = port_count(counters->tx_dropped);
-    /* Bytes that the UART loses make a line malformed. */
+    /* If the UART loses bytes, the line becomes malformed. */
     status->lost_frames = port_count((uint64_t)counters->rx_overflow + counters->rx_malformed);
     tick_status(status);
 }

@@ -1,8 +1,9 @@
-"""``make bitexact``: all compilers and all processors must give the same bytes of controller_step() for the same input.
+"""``make bitexact``: for the same input, controller_step() must produce the same bytes with every compiler and
+processor.
 
-``bitexact.py BUILD [--smoke]``. The host builds run here, the images in QEMU. The first host build is the reference,
-and every other build is compared with it tick by tick. Prints a table and writes BUILD/reports/bitexact.json. Exit
-status 1 if any build differs. QEMU executes the instructions as specified; nothing was run on silicon.
+``bitexact.py BUILD [--smoke]``. Runs the host builds directly and the images in QEMU. The first host build is the
+reference, with which every other build is compared tick by tick. Prints a table and writes BUILD/reports/bitexact.json.
+The exit status is 1 if any build differs. QEMU executes instructions as specified; nothing was run on silicon.
 """
 
 from __future__ import annotations
@@ -42,12 +43,12 @@ SEMIHOSTING = [
     "enable=on,target=native",
 ]
 HASH_BYTES = 4
-TIMEOUT_S = 1800  # an image that panics hangs
+TIMEOUT_S = 1800  # an image that panics does not end
 
 
 @dataclass(frozen=True)
 class Result:
-    """`differs_at_tick` counts from 0; None: all ticks are equal."""
+    """The result of one build. `differs_at_tick` counts from 0, and is None if all ticks are equal."""
 
     build: str
     ticks: int
@@ -64,7 +65,7 @@ def make_input(folder: Path, smoke: bool) -> None:
     for number, (scenario, profile, options) in enumerate(runs):
         out = folder / "runs" / str(number)
         command = [SIMULATOR, "--scenario", scenario, "--profile", profile, "--quiet", "--out", out, *options]
-        (out / "bus.log").unlink(missing_ok=True)  # a failed start must not leave an old log
+        (out / "bus.log").unlink(missing_ok=True)  # otherwise a failed start would leave an old log
         subprocess.run([str(part) for part in command], check=False, stderr=subprocess.DEVNULL)
         paths.append(out / "bus.log")
     ticks = SMOKE_VECTOR_TICKS if smoke else VECTOR_TICKS

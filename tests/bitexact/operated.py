@@ -1,4 +1,5 @@
-"""Firmware input of a run in which an operator changes something every few ticks and waits for each answer."""
+"""Generates the firmware's input for a run in which an operator changes something every few ticks and waits for each
+answer."""
 
 from __future__ import annotations
 
@@ -15,13 +16,13 @@ HAND_M, SWING_M, SWING_RADPS = np.array([0.4, 0.2, 0.1]), 0.12, np.array([2.0, 3
 TURN_RAD, TURN_RADPS = 0.3, 3.0
 STATUS_TICKS = 100
 PAUSE_TICKS = (3, 60)
-GAP_TICKS = 80  # no samples, for longer than the tracker timeout
+GAP_TICKS = 80  # length of a gap without samples, longer than the tracker timeout
 
 
 class Operated(Bench):
-    """A bench whose hand moves to and fro.
+    """A bench with a hand that moves to and fro.
 
-    ticks_read: the inbox of each tick, for the runner. seen: the number of ticks of each kind.
+    ticks_read: the inbox of each tick, for the runner. seen: how often each kind of event has occurred.
     """
 
     def __init__(self, rng: np.random.Generator):
@@ -60,7 +61,7 @@ class Operated(Bench):
 
     def _stop(self) -> None:
         assert self.command(lib.COMMAND_STOP) == lib.RESULT_ACCEPTED
-        self.tick(250)  # comes to rest from any speed
+        self.tick(250)  # time to come to rest from any speed
         measured = self.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED]
         assert self.write(lib.PARAMETER_LATCH_MEASURED, 1 - measured) == lib.RESULT_ACCEPTED
 
@@ -69,7 +70,7 @@ class Operated(Bench):
         self.define(q_task=q_task / np.linalg.norm(q_task), blend_s=float(self._rng.choice([0, 0.1])))
 
     def operate(self) -> None:
-        """One operator action, or a gap in the tracker samples."""
+        """Performs one random operator action, or starts a gap in the tracker samples."""
         if self.mode == lib.MODE_READY:
             self.seen["start"] += self.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
             return

@@ -1,6 +1,6 @@
-/* Input and output of the runner: the files input.bin and output.bin in the working directory of the runner or the
- * emulator. A target uses semihosting (ARM IHI 0100; RISC-V's is the same), which gives an image in an emulator access
- * to the host's files. */
+/* Input and output of the runner: the files input.bin and output.bin in the working directory of the runner or, for an
+ * image, of the emulator. A target uses semihosting (ARM IHI 0100; RISC-V's is the same), through which an image in an
+ * emulator can access the host's files. */
 #ifndef COMANIP_BITEXACT_PLATFORM_H
 #define COMANIP_BITEXACT_PLATFORM_H
 
@@ -59,7 +59,7 @@ static inline void platform_open(void) {
     platform_output.file = semihosting3(SEMIHOSTING_OPEN, (uintptr_t)OUTPUT_NAME, MODE_WRITE, sizeof OUTPUT_NAME - 1);
 }
 
-/* False at the end of the input. */
+/* Reads `count` bytes. Returns false at the end of the input. */
 static inline bool platform_read(void *bytes, size_t count) {
     platform_buffer_t *in = &platform_input;
     for (size_t i = 0; i < count; i++) {

@@ -10,7 +10,7 @@ typedef enum {
     RECORD_TICK = 0,
     RECORD_BOOT_FD = 1,
     RECORD_BOOT_CLASSIC = 2,
-    RECORD_STATE = 3, /* for tests/cycles: joint positions and the hand */
+    RECORD_STATE = 3, /* for tests/cycles: joint positions and the hand's pose */
 } record_kind_t;
 
 typedef struct {
@@ -35,7 +35,7 @@ static inline bool record_read_frame(can_frame_t *frame) {
     return platform_read(frame->data, frame->length);
 }
 
-/* False at the end of the input. */
+/* Reads the header of the next record. Returns false at the end of the input. */
 static inline bool record_read(record_t *record) {
     uint8_t head[6];
     if (!platform_read(head, sizeof head)) {

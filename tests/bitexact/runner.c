@@ -1,9 +1,9 @@
-/* Feeds a recorded input into controller_step() and writes a hash of the frames sent in each tick. The same file runs
- * on the host and, instead of firmware/main.c, on a target. bitexact.py writes the input and compares the output. */
+/* Feeds a recorded input to controller_step(), and writes a hash of the frames sent in each tick. The same file runs on
+ * the host and, replacing firmware/main.c, on a target. bitexact.py writes the input and compares the outputs. */
 #include "../../firmware/main.h"
 #include "records.h"
 
-/* FNV-1a, 32 bits. */
+/* Adds bytes to a 32-bit FNV-1a hash. */
 static uint32_t add(uint32_t hash, const uint8_t bytes[], size_t count) {
     for (size_t i = 0; i < count; i++) {
         hash = (hash ^ bytes[i]) * 16777619u;

@@ -1,4 +1,4 @@
-"""Inputs of controller_step(): recorded runs, tick by tick as the firmware read them, and generated vectors."""
+"""Generates inputs of controller_step(): recorded runs, tick by tick as the firmware read them, and random vectors."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ def now_us(trace: Frame) -> int:
 
 
 def recorded(log: Path) -> Iterator[bytes]:
-    """The ticks of a run from its boot on, with the frames that the firmware read in each as found by the replay."""
+    """Yields the ticks of a recorded run from its boot on, each with the frames that the firmware read, as found by the
+    replay."""
     frames = list(logs.read(log))
     replaying = Replay(frames)
     state = replaying._state
@@ -53,7 +54,7 @@ def recorded(log: Path) -> Iterator[bytes]:
 
 
 class Vectors:
-    """Authentic frames with all kinds of contents: at rest, in motion, at limits, nonsense."""
+    """Generates authentic frames with all kinds of contents: at rest, in motion, at limits, and nonsense."""
 
     def __init__(self, rng: np.random.Generator, profile: int):
         self._rng, self._profile = rng, profile

@@ -1,4 +1,5 @@
-"""``write_input.py OUT TICKS LOG...``: writes recorded runs, TICKS generated vectors and TICKS / 2 operated ticks."""
+"""``write_input.py OUT TICKS LOG...``: writes the recorded runs, TICKS random vectors and TICKS / 2 operated ticks to
+OUT."""
 
 from __future__ import annotations
 

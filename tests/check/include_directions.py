@@ -1,8 +1,9 @@
-"""Checks the include directions: sim -> hal -> firmware, host_tools -> hal, firmware, and the folders within each.
+"""Checks the directions of includes: sim -> hal -> firmware, host_tools -> hal, firmware, and between the folders
+within each.
 
-``include_directions.py [ROOT]``, part of ``make check``. Reads every #include of the C sources under ROOT. Prints one
-line for each include that MAY_USE forbids and for each circle; exit status 1 if there is any. tests/test_rooms.py does
-the same for the Python packages.
+``include_directions.py [ROOT]``, part of ``make check``. Reads every #include in the C sources under ROOT. Prints one
+line for each include that MAY_USE forbids and for each cycle; the exit status is 1 if there are any.
+tests/test_rooms.py does the same for the Python packages.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-# What a folder, or one of its files, may include besides itself. Entries refer to earlier ones only, so there can be no
-# circle. A port that is not listed is a board: it may use what BOARD lists.
+# The includes allowed to a folder, or to one of its files, in addition to the folder itself. Entries refer only to
+# earlier ones, so that there can be no cycle. A port that is not listed is a board, and may use what BOARD lists.
 MAY_USE = {
     "firmware/maths": [],
     "firmware/arms": ["firmware/maths"],
@@ -69,18 +70,18 @@ MAY_USE = {
 }  # fmt: skip
 BOARD = ["firmware/main.h", "hal", "hal/common", "hal/cortex_m", "hal/slcan"]
 
-# Third-party libraries and the folders that may use them.
+# Third-party libraries, and the folders that may use them.
 LIBRARIES = {"ode/": ["sim/scene"], "ccd/": ["sim/proximity"], "yaml.h": ["sim/scenario"]}
-# Standard headers allowed in the firmware and hal.h: no files, no heap, no clock.
+# Standard headers allowed in the firmware and in hal.h. None of them provides files, a heap or a clock.
 FIRMWARE_HEADERS = {"float.h", "math.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 
 FOLDERS = ("firmware", "hal", "sim", "host_tools")
-GENERATED = re.compile(r"comanip_\w+\.(h|inc)")  # found by -I, allowed everywhere: generated from firmware/schema
+GENERATED = re.compile(r"comanip_\w+\.(h|inc)")  # generated from firmware/schema, found through -I
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 
 
 class Include(NamedTuple):
-    """`file` includes `target`, both relative to ROOT; a header in <> stays as written."""
+    """An include of `target` in `file`, both relative to ROOT; the name of a header in <> is kept as written."""
 
     file: str
     line: int
@@ -104,7 +105,7 @@ def folder_of(file: str) -> str:
 
 
 def allowed(file: str) -> list[str] | None:
-    """The names that the file may include, or None if the table does not list its folder."""
+    """Returns the names that the file may include, or None if the table does not list its folder."""
     folder = folder_of(file)
     found = MAY_USE.get(file, MAY_USE.get(folder))
     return BOARD if found is None and re.fullmatch(r"hal/\w+", folder) else found
@@ -115,7 +116,7 @@ def only(names: Iterable[str]) -> str:
 
 
 def wrong_include(include: Include) -> str | None:
-    """The rule that the include violates, or None."""
+    """Returns the rule that the include violates, or None."""
     file, target, folder = include.file, include.target, folder_of(include.file)
     may_use = allowed(file)
     if may_use is None:
@@ -132,7 +133,7 @@ def wrong_include(include: Include) -> str | None:
 
 
 def circle(graph: dict[str, set[str]]) -> list[str] | None:
-    """A path from a node back to itself, with this node at both ends; None if there is no circle."""
+    """Returns a path from a node back to itself, with this node at both ends, or None if there is no cycle."""
     done: set[str] = set()
 
     def search(node: str, way: list[str]) -> list[str] | None:
@@ -150,7 +151,8 @@ def circle(graph: dict[str, set[str]]) -> list[str] | None:
 
 
 def module_of(file: str, files: set[str]) -> str:
-    """x.h and x.c are one module, together with x_part.h and x_part.c if x.h declares x_part's functions."""
+    """Returns the file's module. x.h and x.c are one module; x_part.h and x_part.c also belong to it if there is an
+    x.h."""
     folder, name = folder_of(file), Path(file).stem
     words = name.split("_")
     for count in range(1, len(words)):

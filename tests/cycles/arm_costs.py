@@ -1,9 +1,10 @@
-"""Instruction cycles of Cortex-M4F, M3 and M0+ from ARM's tables.
+"""Computes the instruction cycles of Cortex-M4F, M3 and M0+ from ARM's tables.
 
-Cortex-M4 Technical Reference Manual (ARM DDI 0439), tables 3-1 and 7-1; Cortex-M3's (ARM DDI 0337), table 3-1, which
-differs only in multiplications; Cortex-M0+'s (ARM DDI 0484), table 3-1, with the single-cycle multiplier. Where a table
-gives a range, the upper end is taken: a pipeline refill is 3, a division 12. Two neighbouring loads count as not
-overlapping. Flash wait states are not included. Never checked on silicon.
+The sources are Cortex-M4 Technical Reference Manual (ARM DDI 0439), tables 3-1 and 7-1; Cortex-M3's (ARM DDI 0337),
+table 3-1, which differs only in multiplications; and Cortex-M0+'s (ARM DDI 0484), table 3-1, with the single-cycle
+multiplier. Where a table gives a range, its upper end is used: 3 for a pipeline refill, 12 for a division. Two
+neighbouring loads are assumed not to overlap. Flash wait states are not included. The results have never been checked
+on silicon.
 """
 
 from __future__ import annotations
@@ -11,12 +12,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-# Extra cycles of a taken branch.
+# Extra cycles of a taken branch, if not REFILL.
 TAKEN = {"cortex-m0plus": 1}
 REFILL = 3  # P: "1 to 3, depending on the alignment and width of the target"
 CONDITIONS = "(?:eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)"
 LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
-# An arithmetic result is available one cycle later to the next instruction (table 7-1, note).
+# The next instruction must wait one cycle for an arithmetic result (table 7-1, note).
 LATE = re.compile(r"^v(add|sub|mul|nmul|mla|mls|nmla|nmls|fma|fms|div|sqrt|cvt)")
 
 
@@ -32,7 +33,7 @@ class Instruction:
 
 
 def registers(operands: str) -> int:
-    """The number of registers in a list like {r4, r5, s16-s31}."""
+    """Returns the number of registers in a list like {r4, r5, s16-s31}."""
     found = re.search(r"\{(.*)\}", operands)
     count = 0
     for part in found.group(1).split(",") if found else []:
@@ -61,7 +62,8 @@ def cycles_m0plus(instruction: Instruction) -> int:
 
 
 def own_cycles(instruction: Instruction, image: str) -> int:
-    """Cycles without the extra ones of a taken conditional branch or of a result that is needed at once."""
+    """Returns the cycles without the extra ones of a taken conditional branch, and without waiting for the previous
+    result."""
     if image == "cortex-m0plus":
         return cycles_m0plus(instruction)
     name = re.sub(r"\.(n|w)$", "", instruction.name)
@@ -115,7 +117,7 @@ def waits(before: Instruction, after: Instruction) -> bool:
 
 
 def costs(disassembly: str, image: str) -> list[tuple[int, bool, int]]:
-    """(address, is a conditional branch, cycles) of each instruction in objdump's text, in order."""
+    """Returns (address, is a conditional branch, cycles) for each instruction in objdump's text, ordered by address."""
     result = []
     before: Instruction | None = None
     for line in disassembly.splitlines():

@@ -1,19 +1,26 @@
-"""``make cycles``: instructions and modelled cycles of one tick in each image, over recorded, operated and adversarial
-states.
+"""``make cycles``: instructions and modelled cycles of one tick in each image, for recorded, operated and adversarial
+inputs.
 
-``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c. Cycles come from ARM's tables
-(arm_costs.py) for Cortex-M4F, M3 and M0+, never from silicon. Prints a table, writes BUILD/reports/cycles.json and
-compares the maxima with BUDGET.toml. Exit status 1 if a budget or a requirement is exceeded, with the differences.
---update rewrites the budget.
+``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c. Cycles are computed from ARM's
+tables (arm_costs.py) for Cortex-M4F, M3 and M0+; they have never been measured on silicon. Prints a table, writes
+BUILD/reports/cycles.json and compares the maxima with BUDGET.toml. If a budget or a requirement is exceeded, reports
+the differences, and the exit status is 1. --update rewrites the budget.
 
-``step`` is the whole controller_step(). With prediction: ``estimate`` is the processing of one hand sample;
-``prediction`` the hand's pose and motion at the time of the command and the target's motion; ``law`` and ``law_ends``
-Algorithm 1 and the control law with position priority, with no joint at a limit and with all joints at limits, where it
-is solved again. Without prediction: ``tick`` is Algorithm 1, kinematics and control law (4) with the default
-parameters, ``tick_torso`` the same in the torso's error frame, ``tick_general`` with a weight that needs the general
-solution; all these with no joint at a limit and with a task in force. ``tick_ends`` and ``tick_general_ends`` have all
-joints at limits, ``tick_blend`` a task that is coming into force. ``step_not_predicted`` is controller_step() of the
-recorded ticks after prediction is switched off.
+The quantities are:
+
+    step                controller_step() as a whole
+    estimate            with prediction: processing of one hand sample
+    prediction          with prediction: the hand's pose and motion at the time of the command, and the target's motion
+    law                 with prediction: Algorithm 1 and the control law with position priority, no joint at a limit
+    law_ends            the same with all joints at limits, where the law is solved again
+    tick                without prediction: Algorithm 1, kinematics and control law (4) with the default parameters, no
+                        joint at a limit and no task being blended in
+    tick_torso          the same with the error in the torso frame
+    tick_general        the same as `tick` with a weight that requires the general solution
+    tick_ends           the same as `tick` with all joints at limits
+    tick_general_ends   the same as `tick_general` with all joints at limits
+    tick_blend          the same as `tick` while a task is being blended in
+    step_not_predicted  controller_step() in recorded ticks with prediction switched off
 """
 
 from __future__ import annotations
@@ -43,10 +50,10 @@ import stimulus  # noqa: E402
 from images import IMAGES, make  # noqa: E402
 
 STATES = 10_000
-OPERATED_TICKS = 18_000  # in which the control law is counted STATES times
-TIMEOUT_S = 900  # an image that panics hangs
+OPERATED_TICKS = 18_000  # enough to count the control law STATES times
+TIMEOUT_S = 900  # an image that panics does not end
 STATE = 3  # as in records.h
-NOTHING = 0  # as in program.c, like the marks below
+NOTHING = 0  # as in program.c, like the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
               7: "tick_blend",
@@ -58,9 +65,9 @@ LABELS = {"step": "controller_step()", "tick": "law (4)", "tick_torso": "(4), to
           "prediction": "hand's and target's motion", "law": "position first",
           "law_ends": "joints at limits"}  # fmt: skip
 MODELLED = ("cortex-m3", "cortex-m4f", "cortex-m0plus")
-NOT_PREDICTED = {"step_not_predicted"}  # the only quantity counted with prediction off
+NOT_PREDICTED = {"step_not_predicted"}  # the only quantities counted with prediction off
 INPUTS = ("recorded", "not_predicted", "operated", "adversarial")
-# Requirements of the product.
+# Requirements of the product: image, input, quantity, unit, figure, upper limit.
 REQUIRED = (("cortex-m4f", "recorded", "tick", "instructions", "maximum", 800),
             ("cortex-m4f", "recorded", "tick", "cycles", "maximum", 850),
          ("cortex-m4f", "recorded", "step", "instructions", "maximum", 8000),
@@ -70,20 +77,21 @@ COSTS = struct.Struct("<II")
 
 
 def recorded(folder: Path, *options: str) -> bytes:
-    """The same number of ticks of three scenarios: enough to count the control law at least STATES times, although not
-    all ticks cooperate."""
+    """Records equally many ticks of three scenarios, enough to count the control law at least STATES times, although
+    the robot does not cooperate in all of them."""
     parts = []
     for scenario in ("pour", "teleop", "mirror"):
         out = folder / "runs" / "-".join([scenario, *options])
         command = [str(bitexact.SIMULATOR), "--scenario", scenario, "--quiet", "--out", str(out), *options]
-        (out / "bus.log").unlink(missing_ok=True)  # a failed start must not leave an old log
+        (out / "bus.log").unlink(missing_ok=True)  # otherwise a failed start would leave an old log
         subprocess.run(command, check=False, stderr=subprocess.DEVNULL)
         parts += islice(stimulus.recorded(out / "bus.log"), 1 + STATES // 2)
     return b"".join(parts)
 
 
 def adversarial(rng: np.random.Generator) -> bytes:
-    """Frames with all kinds of contents, and states at limits, singular or out of range, with targets near and far."""
+    """Generates frames with all kinds of contents, and states at limits, singular or out of range, with targets near
+    and far."""
     parts = list(stimulus.vectors(STATES, 1))
     parts.append(stimulus.boot(0))
     low, high = np.radians([-90, -95, -90, -114]), np.radians([150, 0, 90, 0])
@@ -134,7 +142,7 @@ def symbol(image: str, elf: Path, name: str) -> int:
 
 
 def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict[str, np.ndarray]]:
-    """For each quantity: instructions and cycles, one value for each time it was counted."""
+    """Returns, for each quantity, the instructions and cycles of each time it was counted."""
     elf = folder / "target" / image / "comanip.elf"
     place = folder / f"{image}-{states}"
     place.mkdir(exist_ok=True)
@@ -149,7 +157,7 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
     counts = np.fromfile(place / "counts.bin", "<u4").reshape(-1, 2)
     if len(counts) != len(marks) or marks[0] != NOTHING:
         raise SystemExit(f"make cycles: {image}: {len(counts)} counts for {len(marks)} marks")
-    counts = counts.astype(np.int64) - counts[0]  # without the cost of the marks themselves
+    counts = counts.astype(np.int64) - counts[0]  # subtracts the cost of the marks themselves
     quantities = NOT_PREDICTED if states == "not_predicted" else set(QUANTITIES.values()) - NOT_PREDICTED
     if (
         fewest := min(np.count_nonzero(marks == mark) for mark, name in QUANTITIES.items() if name in quantities)
@@ -192,7 +200,7 @@ def report(results: dict[str, dict]) -> None:
 
 
 def maxima(results: dict[str, dict]) -> dict[str, dict[str, dict[str, int]]]:
-    """image: quantity: unit: the largest maximum over all states."""
+    """Returns the maximum over all inputs, by image, quantity and unit."""
     return {
         image: {
             name: {
@@ -219,13 +227,13 @@ def exceeded(found: dict[str, dict], budget: dict[str, dict]) -> list[str]:
 
 
 def requirements(results: dict[str, dict]) -> list[tuple[str, int, int]]:
-    """Description, value and upper limit of each requirement."""
+    """Returns the description, value and upper limit of each requirement."""
     return [(f"{image}, {states}: {name}: {which} of {unit}", results[image][states][name][unit][which], limit)
             for image, states, name, unit, which, limit in REQUIRED]  # fmt: skip
 
 
 def missed(results: dict[str, dict]) -> list[str]:
-    """A line for each value above its requirement."""
+    """Returns a line for each value that exceeds its requirement."""
     return [f"{what} {value}, required {limit}" for what, value, limit in requirements(results) if value > limit]
 
 

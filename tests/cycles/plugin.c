@@ -1,10 +1,13 @@
-/* A QEMU plugin that counts the instructions between two addresses of an image and adds up their costs from a table
- * made by cycles.py.
+/* A QEMU plugin that counts the instructions between two addresses of an image, and adds up their costs from a table
+ * written by cycles.py.
  *
- * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE. costs: pairs of 32-bit words, address (bit 0 set: a
- * conditional branch) and cost; the first word is the extra cost of a taken conditional branch. out: a pair,
- * instructions and cost, for each pass from begin to end. Debian ships QEMU without qemu-plugin.h: the used part of its
- * interface, version 1, is declared here. */
+ * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE.
+ * costs: the extra cost of a taken conditional branch, followed by the address (bit 0 is set for a conditional branch)
+ * and the cost of each instruction, all of them 32-bit words.
+ * out: the instructions and the cost of each pass from begin to end.
+ *
+ * Debian ships QEMU without qemu-plugin.h, so the parts of its interface (version 1) that are used are declared
+ * here. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -45,7 +48,7 @@ typedef struct {
 /* A block of consecutively executed instructions. */
 typedef struct {
     uint64_t begin, end;
-    bool conditional; /* its last instruction is a conditional branch */
+    bool conditional; /* the last instruction is a conditional branch */
 } block_t;
 
 static uint64_t begin_address, end_address;
@@ -95,7 +98,7 @@ static void on_end(unsigned int cpu, void *argument) {
 static void on_translated(qemu_plugin_id_t id, struct qemu_plugin_tb *translated) {
     (void)id;
     const size_t count = qemu_plugin_tb_n_insns(translated);
-    block_t *block = calloc(1, sizeof *block); /* never freed: QEMU may run the block until the end */
+    block_t *block = calloc(1, sizeof *block); /* never freed, because QEMU may run the block until the end */
     for (size_t i = 0; i < count; i++) {
         struct qemu_plugin_insn *instruction = qemu_plugin_tb_get_insn(translated, i);
         const uint64_t address = qemu_plugin_insn_vaddr(instruction);

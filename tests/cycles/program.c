@@ -1,5 +1,5 @@
-/* Replaces firmware/main.c: runs the input.bin written by cycles.py and marks the code to be counted. After each mark
- * output.bin gets a byte with the kind of the count. */
+/* Replaces firmware/main.c. It processes the input.bin written by cycles.py, and marks the code to be counted. For each
+ * mark, it writes a byte with the kind of the count to output.bin. */
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"
@@ -37,13 +37,13 @@ static void report(counted_t what) {
     platform_write(&byte, 1);
 }
 
-/* Copies, which must not be on the stack: it has the size that the product needs. */
+/* These copies must not be on the stack, which is only as large as the product needs. */
 static cooperation_t cooperation;
 static differential_ik_config_t config;
 static hand_motion_t motion;
 static position_priority_config_t position_priority_config;
 
-/* Algorithm 1, kinematics and control law (4), as the controller calls them. */
+/* Runs Algorithm 1, kinematics and control law (4), as the controller calls them. */
 static void tick(const float position_rad[], const pose_t *hand, joints_at_limit_t at_limit, float blend,
                  counted_t what) {
     float velocity_radps[ARM_MAX_JOINTS];
@@ -60,7 +60,7 @@ static void ticks(const float position_rad[], const pose_t *hand) {
     const joints_at_limit_t none = {0, 0}, all = {0x5, 0xA};
     cooperation.settled = cooperation.latched = false;
     tick(position_rad, hand, none, 0.5f, COUNTED_TICK_BLEND);
-    cooperation_update(&cooperation, hand, 1.0f); /* the change of task is complete */
+    cooperation_update(&cooperation, hand, 1.0f); /* completes the change of task */
     tick(position_rad, hand, none, 1.0f, COUNTED_TICK);
     tick(position_rad, hand, all, 1.0f, COUNTED_TICK_LIMITS);
     config.error_frame = ERROR_FRAME_TORSO;
@@ -72,8 +72,8 @@ static void ticks(const float position_rad[], const pose_t *hand) {
     tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_LIMITS);
 }
 
-/* The parts of prediction, as the controller calls them: a new sample 4 ms after the last one; the hand's motion at the
- * time of the command, and the target's motion; the control law. */
+/* Runs the parts of prediction, as the controller calls them: a new sample 4 ms after the last one, then the hand's
+ * motion at the time of the command and the target's motion, then the control law. */
 static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     const float ahead_s = 0.003f;
     const uint32_t captured_us = motion.captured_us + 4000u, now_us = captured_us + 4000u;
@@ -100,7 +100,7 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     }
 }
 
-/* A generated state: the end effector's initial pose follows from the joint positions. */
+/* Runs a generated state. The end effector's initial pose follows from the joint positions. */
 static void run_state(const record_t *record, const controller_t *controller) {
     struct {
         float position_rad[4];

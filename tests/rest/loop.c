@@ -1,4 +1,4 @@
-/* The loop of loop.h: frames to and from the firmware, the drives, and the recorded figures. */
+/* Implements the loop of loop.h: frames to and from the firmware, the drives, and the recorded figures. */
 #include "loop.h"
 
 #include <math.h>
@@ -11,15 +11,15 @@
 #define TICK_S 1e-3
 #define PULSE_RAD (PI / 180.0 / 209.0)
 #define HAND_PERIOD_TICKS 4
-#define SELECT_TICK 60 /* frames of all drives and the tracker have been received */
+#define SELECT_TICK 60 /* by now, frames of all drives and of the tracker have been received */
 #define START_TICK (SELECT_TICK + 1)
 #define MOVE_TICK (START_TICK + 100)
-#define DELAY_TICKS 8 /* more than the longest dead time */
+#define DELAY_TICKS 8 /* greater than the longest dead time */
 
 typedef struct {
     double position_rad, velocity_radps;
-    double read_rad;             /* encoder reading at the last command */
-    double command[DELAY_TICKS]; /* [rad/s], a ring */
+    double read_rad;             /* encoder reading at the time of the last command */
+    double command[DELAY_TICKS]; /* ring of commands [rad/s] */
 } drive_t;
 
 typedef struct {
@@ -29,7 +29,7 @@ typedef struct {
     controller_inbox_t inbox;
     protocol_sender_t drives, tracker, operator;
     drive_t drive[REST_JOINTS];
-    double window_last[REST_JOINTS]; /* last velocity above REST_CREEP_RADPS in this window; 0: none yet */
+    double window_last[REST_JOINTS]; /* last velocity above REST_CREEP_RADPS in this window; 0 if there was none yet */
     joint_cmd_t command;
 } loop_t;
 
@@ -116,7 +116,7 @@ static void take(void *context, const can_frame_t *frame) {
 
 /* ---- plant */
 
-/* Exact response of a first-order lag to a constant command. */
+/* Advances a drive by the exact response of a first-order lag to a constant command. */
 static void drive_advance(drive_t *self, double command_radps, double for_s, double lag_s) {
     const double left = exp(-for_s / lag_s);
     self->position_rad += command_radps * for_s + (self->velocity_radps - command_radps) * lag_s * (1.0 - left);

@@ -1,4 +1,4 @@
-# `make rest`: the firmware's tick in a loop with drives, for thousands of cases. Included by the Makefile, which
+# `make rest`: runs the firmware's tick in a loop with drives, for thousands of cases. Included by the Makefile, which
 # defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
 
 REST := $(BUILD)/rest

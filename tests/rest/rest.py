@@ -1,20 +1,20 @@
-"""``make rest``: when the hand rests, the arm comes to rest, with position priority.
+"""``make rest``: checks that the arm, controlled with position priority, comes to rest when the hand rests.
 
 ``rest.py BUILD [--seeds choice|proof] [--cases N] [--reachable N] [--ode N] [--pairs N] [--parameter NAME=VALUE ...]
 [--out FILE]``. Random cases (rest_cases.py) run for 20 s each through the firmware's controller_step() in a loop with
-drives (loop.c), and some of them in the simulator (rest_ode.py):
+drives (loop.c), and some of them in the simulator (rest_ode.py). The requirements are:
 
-    rest      in the last 2 s of 8 s no case oscillates and at most 1.5 % creep; in the last 2 s of 20 s at most 0.2 %
-              creep (rest_judgement.py)
-    ode       the same for a hundred cases in the simulator
-    position  of the cases with a reachable target position (rest_arm.py), 95 % are within 1 mm after 8 s
-    pairs     two parameters at a time at the ends of their ranges, including groups of K and W: the set is rejected, or
-              after 8 s and the travel time at the allowed speed no joint is faster than 0.02 rad/s or 10 % of that
-              speed, and none oscillates (rest_pairs.py)
+    rest      in the last 2 s of 8 s, no case oscillates and at most 1.5 % creep; in the last 2 s of 20 s, no case
+              oscillates and at most 0.2 % creep (rest_judgement.py)
+    ode       the same, for a hundred cases in the simulator
+    position  of the cases with a reachable target position (rest_arm.py), 95 % are within 1 mm of it after 8 s
+    pairs     any two parameters are set to the ends of their ranges, including groups of components of K and W; either
+              the firmware rejects the set, or, after 8 s and the travel time at the allowed speed, no joint is faster
+              than 0.02 rad/s or 10 % of that speed, and none oscillates (rest_pairs.py)
 
-Each exception is listed with its cause by the arm's geometry at the end. Outcomes are stored in BUILD/rest by the
-firmware's fingerprint, so that an interrupted campaign continues. Prints the figures and writes FILE. Exit status 1 if
-a requirement is missed.
+Each exception is listed with its cause, which is derived from the arm's geometry at the end. Outcomes are stored in
+BUILD/rest under the firmware's fingerprint, so that an interrupted campaign can continue. Prints the figures and writes
+FILE. The exit status is 1 if a requirement is missed.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ from rest_loop import ACCEPTED, OUTCOME, Loop  # noqa: E402
 
 CASES, REACHABLE, ODE, PAIR_CASES = 5000, 2000, 100, 4
 PAIRS_BATCH = 50
-BATCH = 250  # cases stored at a time
+BATCH = 250  # number of cases stored at a time
 WITHIN_M, WITHIN_SHARE = 1e-3, 0.95
-FLAT_M2 = 5e-4  # a curvature is small below this, compared with a link's length squared of at least 0.01 m2
+FLAT_M2 = 5e-4  # a curvature below this is small compared with the square of a link's length, which is at least 0.01 m2
 
 
 class Campaign:
-    """Outcomes of cases, computed or read from the stored ones."""
+    """Computes outcomes of cases, or reads them if they are already stored."""
 
     def __init__(self, build: Path, seeds: str, parameters: dict[str, float]) -> None:
         self.loop = Loop(build)
@@ -64,7 +64,7 @@ class Campaign:
         return np.concatenate(parts) if parts else np.zeros(0, OUTCOME)
 
     def in_ode(self, count: int) -> np.ndarray:
-        """Of the first `count` cases that do not start with the arm inside the robot's body."""
+        """Returns the outcomes of the first `count` cases that do not start with the arm inside the robot's body."""
         cases = (generated.random_case(self.seeds, number) for number in itertools.count())
         outcomes = (self._kept(self._ode_fingerprint, case, self._simulate) for case in cases)
         return np.array(
@@ -72,7 +72,7 @@ class Campaign:
         )
 
     def of_pairs(self, count: int) -> list[rest_pairs.Verdict]:
-        """With `count` cases for each pair."""
+        """Returns the verdict on each pair, from `count` cases per pair."""
         sets = [(pair, self.parameters | rest_pairs.written(pair)) for pair in rest_pairs.pairs(self.loop)]
         found = []
         for first in range(0, len(sets), PAIRS_BATCH):
@@ -118,7 +118,8 @@ class Campaign:
 
 
 def position_cause(left_m: float) -> str:
-    """Cause of a remaining error; `left_m`: the error that remains after descending by position alone from there."""
+    """Returns the cause of a remaining error. `left_m`: the error that remains after descending by position alone from
+    there."""
     return (
         "a local minimum of the distance"
         if left_m >= WITHIN_M
@@ -127,7 +128,7 @@ def position_cause(left_m: float) -> str:
 
 
 def motion_cause(valley: arm.Valley) -> str:
-    """Cause of a motion that continues."""
+    """Returns the cause of a motion that continues."""
     if not valley.curvature_m2.size:
         return "all joints at their limits with a small pull"
     least = valley.curvature_m2[0]
@@ -149,7 +150,7 @@ def geometry(valley: arm.Valley) -> str:
 
 
 def listed(numbers: Sequence[int], outcomes: np.ndarray, window: int, is_position: bool = False) -> list[dict]:
-    """The exceptions of these numbers, each with its cause."""
+    """Returns the exceptions with these numbers, each with its cause."""
     postures, targets = outcomes["position_rad"][numbers, window], outcomes["target"][numbers, 4:]
     left_m = (
         np.linalg.norm(targets - arm.hand_m(arm.descend(postures, targets)), axis=1)
@@ -181,7 +182,7 @@ def print_causes(name: str, entries: list[dict]) -> None:
 class Check:
     name: str
     value: float
-    limit: float  # upper limit; for a share within tolerance, the lower limit
+    limit: float  # upper limit, or, for a share within tolerance, lower limit
     passed: bool
 
 
@@ -277,7 +278,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     campaign = Campaign(options.build, options.seeds, dict(options.parameter))
     reaching = Campaign(
         options.build, options.seeds, {"posture_change": 1.0, **dict(options.parameter)}
-    )  # off by default
+    )  # posture_change is off by default
     checks, exceptions = [], {}
     stages = (
         (options.cases, rest, lambda: campaign.outcomes(generated.random_cases(options.seeds, range(options.cases)))),

@@ -1,5 +1,5 @@
-"""HOAP-3's right arm in double precision, from the manual's table and independent of the firmware: the end effector's
-position, the positions that it can reach, and the shape of the position error around a posture."""
+"""Computes HOAP-3's right arm in double precision, from the manual's table and independently of the firmware: the end
+effector's position, the positions that it can reach, and the shape of the position error around a posture."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 SHOULDER_M = np.array([-0.035, -0.111, 0.125])
 UPPER_M, FORE_M = 0.111, 0.171
 RANGE_RAD = np.radians([[-90.0, 150.0], [-95.0, 0.0], [-90.0, 90.0], [-114.0, 0.0]])
-SWIVELS = 1801  # torsion angles of the upper arm tried for a position: every 0.1 degree
-STEP_RAD = 1e-4  # of the finite differences
+SWIVELS = 1801  # number of the upper arm's torsion angles tried for a position, one every 0.1 degree
+STEP_RAD = 1e-4  # step of the finite differences
 
 
 def hand_m(q: np.ndarray) -> np.ndarray:
-    """Position (..., 3) of the end effector in the torso frame at angles (..., 4)."""
+    """Returns the end effector's position (..., 3) in the torso frame at the joint angles (..., 4)."""
     (s1, s2, s3, s4), (c1, c2, c3, c4) = np.sin(np.moveaxis(q, -1, 0)), np.cos(np.moveaxis(q, -1, 0))
-    side, along = -FORE_M * s4, UPPER_M + FORE_M * c4  # relative to the upper arm
+    side, along = -FORE_M * s4, UPPER_M + FORE_M * c4  # in the upper arm's frame
     x, y = -side * s3, side * c3
     up = x * c2 + along * s2
     out, across = -x * s2 + along * c2, -y
@@ -25,9 +25,9 @@ def hand_m(q: np.ndarray) -> np.ndarray:
 
 
 def reaching(position_m: np.ndarray) -> np.ndarray:
-    """Postures (n, 4) within the joint limits that put the end effector there, at most one per 0.1 degree of torsion
-    and per side; none if the position is out of reach. The elbow angle follows from the distance, the first two joints
-    from each torsion."""
+    """Returns postures (n, 4) within the joint limits that bring the end effector to the position: at most one per 0.1
+    degree of torsion and per side, and none if the position is out of reach. The elbow angle follows from the distance,
+    and the first two joints follow from each torsion angle."""
     w = np.asarray(position_m, float) - SHOULDER_M
     cosine = (w @ w - UPPER_M**2 - FORE_M**2) / (2 * UPPER_M * FORE_M)
     if abs(cosine) > 1:
@@ -53,28 +53,28 @@ def reaching(position_m: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Valley:
-    """Half the squared distance to a position around a posture. Joints at a limit that the slope would push further are
-    left out of slope, curvature and singular value, as in the control law."""
+    """Describes half the squared distance to a position around a posture. Joints at a limit that the slope would push
+    further are left out of slope, curvature and singular value, as in the control law."""
 
     error_m: float
     limits: tuple[int, ...]  # joints at a limit, counted from 1
-    slope_m2: float  # of the steepest descent of the remaining joints [m^2/rad]
+    slope_m2: float  # slope of the steepest descent of the remaining joints [m^2/rad]
     curvature_m2: np.ndarray  # eigenvalues of the Hessian [m^2/rad^2], ascending
     singular_m: float  # the Jacobian's smallest singular value [m/rad]
     reachable: bool
 
 
-AT_LIMIT_RAD = 5e-3  # how close to a limit the joint limits let a joint come
+AT_LIMIT_RAD = 5e-3  # how close the joint limits let a joint come to its limit
 
 
 def jacobian_m(q: np.ndarray) -> np.ndarray:
-    """(..., 3, 4)."""
+    """Returns the Jacobian (..., 3, 4) of hand_m()."""
     steps = STEP_RAD * np.eye(4)
     return np.stack([(hand_m(q + step) - hand_m(q - step)) / (2 * STEP_RAD) for step in steps], axis=-1)
 
 
 def hessian_m2(q: np.ndarray, error_m: np.ndarray) -> np.ndarray:
-    """(4, 4) of half the squared distance."""
+    """Returns the Hessian (4, 4) of half the squared distance."""
     jacobian = jacobian_m(q)
     steps = STEP_RAD * np.eye(4)
     bend = np.stack([(jacobian_m(q + step) - jacobian_m(q - step)) / (2 * STEP_RAD) for step in steps], axis=-1)
@@ -101,8 +101,8 @@ CAP_M, STEP_SHARE, STEP_MAX_RAD, DESCENT_STEPS, DAMPING_M2 = 0.015, 0.2, 0.02, 1
 
 
 def descend(q: np.ndarray, position_m: np.ndarray) -> np.ndarray:
-    """Where descending by position alone ends from postures (n, 4): small Gauss-Newton steps within the joint limits,
-    ignoring orientation. The error that remains is a local minimum of the distance."""
+    """Returns where descending by position alone ends from the postures (n, 4). Takes small Gauss-Newton steps within
+    the joint limits, and ignores orientation. The error that remains is a local minimum of the distance."""
     low, high = RANGE_RAD.T
     q = np.clip(q, low, high)
     for _ in range(DESCENT_STEPS):

@@ -1,5 +1,5 @@
-"""Random cases of a hand that moves once and then rests. A case depends only on the name of the seeds and its number,
-so that each can be repeated on its own."""
+"""Generates random cases of a hand that moves once and then rests. A case depends only on the name of the seeds and on
+its number, so that each case can be repeated on its own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rest_loop import CASE
 
 SEEDS = ("choice", "proof")  # parameters are tuned with the first and validated with the second
 END_S = (8.0, 20.0)
-REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # first numbers of further cases
+REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # first case numbers of the reachable cases and of the pairs
 
 
 def direction(rng: np.random.Generator) -> np.ndarray:
@@ -40,18 +40,18 @@ def random_cases(seeds: str, numbers: range) -> np.ndarray:
 
 
 def in_torso_axes(vector: np.ndarray) -> np.ndarray:
-    """A vector in the tracker's axes, by the paper's (9)."""
+    """Converts a vector in the tracker's axes to torso axes, by the paper's (9)."""
     x, y, z = vector
     return np.array([x, -z, y])
 
 
 def target_m(case: np.ndarray) -> np.ndarray:
-    """Where teleop puts the end effector at the end: its start plus the person's displacement."""
+    """Returns where task teleop brings the end effector at the end: its start plus the person's displacement."""
     return arm.hand_m(case["start_rad"]) + in_torso_axes(case["way_m"])
 
 
 def reachable_cases(seeds: str, count: int) -> np.ndarray:
-    """The first `count` further cases with a reachable target position. They last 8 s."""
+    """Returns the first `count` further cases that have a reachable target position. They last 8 s."""
     further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
     return np.array(
         list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE
@@ -59,7 +59,7 @@ def reachable_cases(seeds: str, count: int) -> np.ndarray:
 
 
 def pair_cases(seeds: str, count: int, travel_s: float) -> np.ndarray:
-    """For sets of parameters: with the simulator's drives, and longer by `travel_s`."""
+    """Returns cases for sets of parameters: they have the simulator's drives and last longer by `travel_s`."""
     end_s = END_S[0] + travel_s
     cases = np.array([random_case(seeds, PAIRS_FIRST + number, (end_s, end_s)) for number in range(count)], CASE)
     cases["lag_s"], cases["dead_time_s"] = 3e-3, 0.0

@@ -1,4 +1,4 @@
-"""loop.c from Python: ``Loop(BUILD).run(cases, parameters)``."""
+"""Calls loop.c from Python: ``Loop(BUILD).run(cases, parameters)``."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ RESTS, MAY_SWING = 0, 1  # parameter_set_verdict_t
 
 
 class Loop:
-    """`library`: its file. `names`: of the parameters; `ranges`: (minimum, maximum) of each; `defaults`."""
+    """The compiled loop. `library`: its file. `names`, `ranges` and `defaults`: name, (minimum, maximum) and default
+    value of each parameter."""
 
     def __init__(self, build: Path) -> None:
         self.library = (build / "rest" / "loop.so").resolve()
@@ -54,12 +55,13 @@ class Loop:
 
     @functools.cached_property
     def fingerprint(self) -> str:
-        """Of the firmware and the loop: outcomes of another version cannot be reused."""
+        """Identifies the version of the firmware and of the loop, because outcomes of another version cannot be
+        reused."""
         return hashlib.sha256(self.library.read_bytes()).hexdigest()[:16]
 
     def run(self, cases: np.ndarray, parameters: dict[str, float]) -> np.ndarray:
-        """Outcomes of cases, with these parameters instead of the defaults. KeyError: no such parameter; ValueError:
-        the firmware rejects a value."""
+        """Returns the outcomes of cases, with these parameters in place of their defaults. Raises KeyError if there is
+        no such parameter, and ValueError if the firmware rejects a value."""
         values = self._ffi.new("parameters_t *")
         self._lib.parameters_set_defaults(values)
         for name, value in parameters.items():

@@ -1,4 +1,5 @@
-"""The cases in the simulator: with ODE's arm, its drive lag of 3 ms and its own delays instead of a case's."""
+"""Runs the cases in the simulator, with ODE's arm, ODE's drive lag of 3 ms and the simulator's delays instead of the
+case's."""
 
 from __future__ import annotations
 
@@ -11,8 +12,8 @@ from rest_cases import in_torso_axes
 from rest_judgement import CREEP_RADPS, WINDOW_S
 from rest_loop import COOPERATING, OUTCOME
 
-SCALE = 2.0  # of the hand's displacement, so that the length of a person's arm moves the target by up to 2 m
-BEFORE_S = 0.1  # after the start, before the hand moves
+SCALE = 2.0  # scale of the hand's displacement, so that with the reach of a person's arm the target moves by up to 2 m
+BEFORE_S = 0.1  # time from the start of the cooperation until the hand moves
 TICK_S = 1e-3
 NO_PLACE = -1
 SCENARIO = """name: rest
@@ -37,7 +38,7 @@ checks: []
 
 
 def scenario(case: np.ndarray) -> str:
-    """The scenario file with the case's start, displacement, turn and duration."""
+    """Returns the scenario file with the case's start, displacement, turn and duration."""
     move_s, end_s = float(case["move_s"]), float(case["end_s"][-1])
     numbers = {
         "start_deg": np.degrees(case["start_rad"]), "by_m": in_torso_axes(case["way_m"]) / SCALE,
@@ -54,8 +55,8 @@ def scenario(case: np.ndarray) -> str:
 
 
 def run(case: np.ndarray, simulator: Path, folder: Path, parameters: dict[str, float]) -> np.ndarray:
-    """The outcome, from trace.csv; its `start` is NO_PLACE if the arm would start inside the robot's body.
-    RuntimeError: the simulator failed for another reason."""
+    """Returns the outcome, read from trace.csv. Its `start` is NO_PLACE if the arm would start inside the robot's body.
+    Raises RuntimeError if the simulator failed for another reason."""
     file = folder / "rest.yaml"
     file.write_text(scenario(case))
     command = [
@@ -85,7 +86,7 @@ def run(case: np.ndarray, simulator: Path, folder: Path, parameters: dict[str, f
 
 
 def outcome(case: np.ndarray, trace: Path) -> np.ndarray:
-    """The fields of rest_loop.OUTCOME that the judgement and the causes need."""
+    """Returns an outcome with those fields of rest_loop.OUTCOME that the judgement and the causes need."""
     with trace.open() as stream:
         rows = list(csv.DictReader(stream))
     cooperating = np.array([row["mode"] == "cooperating" for row in rows])

@@ -1,4 +1,5 @@
-"""Two parameters at a time at the ends of their ranges: the set is rejected, or the arm comes to rest."""
+"""Checks pairs of parameters at the ends of their ranges: either the firmware rejects the set, or the arm comes to
+rest."""
 
 from __future__ import annotations
 
@@ -15,15 +16,15 @@ GROUPS = {
     "translation": range(4, 8),
     "all": range(8),
 }  # components of K and of W that are changed together
-VECTORS = {"gain": "gain_w_per_s", "weight": "weight_w"}  # their first components
-SPEED_RADPS = 4.76  # of HOAP-3's joints
+VECTORS = {"gain": "gain_w_per_s", "weight": "weight_w"}  # name of each vector's first component
+SPEED_RADPS = 4.76  # speed limit of HOAP-3's joints
 OF_SPEED = 0.1
 SPEED_FRACTION = "speed_fraction"
 
 
 @dataclass(frozen=True)
 class End:
-    """A parameter, or a group, at an end of its range."""
+    """A parameter, or a group of parameters, at an end of its range."""
 
     name: str
     parameters: frozenset[str]
@@ -32,8 +33,8 @@ class End:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Of a pair: `what` is refused, rests, oscillates or moves; `warned`: the firmware reports that rest is not
-    assured."""
+    """The verdict on a pair. `what` is refused, rests, oscillates, moves or was interrupted; `warned`: the firmware
+    reports that it cannot ensure rest."""
 
     pair: str
     what: str
@@ -42,7 +43,7 @@ class Verdict:
 
 
 def ends(loop: Loop) -> list[End]:
-    """Of all parameters in the firmware's table, and of the groups."""
+    """Returns both ends of each parameter in the firmware's table, and of each group."""
     single = [
         End(name, frozenset([name]), value)
         for name, both in zip(loop.names, loop.ranges, strict=True)
@@ -58,7 +59,7 @@ def ends(loop: Loop) -> list[End]:
 
 
 def pairs(loop: Loop) -> list[tuple[End, End]]:
-    """Pairs of different parameters: none is at both ends of its range."""
+    """Returns the pairs of ends without a parameter in common, so that no parameter is at both ends of its range."""
     return [(a, b) for a, b in itertools.combinations(ends(loop), 2) if not a.parameters & b.parameters]
 
 
@@ -71,8 +72,8 @@ def speed_radps(parameters: dict[str, float]) -> float:
 
 
 def travel_s(parameters: dict[str, float]) -> float:
-    """Time for all joints to cross their ranges one after the other at the allowed speed, beyond what 8 s at full speed
-    allow."""
+    """Returns the time for all joints to cross their ranges one after the other at the allowed speed, in excess of the
+    time at full speed, which 8 s allow for."""
     way_rad = float(np.ptp(arm.RANGE_RAD, axis=1).sum())
     return way_rad / speed_radps(parameters) - way_rad / SPEED_RADPS
 

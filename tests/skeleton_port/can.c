@@ -1,5 +1,5 @@
-/* A stub for the driver of a CAN controller, which no emulated board has. It sends each frame at once and receives one
- * frame per frame sent. After a thousand JointCmd frames it ends the emulator. */
+/* A stub for the driver of a CAN controller, because no emulated board has one. It sends each frame at once, and
+ * receives one frame for each frame sent. After a thousand JointCmd frames, it ends the emulator. */
 #include "can.h"
 
 #include "../common/tick.h"
@@ -13,7 +13,7 @@
 #define QUEUE_FRAMES 16u
 
 static struct {
-    uint32_t received_us[QUEUE_FRAMES]; /* ring of interrupt times */
+    uint32_t received_us[QUEUE_FRAMES]; /* ring of reception times */
     volatile uint32_t head, tail;
     uint32_t commands;
 } can;
@@ -44,7 +44,8 @@ bool hal_can_receive(can_frame_t *frame) {
     return true;
 }
 
-/* A controller's driver also counts frames that found its queues full, and reads its error states. */
+/* The driver of a real controller also counts the frames that were lost because its queues were full, and reads the
+ * controller's error states. */
 void hal_port_status(port_status_t *status) {
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = 0;

@@ -1,4 +1,4 @@
-/* The CAN driver's function used within the port. */
+/* The CAN driver's function used by the rest of the port. */
 #ifndef COMANIP_SKELETON_CAN_H
 #define COMANIP_SKELETON_CAN_H
 

@@ -1,4 +1,4 @@
-/* A minimal port: it has no watchdog and no enable line, so their functions do nothing. */
+/* A minimal port. It has no watchdog and no enable line, so the functions for them do nothing. */
 #include "../cortex_m/drivers.h"
 #include "../hal.h"
 #include "can.h"

@@ -1,4 +1,4 @@
-/* Ends the emulator by semihosting (ARM IHI 0100). */
+/* Ends the emulator through semihosting (ARM IHI 0100). */
 #ifndef COMANIP_SKELETON_SEMIHOSTING_H
 #define COMANIP_SKELETON_SEMIHOSTING_H
 
