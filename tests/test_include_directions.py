@@ -1,5 +1,5 @@
-"""Include directions: the tree follows them, the checker reads what the compiler reads, and each violation is
-detected."""
+"""Include directions: the source tree obeys them, the checker reads the same includes as the compiler, and every kind
+of violation is detected."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CHECKER = REPOSITORY / "tests" / "check" / "include_directions.py"
 
 @pytest.fixture
 def tree(tmp_path) -> Path:
-    """A copy of the repository's C sources that tests may break."""
+    """Returns a copy of the repository's C sources that tests may modify."""
     for folder in check.FOLDERS:
         for file in (REPOSITORY / folder).rglob("*.[ch]"):
             copy = tmp_path / file.relative_to(REPOSITORY)
@@ -29,7 +29,7 @@ def tree(tmp_path) -> Path:
 
 
 def add(tree: Path, file: str, include: str) -> int:
-    """Appends a line to the file, which may be new; returns its line number."""
+    """Appends a line to the file, creating it if necessary. Returns its line number."""
     path = tree / file
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = [*(path.read_text().splitlines() if path.exists() else []), f"#include {include}"]
@@ -48,7 +48,7 @@ def test_the_tree_follows_its_directions(tree):
 
 
 def test_the_table_allows_no_circle():
-    """Each row names only rows above it."""
+    """Each row of the table names only rows above it."""
     above = []
     for row, may_use in check.MAY_USE.items():
         for name in may_use:
@@ -102,7 +102,7 @@ def test_an_include_against_the_direction_is_one_line(tree, file, include, targe
     status, lines = checked(tree)
     assert status == 1
     assert lines[0].startswith(f"{file}:{line}: includes {target}; {wrong}")
-    assert all("in a circle" in other for other in lines[1:])  # some of them also close one
+    assert all("in a circle" in other for other in lines[1:])  # some of the violations also close a circle
 
 
 def test_files_in_a_circle_are_named(tree):

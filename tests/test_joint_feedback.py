@@ -1,4 +1,5 @@
-"""The drives' answers: all joints of the arm must be fresh, and one drive's error is an arm error."""
+"""Feedback from the drives: the state of every joint must be fresh, and an error of one drive is an error of the
+arm."""
 
 from __future__ import annotations
 
@@ -56,7 +57,8 @@ def test_positions_are_the_last_received():
 
 
 def test_an_answer_does_not_become_fresh_again_when_the_clock_wraps():
-    """The firmware checks once per tick; here, once per 10 s, over the 71 minutes of a 32-bit clock in us."""
+    """Checked once per 10 s (the firmware checks once per tick), an answer stays stale over the 71 minutes after which
+    a 32-bit clock in us wraps."""
     feedback_state = feedback([0] * 4)
     for now_us in range(10_000_000, WRAP, 10_000_000):
         assert not is_fresh(feedback_state, 4, now_us)

@@ -1,4 +1,4 @@
-"""Every command passes through the joint limits: position, velocity, acceleration and jerk stay within them."""
+"""The joint limits keep position, velocity, acceleration and jerk of every command within bounds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 ARM = core.Arm.named("hoap3_right")
 N = ARM.joint_count
 TICK_S = 1e-3
-RESOLUTION_RADPS = 1e-3  # of JointCmd's velocity
+RESOLUTION_RADPS = 1e-3  # of the velocity in JointCmd
 
 any_velocity = st.one_of(
     st.floats(-10, 10),
@@ -33,7 +33,7 @@ DEFAULT_JERK = 10_000.0
 
 
 def arm_of(jerk: float) -> core.Arm:
-    """With HOAP-3's ranges and speeds."""
+    """Returns a configuration of the limits with HOAP-3's ranges and speeds."""
     ranges = (ARM.position_min_rad, ARM.position_max_rad, ARM.velocity_max_radps)
     return core.Arm(
         np.repeat(IDENTITY, N, 0), np.repeat(Z_AXIS, N, 0), *ranges, jerk_max_radps3=np.full(N, jerk, np.float32)
@@ -41,7 +41,8 @@ def arm_of(jerk: float) -> core.Arm:
 
 
 class Drives:
-    """Joints that follow commands `delay_ticks` after the tick that read their position, with a first-order lag."""
+    """Joints that follow commands with a first-order lag, `delay_ticks` after the tick in which their position was
+    read."""
 
     def __init__(
         self, position_rad, delay_ticks: int, acceleration=25.0, jerk=DEFAULT_JERK, lag_s=0.0, tick_s=TICK_S, **config
@@ -84,7 +85,7 @@ class Drives:
 
 
 class Judge:
-    """Checks each command's speed and its first and second difference, in float64."""
+    """Checks the velocity of each command and its first and second difference, in float64."""
 
     def __init__(self, speed_max, acceleration: float, jerk: float, tick_s: float):
         self.velocity, self.change = np.zeros(N), np.zeros(N)
@@ -142,7 +143,8 @@ LAG_AS_DELAY = (
        lag_s=st.one_of(st.just(0.0), st.floats(1e-3, 1e-2)),
        acceleration=accelerations, jerk=jerks)  # fmt: skip
 def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag_s, acceleration, jerk):
-    """Full speed in either direction for random times, mostly outwards, with the speed fed forward as well."""
+    """At full speed in either direction for random times, mostly outwards, and with a feedforward velocity as well, no
+    limit is exceeded."""
     rng = np.random.default_rng(seed)
     start = position_at(rng.random(N) ** 3 if seed % 2 else 1 - rng.random(N) ** 3)
     delay_s = delay_ticks * tick_s + LAG_AS_DELAY * lag_s
@@ -163,8 +165,8 @@ def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, commanded=commands)
 def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
-    """Within v/a + 2.5 a/j and two ticks, a and j in whole steps of the resolution: from any state, most of them at
-    full acceleration. Only then may the brakes close."""
+    """From any state, mostly at full acceleration, the joints stop within v/a + 2.5 a/j and two ticks, where a and j
+    are rounded down to whole steps of the resolution. The brakes may close only then."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, jerk, tick_s=tick_s, approach_gain_per_s=0.0)
     change_max = math.floor(acceleration * tick_s / RESOLUTION_RADPS + 1e-3)
     second_max = math.floor(jerk * tick_s**2 / RESOLUTION_RADPS + 1e-3)
@@ -183,7 +185,8 @@ def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
 
 
 def test_a_joint_that_passes_zero_is_not_at_rest():
-    """Its velocity is 0 there, but still changing: closing the brakes would exceed the jerk limit."""
+    """A joint whose velocity passes through 0 is not at rest: the velocity is still changing, so closing the brakes
+    would exceed the jerk limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=0.0)
     for demanded in (0.1, -0.1):
         seen = [(drives.tick([demanded] * N, position_at([0.5] * N))[1][0], drives.at_rest) for _ in range(40)]
@@ -202,7 +205,8 @@ def test_commands_are_whole_multiples_of_the_bus_resolution(start, demanded, acc
 
 @pytest.mark.parametrize("acceleration", [1.0, 1.5, 5.0, 25.0, 70.0])
 def test_any_demanded_speed_is_reached_and_left_again(acceleration):
-    """Within the time that acceleration and jerk allow, in whole steps of the resolution: none is lost to rounding."""
+    """The demanded speed is reached within the time that acceleration and jerk allow, both in whole steps of the
+    resolution. Rounding loses no part of it."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, approach_gain_per_s=0.0)
     target = np.array([0.4, -0.3, 0.2, -0.1])
     steps_a_tick = math.floor(acceleration * TICK_S / RESOLUTION_RADPS + 1e-6)
@@ -236,7 +240,8 @@ def test_a_non_finite_demand_brakes(bad, where):
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(demanded=st.lists(st.floats(-50, 50), min_size=N, max_size=N))
 def test_speed_limits_keep_the_direction(demanded):
-    """Where only speed limits act, all joints are slowed in proportion, to the limit of one of them."""
+    """If only speed limits act, all joints are scaled by the same factor, so that the most constrained one runs exactly
+    at its limit."""
     drives = Drives(position_at([0.5] * N), 0, acceleration=70, command_delay_s=0.0, approach_gain_per_s=0.0)
     for _ in range(100):
         velocity = drives.tick(demanded, position_at([0.5] * N))[1]
@@ -251,8 +256,8 @@ def test_speed_limits_keep_the_direction(demanded):
     gain=st.floats(10, 200),
 )
 def test_feedforward_is_not_reduced_for_the_stopping_distance(error, feedforward, gain):
-    """Only the error's share is: at the speed from which K times the error stops. The sum is scaled to the speed
-    limit."""
+    """Only the part of the demand that corrects the error is reduced, to the speed from which a demand of K times the
+    error can still stop. The sum with the feedforward is then scaled to the speed limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=gain, command_delay_s=0.0)
     error, feedforward = np.array(error), np.array(feedforward)
     linear = 0.9 * 25.0 / gain
@@ -275,8 +280,7 @@ def test_a_sum_that_overflows_brakes():
 @pytest.mark.parametrize("way_rad", [0.001, 0.05, 0.5, 1.2])
 def test_a_proportional_law_arrives_without_overshoot(gain, overshoot_rad, delay_ticks, way_rad):
     """With a demand of K times the distance, a joint brakes in time although the control law does not know the limits.
-    Not quite at a gain of 100/s, where the joint reaches the linear speed while still accelerating: 2 mrad
-    overshoot."""
+    At a gain of 100/s it overshoots by up to 2 mrad, because it enters the linear range while still accelerating."""
     drives = Drives(position_at([0.5] * N), delay_ticks, command_delay_s=0.002, approach_gain_per_s=gain)
     start = drives.position_rad.copy()
     goal = start + way_rad * np.array([1, -1, 1, -1]) * [1, 0.5, 0.7, 0.3]
@@ -298,7 +302,7 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
 
 AT_LIMIT_RAD = 2e-3  # as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# distance from the limit where a joint's stopping speed is 0
+# distance from the limit at which a joint's stopping speed is 0
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 
@@ -322,6 +326,6 @@ def test_which_joints_are_at_a_limit(end, inside_rad, is_there):
 def test_a_joint_of_a_narrow_range_is_at_both_limits():
     limit = np.full(1, 1e-3, np.float32)
     arm = core.Arm(IDENTITY, Z_AXIS, -limit, limit, np.ones(1, np.float32))
-    config = Drives(position_at([0.5] * N), 0).config  # which owns the margins
+    config = Drives(position_at([0.5] * N), 0).config  # the configuration defines the margins
     at_limit = lib.joints_at_limit_find(arm.table, config.at_limit_rad, ffi.new("float[8]"))
     assert (at_limit.lower, at_limit.upper) == (1, 1)

@@ -1,4 +1,5 @@
-"""The latency in summary.json: against numpy on the trace, on motions of known delay, and as the tracker changes."""
+"""The latency in summary.json agrees with numpy's on the trace, is correct for motions of known delay, and follows
+changes of the tracker."""
 
 from __future__ import annotations
 
@@ -20,8 +21,8 @@ def latency(tmp_path, *arguments, scenario="teleop") -> dict:
 
 
 def delay_of_trace_ms(file) -> float:
-    """Of `teleop`, whose target is the hand's path: the delay at which the robot's path minus the person's varies
-    least."""
+    """Returns the delay at which the difference between the robot's path and the person's varies least. Only for
+    `teleop`, in which the target is the path of the hand."""
     trace = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding=None)
     person, hand = (np.array([trace[f"{who}_{axis}_m"] for axis in "xyz"]) for who in ("person", "hand"))
     speed = np.linalg.norm(np.gradient(person, axis=1), axis=0) * 1e3
@@ -46,13 +47,13 @@ def test_end_to_end_latency_matches_numpy_on_the_trace(tmp_path):
 
 
 def test_one_law_has_equal_latency_in_every_task(tmp_path):
-    """Lever arms, rotated and mirrored hands add no delay."""
+    """Lever arms and rotated or mirrored hands add no delay."""
     found = [latency(tmp_path / name, scenario=name)["end_to_end_ms"] for name in SCENARIOS]
     assert max(found) - min(found) < 6, found
 
 
 def test_a_later_and_a_slower_tracker_add_their_delay(tmp_path):
-    """With the former law, without prediction: 20 ms of latency add 20 ms, and interpolation adds one period."""
+    """With the former law, which does not predict, 20 ms more latency add 20 ms, and interpolation adds one period."""
     normal = latency(tmp_path / "a")
     late = latency(tmp_path / "b", "--latency-ms", 24)
     assert late["tracker_ms"] - normal["tracker_ms"] == pytest.approx(20)
@@ -102,11 +103,11 @@ def test_an_unmeasurable_latency_is_null_with_a_reason(tmp_path, arguments, word
 
 @pytest.mark.parametrize("delay_ms", [-7.3, 0.0, 37.6, 180.2])
 def test_a_known_delay_is_found(rng, delay_ms):
-    """A hand that moves and turns, a lever arm of 0.1 m, an offset, and 0.2 mm of noise, in two intervals with
-    different constants."""
+    """The fit finds the delay of a hand that moves and turns, with a lever arm of 0.1 m, an offset and 0.2 mm of noise,
+    in two intervals with different constants."""
 
     def hand(t_s):
-        """Positions (N, 3) and rotations (N, 3, 3) at these times."""
+        """Returns positions (N, 3) and rotations (N, 3, 3) at these times."""
         position_m = 0.05 * np.stack([np.sin(3 * t_s), np.sin(4 * t_s + 1), np.sin(5 * t_s + 2)], axis=-1)
         turns = np.stack([0.3 * np.sin(2 * t_s), 0.2 * np.cos(3 * t_s), np.full_like(t_s, 0.1)], axis=-1)
         return position_m, Rotation.from_rotvec(turns).as_matrix()

@@ -1,4 +1,4 @@
-"""The monitor of JointCmd frames finds each kind of violation and reports none on valid frames; the names that the
+"""The monitor of JointCmd frames finds each kind of violation and reports none for valid frames. The names that the
 simulator prints match the DBC's."""
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ class Watch:
 
 
 def ramp(target, jerk=10_000.0):
-    """Velocities, one per tick, from 0 to close to the target, with acceleration and jerk at their limits."""
+    """Returns velocities, one per tick, that rise from 0 to just below the target with acceleration and jerk at their
+    limits."""
     rise = np.arange(0.0, ACCELERATION, jerk * 1e-3)
     level = round(target / (ACCELERATION * 1e-3)) - len(rise)
     return np.cumsum(np.r_[rise, np.full(level, ACCELERATION), rise[::-1]]) * 1e-3
@@ -41,12 +42,13 @@ def test_a_ramp_at_the_limits_is_not_a_violation():
     watch = Watch()
     for velocity in ramp(4.7):
         assert watch.command([velocity] * 4) == 0
-    assert watch.command([velocity - 0.015] * 4, ticks=2) == 0  # a lost frame: twice the time, twice the change
+    # one frame was lost: twice the time, so twice the change
+    assert watch.command([velocity - 0.015] * 4, ticks=2) == 0
     assert watch.command([velocity - 0.015 - 0.02] * 4) == 0
 
 
 def test_each_frame_of_a_fourfold_tick():
-    """Classic CAN's frames: the change at its limit after one tick of 4 ms from rest, and back."""
+    """Frames every 4 ms, as on classic CAN, may reach the acceleration limit in one tick from rest, and return."""
     watch = Watch()
     for velocity in (0, 0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.24, 0.14):
         assert watch.command([velocity] * 4, ticks=4) == 0
@@ -66,8 +68,8 @@ def test_jerk(joint, first, then, violations):
 
 
 def test_jerk_after_lost_frames():
-    """The mean change per tick over three ticks from rest to 25 mrad/s is 18.3 mrad/s; the next change may differ from
-    it by 10 (3 + 1) / 2."""
+    """After two lost frames only the mean of three changes is known: here 18.3 mrad/s, of 10, 20 and 25 mrad/s from
+    rest. The next change may differ from it by 10 (3 + 1) / 2 mrad/s."""
     for velocity, violations in ((0.055 + 0.025, 0), (0.055 - 0.001, 0), (0.055 - 0.002, 4)):
         watch = Watch()
         watch.command()

@@ -1,4 +1,4 @@
-"""firmware/main.c's loop, compiled with a HAL of this test: frames between two ticks are not lost."""
+"""The loop in firmware/main.c, compiled with a HAL defined here, loses no frames that arrive between two ticks."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import subprocess
 import pytest
 from simulation import REPOSITORY
 
-PLACES = 15  # size of the smallest receive queue: hal/slcan/slcan_link.h
-# Frames per ms in three of the 4 ms of classic CAN's tick, every 40 ms: 18 in all, more than the queue holds, fewer
-# than queue and inbox together.
+PLACES = 15  # capacity of the smallest receive queue, see hal/slcan/slcan_link.h
+# Frames arrive in three of the 4 ms of a tick on classic CAN, this many in each, once every 40 ms. These 18 frames are
+# more than the queue holds, but fewer than queue and inbox hold together.
 FRAMES_A_MS = 6
 
 HAL = """
@@ -59,7 +59,8 @@ def loop(tmp_path_factory):
 
 
 def test_frames_between_the_ticks_of_classic_can_are_read_as_they_arrive(loop):
-    """As many as the eight drives, the tracker and an operator who defines a task can send in one tick."""
+    """No frame is lost if eight drives, the tracker and an operator who defines a task send all they can in one
+    tick."""
     loop.firmware_main()
     assert ctypes.c_int.in_dll(loop, "lost").value == 0
     assert ctypes.c_int.in_dll(loop, "taken").value == 10 * 3 * FRAMES_A_MS

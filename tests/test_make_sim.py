@@ -1,4 +1,4 @@
-"""`make` as a user types it: help, and `make sim` with the options that it passes to the simulator."""
+"""`make` as a user types it: `make help`, and `make sim` with the options that it passes to the simulator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from images import MAKE_LOCK
 from once import lock
 from simulation import REPOSITORY, recording_csv
 
-MAKES_OWN = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # as set when these tests run under make
+MAKES_OWN = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # set by make if it runs these tests
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:

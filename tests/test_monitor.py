@@ -1,4 +1,5 @@
-"""`comanip monitor`, `doctor` and `sim`: their output against numpy and bit-level lengths of the frames of a log."""
+"""`comanip monitor`, `doctor` and `sim`: their output agrees with numpy and with the bit-exact frame lengths of a
+log."""
 
 from __future__ import annotations
 

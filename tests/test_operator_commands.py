@@ -1,4 +1,5 @@
-"""`comanip task` and `comanip param` against the C core on a virtual bus: acknowledged, verified, refusals by name."""
+"""`comanip task` and `comanip param` with the C core on a virtual bus: commands are acknowledged, values are verified,
+and refusals name their reason."""
 
 from __future__ import annotations
 
@@ -36,8 +37,8 @@ def require_refused(outcome: tuple[int, str, str], *words: str) -> None:
 
 
 def test_a_session(live, comanip):
-    """The firmware's state afterwards, and the requests on the bus, which are valid by the E2E reference
-    implementation."""
+    """After a session the firmware is in the expected state, and all requests on the bus are valid according to the E2E
+    reference implementation."""
     core = live.bench.controller
     assert comanip("task", "select", "mirror", *BUS) == (0, "select mirror: accepted\n", "")
     assert core.task_id == lib.TASK_MIRROR
@@ -70,7 +71,8 @@ def test_refusals_are_named(live, comanip):
 
 
 def test_an_unstable_combination_of_parameters_is_named(live, comanip):
-    """All of them with their values when they would come into force; not when one is written."""
+    """Parameters that are unstable in combination are named with their values when they would take effect, not when one
+    of them is written."""
     for name, value in (("gain_x_per_s", 400), ("gain_dual_z_per_s", 450)):
         assert comanip("param", "set", name, value, *BUS)[0] == 0
     words = ("parameters_unstable", "gain_x_per_s = 400, gain_dual_z_per_s = 450;")
@@ -97,7 +99,8 @@ def test_parameters_are_written_and_read_back(live, comanip):
 
 
 def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monkeypatch):
-    """Slower than the deadline of an attempt: the request is repeated with the same number."""
+    """If a save takes longer than the deadline of an attempt, the request is repeated with the same number, and the
+    parameters are saved only once."""
     monkeypatch.setattr("comanip.bus.operator_client.SAVE_S", 0.0)
     live.bench.store_result = lib.RESULT_ACCEPTED
     live.bench.store_ticks = 10**9
@@ -106,7 +109,7 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
     def end_when_repeated() -> None:
         wait_until(lambda: len(live.received) >= 3, "three requests")
-        stored.extend(live.bench.stored)  # one more request may be on its way when the save ends: it starts a new one
+        stored.extend(live.bench.stored)  # a request that is still under way when the save ends starts another one
         live.bench.store_until = 0
 
     ending = threading.Thread(target=end_when_repeated)
@@ -118,7 +121,7 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
 
 def test_a_value_that_reads_back_differently_is_reported(live, comanip, monkeypatch):
-    """As if another client had written in between."""
+    """A value that reads back differently is reported; here it differs as if another client had overwritten it."""
     from comanip.bus.operator_client import OperatorClient
 
     monkeypatch.setattr(OperatorClient, "read", lambda self, name: 0.75)

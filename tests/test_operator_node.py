@@ -1,5 +1,5 @@
-"""The operator on the bus against a simulated firmware and gripper: what it sends and when (decoded with cantools), its
-waiting, and its error messages."""
+"""The operator on the bus with a simulated firmware and gripper: what it sends and when (decoded with cantools), how it
+waits, and its error messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TICK_NS = 1_000_000
 
 
 class Bench:
-    """A scenario's script. Each of the operator's frames is answered one tick later."""
+    """Plays the script of a scenario and answers each of the operator's frames one tick later."""
 
     def __init__(self, dbc, *steps, duration_s=30.0, parameters=None, own_tasks=(), wishes=None):
         self.dbc = dbc
@@ -29,7 +29,7 @@ class Bench:
         self.wishes = ffi.new("operator_overrides_t *", wishes or {})
         script = ffi.new("operator_step_t[]", 100)
         self.count = lib.operator_script(self.scenario, self.wishes, script)
-        self.events = ffi.new("events_t *", events[0])  # the run's own, as the world copies them
+        self.events = ffi.new("events_t *", events[0])  # the events of this run, copied as the world copies them
         self.bus = ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy)
         self._handlers = [ffi.callback("bus_handler_t", self._receive)]
         lib.bus_listen(self.bus, self._handlers[0], ffi.NULL)
@@ -136,7 +136,7 @@ class Bench:
         return lib.operator_node_script_done(self.operator)
 
     def what(self):
-        """One word per frame: its command, task or parameter."""
+        """Returns one word per frame: its command, task or parameter."""
         words = {
             "OperatorCommand": lambda s: str(s["command"]),
             "TaskDefine": lambda _: "define",
@@ -336,7 +336,7 @@ def test_a_stop_without_effect_fails(dbc):
 
 
 def test_it_tracks_whether_the_robot_mirrors(dbc):
-    """Table I's mirrored task does until it is latched; for a custom task its form decides."""
+    """Table I's mirrored task mirrors until it is latched; for a custom task, its form decides."""
     tasks = ((lib.TASK_TELEOP, 0.1), (lib.TASK_MIRROR, 0.4))
     selects = [command("select", task=task, at_s=at_s) for task, at_s in tasks]
     bench = Bench(dbc, *selects, START, command("latch", at_s=1.0))

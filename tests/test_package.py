@@ -1,5 +1,5 @@
-"""The Python package on its own: built from the sources into a wheel, importable without the command line's packages,
-and with clear messages about missing parts."""
+"""The Python package on its own: it is built from the sources into a wheel, can be imported without the packages that
+the command line needs, and reports missing parts clearly."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def python(code: str, path: Path | None = None, **environment: str) -> subproces
 
 
 def without(*names: str) -> str:
-    """Python code that makes these modules impossible to import."""
+    """Returns Python code that makes these modules impossible to import."""
     return f"import sys; sys.modules.update(dict.fromkeys({names!r})); "
 
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory) -> Path:
-    """The required part of the repository, without build products."""
+    """Copies the part of the repository that the package needs, without build products."""
     folder = tmp_path_factory.mktemp("clone")
     ignored = shutil.ignore_patterns("*.so", "__pycache__", "build", "*.egg-info")
     for name in ("firmware", "host_tools"):
@@ -36,7 +36,7 @@ def clone(tmp_path_factory) -> Path:
 
 
 def install(clone: Path, target: Path, **environment: str) -> Path:
-    """Installs as pip and pipx do, but without the network: the requirements come from this environment."""
+    """Installs the package like pip and pipx, but offline: its requirements come from this environment."""
     command = [
         PYTHON,
         "-m",
@@ -133,7 +133,7 @@ def test_command_without_its_packages_reports_it(missing):
 
 
 def test_installed_versions_meet_the_packages_requirements():
-    """The packages installed here meet pyproject.toml's requirements: pip itself compares."""
+    """The packages installed here meet the requirements in pyproject.toml, as judged by pip itself."""
     import tomllib
 
     from packaging.requirements import Requirement

@@ -1,5 +1,5 @@
-"""The firmware's parameters in a file of the Linux port: saved, read after a restart, intact after any interruption,
-and with a clear error where they cannot be saved."""
+"""The Linux port stores the firmware's parameters in a file: they are saved, survive a restart and any interruption,
+and cause a clear error if they cannot be saved."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def operator(hub: Hub, **options):
 
 @contextlib.contextmanager
 def firmware(hub: Hub, *arguments: object):
-    """With an operator's client, past the boot."""
+    """Runs the firmware and an operator's client, and waits until the firmware has booted."""
     with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, *arguments) as process:
         with operator(hub, attempts=PATIENCE_S, answer_s=1.0) as client:
             client.read("motion_scale")
@@ -101,7 +101,7 @@ def test_without_a_file_there_is_no_store(hub, tmp_path):
 
 @pytest.mark.parametrize("profile", ["fd", "classic"])
 def test_a_run_with_stored_parameters_replays(tmp_path, profile):
-    """Firmware with a store and a plant; saved once more in between."""
+    """A run whose parameters come from a store replays, also with a plant and with another save in between."""
     (tmp_path / "parameters").write_bytes(with_scale(0.75))
     with Bus(tmp_path, SLOW, profile) as bus:
         plant = bus.plant("--scenario", PLAIN, "--duration", 3)
@@ -125,7 +125,7 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
 
 
 def boot_results(hub: Hub, file: Path) -> tuple[set[str], dict[str, float]]:
-    """The results and the values in the boot announcement."""
+    """Returns the results and values that the firmware announces at boot."""
     values, results = {}, set()
     with hub.connect() as tap, tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--parameters", file):
         while len(values) < len(NAMES):
@@ -177,7 +177,7 @@ def is_complete(file: Path, *scales: float) -> bool:
 
 @pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, len(record(DEFAULTS)) - 1])
 def test_killed_during_the_write(hub, file, bytes_written):
-    """The kernel kills the process after this number of bytes (RLIMIT_FSIZE). A new firmware then boots and saves
+    """The kernel kills the process (RLIMIT_FSIZE) after this number of bytes. The next firmware boots and saves
     normally."""
     file.write_bytes(with_scale(0.5))
     with firmware(hub, "--parameters", file) as (process, client):
@@ -214,7 +214,7 @@ int main(int argc, char *argv[]) {
 
 
 def test_killed_at_any_moment(tmp_path, rng):
-    """A process that only writes two records in turn; whenever it is killed, one of them is complete."""
+    """Whenever a process that only writes two records in turn is killed, one of them is complete."""
     source, program, path = tmp_path / "writer.c", tmp_path / "writer", tmp_path / "records" / "record"
     source.write_text(WRITER)
     path.parent.mkdir()
@@ -241,7 +241,7 @@ def test_killed_at_any_moment(tmp_path, rng):
 
 @contextlib.contextmanager
 def mounted(folder: Path):
-    """A disk of 64 KiB."""
+    """Mounts a disk of 64 KiB."""
     folder.mkdir()
     if (
         subprocess.run(
@@ -257,7 +257,7 @@ def mounted(folder: Path):
 
 
 def require_refusal(hub: Hub, process: Tool, file: Path, cause: str) -> None:
-    """On the bus, by the command and on the firmware's console; the firmware keeps running."""
+    """Checks that bus, command and firmware console report the refusal, and that the firmware keeps running."""
     done = comanip(hub, "socketcand", "param", "save")
     assert done.returncode == WRONG_USE
     assert done.stderr.startswith("comanip: save: refused: store_failed (") and done.stderr.count("\n") == 1, (
@@ -289,7 +289,7 @@ def test_full_and_read_only_disks(hub, tmp_path):
 
 
 def test_a_file_that_cannot_be_written(hub, file):
-    """Because a folder has the temporary file's name."""
+    """The file cannot be written if a folder has the name of the temporary file."""
     file.write_bytes(with_scale(0.5))
     file.with_name("parameters.tmp").mkdir()
     with firmware(hub, "--parameters", file) as (process, client):

@@ -1,4 +1,5 @@
-"""Sets of parameters: refusals, their reports, and that a refused set would be too fast."""
+"""Sets of parameters: which are refused, how refusals are reported, and that every refused set would indeed be too
+fast."""
 
 from __future__ import annotations
 
@@ -55,7 +56,8 @@ def test_the_defaults_and_all_slower_gains_are_accepted(tick_s):
 
 
 def test_gains_are_refused_by_the_loops_delay():
-    """A gain alone; a delay with the default gains; the two together: only the responsible parameters are named."""
+    """Gains and a loop delay that are unstable together are refused. Only the responsible parameters are named: a gain
+    alone, a delay with the default gains, or one of each."""
     delay = lib.PARAMETER_COMMAND_DELAY_S
     assert check(LAW_4 | {3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
     assert check(LAW_4 | TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))
@@ -85,8 +87,8 @@ def test_the_papers_law_gives_a_warning_and_is_not_refused():
 
 
 def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
-    """The criterion's assumption, in double: eigenvalues of J N^-1 J^T W K with dqrobotics' Jacobian, any posture and
-    weights."""
+    """Confirms the assumption of the criterion in double precision: the eigenvalues of J N^-1 J^T W K, with dqrobotics'
+    Jacobian, stay below the largest gain times its weight for any posture and any weights."""
     arm = oracle.hoap3()
     _, jacobians = oracle.evaluate(arm, rng.uniform(*np.radians(oracle.HOAP3_RANGE_DEG), size=(50, 4)))
     for jacobian in jacobians:
@@ -102,7 +104,8 @@ def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
 
 
 def named(bench: Bench, ticks: int) -> list[tuple[int, int]]:
-    """(parameter, sequence) of each ParameterValue with parameters_unstable, at most one per tick."""
+    """Returns (parameter, sequence) of each ParameterValue that reports parameters_unstable. At most one is sent per
+    tick."""
     found = []
     for _ in range(ticks):
         bench.tick()
@@ -155,7 +158,7 @@ def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_correcte
     ("profile", "parameters", "others"),
     [
         ("fd", {"command_delay_s": 0.02, "following_gain_per_s": 60}, {}),
-        # k T above 0.8 for each gain
+        # k T exceeds 0.8 for each gain
         ("classic", {"prediction": 0, "command_delay_s": 0.02, "gain_x_per_s": 100, "gain_dual_y_per_s": 90},
          {f"gain_{axis}_per_s": 35 for axis in ("w", "y", "z", "dual_w", "dual_x", "dual_z")}),
     ],

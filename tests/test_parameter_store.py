@@ -1,4 +1,4 @@
-"""The record of all parameters: matches an independent encoder, and is read completely or not at all."""
+"""The record of all parameters matches an independent encoder, and is read either completely or not at all."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MAX_BYTES = 9 + 5 * 64
 
 
 def record(values: Mapping[int, float] | Sequence[float], magic: bytes = b"CMN2") -> bytes:
-    """values: by number."""
+    """Encodes a record. `values` maps parameter numbers to values."""
     pairs = list(values.items() if isinstance(values, Mapping) else enumerate(values))
     body = magic + bytes([len(pairs)]) + b"".join(struct.pack("<Bf", number, value) for number, value in pairs)
     return body + struct.pack("<I", zlib.crc32(body))
@@ -46,7 +46,7 @@ def former_record(values: Sequence[float], names: Sequence[str] = NAMES, magic: 
 
 
 def decode(data: bytes) -> list[float] | None:
-    """None: refused, with the parameters unchanged."""
+    """Returns the decoded values, or None if the record is refused and the parameters are unchanged."""
     parameters = ffi.new("parameters_t *", {"value": [float(i) for i in range(COUNT)]})
     if lib.parameter_store_decode(data, len(data), parameters):
         return list(parameters.value)
@@ -95,7 +95,7 @@ def test_other_lengths_are_refused(rng):
 
 
 def test_data_that_is_not_a_record_is_refused():
-    """With a valid CRC."""
+    """Data that is not a record is refused even if its CRC is valid."""
     assert decode(record(DEFAULTS)) == DEFAULTS
     assert decode(record(DEFAULTS, magic=b"cmn2")) is None
     assert decode(record(DEFAULTS, magic=b"CMN3")) is None
@@ -119,7 +119,7 @@ def test_missing_parameters_get_defaults_and_unknown_numbers_are_skipped(rng):
 
 
 def test_the_former_format_is_read(rng):
-    """Of firmware with 38 to 43 parameters, whose names were in the order of their numbers."""
+    """Records of firmware with 38 to 43 parameters, sorted by parameter number, are read."""
     values = random_values(rng)
     for count in FORMER_COUNTS:
         expected = [*values[:count], *DEFAULTS[count:]]
@@ -136,7 +136,7 @@ def test_the_former_format_is_read(rng):
 
 
 def test_the_bytes_of_a_record_that_the_firmware_with_38_parameters_wrote_are_read():
-    """gain_w_per_s = 11 and speed_fraction = 0.25 among its defaults."""
+    """In this record gain_w_per_s is 11 and speed_fraction 0.25; all other parameters have their defaults."""
     found = decode(OF_38_PARAMETERS)
     assert found == [*struct.unpack_from("<38f", OF_38_PARAMETERS, 8), *DEFAULTS[38:]]
     assert (found[lib.PARAMETER_GAIN_PER_S], found[lib.PARAMETER_SPEED_FRACTION]) == (11, 0.25)
@@ -159,7 +159,8 @@ def test_a_value_out_of_range_refuses_the_whole_record(parameter):
 
 @pytest.fixture(scope="module")
 def other_firmware(tmp_path_factory):
-    """It has no stale_periods (36), and one additional parameter, with the next number."""
+    """Returns a record of firmware that lacks stale_periods (36) and has one additional parameter with the next free
+    number."""
     folder = tmp_path_factory.mktemp("other")
     schema = folder / "schema"
     shutil.copytree(REPOSITORY / "firmware" / "schema", schema)

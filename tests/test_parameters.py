@@ -1,4 +1,4 @@
-"""The parameter table against the DBC, and refused values."""
+"""The parameter table agrees with the DBC, and invalid values are refused."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ def test_names_and_numbers_match_the_dbc(dbc, message):
 
 @pytest.mark.parametrize("parameter", ALL, ids=name)
 def test_range(parameters, parameter):
-    """The default and both ends are accepted; values beyond, NaN and infinities are refused and change nothing."""
+    """The default and both ends of the range are accepted. Values beyond them, NaN and infinities are refused and
+    change nothing."""
     row = lib.parameter_table[parameter]
     assert row.minimum <= row.default_value <= row.maximum
     assert parameters.value[parameter] == row.default_value
@@ -109,7 +110,7 @@ def test_view_of_the_joint_limits(parameters):
     assert config.approach_gain_per_s == 77  # the gain of control law (4)
     for plan in list(config.plan)[
         :4
-    ]:  # prepared in steps: 12 rad/s^2 for 1 ms, of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
+    ]:  # prepared step sizes: 12 rad/s^2 for 1 ms, the resolution of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
         assert (plan.change_max_steps, plan.jerk_steps) == (12, 10)
 
 
@@ -117,7 +118,7 @@ def test_view_of_the_cooperation(parameters):
     config = ffi.new("cooperation_config_t *")
     lib.parameters_cooperation(parameters, config)
     q = config.tracker_rotation
-    assert np.abs(np.array([q.w, q.x, q.y, q.z]) - oracle.EQUATION_9).max() < 1e-6  # the paper's by default
+    assert np.abs(np.array([q.w, q.x, q.y, q.z]) - oracle.EQUATION_9).max() < 1e-6  # the paper's mount is the default
     rotation_vector = [0.3, -1.2, 0.7]
     write(parameters, lib.PARAMETER_TRACKER_ROTATION_RAD, rotation_vector)
     write(parameters, lib.PARAMETER_START_OFFSET_M, [0.25, 0.5, -0.75])

@@ -1,5 +1,5 @@
-"""Interaction of particles in one step: contacts against all pairs in numpy, impulses against the exact solution of the
-step's problem (scipy) and against statics."""
+"""Interaction of particles in one step: contacts agree with those of all pairs in numpy, impulses with the exact
+solution of the step's problem (scipy) and with statics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ MASS_KG = 2.5e-4
 
 
 class Particles:
-    """particle_t[], walls at its end, as arrays: ``position_m`` (n, 3), ``radius_m`` and ``mass_kg`` (n,)."""
+    """A particle_t[] that ends with the walls, viewed as arrays: ``position_m`` (n, 3), ``radius_m`` and ``mass_kg``
+    (n,)."""
 
     def __init__(self, position_m, radius_m, mass_kg, walls=1):
         self.ffi, self.lib = water_binding.load()
@@ -46,7 +47,7 @@ class Solver:
         self.c = self.ffi.gc(create, self.lib.particle_solver_destroy)
 
     def step(self, contacts) -> np.ndarray:
-        """Impulses, N s. contacts: (one, other, normal, depth_m, wall_speed_mps)."""
+        """Returns the impulses in N s. `contacts` lists (one, other, normal, depth_m, wall_speed_mps)."""
         c = self.ffi.new("particle_contact_t[]", [(*contact, 0.0) for contact in contacts])
         self.lib.particle_solver_step(self.c, c, len(contacts), self.particles.c, STEP_S)
         return np.array([c[i].impulse_Ns for i in range(len(contacts))])
@@ -61,7 +62,7 @@ def sizes(rng, count):
 
 
 def contacts_of_all_pairs(position_m, radius_m, spilt):
-    """{(one, other): (normal, depth)}, one > other."""
+    """Returns {(one, other): (normal, depth)} with one > other."""
     found = {}
     for one in np.flatnonzero(~spilt):
         for other in np.flatnonzero(~spilt[:one]):
@@ -74,7 +75,8 @@ def contacts_of_all_pairs(position_m, radius_m, spilt):
 
 @pytest.mark.parametrize("way_m", [1e-4, 1e-3, 1e-2])
 def test_contacts_match_those_of_all_pairs(rng, way_m):
-    """A crowd that moves by small and large steps; now and then some particles are spilt."""
+    """The contacts of a crowd match those of all pairs while it moves by small and large steps and some particles
+    spill."""
     count = 60
     radius_m, mass_kg = sizes(rng, count)
     particles = Particles(rng.uniform(-0.02, 0.02, (count, 3)), radius_m, mass_kg)
@@ -105,8 +107,8 @@ def test_contacts_match_those_of_all_pairs(rng, way_m):
 
 
 def test_wall_contacts_have_the_speed_of_the_wall():
-    """A particle in the corner of a cup that moves and turns: speed of the touched points, v + w x r, along the
-    normals."""
+    """For a particle in the corner of a cup that moves and turns, the wall's speed is that of the touched points, v + w
+    x r, along the normals."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", {"present": True, "radius_m": 0.03, "height_m": 0.04, "wall_m": 0.002})
     velocity, turn = np.array([0.2, -0.1, 0.3]), np.array([0.5, -0.4, 0.0])
@@ -130,7 +132,7 @@ def test_wall_contacts_have_the_speed_of_the_wall():
 
 
 def crowd(rng, count=25):
-    """Overlapping particles above a floor, with velocities: (particles, contacts, velocity_mps)."""
+    """Returns (particles, contacts, velocity_mps) of overlapping moving particles above a floor."""
     radius_m, mass_kg = sizes(rng, count)
     position_m = rng.uniform([-0.01, -0.01, 0.003], [0.01, 0.01, 0.02], (count, 3))
     particles = Particles(position_m, radius_m, mass_kg)
@@ -143,7 +145,7 @@ def crowd(rng, count=25):
 
 
 def jacobian(particles, contacts) -> np.ndarray:
-    """(contacts, 3 n): maps velocities to the speeds along the normals."""
+    """Returns the matrix (contacts, 3 n) that maps velocities to speeds along the normals."""
     rows = np.zeros((len(contacts), particles.count + 1, 3))
     for row, (one, other, normal, _, _) in zip(rows, contacts, strict=True):
         row[one] += normal
@@ -152,13 +154,13 @@ def jacobian(particles, contacts) -> np.ndarray:
 
 
 def test_impulses_solve_the_soft_contacts_exactly(rng):
-    """Repeated on the same contacts and velocities, it converges to the solution of the complementarity problem
-    0 <= p, 0 <= (J M^-1 J' + s) p + J v - b. Its matrix and right side come from two measured contacts: the speed that
-    separates an overlap, and the share of a speed that remains."""
+    """Repeated for the same contacts and velocities, the solver converges to the solution of the complementarity
+    problem 0 <= p, 0 <= (J M^-1 J' + s) p + J v - b. The matrix and the right-hand side are derived from two properties
+    measured on a single contact: the speed that separates an overlap, and the fraction of the speed that remains."""
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
     j, per_kg = jacobian(particles, contacts), np.repeat(1 / particles.mass_kg, 3)
-    # one mean particle on a wall: p = (c depth - v) / (1/m + s)
+    # For one particle of mean mass on a wall, p = (c depth - v) / (1/m + s).
     single = Particles([[0, 0, 0]], [4e-3], [MASS_KG])
     one = Solver(single)
 
@@ -185,7 +187,8 @@ def test_impulses_solve_the_soft_contacts_exactly(rng):
 
 
 def test_momentum_is_conserved_except_at_the_walls(rng):
-    """From the first iteration on, however far from the solution. Without overlap, energy is lost and never gained."""
+    """Momentum is conserved from the first iteration on, however far the solver is from the solution. Without overlap,
+    energy is lost and never gained."""
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
     particles.velocity_mps = velocity
@@ -197,7 +200,8 @@ def test_momentum_is_conserved_except_at_the_walls(rng):
 
 
 def test_contacts_dissipate_energy(rng):
-    """Without overlap, between particles and a fixed floor: in each of a hundred steps."""
+    """Contacts without overlap, between particles and with a fixed floor, dissipate energy in each of a hundred
+    steps."""
     particles, contacts, velocity = crowd(rng)
     contacts = [(*c[:3], 0.0, 0.0) for c in contacts]
     solver = Solver(particles)
@@ -220,8 +224,8 @@ def test_separating_contacts_get_no_impulse():
 
 
 def test_an_interrupted_contact_starts_from_zero():
-    """The same bits as a solver that has not seen it, and other bits than a solver that continues from the last
-    step."""
+    """After an interruption, the solver returns the same bits as one that has never seen the contact, and other bits
+    than one that continues from the previous step."""
 
     def impulse(*steps):
         particles = Particles([[0, 0, 7e-3], [0, 0, 0]], [4e-3] * 2, [MASS_KG] * 2)
@@ -237,7 +241,8 @@ def test_an_interrupted_contact_starts_from_zero():
 
 
 def test_a_stack_presses_with_its_weight(rng):
-    """Each particle of a column of eight carries those above it, the floor carries all; overlaps are in proportion."""
+    """Each particle in a column of eight carries those above it, and the floor carries all of them. Overlaps are
+    proportional to the load."""
     count = 8
     radius_m, mass_kg = sizes(rng, count)
     z = np.cumsum(2 * radius_m) - radius_m

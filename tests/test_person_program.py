@@ -1,7 +1,6 @@
-"""People's programs in a scene without physics (stand_in_scene.c): moves, waits, corrections, and their failures.
+"""People's programs in a scene without physics (stand_in_scene.c): moves, waits and corrections, and how they fail.
 
-A run returns the hand's pose at the end of each physics step, one row per step.
-"""
+Person.run() returns the hand's pose at the end of each physics step, one row per step."""
 
 from __future__ import annotations
 
@@ -29,8 +28,8 @@ def wxyz(rotation: Rotation) -> list[float]:
 
 
 class Person:
-    """A scenario with a pipe (object 0, its point "end" 0.2 m along its axis), a crank (object 1), and a person with
-    these program steps: dicts of person_step_t, with action and `awaited` events by name."""
+    """A scenario with a pipe (object 0, with its point "end" 0.2 m along its axis), a crank (object 1), and a person
+    with the given program steps: dicts of person_step_t that give `action` and `awaited` events by name."""
 
     def __init__(self, *steps, recording=None, axes=None, tremor_mm=0.0, seed=1, recorded=()):
         self.scenario = ffi.new("scenario_t *", {"name": b"test", "person_count": 2, "object_count": 2})
@@ -94,7 +93,7 @@ class Person:
         return event.first_s if event.times else None
 
     def run(self, until_s, step_s=0.001, follows=(1, 1, 1), before=lambda _now_s: None):
-        """Time, position and rotation of the hand at the end of each step."""
+        """Returns time, position and rotation of the hand at the end of each step."""
         rows = []
         for n in range(round(self.now_s / step_s), round(until_s / step_s)):
             self.now_s = n * step_s
@@ -132,7 +131,8 @@ GRIPPER = {"kind": lib.POINT_ROBOT_GRIPPER}
 
 @pytest.mark.parametrize("step_s", [0.0005, 0.001, 0.002])
 def test_moves_are_minimum_jerk_for_any_step_size(step_s):
-    """From the start, or from the end of the last one; the second begins when the first ends, between two steps."""
+    """The first move begins at the start, the second when the first ends, even between two steps. Both have a
+    minimum-jerk profile for any step size."""
     turn, turn_on = Rotation.from_rotvec([0.5, 0.2, -0.4]), Rotation.from_rotvec([-0.3, 0.9, 0.1])
     person = Person(
         {
@@ -156,7 +156,8 @@ def test_moves_are_minimum_jerk_for_any_step_size(step_s):
     begins_s, durations_s = (0, 0.4015, 1.1), (0.4015, 0.5, 0.3)
     shares = [share((t - begin) / duration) for begin, duration in zip(begins_s, durations_s, strict=True)]
     expected_m = START_M + sum(s[:, None] * way for s, way in zip(shares, ways_m, strict=True))
-    # Only the step in which one move ends and the next begins may be off, by the start's small displacement 10 x^3.
+    # Only in the step in which one move ends and the next begins, the position may be off, by the small displacement 10
+    # x^3 at the start of a move.
     np.testing.assert_allclose(position_m, expected_m, atol=10 * (step_s / 0.5) ** 3 * 0.1 + 1e-12)
     np.testing.assert_allclose(position_m[t > 0.41], expected_m[t > 0.41], atol=1e-12)
     first = Rotation.from_rotvec(shares[0][:, None] * turn.as_rotvec()) * START
@@ -169,7 +170,7 @@ def test_moves_are_minimum_jerk_for_any_step_size(step_s):
 
 
 def test_a_move_turns_in_the_shorter_direction():
-    """3.6 rad about an axis equals 2 pi - 3.6 in the other direction."""
+    """A turn by 3.6 rad about an axis is made as a turn by 2 pi - 3.6 in the other direction."""
     axis = np.array([0.6, 0.0, 0.8])
     person = Person({"action": "move", "duration_s": 1.0, "rotation_vector_rad": (3.6 * axis).tolist()})
     t, _, rotation = person.run(1.0)
@@ -193,7 +194,7 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
             person.raise_event("robot.holds")
 
     t, position_m, _ = person.run(1.3, before=before)
-    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15; 0.75 + 0.05; an earlier event is not waited for
+    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the third event came earlier and is not waited for
     expected_m = START_M[0] + 0.1 * sum(share((t - begin) / 0.1) for begin in begins_s)
     np.testing.assert_allclose(position_m[:, 0], expected_m, atol=1e-12)
     assert person.done
@@ -228,8 +229,8 @@ def test_empty_program_is_done_at_once():
 
 
 def test_reach_corrects_for_a_sagging_arm():
-    """The first move on an arc of its height; then corrections of 0.4 s by the remaining distance until it is close
-    enough."""
+    """The first move follows an arc of the given height. Corrections of 0.4 s by the remaining distance follow until
+    the hand is close enough."""
     reach = {"action": "reach", "to": PIPE_END, "offset_m": [0, 0, 0.03], "duration_s": 1.0, "lift_m": 0.05}
     person = Person({**reach, "tolerance_m": 0.001, "name": "there"})
     goal_m = PIPE_END_M + [0, 0, 0.03]
@@ -268,11 +269,12 @@ def test_reach_finds_a_point_that_moved_away():
     person.run(3, before=before)
     bob_m = START_M + [0.06, 0.12, 0] + START.apply(GRIP_M)
     np.testing.assert_allclose(person.grip_m(), bob_m, atol=1e-9)
-    assert person.time_of("ann.done") == pytest.approx(1.8)  # at 1.4 it was still 20 mm off
+    assert person.time_of("ann.done") == pytest.approx(1.8)  # at 1.4 s the hand was still 20 mm off
 
 
 def test_reach_gives_up_after_ten_corrections():
-    """A point that moves away with 0.1 m/s is 40 mm away after each correction of 0.4 s."""
+    """A point that moves away at 0.1 m/s is still 40 mm away after each correction of 0.4 s, so reach gives up after
+    ten corrections."""
     person = Person({"action": "reach", "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.003})
 
     def before(now_s):
@@ -286,8 +288,8 @@ def test_reach_gives_up_after_ten_corrections():
 
 @pytest.mark.parametrize("follows", [(1, 1, 1), (-0.5, 0.5, 0.5)])
 def test_guide_moves_the_hand_until_the_robot_arrives(follows):
-    """The robot moves 0.8 of the expected displacement, so each correction leaves 20 %. 20 mm after the first move,
-    then 4 mm, 0.8 mm, with 0.15 s for the robot to settle before each check."""
+    """The robot moves only 0.8 of the expected displacement, so each correction leaves 20 %: 20 mm after the first
+    move, then 4 mm and 0.8 mm. Before each check, the robot has 0.15 s to settle."""
     person = Person(
         {
             "action": "guide",
@@ -312,7 +314,7 @@ def test_guide_moves_the_hand_until_the_robot_arrives(follows):
     assert person.time_of("ann.there") == pytest.approx(1.15 + 2 * 0.55, abs=0.0011)
 
 
-FALLING = [  # what is brought, and where to
+FALLING = [  # the step, and what it brings where
     ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001},
      "the robot's gripper to pipe.end"),
     ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001},
@@ -324,7 +326,8 @@ FALLING = [  # what is brought, and where to
 @pytest.mark.parametrize(("step", "way"), FALLING)
 @pytest.mark.parametrize("is_forbidden", [True, False])
 def test_a_fallen_object_is_not_fetched_unless_it_may_fall(step, way, is_forbidden):
-    """At 0.3 s, in the middle of the move. An object that the scenario allows to fall can still be fetched."""
+    """When the object falls at 0.3 s, in the middle of the move, the person gives up, unless the scenario allows the
+    object to fall."""
     person = Person({**step, "name": "there"})
     dropped = person.declare("pipe.dropped")
     if is_forbidden:
@@ -392,7 +395,7 @@ def test_a_hand_that_holds_an_object_cannot_grip():
 @pytest.mark.parametrize("turns", [3.0, -1.5, 0.5])
 def test_turn_takes_the_hand_around_with_the_handle(turns):
     person = Person({"action": "turn", "object": 1, "turns": turns, "duration_s": 2.0})
-    person.state.crank_turns = 0.1  # its current angle, not an earlier one
+    person.state.crank_turns = 0.1  # the current angle of the crank, not an earlier one
     whole_rad, start_rad = 2 * np.pi * turns, 0.2 * np.pi
     t, position_m, rotation = person.run(9)
 
@@ -424,7 +427,8 @@ def play(**changes):
 
 
 def test_recorded_steps_play_the_recording_from_here(tmp_path):
-    """After a move, with the axes of the command line; in a gap of the recording the hand continues unseen."""
+    """Recorded steps play the recording from where a move left the hand, with the axes of the command line. In a gap of
+    the recording the hand continues to move, but is hidden."""
     times_s = [i / 100 for i in range(201) if not 60 < i < 80]
     path = write(tmp_path / "hand.csv", times_s, times_s)
     person = Person(
@@ -442,8 +446,8 @@ def test_recorded_steps_play_the_recording_from_here(tmp_path):
     played = np.clip(t - 0.5, 0, 1.3)
     expected_m = START_M + np.outer(share(t / 0.5), [0, 0, 0.1]) + np.outer(0.5 * played, [0, 1, 0])
     np.testing.assert_allclose(position_m, expected_m, atol=1e-9)
-    hidden_ms = set(np.flatnonzero(hidden))  # before step n the hand is where it was at n ms
-    assert hidden_ms | {900, 1100} == set(range(900, 1101)), "its ends depend on rounding"
+    hidden_ms = set(np.flatnonzero(hidden))  # before step n, the hand is where it was at n ms
+    assert hidden_ms | {900, 1100} == set(range(900, 1101)), "rounding decides the ends of the gap"
     assert person.time_of("ann.done") == pytest.approx(1.9)
     description = ffi.string(lib.person_program_description(person.program)).decode()
     assert description.startswith(f"ann: recording {path}: samples 182, 2.00 s, 100.0 Hz, gaps 1 (longest 200 ms)")

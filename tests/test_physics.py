@@ -1,5 +1,5 @@
-"""ODE's world against analytic mechanics and numpy (hoap3.py): energy, momentum and motion of arm, rods and crank, and
-how errors shrink with the step."""
+"""ODE's world agrees with analytic mechanics and numpy (hoap3.py) in energy, momentum, and motion of arm, rods and
+crank, and its errors shrink with the step."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HAND_M = np.array([0.4, 0.2, 0.0])
 
 
 class BareArm:
-    """The arm alone in its world, motors on."""
+    """The arm alone in its world, with its motors on."""
 
     def __init__(self, world, q):
         self.world = world
@@ -28,7 +28,7 @@ class BareArm:
             lib.arm_plant_release(self.plant, joint)
 
     def run(self, duration_s: float, step_s: float, every_s: float = 0.01) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """t (N,), angles and rates (N, 4), every `every_s`."""
+        """Returns times (N,), angles and rates (N, 4), one row per `every_s`."""
         steps, rows = round(every_s / step_s), round(duration_s / every_s)
         q, rate = np.zeros((rows, 4)), np.zeros((rows, 4))
         for i in range(rows):
@@ -61,7 +61,7 @@ def energy_J(q, rate, gravity=True) -> float:
 # ---- the bare arm
 
 
-PENDULUM_START = np.radians([50, -5, 0, -30])  # at rest near 98 degrees; the stops are at -91 and 151
+PENDULUM_START = np.radians([50, -5, 0, -30])  # the equilibrium is near 98 degrees; the stops are at -91 and 151
 
 
 def pendulum(duration_s: float, step_s: float):
@@ -71,8 +71,9 @@ def pendulum(duration_s: float, step_s: float):
 
 
 def compound_pendulum(t: np.ndarray) -> np.ndarray:
-    """Shoulder pitch over time by numpy's inertia and gravity torque; the other joints are locked. The inertia about
-    the shoulder's axis does not depend on its angle. The amplitude is too large for a small-angle formula."""
+    """Returns the shoulder pitch over time, computed with numpy's inertia and gravity torque while the other joints are
+    locked. The inertia about the shoulder's axis does not depend on its angle. The amplitude is too large for a
+    small-angle formula."""
     inertia = hoap3.inertia_matrix(PENDULUM_START)[0, 0]
 
     def motion(_, state):
@@ -105,7 +106,8 @@ def test_pendulums_energy_does_not_drift_and_its_error_shrinks_with_the_step():
 
 
 def lagrange(start: np.ndarray, duration_s: float) -> np.ndarray:
-    """Angles (4,) of the arm with all joints free after `duration_s` from rest: Hamilton's equations, by numpy."""
+    """Returns the angles (4,) of the arm with all joints free, `duration_s` after release from rest, by Hamilton's
+    equations in numpy."""
 
     def motion(_, state):
         q, momentum = state[:4], state[4:]
@@ -124,7 +126,8 @@ def lagrange(start: np.ndarray, duration_s: float) -> np.ndarray:
 
 @pytest.mark.parametrize("start_deg", [(60, -40, 10, -60), (0, -60, -30, -40)])
 def test_free_chain_falls_as_lagrange_predicts(start_deg):
-    """Four free joints, until shortly before they reach their stops; the error decreases with the step."""
+    """With all four joints free, the arm falls as predicted until shortly before it reaches its stops. The error
+    shrinks with the step."""
     start, duration_s = np.radians(start_deg), 0.15
     expected, error = lagrange(start, duration_s), []
     for step_s in STEPS_S:
@@ -138,7 +141,8 @@ def test_free_chain_falls_as_lagrange_predicts(start_deg):
 
 
 def test_chain_without_gravity_keeps_energy_and_angular_momentum():
-    """No torque acts about the first joint's axis then. All four joints coast, at least 10 degrees from their stops."""
+    """Without gravity, no torque acts about the first joint's axis. All four joints coast, at least 10 degrees away
+    from their stops."""
     lost, turned = [], []
     for step_s in STEPS_S:
         with bare_arm(np.radians([0, -50, 0, -60]), gravity=False) as arm:
@@ -172,8 +176,8 @@ def test_rod_falls_as_galileo_predicts(step_s):
 
 @pytest.mark.parametrize("kind", [lib.GRIP_BALL, lib.GRIP_FIXED])
 def test_impulse_of_hand_and_weight_is_the_rods_momentum(kind):
-    """A hand swings the rod in all directions; the force reported by ODE's joint equals the rod's change of
-    momentum."""
+    """When a hand swings the rod in all directions, the impulse of the force that ODE reports for the joint equals the
+    rod's change of momentum."""
     rod = {"kind": lib.OBJECT_ROD, "pose": (list(HAND_M + [0, 0.05, 0]), ALONG_Y), "person_grip": kind}
     with Scene([{}], [rod]) as scene:
         assert scene.grip()
@@ -192,7 +196,7 @@ def test_impulse_of_hand_and_weight_is_the_rods_momentum(kind):
 
 
 def test_two_hands_on_one_rod_act_and_react():
-    """Without gravity, the impulse that one hand gives and the rod does not keep acts on the other."""
+    """Without gravity, the part of one hand's impulse that the rod does not keep acts on the other hand."""
     people = [{"start": (list(HAND_M + [0, y, 0]), [1, 0, 0, 0])} for y in (-0.1, 0.1)]
     with Scene(people, [{"kind": lib.OBJECT_ROD, "pose": (list(HAND_M), ALONG_Y)}]) as scene:
         scene.set_gravity(0.0)
@@ -214,9 +218,9 @@ def test_two_hands_on_one_rod_act_and_react():
 
 
 def test_internal_forces_do_not_change_the_momentum():
-    """A limp arm (no stiffness) holds a rod by its end: a push on the hand, then nothing. Hand and rod together keep
-    the push's momentum and angular momentum while the rod turns in the hand."""
-    # the speed that the push gives a hand without a rod
+    """A limp arm (no stiffness) holds a rod by its end, and the hand is pushed once. Hand and rod together keep
+    momentum and angular momentum of the push while the rod turns in the hand."""
+    # push_mps: the speed that the push would give a hand without a rod
     hand_kg, rod_kg, push_mps = 1.5, 0.5, np.array([0.0, 0.3, 0.4])
     across_kgm2 = rod_kg * (3 * ROD["radius_m"] ** 2 + ROD["length_m"] ** 2) / 12
     person = {"mass_kg": hand_kg, "stiffness_Npm": 0.0, "stiffness_Nmprad": 0.0}
@@ -229,12 +233,12 @@ def test_internal_forces_do_not_change_the_momentum():
         for step in range(1, 1001):
             scene.aim(0, origin + push_mps * scene.step_s * step)
             scene.step()
-            # ODE's own velocities: it moves a body by them times the step.
+            # velocities as ODE uses them: it moves a body by velocity times step
             v_hand = (scene.hand()[0] - hand) / scene.step_s
             v_rod = (scene.thing()[0] - middle) / scene.step_s
             spin = np.cross(direction, scene.thing()[1].apply([0, 0, 1])) / scene.step_s
             assert np.allclose(hand_kg * v_hand + rod_kg * v_rod, hand_kg * push_mps, atol=1e-9)
-            # About the hand's initial position: the push went through it.
+            # moments about the hand's initial position, through which the push went
             moment = np.cross(hand - origin, hand_kg * v_hand) + np.cross(middle - origin, rod_kg * v_rod)
             assert np.abs(moment + across_kgm2 * spin).max() < 0.002 * rod_kg * 0.13 * 0.5
             hand, middle, direction = scene.hand()[0], scene.thing()[0], scene.thing()[1].apply([0, 0, 1])
@@ -246,18 +250,18 @@ def test_internal_forces_do_not_change_the_momentum():
 
 
 CRANK_RADIUS_M = 0.05
-# A cylinder of 10 mm radius at the handle, turning with its arm about the hinge.
+# Models a cylinder of 10 mm radius at the handle, which turns with the crank's arm about the hinge.
 CRANK_INERTIA = CRANK["mass_kg"] * (0.5 * 0.01**2 + CRANK_RADIUS_M**2)
 HINGE_M = np.array([0.5, 0.2, 0.0])
 
 
 def crank(**fields) -> dict:
-    """Its hinge is along y; the handle at its +x side."""
+    """Returns a crank with its hinge along y and its handle on the +x side."""
     return {"kind": lib.OBJECT_CRANK, "pose": (list(HINGE_M), ALONG_Y), "radius_m": CRANK_RADIUS_M, **fields}
 
 
 def handle(angle_rad: float) -> np.ndarray:
-    """On its circle; a positive turn about +y takes +x to -z."""
+    """Returns the handle's position on its circle. A positive turn about +y takes +x to -z."""
     return HINGE_M + CRANK_RADIUS_M * np.array([np.cos(angle_rad), 0, -np.sin(angle_rad)])
 
 
@@ -266,7 +270,8 @@ def angle_of(scene: Scene) -> float:
 
 
 def test_persons_work_on_the_crank_equals_the_friction_losses():
-    """One and a half turns, from rest to rest, with weight: work = viscous + dry losses + height gained."""
+    """Over one and a half turns of a crank with weight, from rest to rest, the work equals viscous losses, dry losses
+    and potential energy gained."""
     damping, friction = 0.02, 0.05
     person = {"start": (list(handle(0)), [1, 0, 0, 0]), "stiffness_Npm": 800.0, "damping_ratio": 1.0}
     with Scene([person], [crank(damping_Nmspprad=damping, friction_Nm=friction)]) as scene:
@@ -291,12 +296,12 @@ def test_persons_work_on_the_crank_equals_the_friction_losses():
 
 
 def spin_down(rate_radps: float, duration_s: float, **fields) -> np.ndarray:
-    """Angles (N,) of a crank released at this rate, without gravity; per ms."""
+    """Returns the angles (N,), one per ms, of a crank that is released at this rate without gravity."""
     person = {"start": (list(handle(0)), [1, 0, 0, 0]), "stiffness_Npm": 800.0}
     with Scene([person], [crank(**fields)]) as scene:
         scene.set_gravity(0.0)
         assert scene.grip()
-        for tick in range(600):  # 0.2 s to accelerate, 0.4 s at the rate
+        for tick in range(600):  # 0.2 s of acceleration, 0.4 s at the final rate
             t = tick * scene.step_s
             scene.aim(0, handle(rate_radps * (0.5 * t * t / 0.2 if t < 0.2 else t - 0.1)))
             scene.step()
@@ -308,7 +313,7 @@ def spin_down(rate_radps: float, duration_s: float, **fields) -> np.ndarray:
     return np.array(angles)
 
 
-@pytest.mark.parametrize("damping", [0.0005, 0.005, 2.0])  # 2: time constant far below a step
+@pytest.mark.parametrize("damping", [0.0005, 0.005, 2.0])  # for 2.0, the time constant is far below a step
 def test_viscous_crank_slows_down_exponentially(damping):
     angles = spin_down(6.0, 1.0, damping_Nmspprad=damping)
     rate = np.diff(angles) / 1e-3
@@ -337,7 +342,7 @@ def test_loose_crank_swings_as_a_pendulum():
     def motion(_, s):
         return [s[1], torque / CRANK_INERTIA * np.cos(s[0])]
 
-    t = 1e-3 * np.arange(3000)  # turns are counted up to the step before
+    t = 1e-3 * np.arange(3000)  # the number of turns lags by one step
     expected = solve_ivp(motion, (0, 3.0), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-9).y[0]
     assert np.ptp(expected) > 3.1
     assert np.abs(np.array(angles) - expected).max() < 0.05

@@ -1,5 +1,5 @@
-"""Processor in the loop: the image in QEMU, stepped by the simulator, gives the same run as the firmware on the host,
-byte for byte. A few seconds only; `make pil` runs whole scenarios."""
+"""Processor in the loop: the image in QEMU, stepped by the simulator, produces the same run as the firmware on the
+host, byte for byte. These tests run for a few seconds only; `make pil` runs whole scenarios."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def elf(image) -> Path:
 
 
 def test_the_run_equals_the_hosts_byte_for_byte(image, elf, tmp_path):
-    """From boot into cooperation: the hand moves, the arm follows, the operator stops it."""
+    """The run goes from boot into cooperation: the hand moves, the arm follows, and the operator stops it."""
     options = ["--scenario", experiment("teleop"), "--duration", 2, "--quiet"]
     done = pil(" ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "pil", *options)
     host = run(tmp_path / "host", *options[:-1])
@@ -83,7 +83,8 @@ def test_an_image_that_panics_ends_the_run_with_its_message(image, elf, tmp_path
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_all_processes(elf, image, tmp_path, number):
-    """Its process group has the emulator and the simulator in it; the files of the run so far are written."""
+    """A signal ends the process group, which includes emulator and simulator. The files of the run up to then are
+    written."""
     command = [
         sys.executable,
         "-m",
@@ -101,7 +102,7 @@ def test_a_signal_ends_all_processes(elf, image, tmp_path, number):
             assert "in qemu-system" in process.stdout.readline()
             deadline_s = time.monotonic() + PATIENCE_S
             while not list((tmp_path / "out").glob("bus.log*")) and time.monotonic() < deadline_s:
-                time.sleep(0.1)  # until the run has started
+                time.sleep(0.1)  # wait until the run has started
             process.send_signal(number)
             assert process.wait(PATIENCE_S) == 128 + number
         except BaseException:
@@ -116,7 +117,7 @@ def test_wrong_use(tmp_path):
     assert pil().returncode == EXIT_WRONG_USE
     refused = pil("no-such-emulator -machine x", "x.elf", PROGRAM)
     assert refused.returncode == EXIT_WRONG_USE and "no-such-emulator is not installed" in refused.stderr
-    built = make(str(PROGRAM.relative_to(REPOSITORY)))  # no target compiler is needed
+    built = make(str(PROGRAM.relative_to(REPOSITORY)))  # needs no compiler for the target
     assert built.returncode == 0, built.stderr
     if shutil.which("qemu-system-arm"):
         missing = pil(

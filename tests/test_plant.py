@@ -1,4 +1,4 @@
-"""ODE's arm and its drives against numpy: kinematics, gravity, inertia, stops, torque limit, servo, encoder,
+"""ODE's arm and its drives agree with numpy: kinematics, gravity, inertia, stops, torque limit, servo, encoder and
 watchdog."""
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def sim():
 
 @contextlib.contextmanager
 def plant_at(sim, q):
-    """The arm in its own world, and the function that steps it by one tick."""
+    """Provides the arm in its own world, and a function that steps this world by one tick."""
     ffi, lib = sim
     world = lib.physics_create()
     plant = lib.arm_plant_create(world, ffi.new("double[4]", list(q)))
@@ -77,7 +77,7 @@ def test_hand_at_random_postures(sim, rng):
 
 
 def test_joints_stay_connected_while_moving(sim, rng):
-    """After a second of fast motion, ODE's bodies agree with ODE's joint angles."""
+    """After a second of fast motion, the poses of ODE's bodies still agree with the joint angles."""
     for _ in range(5):
         with plant_at(sim, hoap3.random_posture(rng, 30.0)) as (plant, step):
             start = position(sim, plant)
@@ -101,7 +101,7 @@ def test_holding_torque_balances_gravity(sim, rng):
 
 
 def test_torque_of_a_velocity_step_is_inertia_times_it(sim, rng):
-    """From rest: torque = M(q) dv / dt + gravity's."""
+    """From rest, the torque is M(q) dv / dt plus that of gravity."""
     for _ in range(20):
         q, velocity = hoap3.random_posture(rng), rng.uniform(-0.03, 0.03, 4)
         with plant_at(sim, q) as (plant, step):
@@ -146,7 +146,7 @@ def test_same_commands_same_bits(sim, rng):
 
 
 class Drives:
-    """Plant and drives on a bus; JointCmd is sent from here, JointState is decoded with cantools."""
+    """Plant and drives on a bus. JointCmd is sent from here; JointState is decoded with cantools."""
 
     def __init__(self, sim, dbc, plant, step):
         self.ffi, self.lib = sim
@@ -207,7 +207,7 @@ def test_encoder_counts_whole_pulses(sim, drives):
         assert sorted(drives.states) == [0, 1, 2, 3]
         for i, state in drives.states.items():
             pulses = state["position_rad"] * hoap3.PULSES_PER_RAD
-            assert pulses == pytest.approx(round(pulses), abs=0.02)  # a frame's step of 1 urad is 0.012 pulses
+            assert pulses == pytest.approx(round(pulses), abs=0.02)  # the frame's resolution of 1 urad is 0.012 pulses
             assert abs(state["position_rad"] - at[i]) < 0.52 / hoap3.PULSES_PER_RAD
 
 
@@ -215,7 +215,7 @@ def test_reported_velocity_and_torque(sim, drives):
     for _ in range(100):
         drives.tick([0.3, -0.2, 0.25, 0.15])
     for i, velocity in enumerate([0.3, -0.2, 0.25, 0.15]):
-        # 8 samples: 7 ms, so that one pulse of the difference is 12 mrad/s
+        # eight samples span 7 ms, so one pulse more or less is 12 mrad/s
         assert drives.states[i]["velocity_radps"] == pytest.approx(velocity, abs=0.013)
     for _ in range(100):
         drives.tick([0.0] * 4)
@@ -247,7 +247,7 @@ def test_watchdog_brakes_and_is_reported(sim, drives):
     for _ in range(10):
         drives.tick()
         errors.append(drives.states.get(0, {}).get("error"))
-    assert errors.index(1) in (3, 4)  # 3 ms, and the state is sent in the next tick
+    assert errors.index(1) in (3, 4)  # after 3 ms, and the state is sent in the next tick
     assert set(errors[errors.index(1) :]) == {1} and drives.states[3]["mode"] == 0
     assert sim[1].arm_plant_velocity_radps(drives.plant, 0) == pytest.approx(0.0, abs=1e-6)
     drives.tick([0.1, 0, 0, 0])
@@ -265,7 +265,7 @@ def test_disabled_drives_brake_whatever_is_commanded(sim, drives):
         assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6
     lib.drive_node_enable(drives.drives, True)
     drives.tick()
-    # enabling the drives causes no motion
+    # enabling the drives causes no motion by itself
     assert np.abs([lib.arm_plant_velocity_radps(drives.plant, i) for i in range(4)]).max() < 1e-6
     drives.tick([0.3, -0.2, 0.25, 0.15])
     assert {state["mode"] for state in drives.states.values()} == {1}

@@ -1,5 +1,5 @@
-"""Pictures of a run: correct input, complete drawing, and one line about missing data. Compared with closed forms,
-scipy and the simulator's scenario files."""
+"""Pictures of a run: they read their input correctly, draw it completely, and report missing data in one line. Compared
+with closed forms, scipy and the simulator's scenario files."""
 
 from __future__ import annotations
 
@@ -122,7 +122,8 @@ def test_small_angles_are_not_lost():
 
 
 def test_arm_points_match_the_manual():
-    """At (90, 0, 0, -90) deg the upper arm hangs down and the forearm points forward; links of 0.111 and 0.171 m."""
+    """At (90, 0, 0, -90) deg the upper arm hangs down and the forearm points forward, with links of 0.111 and 0.171
+    m."""
     points = geometry.arm_points_m(np.radians([[90.0, 0.0, 0.0, -90.0]]))[0]
     shoulder, elbow, hand = [-0.035, -0.111, 0.125], [-0.035, -0.111, 0.014], [0.136, -0.111, 0.014]
     np.testing.assert_allclose(points[0], shoulder, atol=1e-6)
@@ -162,12 +163,12 @@ def test_pictures_of_each_experiment(tmp_path, capsys, scenario):
     for path in (folder / "report").iterdir():
         paper = imread(path)[..., :3]
         edges = (paper[0], paper[-1], paper[:, 0], paper[:, -1])
-        assert all(np.all(edge == 1.0) for edge in edges), f"{path.name}: something is cut off at the edge"
+        assert all(np.all(edge == 1.0) for edge in edges), f"{path.name}: the drawing is cut off at the edge"
 
 
 @pytest.mark.parametrize("scenario", ["pour", "mirror", "handover", "own"])
 def test_snapshots_and_curves_of_each_experiment(tmp_path, scenario):
-    """At the times of the scenario's events, with the arm's posture at these times."""
+    """The snapshots show the arm's posture at the times of the scenario's events."""
     from comanip.plotting import experiment as picture
 
     run = read_run(synthetic_run.write(tmp_path, scenario))
@@ -187,7 +188,7 @@ def test_a_stale_picture_is_removed(tmp_path):
 
 
 def test_a_run_without_targets_and_events_is_drawn(tmp_path):
-    """A run that never cooperated."""
+    """A run that never cooperated has neither targets nor events, and is drawn."""
     folder = tmp_path / "run"
     idle = [{"t_s": 0.0, "mode": "idle", "reason": "waiting_for_tracker"}]
     synthetic_run.write(folder, "mirror", duration_s=0.4, events=[], modes=idle)
@@ -204,10 +205,10 @@ def test_curves_and_limits_match_the_run(tmp_path):
     ]
     run = read_run(synthetic_run.write(tmp_path, "mirror", checks=checks))
     x, error = time_plots.tracking(run).axes[:2]
-    np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # mm behind, by construction
+    np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # constructed to be 2 mm behind
     np.testing.assert_allclose(x.lines[0].get_ydata()[-1], 168.0, atol=1e-3)
     force = time_plots.force(run).axes[0]
-    np.testing.assert_allclose(np.nanmax(force.lines[0].get_ydata()), 5.0)  # of (3, 4, 0) N
+    np.testing.assert_allclose(np.nanmax(force.lines[0].get_ydata()), 5.0)  # the norm of (3, 4, 0) N
     levels = {float(line.get_ydata()[0]): line.get_label() for line in force.lines[1:] if line.get_label()[0] != "_"}
     assert levels == {4.5: "force rms: 4.5 N", 13.0: "force peak: 13 N"}
     unlimited = time_plots.force(read_run(synthetic_run.write(tmp_path / "other", "mirror"))).axes[0]
@@ -275,7 +276,7 @@ def test_a_custom_scene_is_drawn_with_its_objects(tmp_path, name, curves):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_instants_are_steps_of_the_scenario(name):
-    """Grip events come from the scene, all others from the named steps of the scenario file."""
+    """Grip events come from the scene, and all others from the named steps of the scenario file."""
     text = experiment(name).read_text()
     for event, _, _ in SCENES[name].instants:
         what = event.partition(".")[2]

@@ -1,5 +1,5 @@
-"""A port to a board with a CAN controller needs only its own folder: tests/skeleton_port is added under hal/ in an
-otherwise unchanged copy of the repository."""
+"""A port to a board with a CAN controller needs nothing but its own folder: tests/skeleton_port is added under hal/ in
+an otherwise unchanged copy of the repository."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ SHARED = {"hal/cortex_m", "hal/common"}
 
 
 def make_in(tree, *arguments: str):
-    return make("-C", str(tree), "-o", "deps", *arguments)  # the environment is the repository's, and complete
+    # -o deps: the repository's environment is used, which is complete
+    return make("-C", str(tree), "-o", "deps", *arguments)
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
-"""Injected faults of the port are reported in the frame PortStatus, by `comanip monitor` and in summary.json: in the
-simulator, around the firmware's loop, in the Linux process. test_target.py checks what the images count."""
+"""Faults injected into the port are reported in PortStatus frames, by `comanip monitor` and in summary.json: in the
+simulator, with a test loop around the firmware, and in the Linux process. test_target.py checks the counts of the
+images."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ COUNTS = ("refused_frames", "lost_frames", "error_passive", "bus_off", "missed_t
 
 
 def statuses(frames) -> list[dict]:
-    """The PortStatus of a log on CAN FD, each unknown count by that name."""
+    """Returns each PortStatus in a log on CAN FD, with UNKNOWN for every count that is unknown."""
     return [
         {name: str(value) if str(value) == UNKNOWN else value for name, value in decode(frame).items()}
         for frame in frames
@@ -60,7 +61,7 @@ bool __wrap_hal_can_receive(can_frame_t *frame) {
 
 @pytest.fixture(scope="module")
 def injected(tmp_path_factory):
-    """A run of the simulator whose bus and receive queue fail on purpose."""
+    """Runs the simulator with a bus and a receive queue that fail on purpose."""
     folder = tmp_path_factory.mktemp("injected")
     (folder / "injected.c").write_text(INJECTED)
     objects = make("--eval", "objects: ; @echo $(HOST_OBJECTS)", "objects").stdout.split()
@@ -92,7 +93,7 @@ def test_frames_that_the_bus_refused_or_that_were_lost_are_in_the_frame(injected
     assert len(reported) == 20
     refused = [status["refused_frames"] for status in reported]
     assert refused[0] == 0 and refused[-1] == 12 and refused == sorted(refused)
-    lost = summary_of(injected)["bus"]["dropped"]  # the bus model refused nothing by itself
+    lost = summary_of(injected)["bus"]["dropped"]  # the bus model itself refused none
     assert reported[-1]["lost_frames"] == lost > 0
 
 
@@ -166,7 +167,7 @@ def test_a_replay_names_what_it_leaves_out(plain):
 
 
 def replaced(frames, change):
-    """The tenth PortStatus with other data."""
+    """Replaces the data of the tenth PortStatus."""
     place = [i for i, frame in enumerate(frames) if frame.name == "PortStatus"][9]
     frames = list(frames)
     frames[place] = frames[place]._replace(data=change(frames[place]))
@@ -200,7 +201,7 @@ RX_OVERFLOW, TX_PASSIVE, ACTIVE = 0x01, 0x20, 0x40
 
 @pytest.fixture
 def alone(tmp_path):
-    """The firmware without a plant, on a hub."""
+    """Runs the firmware without a plant, on a hub."""
     if has_kernel_can():
         pytest.skip("the kernel's bus has no hub to be stopped")
     with Bus(tmp_path) as bus:
@@ -210,7 +211,7 @@ def alone(tmp_path):
 
 
 def wait_status(bus: Bus, condition, what: str) -> dict:
-    """The first PortStatus from here on that fulfils it."""
+    """Waits for the first PortStatus from here on that meets the condition, and returns it."""
     start, found = len(bus.frames), []
 
     def is_there() -> bool:
@@ -229,7 +230,7 @@ def send_error(bus: Bus, classes: int, controller: int = 0) -> None:
 def test_error_states_of_the_controller(alone):
     bus, _ = alone
     status = wait_status(bus, lambda s: True, "PortStatus")
-    assert (str(status["can_state"]), str(status["bus_off"])) == (UNKNOWN, UNKNOWN)  # a hub has no controller
+    assert (str(status["can_state"]), str(status["bus_off"])) == (UNKNOWN, UNKNOWN)  # a hub has no CAN controller
     for classes, controller, state in (
         (ERROR_CONTROLLER, TX_PASSIVE, "error_passive"),
         (ERROR_CONTROLLER, ACTIVE, "error_active"),
@@ -244,7 +245,7 @@ def test_error_states_of_the_controller(alone):
 
 
 def test_a_full_transmit_queue(alone):
-    """The hub takes nothing for a while."""
+    """The transmit queue fills up while the hub accepts nothing."""
     bus, process = alone
     assert wait_status(bus, lambda s: True, "PortStatus")["refused_frames"] == 0
     bus.hub.send_signal(signal.SIGSTOP)
@@ -268,5 +269,5 @@ def test_a_late_tick(alone):
         process.wait(0.02 * bus.slow)
     process.send_signal(signal.SIGCONT)
     status = wait_status(bus, lambda s: s["missed_ticks"] >= before["missed_ticks"] + 10, "ticks missed")
-    # A tick in which it was paused, if it was not asleep.
+    # the tick in which the process was paused, unless it was asleep
     assert 0 < status["longest_tick_us"] != UNKNOWN

@@ -1,4 +1,4 @@
-"""position_priority() against its equations in double precision on dqrobotics' kinematics, and against its
+"""position_priority() agrees with its equations in double precision on dqrobotics' kinematics, and descends its
 potential."""
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from comanip import core
 from comanip._core import ffi, lib
 
 JOINTS = 4
-RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T  # lower, upper; with the margin to the stops
+# lower and upper ends, including the margin to the stops
+RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T
 GAIN, WEIGHT = 35.0, 1.5e-5
 ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 1e-5, 0.25
 TASK_DAMPING_M2, TASK_FLOOR_M2 = 3e-4, 1e-5
@@ -22,8 +23,8 @@ def hand_at(q: np.ndarray) -> np.ndarray:
 
 
 def geometric_jacobian(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """d position / dq and angular velocity, (3, 4) each in torso axes, by central differences of dqrobotics'
-    kinematics."""
+    """Returns d position / dq and the angular velocity per dq, (3, 4) each, in torso axes, by central differences of
+    dqrobotics' kinematics."""
     h = 1e-5
     linear, angular = np.empty((3, JOINTS)), np.empty((3, JOINTS))
     for i in range(JOINTS):
@@ -35,7 +36,7 @@ def geometric_jacobian(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def error(q: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Translation to the target, and twice the vector part of the rotation to it, in torso axes."""
+    """Returns the translation to the target, and twice the vector part of the rotation to it, in torso axes."""
     hand = hand_at(q)
     turn = oracle.quaternion_multiply(target[:4], oracle.quaternion_conjugate(hand[:4]))
     return oracle.translation(target) - oracle.translation(hand), 2 * turn[1:] * (1 if turn[0] >= 0 else -1)
@@ -127,7 +128,8 @@ def test_both_velocities_match_the_equations(rng, written_out):
 
 @pytest.mark.parametrize("written_out", [False, True])
 def test_it_descends_the_potential_given_in_its_header(rng, written_out):
-    """The reason why it comes to rest: N u = -K grad V, with grad V from differences of V, and N positive definite."""
+    """N u = -K grad V, with grad V from differences of V and N positive definite: V never grows, which is why the arm
+    comes to rest."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
         gradient = np.array(
@@ -165,7 +167,8 @@ def test_either_sign_of_the_target_is_the_same_pose(rng, written_out):
 
 @pytest.mark.parametrize("written_out", [False, True])
 def test_a_doubly_singular_posture_gives_a_bounded_velocity(written_out):
-    """The arm is fully stretched, with the end effector on the first joint's axis: one of three directions is left."""
+    """With the arm fully stretched and the end effector on the first joint's axis, only one of three directions is
+    left, and the velocity is bounded."""
     for q in (
         [0.3, 0.0, 0.0, 0.0],
         [0.3, -1.6580, 0.0, 0.0],
@@ -178,4 +181,4 @@ def test_a_doubly_singular_posture_gives_a_bounded_velocity(written_out):
             for_error, for_motion, _ = law(np.array(q), target, np.r_[30 * way, 0, 0, 0], written_out=written_out)
             assert np.isfinite(for_error).all() and np.abs(for_error).max() < 30 and np.abs(for_motion).max() < 60
             linear, _ = geometric_jacobian(np.array(q))
-            assert (linear @ for_error) @ way > -1e-4  # not away from the target
+            assert (linear @ for_error) @ way > -1e-4  # does not move away from the target

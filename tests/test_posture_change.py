@@ -1,5 +1,5 @@
-"""posture_change through controller_step(): in a dead end, joints at their limits block a target that another posture
-reaches."""
+"""posture_change through controller_step(): in a dead end, joints at their limits keep the arm from a target that
+another posture reaches."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from controller_bench import FRAME_ID, TICK_US, Bench
 
 TICK_S = TICK_US * 1e-6
 MOVE_S = 1.0
-# start [deg], the hand's displacement [m] in torso axes: found by random search
+# start [deg] and displacement of the hand [m] in torso axes, found by random search
 DEAD_ENDS = [
     ((81, -90, 20, -79), (-0.04, 0.11, 0.08)),
     ((74, -95, 1, -76), (0.08, 0.18, -0.07)),
@@ -40,7 +40,7 @@ def error_m(bench: Bench) -> float:
 
 
 def reported(bench: Bench) -> bool | None:
-    """changes_posture of this tick's FirmwareStatus; None without one."""
+    """Returns changes_posture of the FirmwareStatus sent in this tick, or None if none was sent."""
     for number, data in bench.sent:
         if number == FRAME_ID["FIRMWARE_STATUS"]:
             frame = ffi.new("can_frame_t *", {"length": len(data)})
@@ -52,7 +52,7 @@ def reported(bench: Bench) -> bool | None:
 
 
 def carry(bench: Bench, way_m, duration_s: float = MOVE_S) -> list[int]:
-    """Moves the hand by way_m with minimum jerk; returns the phase in each tick."""
+    """Moves the hand by way_m with minimum jerk. Returns the phase in each tick."""
     s = np.arange(1, round(duration_s / TICK_S) + 1) * TICK_S / duration_s
     steps = np.diff(s**3 * (10 - 15 * s + 6 * s**2), prepend=0.0)
     phases = []
@@ -96,7 +96,7 @@ def at_rest(bench: Bench) -> bool:
 
 @pytest.mark.parametrize("dead_end", DEAD_ENDS)
 def test_a_dead_end_is_left(dead_end):
-    """Within its speed limits and reported on the bus meanwhile; then the arm rests."""
+    """The arm leaves a dead end within its speed limits, reports this on the bus meanwhile, and then rests."""
     bench = started(dead_end[0])
     carry(bench, dead_end[1])
     fastest_radps, fastest_mps, reported_when = 0.0, 0.0, set()
@@ -113,7 +113,7 @@ def test_a_dead_end_is_left(dead_end):
             reported_when.add((phases[-1] == lib.POSTURE_CHANGING, reported(bench)))
     assert reported_when == {(False, False), (True, True)}
     assert 0.5 * JOINT_RADPS < fastest_radps <= JOINT_RADPS + 1e-3
-    assert fastest_mps < 1.03 * HAND_MPS  # the joint limits add their jerk-limited lag
+    assert fastest_mps < 1.03 * HAND_MPS  # the joint limits add their own lag, because they limit the jerk
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_CHANGED
     assert error_m(bench) < 1e-3
     assert (bench.velocity_radps == 0).all()
@@ -127,7 +127,8 @@ def test_one_parameter_switches_it_off(dead_end):
 
 
 def test_the_end_effectors_speed_limit_applies_where_it_binds():
-    """Reaching round, stretched out: the joints' share would allow 0.3 m/s."""
+    """While the stretched arm reaches round, the share of the joint speeds alone would allow 0.3 m/s, so the end
+    effector's limit applies."""
     bench = started((128, -54, -68, -99))
     carry(bench, (-0.04, -0.16, 0.11))
     until(bench, lib.POSTURE_CHANGING)
@@ -178,13 +179,13 @@ def test_abandoned_when_the_target_moves_on():
     phases = carry(bench, [0, 0, -0.03], 0.3)
     assert phases[0] == lib.POSTURE_CHANGING and phases[-1] == lib.POSTURE_WATCHED
     before = phases.index(lib.POSTURE_WATCHED)
-    assert before > 100, "20 mm of 30"
+    assert before > 100, "20 of 30 mm"
 
 
 def test_not_abandoned_while_the_target_stays_near():
     bench = on_the_way()
     assert set(carry(bench, [0, 0, -0.015], 0.3)) == {lib.POSTURE_CHANGING}
-    until(bench, lib.POSTURE_LEFT).tick(1000)  # the control law covers the rest
+    until(bench, lib.POSTURE_LEFT).tick(1000)  # the control law covers the remaining distance
     assert error_m(bench) < 1e-3
 
 
@@ -244,7 +245,8 @@ def test_not_when_stretched_towards_a_target_out_of_reach():
 
 
 def test_out_of_reach_one_search_and_the_arm_stays():
-    """No posture reaches the target. A trembling hand, or one that moves to and fro, starts no new search; 20 mm do."""
+    """If no posture reaches the target, one search is made and the arm stays. A hand that trembles or moves to and fro
+    starts no new search; a move of 20 mm does."""
     bench = started((90, -5, 0, -90))
     phases = carry(bench, [0, 0.5, 0.3]) + wait(bench, 2.0)
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_LEFT and lib.POSTURE_CHANGING not in phases
@@ -261,7 +263,7 @@ def test_out_of_reach_one_search_and_the_arm_stays():
 
 
 def test_not_while_the_hand_moves():
-    """25 mm/s, out of reach with joints at their limits."""
+    """At 25 mm/s, out of reach and with joints at their limits, no posture change starts."""
     bench = started((90, -5, 0, -90))
     carry(bench, [0, 0.5, 0.3])
     for _ in range(1500):
