@@ -1,4 +1,5 @@
-"""Least clearances in a scene against geometry, and the bus messages of proximity sensor and gripper."""
+"""The smallest clearances in a scene agree with geometry, and proximity sensor and gripper send the right bus
+messages."""
 
 from __future__ import annotations
 
@@ -18,15 +19,16 @@ ffi, lib = proximity_binding.load()
 
 ERROR_M = 0.00005  # as CONVEX_DISTANCE_ERROR_M
 MS = 1_000_000
-POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward: the end effector at (0.136, -0.111, 0.014), along x
+POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward along x; end effector at (0.136, -0.111, 0.014)
 HAND = np.array([0.136, -0.111, 0.014])
-ROBOT = 2  # holder
-WRIST_M = 0.06  # behind the hand's origin
-FACING = Rotation.from_euler("y", -90, degrees=True)  # a hand that points back at the robot, thickness along x is now z
+ROBOT = 2  # the holder's index
+WRIST_M = 0.06  # from the hand's origin back to the wrist
+# hand pointing back at the robot, with its thickness, formerly along x, along z
+FACING = Rotation.from_euler("y", -90, degrees=True)
 
 
 class Scene:
-    """A scenario and a matching scene; the arm is at POSTURE_DEG, people's hands far away."""
+    """A scenario and a scene that matches it, with the arm at POSTURE_DEG and people's hands far away."""
 
     def __init__(self, people: int = 1):
         self.scenario = ffi.new("scenario_t *", {"person_count": people})
@@ -55,7 +57,7 @@ class Scene:
         self.set_pose(self.scene.hand[person], position_m, rotation)
 
     def set_elbow(self, position_m, wrist_to_elbow_m: float = 0.3) -> None:
-        """Sets the first person's elbow and the initial length of the forearm."""
+        """Sets the first person's elbow and the forearm length at the start."""
         self.scenario.person[0].elbow_m = list(map(float, position_m))
         self.set_pose(self.scenario.person[0].start, np.asarray(position_m) - [0, 0, wrist_to_elbow_m - WRIST_M])
 
@@ -79,7 +81,7 @@ class Scene:
         return ffi.gc(lib.proximity_create(self.scenario, self.scene), lib.proximity_destroy)
 
     def measure(self, proximity=None) -> tuple[float, str, float, str]:
-        """Clearance and names of the pair: to the person, and of the robot with itself."""
+        """Returns clearance and pair name, first between person and robot, then of the robot with itself."""
         proximity = proximity or self.proximity()
         found = lib.proximity_measure(proximity)
         names = [
@@ -89,14 +91,15 @@ class Scene:
         return found.person_m, names[0], found.self_m, names[1]
 
 
-FROM_THE_RIGHT = Rotation.from_matrix([[0, -1, 0], [0, 0, 1], [-1, 0, 0]])  # points to the left, lies flat
+FROM_THE_RIGHT = Rotation.from_matrix([[0, -1, 0], [0, 0, 1], [-1, 0, 0]])  # points to the left and lies flat
 
 # ---- clearance to people
 
 
 @pytest.mark.parametrize("height_m", [0.0, 0.0004, 0.003, 0.01])
 def test_flat_hand_above_the_forearm(height_m):
-    """The forearm is a rod of 20 mm radius, the open hand 30 mm thick; it points to the right, the elbow is above."""
+    """The forearm is a rod of 20 mm radius, and the open hand is 30 mm thick. The hand points to the right, its elbow
+    is above."""
     scene = Scene()
     hand_m = np.array([0.08, -0.111, HAND[2] + 0.020 + 0.015 + height_m])
     to_the_right = Rotation.from_matrix([[0, 1, 0], [0, 0, -1], [-1, 0, 0]])  # x down, y forward, z to the right
@@ -110,13 +113,14 @@ def test_flat_hand_above_the_forearm(height_m):
 @pytest.mark.parametrize(
     ("hand_m", "rotation", "clearance_m", "part"),
     [
-        # finger tips (0.12 m ahead) towards the gripper, whose box ends 55 mm before the end effector
+        # finger tips, 0.12 m in front of the hand's origin, towards the gripper, whose box ends 55 mm in front of the
+        # end effector
         (HAND + [0.055 + 0.12 + 0.03, 0, 0], FACING, 0.03, "gripper"),
-        # from the left to the torso (150 mm wide)
+        # from the left towards the torso, which is 150 mm wide
         ([-0.035, 0.075 + 0.12 + 0.05, 0.1], Rotation.from_euler("x", 90, degrees=True), 0.05, "torso"),
-        # from above to the head, which ends at 0.32 m
+        # from above towards the head, which ends at 0.32 m
         ([-0.03, 0, 0.32 + 0.12 + 0.08], Rotation.from_euler("x", 180, degrees=True), 0.08, "head"),
-        # from the right to the upper arm, 75 mm below the shoulder, and to the shoulder's cube of 50 mm
+        # from the right towards the upper arm, 75 mm below the shoulder, and towards the shoulder, a cube of 50 mm
         ([-0.035, -0.111 - 0.02 - 0.12 - 0.04, 0.125 - 0.075], FROM_THE_RIGHT, 0.04, "upper_arm"),
         ([-0.035, -0.111 - 0.025 - 0.12 - 0.04, 0.125], FROM_THE_RIGHT, 0.04, "shoulder"),
     ],
@@ -132,7 +136,8 @@ def test_finger_tips_in_front_of_each_part(hand_m, rotation, clearance_m, part):
 
 @pytest.mark.parametrize("degrees", [(90, -5, 0, -90), (60, -40, 20, -70), (20, -80, -50, -20), (-60, -10, 80, -110)])
 def test_arm_parts_follow_the_kinematics(degrees):
-    """A crumb in a person's hand, 2 mm wide and long, held beside the middle of either link."""
+    """A person's hand holds a crumb, 2 mm wide and long, beside the middle of either link. The clearance follows the
+    arm."""
     scene = Scene()
     scene.set_posture(degrees)
     link = hoap3.frames(np.radians(degrees))
@@ -148,7 +153,8 @@ def test_arm_parts_follow_the_kinematics(degrees):
             at = middle + 0.03 * away
             if at[0] < 0.03 and at[1] > -0.09:
                 continue  # the torso is closer
-            across = Rotation.align_vectors([away], [[0, 0, 1]])[0]  # its end face of 1 mm radius towards the link
+            # turns its end face of 1 mm radius towards the link
+            across = Rotation.align_vectors([away], [[0, 0, 1]])[0]
             scene.set_pose(scene.scene.object[rod], at, across)
             found_m, pair, *_ = scene.measure(proximity)
             assert found_m == pytest.approx(0.03 - 0.001 - 0.020, abs=ERROR_M)
@@ -156,8 +162,8 @@ def test_arm_parts_follow_the_kinematics(degrees):
 
 
 def test_forearm_points_from_wrist_to_elbow():
-    """The elbow stays 50 mm in front of the gripper's face wherever the hand is: the forearm's end, 45 mm in radius, or
-    its side is then next to the gripper."""
+    """The elbow stays 50 mm in front of the gripper's face wherever the hand is. The closest part is therefore the
+    forearm's end, 45 mm in radius, or its side."""
     scene = Scene()
     elbow_m = np.array([HAND[0] + 0.055 + 0.05, *HAND[1:]])
     scene.set_elbow(elbow_m)
@@ -167,7 +173,7 @@ def test_forearm_points_from_wrist_to_elbow():
         scene.set_hand(elbow_m + 0.36 * away, Rotation.align_vectors([away], [[0, 0, 1]])[0])
         found_m, pair, *_ = scene.measure(proximity)
         assert pair == "person.forearm - robot.gripper"
-        # The round shape is a hull with eight corners.
+        # The rounded shape is modelled as a hull with eight corners.
         assert 0.05 - radius_m - 0.001 < found_m < 0.05 - radius_m * np.cos(np.pi / 8) + 0.001
 
 
@@ -180,10 +186,11 @@ def test_cups_count_as_solid():
         0,
         0,
         2,
-    ]  # 2 m in front of the hand: no other part of the person is close
+    ]  # 2 m in front of the hand, so that no other part of the person is close
     at = np.array([0.3, -0.6, 0.3])
     scene.set_pose(scene.scene.robot_cup, at)
-    # side by side, outer surfaces 10 mm apart; then one above the other: bottom 2 mm below the frame, rim 80 mm above
+    # side by side, with the outer surfaces 10 mm apart; then one above the other, with the bottom 2 mm below the frame
+    # and the rim 80 mm above it
     for offset, clearance_m in (([0.064 + 0.01, 0, 0], 0.01), ([0, 0, 0.08 + 0.002 + 0.005], 0.005)):
         scene.set_hand(at + offset - [0, 0, 2], Rotation.identity())
         found_m, pair, *_ = scene.measure()
@@ -210,13 +217,15 @@ def test_a_rod_that_the_person_will_take_may_touch_hand_and_forearm():
         scene.hold(ROBOT, rod)
         if takes:
             scene.add_grip(0, rod)
-        scene.set_hand(HAND + [0.22, 0, 0])  # finger tips over the rod
+        scene.set_hand(HAND + [0.22, 0, 0])  # with the finger tips over the rod
         found_m, pair, *_ = scene.measure()
-        if takes:  # fingers are curled, 45 mm ahead of the palm; the gripper follows, 55 mm ahead of the end effector
+        # curled fingers end 45 mm in front of the palm; the next part is the gripper, 55 mm in front of the end
+        # effector
+        if takes:
             assert (found_m, pair) == (pytest.approx(0.22 - 0.045 - 0.055, abs=ERROR_M), "person.hand - robot.gripper")
         else:
             assert (found_m, pair) == (0.0, "person.hand - robot.held")
-        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # another person may not touch it
+        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # no other person may touch it
         assert scene.measure()[0] == 0.0 and scene.measure()[1].endswith(".hand - robot.held")
 
 
@@ -232,7 +241,7 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
         scene.hold(ROBOT, rod, robot_holds)
         scene.hold(0, rod, person_holds)
         assert scene.measure(proximity)[:2] == (expected_m, "person.hand - robot.gripper")
-    # In the person's hand alone it must not hit the torso.
+    # A rod that only the person holds may not hit the torso.
     scene.set_hand((0.5, 0.3, 0.1))
     scene.set_pose(scene.scene.object[rod], (0.015 + 0.1 + 0.02, 0, 0.1), Rotation.from_euler("y", 90, degrees=True))
     assert scene.measure(proximity)[:2] == (pytest.approx(0.02, abs=ERROR_M), "person.held - robot.torso")
@@ -242,7 +251,8 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
 
 
 def test_forearm_beside_the_torso():
-    """111 mm from the middle, 20 mm thick; the torso extends to 75 mm; the elbow is at the torso's height."""
+    """The forearm is 111 mm from the torso's middle plane and has a radius of 20 mm. The torso extends to 75 mm, and
+    the elbow is at its height."""
     assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
 
 
@@ -256,7 +266,7 @@ def test_a_held_rod_counts_as_the_arm():
 
 
 def test_neighbouring_parts_never_count_as_touching(rng):
-    """Parts that touch in every posture are excluded: stretched sideways, nothing touches."""
+    """Parts that touch in every posture are excluded, so an arm stretched sideways touches nothing."""
     scene = Scene()
     scene.set_posture((0, -90, 0, 0))
     assert scene.measure()[2] > 0.05
@@ -280,7 +290,8 @@ def busy_scene(rng) -> Scene:
 
 
 def test_the_search_of_a_moving_scene_equals_a_fresh_one(rng):
-    """The memory from tick to tick saves time and changes no result, including jumps and changes of hands."""
+    """Remembering the search from tick to tick saves time but changes no result, even when bodies jump or change
+    hands."""
     scene = busy_scene(rng)
     proximity = scene.proximity()
     phase, speed = rng.uniform(0, 6, 30), rng.uniform(0.5, 6, 30)
@@ -307,7 +318,7 @@ def test_the_search_of_a_moving_scene_equals_a_fresh_one(rng):
 
 
 def test_another_rod_in_the_same_hand_is_searched_at_once():
-    """However far from everything the previous rod in this hand was."""
+    """A rod near the robot is found at once, however far away the previous rod in the same hand was."""
     scene = Scene()
     far, near = scene.add_rod((2, 2, 2)), scene.add_rod((0.015 + 0.01 + 0.03, 0, 0.05))
     proximity = scene.proximity()
@@ -341,7 +352,7 @@ def test_pairs_have_the_dbcs_part_names(dbc):
 
 
 class Bus:
-    """A bus with a listener that stores (end in ns, decoded frame); frames are sent as the operator's."""
+    """A bus with a listener that stores (end in ns, decoded frame). Frames are sent as if by the operator."""
 
     def __init__(self, dbc):
         self.dbc, self.bus, self.received = dbc, ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy), []
@@ -381,7 +392,7 @@ def test_clearance_every_4_ms(dbc):
         lib.proximity_node_step(node, clearance, tick * MS, (tick + 1) * MS)
         lib.bus_run_until(bus.bus, (tick + 1) * MS)
     assert [name for _, name, _, _ in bus.received] == ["Clearance"] * 25
-    lib.proximity_node_step(node, reported[0], 100 * MS, 112 * MS)  # everything due in a longer step
+    lib.proximity_node_step(node, reported[0], 100 * MS, 112 * MS)  # everything that becomes due in a longer step
     lib.bus_run_until(bus.bus, 112 * MS)
     assert len(bus.received) == 28
     reported += [reported[0]] * 12
@@ -480,7 +491,8 @@ def test_states_of_the_gripper(dbc, action, opening, holds, state):
 
 
 def test_the_firmware_ignores_the_simulators_frames(dbc):
-    """The new frames are not for the firmware: nothing is refused, nothing appears in TickTrace, no command changes."""
+    """Frames that only concern the simulator's nodes reach the firmware without being counted as refused, appearing in
+    TickTrace or changing a command."""
     benches = [controller_bench.Bench().until_ready().start(core.TASK_TELEOP) for _ in range(2)]
     for tick in range(200):
         for name, kind in (("clearance", "clearance_t"), ("gripper_state", "gripper_state_t"),

@@ -1,5 +1,5 @@
-"""Reach of the arm against brute force: positions of actual postures are in reach, and no sampled posture beats the
-search."""
+"""Reach of the arm against brute force: the positions of actual postures are in reach, and no sampled posture comes
+closer than the search."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def sim():
 
 @pytest.fixture(scope="module")
 def brute_force():
-    """Nearest of a million sampled end effector positions. A quarter of the joints are at a limit: such postures form
-    the workspace boundary."""
+    """Returns the nearest of a million sampled positions of the end effector. In the samples a quarter of the joints
+    are at a limit, because such postures form the boundary of the workspace."""
     rng = np.random.default_rng(3)
     q = rng.uniform(RANGE[:, 0], RANGE[:, 1], (1_000_000, 4))
     at_end = rng.random(q.shape) < 0.25
@@ -52,7 +52,7 @@ class Search:
 
 
 def random_targets(rng, count):
-    """In a box slightly larger than the workspace, which extends 0.282 m around the shoulder."""
+    """Returns positions in a box slightly larger than the workspace, which extends 0.282 m around the shoulder."""
     return np.array([-0.035, -0.111, 0.125]) + rng.uniform(-0.33, 0.33, (count, 3))
 
 
@@ -65,7 +65,8 @@ def test_positions_of_postures_are_in_reach(sim, rng):
 
 
 def test_found_posture_is_valid(sim, rng):
-    """Within the joint limits, and its end effector is at the reported distance from the target."""
+    """The posture found is within the joint limits, and its end effector is at the reported distance from the
+    target."""
     search = Search(sim)
     for target in random_targets(rng, 500):
         distance = search.distance(target, rng.uniform(RANGE[:, 0], RANGE[:, 1]))
@@ -82,14 +83,14 @@ def test_no_sampled_posture_is_better(sim, rng, brute_force):
         nearest = brute_force.query(target)[0]
         if nearest < 0.1:
             assert distance <= max(nearest, TOLERANCE_M) + 1e-4
-        else:  # far out the search may end next to the best posture; reach_contains() allows for it
+        else:  # far outside, the search may end beside the best posture, and reach_contains() allows for that
             assert distance <= 1.1 * nearest
         outside += distance > TOLERANCE_M
-    assert 300 < outside < 1400  # both cases occur
+    assert 300 < outside < 1400  # both cases occur often enough
 
 
 def test_shortcut_along_a_path_changes_no_answer(sim, rng):
-    """reach_contains() skips searches; on a path in and out of reach it gives the same answers as a fresh search."""
+    """The searches that reach_contains() skips along a path in and out of reach change none of its answers."""
     walking, fresh = Search(sim), Search(sim)
     target, velocity, answers = np.array([0.1, -0.15, 0.0]), np.zeros(3), set()
     for _ in range(4000):

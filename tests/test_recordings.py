@@ -1,4 +1,5 @@
-"""Recorded hand motions: reading the CSV, resampling against scipy, gaps, axes, and one clear line for each defect."""
+"""Recorded hand motions: reading the CSV file, resampling (against scipy), gaps, axes, and one clear line for each
+defect."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ ROW = "{},0.1,0.2,0.3,1,0,0,0"
 
 
 def open_recording(path, axes: str | None = None):
-    """The motion, or the error message."""
+    """Returns the motion or the error message."""
     error = ffi.new("char[]", 400)
     axes_text = ffi.NULL if axes is None else ffi.new("char[]", axes.encode())
     motion = lib.recorded_motion_create(str(path).encode(), axes_text, error, 400)
@@ -28,7 +29,7 @@ def open_recording(path, axes: str | None = None):
 
 
 def sample(motion, times_s):
-    """Valid, position and quaternion at each time."""
+    """Returns validity, position and quaternion at each time."""
     pose = ffi.new("rigid_pose_t *")
     valid, position, quaternion = [], [], []
     for time_s in times_s:
@@ -64,7 +65,7 @@ def write_text(path, *lines: str, end="\n"):
 @pytest.mark.parametrize("matrix", [False, True])
 def test_resampling_is_linear_and_spherical(tmp_path, rng, matrix):
     times_s, positions_m, rotations = random_motion(rng)
-    sign = rng.choice([-1.0, 1.0], len(times_s))  # a recorder may use any signs
+    sign = rng.choice([-1.0, 1.0], len(times_s))  # a recorder may choose the sign freely
     motion = open_recording(write(tmp_path / "a.csv", times_s, positions_m, rotations, matrix, sign))
     assert lib.recorded_motion_duration_s(motion) == pytest.approx(times_s[-1] - times_s[0], abs=1e-12)
 
@@ -96,14 +97,15 @@ def test_first_and_last_pose_are_held(tmp_path, rng):
 
 
 def test_gap_is_an_interval_above_one_and_a_half_medians(tmp_path):
-    """No valid pose inside; the interval is open at both ends."""
-    times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000  # 14 is below, 16 above 1.5 times 10
+    """Intervals longer than 1.5 medians are gaps, in which no pose is valid. Both ends of a gap are valid."""
+    # of the intervals, 14 is below and 16 above 1.5 times 10
+    times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000
     still = Rotation.identity(len(times_s))
     motion = open_recording(write(tmp_path / "a.csv", times_s, times_s[:, None] * [1, 0, 0], still))
     at_s = np.arange(0, 101) / 1000
     valid, position_m, _ = sample(motion, at_s)
     assert at_s[~valid].tolist() == pytest.approx(np.arange(55, 70) / 1000)
-    np.testing.assert_allclose(position_m[:, 0], at_s, atol=1e-12)  # interpolated between its ends
+    np.testing.assert_allclose(position_m[:, 0], at_s, atol=1e-12)  # interpolated between the samples
     assert b"gaps 1 (longest 16 ms)" in ffi.string(lib.recorded_motion_description(motion))
 
 
@@ -224,7 +226,7 @@ def test_defects_are_named(tmp_path, lines, message):
     path = write_text(tmp_path / "hand.csv", *lines)
     error = open_recording(path)
     assert isinstance(error, str) and error.startswith(f"{path}{message}")
-    assert error.isprintable(), "one line, without control characters"
+    assert error.isprintable(), "one line without control characters"
 
 
 def test_unit_quaternion_within_tolerance_is_normalised(tmp_path):
@@ -245,8 +247,9 @@ def test_files_that_cannot_be_read(tmp_path):
 
 
 def test_playback_repeats_the_recorded_motion(tmp_path, rng):
-    """From a pose that is not the recording's, scaled. The recorded hand turns by nearly a full turn about a tilted
-    axis, played at half the angle: through pi, where its rotation vector would jump."""
+    """Playback may start from another pose than the recording, and may be scaled. The hand in this recording makes
+    nearly a full turn about a tilted axis and is played at half the angle, past pi, where its rotation vector would
+    jump."""
     times_s = np.arange(201) / 100
     positions_m = np.cumsum(rng.normal(scale=0.001, size=(201, 3)), axis=0)
     turns = Rotation.from_rotvec(np.outer(2.2 * np.pi * times_s / 2, [0.6, 0.0, 0.8])) * Rotation.random(rng=rng)

@@ -1,6 +1,6 @@
-"""Every recorded hand motion through the simulator. The bus traffic is checked in numpy: the robot's limits by the
-manual at raw resolution; a hold for each gap of the recording, in time, and no others; finite numbers; and a second run
-that repeats the first byte for byte."""
+"""Every recorded hand motion runs through the simulator, and the bus traffic is checked in numpy: the robot stays
+within the manual's limits at raw resolution; it holds for each gap in the recording, in time, and at no other moment;
+all numbers are finite; and a second run repeats the first byte for byte."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from simulation import REPOSITORY, SCENARIOS, Run, modes, run
 RECORDINGS = REPOSITORY.parent / "shared" / "data" / "hand_motion"
 JOINTS = 4
 
-RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # the manual: one degree inside the stops
+RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # one degree inside the stops given in the manual
 VELOCITY_MAX_RAW = 4760  # mrad/s
 VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
-JERK_STEP_RAW = 10  # 10,000 rad/s^3: largest change of that step from tick to tick
-# of the measured position past the usable range, a hundredth of the distance to the stop
+JERK_STEP_RAW = 10  # 10,000 rad/s^3: how much that change may differ from tick to tick
+# how far the measured position may exceed the usable range: a hundredth of the distance to the stop
 OVERSHOOT_RAD = 5 / PULSES_PER_RAD
 
 MOTION_START_S = 2.0
 LATENCY_S = 0.004
-PERIOD_S = 0.004  # of the tracker on the bus
+PERIOD_S = 0.004  # period of the tracker's poses on the bus
 STALE_S = 2.5 * PERIOD_S
-# A pose is on the wire for up to 0.6 ms including earlier frames, a tick reads it up to 1 ms later, and every second
-# tick reports its mode 0.1 ms after it.
+# A pose takes up to 0.6 ms on the bus, including the frames before it. A tick reads it up to 1 ms later. The mode is
+# reported every second tick, 0.1 ms after the tick.
 REACTION_S = 0.004
 
 
@@ -77,7 +77,7 @@ def assert_limits(frames: dict) -> None:
     assert not np.any(velocity[drive_mode == 0]), "a brake closes on a moving joint"
     for joint in range(JOINTS, 8):
         for signal in ("mode_{}", "velocity_{}_radps", "torque_{}_Nm"):
-            assert not np.any(commands.raw(signal.format(joint))), f"joint {joint}, which the arm does not have"
+            assert not np.any(commands.raw(signal.format(joint))), f"joint {joint}, which does not exist on this arm"
 
     measured = measured_positions_rad(frames)
     assert np.all(measured > RANGE_RAD[:, 0] - OVERSHOOT_RAD) and np.all(measured < RANGE_RAD[:, 1] + OVERSHOOT_RAD)
@@ -87,7 +87,8 @@ def assert_limits(frames: dict) -> None:
 
 
 def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) -> np.ndarray:
-    """The bus samples that must carry a pose. At the edges of a gap, where rounding decides, the log decides."""
+    """Returns which bus samples must carry a pose. At the edges of a gap, where rounding decides, it copies what was
+    logged."""
     t_s = np.loadtxt(recording, delimiter=",", skiprows=1, usecols=0)
     t_s -= t_s[0]
     interval_s = np.diff(t_s)
@@ -103,18 +104,18 @@ def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) ->
 
 @dataclass(frozen=True)
 class Hold:
-    last_pose_s: float  # measurement time
+    last_pose_s: float  # time of measurement
     next_pose_s: float
 
 
 def expected_holds(measured_s: np.ndarray, valid: np.ndarray) -> list[Hold]:
-    """Gaps between received poses that are longer than the stale timeout."""
+    """Returns the gaps between received poses that exceed the stale timeout."""
     seen_s = measured_s[valid]
     return [Hold(a, b) for a, b in zip(seen_s[:-1], seen_s[1:], strict=True) if b - a > STALE_S + 1e-6]
 
 
 def mode_changes(frames: dict) -> list[tuple[float, str, str]]:
-    """(time, mode, reason) reported by FirmwareStatus, by the names of the DBC."""
+    """Returns (time, mode, reason) of each change that FirmwareStatus reports, in the names of the DBC."""
     status = frames["FirmwareStatus"]
     names = {name: status.message.get_signal_by_name(name).choices for name in ("mode", "reason")}
     mode, reason = status.raw("mode"), status.raw("reason")
@@ -156,9 +157,9 @@ HOLD, RETURN = ("hold", "tracker_stale"), ("cooperating", "tracker_returned")
 
 
 def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
-    """In the hold each joint comes to rest within v / a + 2.5 a / j and two ticks, and stays there. Once the
-    deceleration has grown in steps allowed by the jerk limit, each command changes by the acceleration limit's whole
-    step, less one of rounding, until the deceleration must shrink again. The arm then rests."""
+    """Checks that each joint comes to rest within v / a + 2.5 a / j and two ticks of the hold, and stays at rest. Once
+    the deceleration has grown to its limit, in steps that the jerk limit allows, each command must change by the whole
+    step of the acceleration limit, less one unit for rounding, until the deceleration must shrink again."""
     commands = frames["JointCmd"]
     first, end = np.searchsorted(commands.t_s, [from_s, until_s])
     speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])
@@ -166,19 +167,20 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
     ticks = np.arange(len(speed))[:, None]
     assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it accelerates"
     assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
-    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # the sum of the steps of a shrinking deceleration, plus one
+    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # sum of the steps while the deceleration shrinks, plus one
     before, after = speed[:-1], speed[1:]
     steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
     assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes with less than the limit"
     at_rest = np.flatnonzero(~speed.any(axis=1))
     if len(at_rest) > 60:
-        position = measured_positions_rad(frames)[first + at_rest[0] + 50 : end - 1]  # 50 ms for the drives to settle
+        # after 50 ms in which the drives settle
+        position = measured_positions_rad(frames)[first + at_rest[0] + 50 : end - 1]
         assert np.ptp(position, axis=0).max() < 1.5 / PULSES_PER_RAD
 
 
 # ---- numbers and repetition
 
-# Not in these scenes: a second person, a held object, water, a crank.
+# Columns and keys that are absent in these scenes, which contain no second person, held object, water or crank.
 ABSENT_COLUMNS = re.compile(r"second_|object_|force_|water_|crank_turns")
 ABSENT_KEYS = re.compile(r"second_recording|people\[\d\]\.force_|gripper\.force_|water|object")
 
@@ -189,7 +191,7 @@ def assert_finite(trace: Path, ticks: int) -> None:
     columns = header.decode().split(",")
     nonsense = re.search(rb"nan|inf", body)
     assert nonsense is None, body[: nonsense.end()].rsplit(b"\n", 1)[-1]
-    for _ in range(2):  # an empty cell may be followed by an empty one
+    for _ in range(2):  # twice, because a match consumes the comma that begins the next empty cell
         body = body.replace(b",,", b",nan,")
     body = body.replace(b",\n", b",nan\n")
     numeric = [i for i, name in enumerate(columns) if name != "mode"]
@@ -204,7 +206,7 @@ def assert_finite(trace: Path, ticks: int) -> None:
     for name, column in value.items():
         missing = np.flatnonzero(np.isnan(column))
         if ABSENT_COLUMNS.match(name):
-            assert len(missing) == ticks, f"{name}: a value without its object"
+            assert len(missing) == ticks, f"{name}: a value although its object is absent"
             continue
         assert len(missing) == 0 or (name.startswith("dq") and list(missing) == [0]), f"{name}: empty at {missing[:3]}"
         largest = 1000.0 if name.startswith("clearance_") else 10.0
@@ -218,7 +220,7 @@ def assert_finite(trace: Path, ticks: int) -> None:
 
 def assert_finite_summary(value: object, path: str = "summary") -> None:
     if isinstance(value, dict):
-        reason = value.get("not_measured")  # reason for missing figures in this group; null if none is missing
+        reason = value.get("not_measured")  # why figures of this group are missing; null if none is
         assert reason is None or reason.strip(), f"{path}.not_measured is {reason!r}"
         for key, item in value.items():
             if key != "not_measured" and not (reason and item is None):
@@ -228,7 +230,7 @@ def assert_finite_summary(value: object, path: str = "summary") -> None:
             assert_finite_summary(item, f"{path}[{i}]")
     else:
         if ABSENT_KEYS.match(path.removeprefix("summary.")):
-            assert value is None, f"{path} is {value}, without its object"
+            assert value is None, f"{path} is {value} although its object is absent"
             return
         assert value is not None, f"{path} is null"
         assert isinstance(value, str) or np.isfinite(value), f"{path} is {value}"
@@ -259,7 +261,7 @@ def test_recording(tmp_path, scenario, recording):
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_built_in_motion(tmp_path, scenario):
-    """Within the limits; the seed repeats the run, another seed gives another run."""
+    """A built-in motion stays within the limits. The same seed repeats the run, another seed produces another run."""
     first = run(tmp_path / "first", "--scenario", scenario, "--seed", 7).require_pass()
     assert_equal_runs(first, run(tmp_path / "second", "--scenario", scenario, "--seed", 7).require_pass())
     other = run(tmp_path / "other", "--scenario", scenario, "--seed", 8).require_pass()

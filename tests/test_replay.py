@@ -1,5 +1,6 @@
-"""`comanip replay`: the C core, fed with a log, sends the recorded frames for any clock of the log, and the first
-difference is named. The logs come from the simulator and from a bench around the core; their defects are added here."""
+"""`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped it, and the first
+difference is reported. The logs come from the simulator and from a bench around the core; this file adds the
+defects."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ from simulation import EVENTFUL, EXPERIMENTS, SHORT, experiment, run, shared
 ID = {message.name: message.frame_id for message in DBC.messages}
 NAME = {message.frame_id: message.name for message in DBC.messages}
 BY_FIRMWARE = {message.frame_id for message in DBC.messages if message.senders == ["Firmware"]}
-COMPARED = BY_FIRMWARE - {ID["PortStatus"]}  # no log contains what the port counts
+COMPARED = BY_FIRMWARE - {ID["PortStatus"]}  # the port's counts cannot be derived from a log
 EQUAL, DIFFERENT = 0, 1
 
 
@@ -66,7 +67,7 @@ def test_all_experiments_replay_byte_for_byte(scenario):
 
 
 def test_log_times_do_not_matter(eventful, rng):
-    """Like another machine's candump: another clock, drift, jitter."""
+    """The time stamps may come from another machine's candump, with another clock, drift and jitter."""
     jitter_us = rng.integers(0, 400, len(eventful))
     moved = [
         frame._replace(t_us=1_700_000_000_000_000 + int(1.0002 * frame.t_us) + int(late))
@@ -74,7 +75,7 @@ def test_log_times_do_not_matter(eventful, rng):
     ]
     report = replay(moved)
     assert report.difference is None
-    assert report.fed > 4 * report.ticks, "each tick reads the states of four drives"
+    assert report.fed > 4 * report.ticks, "each tick reads four drive states and more"
 
 
 @pytest.mark.parametrize("suffix", [".blf", ".asc", ".log"])
@@ -97,11 +98,11 @@ def test_a_log_may_end_anywhere(short):
 
 
 class RecordingBench(Bench):
-    """A bench whose frames, in and out, form a log; its clock is the firmware's, which is not in the log."""
+    """A bench that logs its incoming and outgoing frames. The firmware's clock is not in the log."""
 
     def __init__(self, **options):
-        super().__init__(now_us=2**32 - 150_000, **options)  # wraps within the run
-        self.by_id = False  # bus order of the frames sent in one tick
+        super().__init__(now_us=2**32 - 150_000, **options)  # so that the clock wraps during the run
+        self.by_id = False  # whether the frames sent in one tick appear on the bus in the order of their ids
         self.log: list[Frame] = []
 
     def tick(self, count: int = 1) -> None:
@@ -117,7 +118,7 @@ class RecordingBench(Bench):
         self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in sent]
 
     def lose(self, ticks: int) -> None:
-        """Ticks of a paused firmware: it does not receive the frames on the bus meanwhile."""
+        """Runs ticks in which the firmware is paused and misses the frames on the bus."""
         for _ in range(ticks):
             self.now_us += 1000
             self.ticks += 1
@@ -133,7 +134,8 @@ class RecordingBench(Bench):
 
 
 def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500) -> RecordingBench:
-    """Drives that answer late and fall silent, broken and repeated frames, an operator who stops and starts."""
+    """Runs a bench whose drives answer late and fall silent, with broken and repeated frames, and an operator who stops
+    and starts."""
     bench.tick(60)
     bench.start(lib.TASK_TELEOP)
     for _ in range(ticks):
@@ -154,7 +156,8 @@ def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500
 
 @pytest.mark.parametrize("seed", range(8))
 def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
-    """Whether a drive counts as silent depends on reception times, which are in no log."""
+    """The replay infers from the log which drives counted as silent, although that depends on reception times, which
+    are not logged."""
     bench = run_bench(RecordingBench(), np.random.default_rng(seed))
     report = replay(bench.log)
     assert report.difference is None, report.difference
@@ -166,8 +169,8 @@ def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_damaged_frames_on_a_bus_without_filters(seed):
-    """For the firmware and for other nodes: all sent frames are reproduced; the first unread frame is the reported
-    difference."""
+    """Damaged frames addressed to the firmware or to other nodes do not keep the sent frames from being reproduced. The
+    first frame that the firmware never read is reported as the difference."""
     rng = np.random.default_rng(seed)
     bench = RecordingBench().until_ready().start(lib.TASK_TELEOP)
     past = 0
@@ -189,7 +192,8 @@ def test_damaged_frames_on_a_bus_without_filters(seed):
 
 @pytest.mark.parametrize("age_us", [1500, 2500, 2999, 3000, 3001, 5000])
 def test_frames_that_were_read_late(age_us):
-    """As after a pause of the process: their age counts from their reception, which is not in the log."""
+    """Frames may be read late, as after a pause of the process. Their age counts from their reception, which is not
+    logged."""
     bench = RecordingBench()
     bench.tick(60)
     bench.start(lib.TASK_TELEOP)
@@ -207,7 +211,8 @@ def test_frames_that_were_read_late(age_us):
 
 @pytest.mark.parametrize("lost_ticks", [1, 2, 3, 9, 10, 40, 100])
 def test_frames_that_the_firmware_lost(lost_ticks):
-    """As after a pause in which its queue overflowed: the log has frames that the firmware never read."""
+    """The firmware may lose frames, as when its queue overflows during a pause. The log contains them although it never
+    read them."""
     bench = RecordingBench()
     bench.tick(60)
     bench.start(lib.TASK_TELEOP)
@@ -231,10 +236,11 @@ def test_a_restarted_firmware():
 
 
 def stored_parameters(rng: np.random.Generator):
-    """Different from the defaults, except `trace` and values that would leave no time to cooperate."""
+    """Returns parameters other than the defaults, except `trace` and those that would leave no time to cooperate."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
-    share = 0.3 * rng.uniform(0, 1, lib.PARAMETER_COUNT)  # of the distance to the maximum
+    # as a fraction of the distance from the default to the maximum
+    share = 0.3 * rng.uniform(0, 1, lib.PARAMETER_COUNT)
     unstable = True
     while unstable:
         for i, part in enumerate(share):
@@ -277,7 +283,8 @@ def test_a_boot_with_an_invalid_store():
 
 @pytest.mark.parametrize("early_ticks", range(0, 45, 4))
 def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
-    """Before or after its announcement: the speed fraction is in each status, so that a wrong guess shows."""
+    """A stored parameter may be overwritten before or after it is announced. Each status contains the speed fraction,
+    so a wrong guess would show."""
     bench = RecordingBench(parameters=stored_parameters(rng))
     bench.tick(early_ticks)
     bench.write(lib.PARAMETER_SPEED_FRACTION, 0.5)
@@ -287,11 +294,11 @@ def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
 
 @pytest.mark.parametrize("result", [lib.RESULT_ACCEPTED, lib.RESULT_STORE_FAILED, lib.RESULT_NOT_SUPPORTED])
 def test_saves_end_with_the_recorded_result(result, rng):
-    """With other answers about the same parameter, with the same number, in between."""
+    """Saves end with the recorded result, even if other answers with the same parameter and number come in between."""
     bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
     assert (
         bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED
-    )  # of several first ones, a replay knows the last
+    )  # of several first answers, a replay needs only the last
     bench.store_result = result
     for bench.store_ticks in (1, 2, 7, 40):
         sequence = bench.store_ticks
@@ -313,7 +320,7 @@ def test_saves_end_with_the_recorded_result(result, rng):
 
 @pytest.mark.parametrize("order", ["sent", "by id"])
 def test_a_save_while_parameters_are_announced(order):
-    """Sent through a queue, they are on the bus in the order of sending; otherwise the lowest id comes first."""
+    """Frames sent through a queue are on the bus in the order of sending; otherwise the lowest id comes first."""
     bench = RecordingBench()
     bench.by_id = order == "by id"
     bench.store_result = lib.RESULT_ACCEPTED
@@ -333,7 +340,7 @@ def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
     place = [i for i, frame in enumerate(bench.log) if frame.frame_id == ID["ParameterValue"]][-1]
     for bit in rng.choice(8 * len(bench.log[place].data), 20, replace=False):
         assert replay(flipped(bench.log, place, int(bit))).difference.place == place
-    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the store may never have ended"
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the save may not have ended yet"
     bench.tick(2)
     assert bench.save() == lib.RESULT_ACCEPTED
     assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "it ended before the next one"
@@ -351,7 +358,7 @@ def test_at_recorded_pace(tmp_path, short):
 # ---- differences
 
 
-LATEST_FRAMES = 2000  # 0.3 s: by then the firmware has read a frame and reported it
+LATEST_FRAMES = 2000  # within 0.3 s the firmware has read each frame and reported it
 
 
 def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
@@ -361,7 +368,7 @@ def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
 
 
 def test_one_flipped_bit_is_reported_at_its_frame(eventful, rng):
-    """In a frame of each id, and in each part of it."""
+    """A flipped bit in a frame of any id, and in any part of it, is reported at that frame."""
     places = {frame_id: [i for i, frame in enumerate(eventful) if frame.frame_id == frame_id] for frame_id in NAME}
     tried = 0
     for frame_id, where in places.items():

@@ -1,4 +1,4 @@
-"""Worst-case response times: against the published example, and against a simple bus model."""
+"""Worst-case response times agree with the published example, and with a simple model of the bus."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ def stream(name: str, identifier: int, length: int, period: int, **more: object)
 
 
 def test_the_example_in_which_the_earlier_analysis_was_wrong():
-    """The counterexample of Davis et al. 2007: three frames of 125 bits at 125 kbit/s. C's second instance is the late
-    one, 3.5 ms; the analysis of 1994 considered only the first, which takes 3 ms. The model plays both."""
+    """In the counterexample of Davis et al. 2007, three frames of 125 bits are sent at 125 kbit/s. The latest is C's
+    second instance, which takes 3.5 ms; the analysis of 1994 considered only the first, which takes 3 ms. The model
+    reproduces both."""
     streams = [stream("A", 1, MS, 2_500_000), stream("B", 2, MS, 3_500_000), stream("C", 3, MS, 3_500_000)]
     found = analyse(streams, bit_ns=8_000)
     assert {name: response.queued_ns / MS for name, response in found.items()} == {"A": 2.0, "B": 3.0, "C": 3.5}
@@ -37,7 +38,7 @@ def test_the_example_in_which_the_earlier_analysis_was_wrong():
 
 @st.composite
 def stream_sets(draw, jitter: bool):
-    """Two to five streams, times in units, with a load below one."""
+    """Draws two to five streams with a load below one. Times are in units of BIT."""
     count = draw(st.integers(2, 5))
     streams = []
     for i in range(count):
@@ -60,7 +61,7 @@ def releases(streams, phases, until: int, jitter):
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(stream_sets(jitter=False))
 def test_the_lowest_priority_reaches_its_bound_exactly(streams):
-    """Nothing blocks it, so its worst case is that all are queued at once."""
+    """Nothing blocks the lowest priority, so its worst case is that all frames are queued at once."""
     lowest = streams[-1]
     played = PriorityBus(streams).play(list(releases(streams, [0] * len(streams), 3000, lambda _: 0)))
     longest = max(frame.end - frame.queued for frame in played if frame.stream is lowest)
@@ -88,12 +89,13 @@ def test_no_response_is_longer_than_computed(streams, chance: random.Random):
 
 @st.composite
 def answered_sets(draw):
-    """A batch of one to three with one request, its answers, and others with their own phase."""
+    """Draws a batch of one to three frames, one of which is a request, its answers, and other streams with their own
+    phases."""
     computing = draw(st.integers(0, 20))
     delay = draw(st.integers(0, 25))
     batch, answers, others = draw(st.integers(1, 3)), draw(st.integers(1, 4)), draw(st.integers(0, 3))
     asking = draw(st.integers(0, batch - 1))
-    between = draw(st.booleans())  # one of the others has a priority among the answers
+    between = draw(st.booleans())  # whether one of the others has a priority between those of the answers
     lengths = draw(st.lists(st.integers(5, 40), min_size=batch + answers, max_size=batch + answers))
     tick = int(sum(lengths) / draw(st.floats(0.3, 0.95))) + computing
     streams = []
@@ -114,8 +116,8 @@ def answered_sets(draw):
 
 
 def answered_releases(tick, computing, streams, chance: random.Random):
-    """The batch of each tick at one instant; whether a frame with twice the period comes in even or odd ticks is
-    random."""
+    """Yields the batch of each tick at one instant. A frame with twice the period comes at random in even or in odd
+    ticks."""
     odd = {item.name: chance.randrange(2) for item in streams}
     for number, event in enumerate(range(0, 30 * tick, tick)):
         at = event + chance.choice([0, computing, chance.randint(0, computing)])
@@ -143,7 +145,7 @@ def test_no_answer_takes_longer_than_computed(answered, chance: random.Random):
 
 
 def test_answers_are_not_charged_twice():
-    """One command, its two answers and a long blocking frame, computed by hand."""
+    """For one command with its two answers and a long blocking frame, the result equals the one computed by hand."""
     streams = [
         stream("command", 1, 100, 1000, batch="tick"),
         stream("trace", 2, 80, 1000, batch="tick"),

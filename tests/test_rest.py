@@ -1,4 +1,4 @@
-"""`make rest`: its cases, its arithmetic, and that its checks fail on the former law, which oscillates."""
+"""`make rest`: its cases and its arithmetic, and that its checks fail for the former law, which oscillates."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ BUILD = Path(os.environ.get("COMANIP_SANITISED", REPOSITORY / "build"))
 
 @pytest.fixture(scope="module", autouse=True)
 def loop() -> rest_loop.Loop:
-    built = make(str(BUILD.relative_to(REPOSITORY) / "rest" / "loop.so"))  # never of an older firmware
+    # so that it is never that of an older firmware
+    built = make(str(BUILD.relative_to(REPOSITORY) / "rest" / "loop.so"))
     assert built.returncode == 0, built.stderr
     return rest_loop.Loop(BUILD)
 
@@ -49,7 +50,8 @@ def test_postures_found_for_a_position_reach_it(rng):
 
 
 def test_a_position_without_posture_is_not_found_by_a_search_either(rng):
-    """Positions around the shoulder, against a bounded least-squares search from six postures."""
+    """If reaching() finds no posture for a position around the shoulder, a bounded least-squares search from six random
+    postures finds none either."""
     for position in rest_arm.SHOULDER_M + rng.uniform(-0.35, 0.35, size=(25, 3)):
         best_m = min(
             np.sqrt(2 * least_squares(lambda q: rest_arm.hand_m(q) - position, start, bounds=rest_arm.RANGE_RAD.T).cost)
@@ -58,11 +60,11 @@ def test_a_position_without_posture_is_not_found_by_a_search_either(rng):
         if len(rest_arm.reaching(position)) == 0:
             assert best_m > 1e-4, position
         else:
-            assert best_m < 1e-2, position  # now and then the search stops at a joint limit
+            assert best_m < 1e-2, position  # occasionally the search gets stuck at a joint limit
 
 
 def test_the_valley_matches_half_the_squared_distance(rng):
-    """Against differences of the distance itself, twice."""
+    """Slope and curvature of the valley match first and second differences of half the squared distance."""
     inside = rest_arm.RANGE_RAD.T + np.outer([1, -1], np.full(4, 0.05))
     for q in rng.uniform(*inside, size=(20, 4)):
         position, h = rest_arm.hand_m(q) + rng.normal(0, 0.1, 3), 1e-3
@@ -87,15 +89,15 @@ def test_the_valley_matches_half_the_squared_distance(rng):
 
 
 def test_the_descent_by_position_ends_in_a_local_minimum(rng):
-    """It stays within the joint limits, never moves away, and scipy's least squares find no better posture near its
-    end."""
+    """The descent stays within the joint limits, never increases the distance, and ends where no sampled posture nearby
+    is better."""
     starts = rng.uniform(*rest_arm.RANGE_RAD.T, size=(40, 4))
     positions = rest_arm.hand_m(rng.uniform(*rest_arm.RANGE_RAD.T, size=(40, 4)))
     ends = rest_arm.descend(starts, positions)
     assert (ends >= rest_arm.RANGE_RAD[:, 0]).all() and (ends <= rest_arm.RANGE_RAD[:, 1]).all()
     left_m = np.linalg.norm(positions - rest_arm.hand_m(ends), axis=1)
     assert (left_m <= np.linalg.norm(positions - rest_arm.hand_m(starts), axis=1) + 1e-9).all()
-    assert 0.5 < np.mean(left_m < 1e-4) < 1.0, "most get there, and some do not"
+    assert 0.5 < np.mean(left_m < 1e-4) < 1.0, "most arrive, but not all"
     for q, position, left in zip(ends, positions, left_m, strict=True):
         around = np.clip(q + 0.01 * rng.uniform(-1, 1, (200, 4)), *rest_arm.RANGE_RAD.T)
         assert np.linalg.norm(position - rest_arm.hand_m(around), axis=1).min() > left - 1e-3
@@ -116,7 +118,7 @@ def test_the_target_matches_algorithm_1(loop):
     outcomes = loop.run(cases, {})
     assert (outcomes["start"] == rest_loop.ACCEPTED).all() and not outcomes["interrupted"].any()
     expected = [rest_cases.target_m(case) for case in cases]
-    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # an encoder pulse at the start
+    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the encoder's resolution at the start
 
 
 def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
@@ -137,7 +139,7 @@ def test_oscillating_and_creeping_are_told_apart(peak_radps, sign_changes, expec
 
 
 def test_the_checks_and_their_limits():
-    """Each misses by one case, and holds without it."""
+    """Each check fails by one case too many, and passes without it."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
     for count, bad, failed in (
@@ -156,7 +158,8 @@ def test_the_checks_and_their_limits():
 
 
 def test_the_drive_is_a_dead_time_and_a_lag(loop):
-    """The joint follows the commanded whole milliradians: a hand that rests from the start on moves nothing."""
+    """The joint follows the command, which is a whole number of milliradians. If the hand rests from the start on,
+    nothing moves."""
     cases = rest_cases.random_cases("choice", range(5))
     cases["way_m"], cases["turn_rad"], cases["end_s"] = 0.0, 0.0, 3.0
     outcomes = loop.run(cases, {})
@@ -164,8 +167,8 @@ def test_the_drive_is_a_dead_time_and_a_lag(loop):
 
 
 def test_a_reversal_counts_only_between_speeds_above_rest(tmp_path):
-    """In the simulator's trace: 0.03 and -0.03 alternating with 0.01 of the other sign in between, then 0.019 and
-    -0.019."""
+    """Two windows of a trace: in the first, 0.03 and -0.03 alternate, with 0.01 of the opposite sign in between, and
+    each reversal counts. In the second, 0.019 and -0.019 alternate, and none counts."""
     case = rest_cases.random_case("choice", 0)
     case["end_s"] = (2.0, 4.0)
     rates = np.zeros(4300)
@@ -187,15 +190,16 @@ def test_a_reversal_counts_only_between_speeds_above_rest(tmp_path):
 
 
 def test_all_pairs_are_counted(loop):
-    """Both ends of each parameter and of each of six groups, minus pairs that would set a parameter twice."""
+    """The pairs combine both ends of each parameter and of each of six groups, without those that would set a parameter
+    twice."""
     n = len(loop.names)
     assert {end.name: len(end.parameters) for end in rest_pairs.ends(loop) if len(end.parameters) > 1} == {
         f"{vector}_{group}": size
         for vector in ("gain", "weight")
         for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
     }
-    # within a vector of 8 components and 3 groups, two are disjoint: 28 of components, 4 + 4 of one component and a
-    # group of the other half, and the two halves
+    # Disjoint pairs within a vector of 8 components and 3 groups: 28 of two components, 4 + 4 of a component and the
+    # group of the other half, and the two halves.
     within = 28 + 8 + 1
     apart = (n + 6) * (n + 5) // 2 - 2 * (11 * 10 // 2) + 2 * within
     found = rest_pairs.pairs(loop)
@@ -236,7 +240,8 @@ def test_a_refused_set_is_not_run(loop):
 
 
 def test_the_simulator_runs_the_same_case(loop, tmp_path):
-    """A short motion in reach with drives like ODE's: the same target, and the joints reach the same posture."""
+    """In a short motion within reach, the simulator, with drives like ODE's, has the same target, and the joints reach
+    the same posture."""
     case = rest_cases.random_case("choice", 0)
     case["start_rad"], case["way_m"], case["turn_rad"] = (
         np.radians([60, -30, -10, -80]),
@@ -262,7 +267,7 @@ FORMER_LAW = ("--parameter", "prediction=0")
 
 
 def test_the_checks_fail_on_the_former_law(tmp_path):
-    """A quarter of the cases oscillate, 8 % creep, and half of the positions are missed."""
+    """With the former law a quarter of the cases oscillate, 8 % creep, and half of the positions are missed."""
     status, report = campaign(tmp_path, "--cases", "60", "--reachable", "60", "--ode", "0", "--pairs", "0", *FORMER_LAW)
     assert status == 1
     assert [check["name"] for check in report["checks"] if check["passed"]] == ["rest: not in cooperation"]
@@ -270,7 +275,8 @@ def test_the_checks_fail_on_the_former_law(tmp_path):
 
 
 def test_the_present_law_rests_in_a_small_campaign(tmp_path):
-    """`make rest` runs 5,000; with so few, only creeping at 8 s is allowed. Positions: it misses the required 95 %."""
+    """`make rest` runs 5,000 cases. With the few of this test, only creeping at 8 s is tolerated, and the positions,
+    which miss the required 95 %."""
     _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
     values = {check["name"]: check["value"] for check in report["checks"]}
     assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025

@@ -1,5 +1,5 @@
-"""The folders of the Python packages: which may use which, no developer tools in the installed package, and former
-names."""
+"""The folders of the Python packages use only those they may use, the installed package contains no developer tools,
+and former names are not used."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PACKAGES = {
     "comanip": REPOSITORY / "host_tools" / "comanip",
     "comanip_dev": REPOSITORY / "host_tools" / "development" / "comanip_dev",
 }
-# Each may use itself and those before it.
+# Each folder may use itself and those listed before it.
 ROOMS = (
     "_former_names", "errors", "parameters", "tasks", "_core", "native",
     "bus", "core", "tracker", "replay", "plotting", "commands", "cli",
@@ -36,7 +36,8 @@ MODULES = {name: path for package in PACKAGES for name, path in modules(package)
 
 
 def imported(path: Path) -> set[str]:
-    """Our modules that it imports, also within functions. `from package import module` imports the module."""
+    """Returns those of our modules that a file imports, also within functions. `from package import module` counts as
+    importing the module."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):

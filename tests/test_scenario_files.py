@@ -1,5 +1,5 @@
-"""Scenario files: an error costs one line with file, line, key, value and expectation before anything runs; valid files
-are read as written. Lines and numbers in the messages are computed here from the text."""
+"""Scenario files: an error is reported in one line with file, line, key, value and expectation before anything runs,
+and valid files are read as written. The expected lines and numbers are computed here from the text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from simulation import EXIT_WRONG_USE, EXPERIMENTS, FILES, REPOSITORY, SCENARIOS
 
 ffi, lib = scenario_binding.load()
 
-# Every key that a file can contain, with all bodies far apart.
+# A scenario with every key that a file can contain, and with all bodies far apart.
 SCENE = """\
 name: scene
 summary: everything that a file can hold
@@ -83,14 +83,15 @@ def written(tmp_path: Path, text: str | bytes) -> Path:
 
 
 def changed(old: str, new: str, text: str = SCENE) -> tuple[str, int]:
-    """The scene with one place changed, and the line of the change."""
+    """Returns the scene with one replacement, and the line number of the replaced text."""
     assert text.count(old) >= 1, old
     place = text.index(old)
     return text[:place] + new + text[place + len(old) :], text.count("\n", 0, place) + 1
 
 
 def assert_refused(tmp_path: Path, file: Path, start: str, *words: str) -> None:
-    """The simulator's answer: status, one line with this start and these words, and no files written."""
+    """Checks that the simulator refuses the file with the right status and one line that starts with this text and
+    contains these words, and that it writes no files."""
     done = run(tmp_path / "out", "--scenario", file)
     assert done.status == EXIT_WRONG_USE, done.stderr
     assert done.stdout == ""
@@ -157,7 +158,7 @@ def test_values_are_read_as_written(tmp_path):
 
 
 def quaternion(*factors: tuple[str, float]) -> np.ndarray:
-    """w x y z of a product from left to right, as in Table I."""
+    """Returns the quaternion w x y z of a product of rotations from left to right, as in Table I."""
     product = Rotation.identity()
     for axis, angle_deg in factors:
         product = product * Rotation.from_euler(axis, angle_deg, degrees=True)
@@ -170,10 +171,10 @@ def test_rotations_are_products_from_left_to_right(tmp_path):
     got = np.array([define.q_task.w, define.q_task.x, define.q_task.y, define.q_task.z])
     expected = quaternion(("x", 180), ("z", 45))
     assert abs(got @ expected) == pytest.approx(1, abs=1e-6)
-    assert abs(got @ quaternion(("z", 45), ("x", 180))) < 0.8, "the other order is another rotation"
+    assert abs(got @ quaternion(("z", 45), ("x", 180))) < 0.8, "the opposite order is another rotation"
 
 
-# ---- invalid values: text and replacement, path of keys, the value shown, words of the answer
+# ---- invalid values: text and replacement, path of keys, value shown, words of the answer
 
 WRONG = [
     ("radius_m: 0.01", "radius_m: 8 mm", "objects.pipe.radius_m", "8 mm", "a plain number in m, without a unit, from "),
@@ -245,7 +246,7 @@ WRONG = [
     ("operator:\n", "operater: 1\noperator:\n", "", "operater", "did you mean operator?"),
 ]  # fmt: skip
 
-# The change, the first line of its mapping after it, the path, and the missing key.
+# Missing keys: the replacement, the first line of its mapping afterwards, the path, and the missing key.
 MISSING = [
     ("radius_m: 0.01, ", "", "pipe: {", "objects.pipe", "radius_m"),
     ("position_m: [0.6, 0.2, 0.2]", "tremor_mm: 0", "tremor_mm: 0", "people.helper", "position_m"),
@@ -263,7 +264,7 @@ MISSING = [
     ("name: scene", "tracking: {}", "tracking: {}", "the scenario", "name"),
 ]  # fmt: skip
 
-# Files that are malformed as a whole: the text, the reported line, and words of the answer.
+# Files that are malformed as a whole: the text, the line reported, and words of the answer.
 SPOILT = {
     "empty": ("", 1, "the file is empty"),
     "comment": ("# nothing\n", 1, "the file is empty"),
@@ -356,7 +357,7 @@ def test_too_many(tmp_path, name):
     old, new, keys, words = TOO_MANY[name]
     text, line = changed(old, new)
     file = written(tmp_path, text)
-    line += 1 if new.count("\n") else 0  # the list starts in the line after its key
+    line += 1 if new.count("\n") else 0  # the list begins one line below its key
     assert_refused(tmp_path, file, f"{file}:{line}: {keys}: expected at most ", words)
 
 
@@ -380,7 +381,7 @@ def test_keys_that_need_each_other(tmp_path, old, new, keys, words):
 
 
 def without(section: str) -> str:
-    """The scene without one of its top-level sections."""
+    """Returns the scene without one of its top-level sections."""
     return re.sub(rf"^{section}:.*\n(?:[ ].*\n)*", "", SCENE, flags=re.MULTILINE)
 
 
@@ -415,7 +416,8 @@ def test_a_section_of_the_wrong_form(tmp_path, section):
 )
 @given(data=st.data())
 def test_any_damage_is_accepted_or_refused_with_one_line(tmp_path, data):
-    """The sanitiser ends the process at the first fault of the C code."""
+    """Any damaged file is either accepted or refused with one line. The sanitiser ends the process at the first memory
+    error or undefined behaviour in the C code."""
     text = without("water").replace("  - {name: caught, measure: water_caught, at_least: 95}\n", "")
     for _ in range(data.draw(st.integers(1, 3))):
         begin = data.draw(st.integers(0, len(text)))
@@ -435,7 +437,7 @@ def test_any_damage_is_accepted_or_refused_with_one_line(tmp_path, data):
 
 
 def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
-    """The reader's message about the scene with these changes; "" if it is accepted."""
+    """Returns the reader's message about the scene with these changes, or "" if it is accepted."""
     text = SCENE
     for old, new in changes:
         text, _ = changed(old, new, text)
@@ -447,8 +449,8 @@ def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
 
 
 def test_an_object_inside_another(tmp_path):
-    """The rod, of radius 10 mm at z = 30 mm, lies on the stand, whose top is at 20 mm; raised, the stand overlaps the
-    rod."""
+    """The rod, with a radius of 10 mm and its axis at z = 30 mm, lies on the stand, whose top is at 20 mm. When the
+    stand is raised, it overlaps the rod."""
     for raised_m in (0.0005, 0.0009):
         assert refusal_of(tmp_path, ("[0.5, -0.5, 0]", f"[0.5, -0.5, {raised_m}]")) == ""
     for raised_m in (0.0015, 0.004):
@@ -457,8 +459,8 @@ def test_an_object_inside_another(tmp_path):
         assert 1e3 * raised_m - 0.06 <= float(found.group(1)) <= 1e3 * raised_m + 0.36
 
 
-# The end effector is at (0.136, -0.121, 0.014) m and points forward, its cup is 50 mm above. The person's hand points
-# backward, and its cup is 100 mm in front of it, open to the robot.
+# The end effector is at (0.136, -0.121, 0.014) m and points forward, with its cup 50 mm above it. The person's hand
+# points backward, and its cup is 100 mm in front of it, open towards the robot.
 OVERLAPS = [
     ("[0.5, 0.5, 0]", "[0.45, -0.5, 0.03]", "objects.winch.position_m", "winch", "pipe"),
     ("[0.5, -0.5, 0.03]", "[0.15, -0.12, 0.07]", "objects.pipe.position_m", "pipe", "the robot's cup"),
@@ -479,7 +481,7 @@ def test_overlapping_bodies(tmp_path, old, new, key, what, inside):
 
 
 def test_cups_of_two_people(tmp_path):
-    """Side by side, each 42 mm wide outside."""
+    """Two cups stand side by side, each with an outer radius of 42 mm."""
     cup = "{radius_m: 0.04, height_m: 0.05, mount_m: [0, 0, 0.1]}"
     for z_m, is_apart in ((0.2 + 2 * 0.042 + 0.001, True), (0.2 + 2 * 0.042 - 0.003, False)):
         other = f"  helper:\n    cup: {cup}\n    rotation: [{{axis: y, angle_deg: -90}}]\n"
@@ -489,7 +491,8 @@ def test_cups_of_two_people(tmp_path):
 
 
 def test_an_object_held_by_the_robot_is_in_its_gripper(tmp_path):
-    """The gripper's middle is 20 mm in front of the end effector; it captures within 15 mm."""
+    """The gripper's middle is 20 mm in front of the end effector. An object counts as held if it is within 15 mm of
+    it."""
     hand_m = np.array([0.136, -0.1206743, 0.0144224])
     for offset_mm, is_held in ((0, True), (14.9, True), (15.1, False)):
         x, y, z = hand_m + [0.02, 0, -1e-3 * offset_mm]
@@ -502,8 +505,8 @@ def test_an_object_held_by_the_robot_is_in_its_gripper(tmp_path):
 
 @pytest.mark.parametrize("program", ["program", "program_with_recording"])
 def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
-    """A minimum-jerk move has its peak speed at 15/8 of the mean speed (Flash, Hogan 1985). A rest keeps the hand's
-    position; a move by_m adds to it."""
+    """The peak speed of a minimum-jerk move is 15/8 of the mean speed (Flash, Hogan 1985). The distance of the last
+    move follows from the steps before it: a rest keeps the hand's position, and a move by_m adds to it."""
     way_m = 0.3 - 0.03 + 0.1
     least_s = 15 / 8 * way_m / 5
     place = "      - {do: rest, name: ready" if program == "program" else "      - {do: play"
@@ -522,7 +525,7 @@ def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
 
 
 def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
-    """duration_s is for one turn, with the handle at 50 mm."""
+    """duration_s is the time of one turn, and the handle is at a radius of 50 mm."""
     least_s = 2 * math.pi * 0.05 / 5
     for duration_s, is_slow in ((1.001 * least_s, True), (0.999 * least_s, False)):
         text = refusal_of(tmp_path, ("turns: 2, duration_s: 2", f"turns: 2, duration_s: {duration_s}"))
@@ -533,7 +536,8 @@ def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
 @pytest.mark.parametrize(("key", "gyration_m"), [("stiffness_Npm", 1.0), ("stiffness_Nmprad", 0.06)])
 @pytest.mark.parametrize("damping_ratio", [0.05, 0.7, 3.0])
 def test_a_hand_is_stable_at_two_milliseconds(tmp_path, key, gyration_m, damping_ratio):
-    """v += h (-w^2 x - 2 d w v), then x += h v: its eigenvalues, for a hand of 0.1 kg."""
+    """The stiffness limit is that of v += h (-w^2 x - 2 d w v), then x += h v, by the eigenvalues of this step, for a
+    hand of 0.1 kg."""
     h = 2e-3
 
     def radius(stiffness: float) -> float:
@@ -570,8 +574,8 @@ def test_people_start_near_the_torso(tmp_path):
 
 
 def test_water_fits_its_cup(tmp_path):
-    """Spheres fill at most 64 % of the volume (random close packing). Fewer may pile up and fall over the rim, and all
-    fall from a cup that is upside down."""
+    """Spheres fill at most 64 % of the volume (random close packing). Even fewer may pile up and fall over the rim, and
+    all fall out of a cup that is upside down."""
     most = math.floor(0.64 * math.pi * 0.03**2 * 0.03 / (4 / 3 * math.pi * 0.005**3))
     text = refusal_of(tmp_path, ("particles: 10", f"particles: {most + 1}"))
     assert f"water.particles '{most + 1}': expected at most {most}," in text
@@ -587,7 +591,7 @@ def test_water_fits_its_cup(tmp_path):
 
 
 def varied(scene: object, seed: int) -> object:
-    """A copy of the scenario with this seed's variation."""
+    """Returns a copy of the scenario with the variation of this seed."""
     copy = ffi.new("scenario_t *", scene[0])
     lib.scenario_vary(copy, seed)
     return copy
@@ -622,9 +626,9 @@ def test_moves_to_one_position_share_its_variation(scene):
         now = varied(scene, seed).person[0]
         there, again, home = (np.array(list(now.step[i].displacement_m)) for i in (1, 2, 3))
         assert (there == again).all()
-        assert (home != 0).all(), "the variation moves home as well"
+        assert (home != 0).all(), "the home position varies as well"
         assert not np.isclose(there - [0.03, 0, 0], home).any(), "each position has its own draw"
-        assert list(now.step[4].displacement_m) == [0, 0.02, 0], "a move by_m follows the step before it"
+        assert list(now.step[4].displacement_m) == [0, 0.02, 0], "a move by_m has no variation of its own"
         assert list(now.step[2].rotation_vector_rad) == list(was.step[2].rotation_vector_rad)
         assert now.recorded_step[0].position_scale == 0.1
 
@@ -642,8 +646,8 @@ def test_objects_stay_together_and_with_the_gripper(tmp_path):
 
 
 def test_draws_are_uniform_and_within_bounds(scene):
-    """Kolmogorov-Smirnov distance from the uniform distribution: for n draws below 1.95 / sqrt(n) in all but one case
-    in a thousand; the seeds are fixed."""
+    """The Kolmogorov-Smirnov distance of n draws from the uniform distribution stays below 1.95 / sqrt(n), which holds
+    in all but one of a thousand cases. The seeds are fixed."""
     count, before = 400, scene.person[0]
     draws = {name: [] for name in ("start", "elbow", "move", "recorded", "duration", "turn")}
     for seed in range(1, count + 1):
@@ -707,7 +711,7 @@ MAPPINGS = [
 
 @pytest.mark.parametrize(("old", "new"), MAPPINGS, ids=[new.strip()[:40] for _, new in MAPPINGS])
 def test_each_key_and_word_is_documented(tmp_path, old, new):
-    """The keys and words that the reader accepts are in docs/scenario-files.md."""
+    """Every key and word that the reader accepts is in docs/scenario-files.md."""
     text = (REPOSITORY / "docs" / "scenario-files.md").read_text()
     known = re.search(r"'qqqqqqqqqqqq': expected one of the (?:keys|words) (.*)", refusal_of(tmp_path, (old, new)))
     for word in known.group(1).split(", "):
