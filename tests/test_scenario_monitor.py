@@ -1,5 +1,5 @@
-"""The monitors on synthetic ticks, against numpy: each measure of a scenario's checks, its window, missing
-measurements; forces and clearances of a run; the scene's state and its columns in the trace."""
+"""The monitors on synthetic ticks agree with numpy: each measure of a scenario's checks, its window and missing
+measurements, forces and clearances of a run, and the scene's state with its columns in the trace."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 TICK_S = 0.001
-READY, COOPERATING, HOLD = 1, 2, 3  # as FirmwareStatus.mode
-PERSON, SECOND, ROBOT = 0, 1, 2  # holders
+READY, COOPERATING, HOLD = 1, 2, 3  # numbers of FirmwareStatus.mode
+PERSON, SECOND, ROBOT = 0, 1, 2  # indices of the holders
 NO_EVENT = -1
 
 ffi, lib = monitor_binding.load()
@@ -21,7 +21,8 @@ ffi, lib = monitor_binding.load()
 
 @dataclass(frozen=True)
 class Check:
-    """One check of a scenario. since, until: a time [s], an event's name, or a pair (name, seconds after it)."""
+    """One check of a scenario. `since` and `until` are a time [s], the name of an event, or a pair (name, seconds after
+    it)."""
 
     measure: str
     since: float | str | tuple[str, float] | None = None
@@ -34,7 +35,7 @@ class Check:
 
 @dataclass
 class Tick:
-    """The state in one tick; lengths in m, rotations as scipy's."""
+    """The state in one tick, with lengths in m and rotations as scipy objects."""
 
     mode: int = COOPERATING
     hand_m: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -43,13 +44,14 @@ class Tick:
     target: Rotation = field(default_factory=Rotation.identity)
     person_m: np.ndarray = field(default_factory=lambda: np.zeros(3))
     force_N: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    holds: tuple[tuple[int, int], ...] = ()  # (holder, object)
+    holds: tuple[tuple[int, int], ...] = ()  # pairs (holder, object)
     cup: Rotation = field(default_factory=Rotation.identity)
-    water: tuple[int, int, int, int] = (50, 0, 0, 0)  # in the robot's cup, in the person's cup, elsewhere, left
+    # particles in the robot's cup, in the person's cup, elsewhere, and those that left the robot's cup
+    water: tuple[int, int, int, int] = (50, 0, 0, 0)
     turns: float = 0
     clearance_m: tuple[float, float] = (1, 1)
-    raises: tuple[str, ...] = ()  # events in this tick
-    raised_after_s: float = 0  # time of the events after the tick's start
+    raises: tuple[str, ...] = ()  # events raised in this tick
+    raised_after_s: float = 0  # time from the tick's start to the events
 
 
 def wxyz(rotation: Rotation) -> list[float]:
@@ -57,7 +59,7 @@ def wxyz(rotation: Rotation) -> list[float]:
 
 
 class Watch:
-    """A scenario monitor with these checks, on a scenario with two people, two rods and a crank."""
+    """A scenario monitor with these checks, for a scenario with two people, two rods and a crank."""
 
     def __init__(self, *checks: Check, motion_scale: float = 1.0):
         self.motion_scale = motion_scale
@@ -127,7 +129,7 @@ class Watch:
         return self
 
     def value(self, check: int = 0) -> float | None:
-        """None: not measured."""
+        """Returns the value, or None if it was not measured."""
         measurement, definition = (
             ffi.addressof(self.monitor.measurement[check]),
             ffi.addressof(self.scenario.check[check]),
@@ -166,7 +168,7 @@ def test_distance_from_the_target(rng):
 
 @pytest.mark.parametrize("motion_scale", [1.0, 0.5])
 def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
-    """Since the window's start, independent of the target that the firmware reports."""
+    """Both displacements count from the window's start and do not depend on the target that the firmware reports."""
     robot, person = random_walk(rng, 400), random_walk(rng, 400)
     watch = Watch(Check("relation_rms", 0.1, 0.3), motion_scale=motion_scale)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -176,7 +178,8 @@ def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
 
 
 def test_aim_uses_the_mean_position(rng):
-    """Not relative to the window's start, as the relation is; an error that averages to zero is no aiming error."""
+    """Unlike the relation, the aim is not relative to the window's start. An error that averages to zero is no aiming
+    error."""
     robot, person, expected_m = random_walk(rng, 400), random_walk(rng, 400), (0.1, -0.2, 0.3)
     watch = Watch(Check("aim", 0.1, 0.3, expected_m=expected_m), motion_scale=0.5)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -208,7 +211,7 @@ def test_half_of_the_window_needs_a_target(with_target, measured):
 def test_displacements_and_paths(rng, motion_scale):
     hand = random_walk(rng, 300)
     expected = np.array([0.03, -0.02, 0.01])
-    whole, part = (None, 0.2), (("operator.latched", 0.05), "person.done")  # from tick 0; from tick 90 to 240
+    whole, part = (None, 0.2), (("operator.latched", 0.05), "person.done")  # from tick 0 to 200; from tick 90 to 240
     checks = [
         Check(measure, *window, expected_m=tuple(expected))
         for window in (whole, part)
@@ -230,7 +233,8 @@ def test_displacement_counts_from_the_start_command():
 
 
 def test_tilt_of_the_initially_vertical_axis(rng):
-    """About a horizontal axis the tilt is the angle; about the vertical there is none. The smaller one counts."""
+    """A rotation about a horizontal axis tilts by its angle, one about the vertical axis does not tilt. The smallest
+    tilt in the window counts."""
     start = Rotation.random(random_state=7)
     angles_deg = rng.uniform(5, 175, 60)
     heading = rng.uniform(0, 2 * np.pi, 60)
@@ -279,12 +283,12 @@ def test_nothing_poured_counts_as_nothing_caught():
 
 @pytest.mark.parametrize(("speed_mps", "expected"), [(0.0045, 0), (0.0055, 12)])
 def test_flow_while_moving(speed_mps, expected):
-    """The hand trembles by 0.1 mm at 9 Hz: as fast as 5 mm/s, but without displacement."""
+    """The hand also trembles by 0.1 mm at 9 Hz, which is as fast as 5 mm/s but is no motion."""
     t_s = TICK_S * np.arange(1000)
     person = np.full((1000, 3), 0.5)
     person[:, 1] += speed_mps * t_s
     person[:, 2] += 0.1e-3 * np.sin(2 * np.pi * 9 * t_s)
-    left = np.where(t_s < 0.6, 7, 19)  # seven at once, before a motion can be detected; twelve while moving
+    left = np.where(t_s < 0.6, 7, 19)  # seven at once, before any motion can be detected, and twelve during the motion
     assert np.abs(np.diff(person[:, 2])).max() / TICK_S > 0.005
     ticks = [Tick(person_m=p, water=(50 - int(n), int(n), 0, int(n))) for p, n in zip(person, left, strict=True)]
     assert Watch(Check("flow_while_moving")).sample(*ticks).value() == expected
@@ -296,7 +300,7 @@ BOTH, ALONE, OTHER = ((PERSON, 0), (ROBOT, 0)), ((PERSON, 0),), ((ROBOT, 1),)
 
 
 def test_each_drop_of_the_object_counts_in_its_window():
-    """The scene defines what counts as a drop (test_scene.py)."""
+    """Each drop is counted in the windows that contain it. The scene decides what is a drop (see test_scene.py)."""
     watch = Watch(Check("drops"), Check("drops", object=1), Check("drops", object=2), Check("drops", until=0.009))
     watch.sample(
         *[Tick()] * 5, Tick(raises=("object0.dropped",)), *[Tick()] * 5, Tick(raises=("object0.dropped",)), Tick()
@@ -307,7 +311,8 @@ def test_each_drop_of_the_object_counts_in_its_window():
 
 
 def test_an_object_that_slips_is_lost_by_its_holder():
-    """robot.lost is raised in the last tick that shows the grip, or in the next; object 1 slips."""
+    """The loss counts for object 1, which the robot held, whether robot.lost is raised in the last tick that shows the
+    grip or in the next."""
     held = Tick(holds=(*ALONE, *OTHER))
     watch = Watch(Check("drops", object=0), Check("drops", object=1))
     watch.sample(held, Tick(holds=held.holds, raises=("robot.lost",)), Tick(holds=ALONE))
@@ -318,7 +323,7 @@ def test_an_object_that_slips_is_lost_by_its_holder():
     assert [watch.value(0), watch.value(1)] == [1, 2]
     watch.sample(held, Tick(holds=held.holds, raises=("taker.lost", "robot.opened")), held)
     assert [watch.value(0), watch.value(1)] == [1, 2]
-    watch.sample(Tick(holds=ALONE), Tick(holds=held.holds, raises=("robot.lost",)))  # gripped and lost in one tick
+    watch.sample(Tick(holds=ALONE), Tick(holds=held.holds, raises=("robot.lost",)))  # gripped and lost within one tick
     assert [watch.value(0), watch.value(1)] == [1, 3]
 
 
@@ -352,7 +357,7 @@ def test_force_counts_while_the_person_holds_the_object(rng):
     for check, part in ((0, size_N[100:350]), (2, size_N[200:350])):
         assert watch.value(check) == pytest.approx(np.sqrt(np.mean(part**2)), rel=1e-12)
         assert watch.value(check + 1) == pytest.approx(part.max(), rel=1e-12)
-    assert watch.value(4) is None, "without an object there is no force"
+    assert watch.value(4) is None, "no force is measured without an object"
 
 
 @pytest.mark.parametrize("measure", ["force_rms", "force_peak"])
@@ -376,7 +381,7 @@ def test_carried_for_adds_up_the_time_held_by_both():
 
 def test_least_clearances(rng):
     clearance_m = rng.uniform(0, 1, (100, 2))
-    clearance_m[0], clearance_m[-1] = 0, 0  # before the start command, and after the stop
+    clearance_m[0], clearance_m[-1] = 0, 0  # before the start command and after the stop, where clearances do not count
     modes = [READY, *[COOPERATING] * 60, *[HOLD] * 38, READY]
     watch = Watch(Check("clearance"), Check("self_clearance"))
     watch.sample(*(Tick(m, clearance_m=tuple(c)) for m, c in zip(modes, clearance_m, strict=True)))
@@ -387,7 +392,8 @@ def test_least_clearances(rng):
 
 
 def peak_ticks(count=100, mode=COOPERATING, **at):
-    """The person's force at tick i is i newtons: the peak shows the last tick of a window."""
+    """Returns ticks in which the person's force is as many newtons as the tick's number, so the peak shows the last
+    tick of a window."""
     raises = {tick: (name,) for name, tick in at.items()}
     names = {"latched": "operator.latched", "done": "person.done"}
     return [
@@ -546,7 +552,7 @@ def test_trace_shows_the_scene(tmp_path):
     assert {name: float(full[name]) for name in shown} == shown
     empty = {name for name in names if bare[name] == ""}
     assert {name for name in shown if name.startswith(("second", "object", "water", "crank"))} <= empty
-    assert float(bare["person_x_m"]) == 10 and "force_z_N" in empty, "no object to hold"
+    assert float(bare["person_x_m"]) == 10 and "force_z_N" in empty, "there is no object to hold"
     assert names[:25] == [
         "t_s", "mode", *(f"{who}_{part}" for who in ("target", "hand") for part in
                          ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")),

@@ -1,4 +1,4 @@
-"""Hands, grips, gripper and objects of the physical scene against statics and dynamics computed by hand."""
+"""Hands, grips, gripper and objects of the physical scene agree with statics and dynamics computed by hand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def gripper_at() -> np.ndarray:
-    """Middle of the gripper at the arm's start, (3,), m."""
+    """Returns the middle of the gripper at the arm's start, (3,), in m."""
     with Scene() as scene:
         return scene.point("POINT_ROBOT_GRIPPER")
 
@@ -28,7 +28,7 @@ def person_at(position_m, **fields) -> dict:
 
 
 def rod_on_stand(middle_m, axis=ALONG_Y, **fields) -> list[dict]:
-    """The rod is first; the stand's top touches it."""
+    """Returns a rod, listed first, and a stand whose top touches it."""
     below_m = 0.5 * STAND["size_m"][2] + ROD["radius_m"]
     stand = {"kind": lib.OBJECT_STAND, "pose": (list(np.array(middle_m) - below_m * UP), [1, 0, 0, 0])}
     return [rod_at(middle_m, axis, **fields), stand]
@@ -36,7 +36,7 @@ def rod_on_stand(middle_m, axis=ALONG_Y, **fields) -> list[dict]:
 
 @pytest.fixture
 def ode_messages():
-    """ODE's messages."""
+    """Collects the messages that ODE reports."""
     messages = []
     listener = ffi.callback("dMessageFunction", lambda _number, text, _arguments: messages.append(ffi.string(text)))
     lib.dSetMessageHandler(listener)
@@ -76,7 +76,7 @@ def test_lever_bends_the_wrist_by_torque_over_stiffness():
         assert scene.grip()
         scene.step(8000)
         turn = scene.hand()[1].as_rotvec()
-        # The rod hangs on a lever that turns with the hand.
+        # The rod hangs on a lever arm that turns with the hand.
         expected = solve_angle(lambda angle: 3.0 * angle - WEIGHT_N * lever_m * np.cos(angle))
         assert turn == pytest.approx([-expected, 0, 0], abs=1e-5)
 
@@ -90,7 +90,7 @@ def solve_angle(excess, low=0.0, high=1.0):
 
 @pytest.mark.parametrize("damping_ratio", [0.1, 0.7])
 def test_arm_moves_as_a_damped_oscillator(damping_ratio):
-    """The rod's weight vanishes, and the hand with the rod oscillates about its aim."""
+    """When gravity is switched off, the hand with its rod oscillates about its aim."""
     rod_kg = 0.4
     with Scene([{"damping_ratio": damping_ratio}], [{"kind": lib.OBJECT_ROD, "mass_kg": rod_kg}]) as scene:
         assert scene.grip()
@@ -118,16 +118,16 @@ def test_hand_closes_on_what_is_within_25_mm():
             assert scene.times("person0.holds") == int(closes)
             assert lib.scene_holds(scene.scene, 0, 0) is closes
             scene.step()
-            assert np.linalg.norm(scene.hand_force()) < 2 * WEIGHT_N  # no sudden pull
+            assert np.linalg.norm(scene.hand_force()) < 2 * WEIGHT_N  # there is no sudden pull
 
 
 def test_two_people_share_a_rods_weight_by_the_lever_rule():
-    a, b = 0.14, 0.06  # from the rod's middle
+    a, b = 0.14, 0.06  # distances from the rod's middle
     people = [person_at(HAND_M - [0, a, 0]), person_at(HAND_M + [0, b, 0])]
     with Scene(people, [rod_at(HAND_M)]) as scene:
         assert scene.grip(0) and scene.grip(1)
         scene.step(8000)
-        # Unequal sag tilts the rod by 0.2 degrees: arms and heights change only to second order.
+        # Unequal sag tilts the rod by 0.2 degrees, which changes lever arms and heights only to second order.
         assert scene.hand_force(0)[2] == pytest.approx(-WEIGHT_N * b / (a + b), rel=1e-3)
         assert scene.hand_force(1)[2] == pytest.approx(-WEIGHT_N * a / (a + b), rel=1e-3)
 
@@ -149,7 +149,7 @@ def test_ball_grip_lets_the_wrist_turn_and_a_fixed_one_does_not():
 
 @pytest.mark.parametrize("limit_N", [5.0, 20.0])
 def test_persons_grip_slips_at_its_limit(limit_N):
-    """Two people pull at one rod, slowly."""
+    """When two people slowly pull on one rod, the weaker grip slips at its force limit."""
     people = [person_at(HAND_M), person_at(HAND_M + [0, 0.1, 0], grip_force_limit_N=limit_N)]
     with Scene(people, [rod_at(HAND_M)]) as scene:
         scene.set_gravity(0.0)
@@ -160,7 +160,7 @@ def test_persons_grip_slips_at_its_limit(limit_N):
             pull_N = np.linalg.norm(scene.hand_force(1))
             scene.step()
         assert pull_N == pytest.approx(limit_N, rel=0.01)
-        # In series, the two arms' springs stretch by force / stiffness each.
+        # The two arms are springs in series: each stretches by force / stiffness.
         assert 0.03 * scene.now_s == pytest.approx(2 * limit_N / PERSON["stiffness_Npm"], rel=0.1)
         assert not lib.scene_holds(scene.scene, 1, 0) and scene.times("person0.lost") == 0
 
@@ -204,7 +204,7 @@ def test_gripper_holds_what_lies_between_its_jaws(share_of_capture, holds):
 
 
 def test_pads_deflect_by_force_over_stiffness():
-    """The rod hangs below its position by the pads' deflection; the arm itself holds still."""
+    """The rod hangs below its position by the deflection of the pads. The arm itself holds still."""
     with Scene([], [rod_at(gripper_at(), held_by_robot=True)], gripper={"stiffness_Npm": 400.0}) as scene:
         scene.step(2000)
         sag_m = scene.thing()[0] - scene.point("POINT_ROBOT_GRIPPER")
@@ -213,7 +213,7 @@ def test_pads_deflect_by_force_over_stiffness():
         assert scene.times("robot.lost") == 0
 
 
-@pytest.mark.parametrize("limit_N", [5.0, 12.0])  # with more, the arm's motors would yield first
+@pytest.mark.parametrize("limit_N", [5.0, 12.0])  # at higher limits the arm's motors would yield first
 def test_robots_grip_slips_at_its_limit_and_not_before(limit_N):
     at = gripper_at()
     hand = at + [0, 0.1, 0]
@@ -231,7 +231,8 @@ def test_robots_grip_slips_at_its_limit_and_not_before(limit_N):
 
 
 def test_robots_fixed_grip_slips_at_its_torque_limit():
-    """A person's hand lifts one end of the rod; the grip's torque is force times lever arm, minus the weight's."""
+    """A hand lifts one end of the rod. The torque on the robot's grip is the lifting force times the lever arm; the
+    weight acts at the grip."""
     at, lever_m, limit_Nm = gripper_at(), 0.12, 0.3
     hand = at + [0, lever_m, 0]
     rod = rod_at(at, held_by_robot=True, robot_grip=lib.GRIP_FIXED)
@@ -246,14 +247,15 @@ def test_robots_fixed_grip_slips_at_its_torque_limit():
 
 
 def test_a_shock_of_one_step_does_not_open_the_jaws():
-    """A fall of 1 mm onto the stretched grip: far above the limit for a step or two, never for 5 ms."""
+    """A sudden tug by the hand exceeds the force limit by far, but only for a step or two instead of 5 ms."""
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True)
     with Scene([person_at(at)], [rod], gripper={"force_limit_N": 10.0, "stiffness_Npm": 1e5}) as scene:
         scene.set_gravity(0.0)
         scene.step(10)
         assert scene.grip()
-        scene.aim(0, at + [0, 0, 2e-4])  # the hand jumps: 1.5 kg to 0.2 m/s and back within two steps
+        # the hand's aim jumps: 1.5 kg are accelerated to 0.2 m/s and stopped within two steps
+        scene.aim(0, at + [0, 0, 2e-4])
         scene.step(1)
         peak_N = np.linalg.norm(scene.hand_force())
         scene.aim(0, at)
@@ -274,10 +276,10 @@ def test_a_handed_over_object_is_not_dropped_and_a_released_one_is():
         scene.step(100)
         lib.scene_command_gripper(scene.scene, False)
         scene.step(1)
-        assert not lib.scene_robot_holds(scene.scene)  # as the jaws start to open
+        assert not lib.scene_robot_holds(scene.scene)  # it lets go as soon as the jaws start to open
         scene.step(400)
         assert scene.times("object0.dropped") == 0
-        scene.step(2000)  # until it hangs still
+        scene.step(2000)  # until the rod hangs still
         let_go_s, height_m = scene.now_s, scene.thing()[0][2]
         lib.scene_open_hand(scene.scene, 0)
         scene.step(100)
@@ -294,7 +296,7 @@ def test_an_object_never_held_is_not_dropped():
 @pytest.mark.parametrize("axis", [ALONG_X, ALONG_Y])
 @pytest.mark.parametrize("along_m", [0.0, 0.05])
 def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
-    """Its middle is above the stand but off the stand's middle: it neither creeps, nor sinks in, nor tips."""
+    """A rod with its middle above the stand, but not at the stand's middle, neither creeps, nor sinks in, nor tips."""
     middle = np.array([0.4, 0.2, 0.0])
     thing = rod_on_stand(middle, axis)
     direction = Rotation.from_quat(axis, scalar_first=True).apply(UP)
@@ -306,7 +308,7 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
         settled = scene.thing()[0]
         scene.step(5000)
         rest, rotation = scene.thing()
-    assert np.abs(rest - settled).max() < 1e-6  # in 5 s
+    assert np.abs(rest - settled).max() < 1e-6  # over 5 s
     assert np.abs(rest - start).max() < 1e-4
     assert (rotation.inv() * upright).magnitude() < 1e-3
     assert ode_messages == []
@@ -314,9 +316,9 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
 
 @pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
 def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
-    """Friction of 0.6 on the two sides of a V of 90 degrees gives 0.6 sqrt(2) of the force that presses the rod into
-    it; less while it settles, as lateral friction carries part of the weight. Held, each of four contacts creeps by 1
-    mm/s per N."""
+    """With a friction coefficient of 0.6, the two sides of a V of 90 degrees hold 0.6 sqrt(2) of the force that presses
+    the rod into it; less while it settles, as lateral friction carries part of the weight. A rod that is held creeps by
+    1 mm/s per N at each of its four contacts."""
     slope = Rotation.from_euler("x", slope_deg, degrees=True)
     rod, stand = rod_on_stand(HAND_M)
     stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))
@@ -329,7 +331,7 @@ def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
     pull, press = np.sin(slope.magnitude()), np.cos(slope.magnitude())
     if slides:
         expected_m = 0.5 * GRAVITY_MPS2 * (pull - 0.6 * 2**0.5 * press) * duration_s**2
-        assert way_m == pytest.approx(expected_m, rel=0.15)  # without friction it would be twice as far
+        assert way_m == pytest.approx(expected_m, rel=0.15)  # without friction the distance would be twice as long
     else:
         assert way_m == pytest.approx(1e-3 * WEIGHT_N * pull / 4 * duration_s, abs=3e-5)
 
@@ -358,7 +360,7 @@ def test_rod_is_lifted_off_its_stand_with_its_weight_alone(ode_messages):
 
 
 def test_rod_in_its_groove_taken_by_both(ode_messages):
-    """Robot and person grip it where it lies, hold it for a while, and lift it together."""
+    """Robot and person grip the rod where it lies, hold it for a while and lift it together."""
     at = gripper_at()
     hand = at + [0.2, 0, 0]
     with Scene([person_at(hand)], rod_on_stand(at + [0.1, 0, 0], ALONG_X, length_m=0.32)) as scene:
@@ -393,7 +395,7 @@ def test_points_match_the_geometry():
             scene.scenario.object[thing].point[1].along_m = 0.07
         assert scene.point("POINT_PERSON_GRIP") == pytest.approx(HAND_M + turn.apply([0.01, -0.02, 0.06]), abs=1e-12)
         assert scene.point("POINT_OBJECT", 0, 1) == pytest.approx([0.3, 0.1 + 0.07, 0.2], abs=1e-12)
-        # ALONG_X turns z to x and x to -z: the handle is below the hinge.
+        # ALONG_X turns z to x and x to -z, so the handle is below the hinge.
         assert scene.point("POINT_OBJECT", 1, 1) == pytest.approx([0.5 + 0.07, 0.1, 0.1 - 0.04], abs=1e-12)
 
 

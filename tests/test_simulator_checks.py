@@ -1,5 +1,5 @@
-"""The verdict on a run: no check vanishes, no control law avoids being judged, and the last line names unjudged
-parts."""
+"""The verdict on a run: no check is silently missing, no control law escapes judgement, and the last line names the
+parts that were not judged."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ def test_a_complete_script_has_all_its_checks(tmp_path, scenario):
     assert "left out" not in done.summary["reason"]
 
 
-@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the whole second at the spot, and all but a tenth of it
+@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the whole second at the spot, or all but a tenth of it
 def test_check_that_could_not_be_measured_fails(tmp_path, gap_s):
-    """In hold there is no target to settle at."""
+    """In hold there is no target at which the arm could settle, so the check fails."""
     gap = ("--gap", f"2.4:{gap_s}")
     done = run(tmp_path / "out", "--scenario", "pour", *gap)
     assert done.status == EXIT_CHECK_FAILED
@@ -80,8 +80,8 @@ def test_without_the_trace_only_checks_that_need_it_are_left_out(tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["--param", "acceleration_limit_radps2=1"],  # at its limit whenever it moves
-        ["--dropout", 0.5],  # in hold again and again
+        ["--param", "acceleration_limit_radps2=1"],  # at the acceleration limit whenever it moves
+        ["--dropout", 0.5],  # repeatedly in hold
         ["--param", "speed_fraction=0.02"],
     ],
     ids=lambda arguments: "=".join(map(str, arguments)),
@@ -89,13 +89,13 @@ def test_without_the_trace_only_checks_that_need_it_are_left_out(tmp_path):
 def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
     done = run(tmp_path / "out", "--scenario", "pour", *arguments)
     assert done.status == EXIT_CHECK_FAILED
-    judged = checks(done)  # too little could be followed, or the followable part was not
+    judged = checks(done)  # either too little could be followed, or the arm did not follow what it could
     assert not (judged["followable_share"]["pass"] and judged["followable_rms_position"]["pass"])
 
 
 @pytest.mark.parametrize(("gain", "pass_"), [(2, False), (100, True)])
 def test_followable_share_does_not_depend_on_the_gain(tmp_path, gain, pass_):
-    """A slow law misses the target; no law's gain changes how much of the run is judged."""
+    """A slow law misses the target, but no gain changes how much of the run is judged."""
     axes = [f"gain_{part}{axis}_per_s" for part in ("", "dual_") for axis in "wxyz"]
     changed = checks(
         run(
@@ -127,7 +127,7 @@ def test_an_unjudged_recording_is_reported(tmp_path):
 
 
 def moving_hand(folder: Path, *way_m: np.ndarray) -> Path:
-    """A recording of 5 s at 100 Hz that moves along x, y, z by these displacements."""
+    """Writes a recording of 5 s at 100 Hz with these displacements along x, y and z."""
     path = folder / "hand.csv"
     rows = zip(np.arange(500) / 100, *np.broadcast_arrays(*way_m), strict=True)
     path.write_text(recording_csv(*(f"{t:.2f},{x:.4f},{y:.4f},{z:.4f},1,0,0,0" for t, x, y, z in rows)))
@@ -135,13 +135,13 @@ def moving_hand(folder: Path, *way_m: np.ndarray) -> Path:
 
 
 T_S = np.arange(500) / 100
-AWAY_AND_STAYING = (1.5 * np.clip(T_S, 0, 1), 0, 0)  # five times the arm's length
+AWAY_AND_STAYING = (1.5 * np.clip(T_S, 0, 1), 0, 0)  # five times the arm's reach
 ROUND_A_LOOP = (0.8 - 0.8 * np.cos(2.5 * T_S), 0.5 * np.sin(2.5 * T_S), 0.6 * np.sin(5 * T_S))
 
 
 @pytest.mark.parametrize(("way_m", "scale"), [(AWAY_AND_STAYING, 1), (AWAY_AND_STAYING, 0.08), (ROUND_A_LOOP, 1)])
 def test_recording_out_of_reach_reports_the_largest_scale_in_reach(tmp_path, way_m, scale):
-    """At this scale the target is never out of reach; at the next larger two-digit scale it is."""
+    """At the reported scale the target is always in reach; at the next larger two-digit scale it is not."""
     recording = moving_hand(tmp_path, *way_m)
 
     def scaled(by: float) -> Run:
@@ -158,7 +158,7 @@ def test_recording_out_of_reach_reports_the_largest_scale_in_reach(tmp_path, way
 
 
 def test_recording_out_of_reach_at_every_scale_gets_no_advice(tmp_path):
-    """8 m away is beyond the arm's 0.28 m even at the smallest scale, 0.01."""
+    """A recording that moves 8 m away exceeds the arm's 0.28 m even at the smallest scale, 0.01."""
     recording = moving_hand(tmp_path, 8.0 * np.clip(T_S, 0, 1), 0, 0)
     reason = run(tmp_path / "out", "--scenario", "teleop", "--tracker", recording).summary["reason"]
     assert "target out of reach" in reason and "--scale" not in reason
@@ -188,7 +188,7 @@ def test_tracker_that_never_sends_a_pose_reports_why(tmp_path, x_m, arguments, w
     range_errors = 0 if "--dropout" in arguments else samples
     tracker = done.summary["tracker"]
     assert (tracker["samples"], tracker["lost"], tracker["range_errors"]) == (samples, samples, range_errors)
-    assert tracker["longest_gap_ms"] == pytest.approx(3000), "from the first sample to the last"
+    assert tracker["longest_gap_ms"] == pytest.approx(3000), "the whole recording is played"
 
 
 # ---- files
@@ -215,7 +215,7 @@ def test_one_folder_serves_one_run_at_a_time(tmp_path):
     finally:
         first.kill()
         first.wait()
-    assert run(out, "--duration", 2).status == EXIT_PASS, "the lock ends with its run"
+    assert run(out, "--duration", 2).status == EXIT_PASS, "the lock is released when its run ends"
 
 
 def test_folder_is_named_after_the_scenario(tmp_path):
@@ -261,8 +261,8 @@ def test_defined_task_replaces_the_scenarios_on_the_bus(tmp_path):
 
 @pytest.mark.parametrize(("scenario", "clutch_s"), [("teleop", 4.0), ("mirror", 6.5)])
 def test_clutch_takes_the_arms_current_pose(tmp_path, scenario, clutch_s):
-    """In the middle of a move the end effector lags behind its target, without prediction; the clutch sets the target
-    to its pose."""
+    """Without prediction, the end effector lags behind its target in the middle of a move. The clutch sets the target
+    to the pose of the end effector."""
     done = run(tmp_path / "out", "--scenario", scenario, "--clutch", clutch_s, "--param", "prediction=0")
     log = bus_log.read(done.log)
     command, ack = log["OperatorCommand"], log["CommandAck"]

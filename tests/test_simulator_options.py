@@ -1,4 +1,4 @@
-"""The simulator's options have their documented effect; summary.json keeps its format; both agree with the bus."""
+"""The simulator's options have their documented effects, summary.json keeps its format, and both agree with the bus."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def assert_shape(value: object, shape: object, path: str) -> None:
         for item in value:
             assert_shape(item, shape[0], f"{path}[]")
     else:
-        accepted = (int, float) if shape is float else shape  # a whole number may be written without a decimal point
+        accepted = (int, float) if shape is float else shape  # a whole number may lack the decimal point
         assert isinstance(value, accepted) and isinstance(value, bool) == (shape is bool), f"{path} is {value!r}"
 
 
@@ -64,7 +64,7 @@ def test_summary_has_the_fields_of_the_contract(tmp_path, scenario):
 
 
 def poses_of(done: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Stamp of each HandPose, and whether it contains a pose."""
+    """Returns the time stamp of each HandPose, and whether it contains a pose."""
     poses = bus_log.read(done.log)["HandPose"]
     return poses.raw("t_us"), poses.raw("valid") == 1
 
@@ -76,7 +76,7 @@ def poses_of(done: Run) -> tuple[np.ndarray, np.ndarray]:
 def test_lost_samples_match_the_bus(tmp_path, arguments):
     done = run(tmp_path / "out", "--scenario", "teleop", *arguments.split())
     stamp_us, valid = poses_of(done)
-    seen_us = np.concatenate([stamp_us[:1], stamp_us[valid], stamp_us[-1:]])  # a gap may be at either end
+    seen_us = np.concatenate([stamp_us[:1], stamp_us[valid], stamp_us[-1:]])  # so that gaps at either end count
     tracker = done.summary["tracker"]
     assert tracker["samples"] == len(stamp_us)
     assert tracker["lost"] == np.sum(~valid) > 0
@@ -94,7 +94,8 @@ def test_gap_is_at_the_requested_time(tmp_path):
 
 
 def test_dropout_is_a_probability(tmp_path):
-    """Within five standard deviations, with new draws for each seed."""
+    """The share of lost samples is within five standard deviations of the probability, and each seed has other
+    losses."""
     drawn = [poses_of(run(tmp_path / str(seed), "--dropout", 0.1, "--seed", seed))[1] for seed in (1, 2)]
     for valid in drawn:
         assert np.mean(~valid) == pytest.approx(0.1, abs=5 * np.sqrt(0.1 * 0.9 / len(valid)))
@@ -102,7 +103,7 @@ def test_dropout_is_a_probability(tmp_path):
 
 
 def hand_of(done: Run) -> np.ndarray:
-    """ODE's end effector pose, (ticks, 7)."""
+    """Returns ODE's pose of the end effector, (ticks, 7)."""
     names = done.trace.open().readline().rstrip().split(",")
     columns = [names.index(f"hand_{part}") for part in ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")]
     return np.loadtxt(done.trace, delimiter=",", skiprows=1, usecols=columns)
@@ -110,7 +111,7 @@ def hand_of(done: Run) -> np.ndarray:
 
 SILENT = ("--noise-mm", 0, "--noise-deg", 0)
 PLACES = [
-    ("0.3,1.5,0.2", "0.70710678,0.70710678,0,0", (-np.pi / 2, 0, 0)),  # the default: (9)
+    ("0.3,1.5,0.2", "0.70710678,0.70710678,0,0", (-np.pi / 2, 0, 0)),  # the default, equation (9)
     ("-2,0.5,-1", "0.70710678,0.70710678,0,0", (-np.pi / 2, 0, 0)),
     ("1.5,0,0.4", "1,0,0,0", (0, 0, 0)),
     ("2,1,1", f"{np.cos(0.35)},0,0,{np.sin(0.35)}", (0, 0, -0.7)),  # 0.7 rad about z
@@ -131,19 +132,20 @@ def test_motion_does_not_depend_on_the_trackers_position(tmp_path, scenario):
         seen_m = np.stack([seen_m[f"{axis}_m"] for axis in "xyz"], axis=1)
         markers.append(Rotation.from_quat([x, y, z, w]).apply(seen_m) + np.array(translation.split(","), float))
     for marker in markers[1:]:
-        assert np.abs(marker - markers[0]).max() < 5e-6, "the trackers are not where they should be"
-    assert np.ptp(hands[0][:, :3], axis=0).max() > 0.02, "the arm has moved"
+        assert np.abs(marker - markers[0]).max() < 5e-6, "the tracker is not at its configured pose"
+    assert np.ptp(hands[0][:, :3], axis=0).max() > 0.02, "the arm must have moved"
     for hand in hands[1:]:
         assert np.linalg.norm(hand[:, :3] - hands[0][:, :3], axis=1).max() < 1e-4
         assert np.abs(np.sum(hand[:, 3:] * hands[0][:, 3:], axis=1)).min() > np.cos(0.5 * np.radians(0.1))
 
 
-def test_latency_delays_the_motion_and_nothing_else(tmp_path):  # without prediction, which would compensate for it
+# without prediction, which would compensate for the latency
+def test_latency_delays_the_motion_and_nothing_else(tmp_path):
     early, late = (
         hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--param", "prediction=0", "--latency-ms", ms))
         for ms in (4, 24)
     )
-    moving = slice(1900, 11400)  # after the start command, up to the stop
+    moving = slice(1900, 11400)  # from after the start command to the stop
     shifted = late[20:][moving, :3] - early[:-20][moving, :3]
     assert np.linalg.norm(shifted, axis=1).max() < 1e-4
     assert np.linalg.norm(late[moving, :3] - early[moving, :3], axis=1).max() > 5e-4
@@ -181,7 +183,8 @@ def test_defined_task_reaches_the_firmware(tmp_path):
 
 
 def test_paper_law_is_sent_to_the_firmware(tmp_path):
-    """The paper's law (4): no weights, one gain, the error in the torso frame; --param may override."""
+    """The paper's law (4) has no weights, one gain, and the error in the torso frame. --param overrides these
+    values."""
     done = run(tmp_path / "out", "--scenario", "pour", "--duration", 4, "--paper-law", "--param", "gain_w_per_s=3")
     access = bus_log.read(done.log)["ParameterAccess"]
     names = access.message.get_signal_by_name("parameter").choices
@@ -192,12 +195,12 @@ def test_paper_law_is_sent_to_the_firmware(tmp_path):
 
 
 def value_of(access: bus_log.Frames) -> np.ndarray:
-    """The float32 of each ParameterAccess."""
+    """Returns the float32 value of each ParameterAccess."""
     return access.data[:, 6:10].copy().view("<f4")[:, 0]
 
 
 def test_axes_turn_the_motion(tmp_path):
-    """The recording moves along its x axis: which is torso x, or, with -yxz, torso y."""
+    """A recorded motion along x moves the hand along the torso's x axis, or with -yxz along its y axis."""
     recording = tmp_path / "hand.csv"
     path_m = 0.03 * np.sin(np.linspace(0, np.pi / 2, 200)) ** 2
     recording.write_text(recording_csv(*(f"{0.01 * i:.2f},{x:.6f},0,0,1,0,0,0" for i, x in enumerate(path_m))))

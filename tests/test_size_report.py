@@ -1,4 +1,4 @@
-"""`make size`: its figures against the toolchain's, and its message about an exceeded budget."""
+"""`make size`: its figures agree with the toolchain's, and exceeding a budget is reported."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_totals_match_the_toolchains_size(maps):
 
 
 def test_functions_are_counted_in_their_module(maps):
-    """The sizes that nm gives for the symbols of one module are in its figure."""
+    """The sizes that nm lists for the symbols of a module are part of the module's figure."""
     listing = subprocess.run(
         [IMAGES["cortex-m4f"].prefix + "nm", "-S", maps["cortex-m4f"].with_suffix(".elf")],
         capture_output=True,
@@ -57,7 +57,7 @@ def test_functions_are_counted_in_their_module(maps):
 
 
 def test_the_image_fits_a_small_cortex_m4f(maps):
-    """64 KiB of flash and 16 KiB of RAM, both stacks included."""
+    """The image fits into 64 KiB of flash and 16 KiB of RAM, which includes both stacks."""
     total = size_report.read_map(maps["cortex-m4f"]).total
     assert total.text + total.data <= 64 * 1024
     assert total.data + total.bss <= 16 * 1024

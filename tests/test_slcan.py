@@ -1,5 +1,5 @@
-"""SLCAN of the targets (hal/slcan): against python-can's implementation, against the dialect's grammar, and at its
-limits."""
+"""SLCAN of the targets (hal/slcan) agrees with python-can's implementation and with the grammar of the dialect, also at
+its limits."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from slcan_oracle import StockSlcan, read
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 SOURCES = ["hal/slcan/slcan.c", "hal/slcan/slcan_link.c"]
-RX_FRAMES = 15  # capacity of the ring, whose last place stays free
+RX_FRAMES = 15  # usable slots: the 16-slot ring always keeps one empty
 TX_BYTES = 1023
 
 
 def link_declarations() -> str:
-    """Replaces atomics by their plain types."""
+    """Returns the declarations with atomics replaced by their plain types."""
     text = declarations([REPOSITORY / "hal/slcan/slcan_link.h"], "-D_Atomic=")
-    text = re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)  # cffi does not evaluate array sizes
+    # because cffi does not evaluate array sizes
+    text = re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)
     return re.sub(r"\b(\d+)u\b", r"\1", text)
 
 
@@ -234,7 +235,7 @@ def test_a_full_transmit_ring_drops_whole_lines_and_counts_them(slcan, stock):
     assert link.counters.tx_dropped == sent.count(False)
     room = TX_BYTES - sent.count(True) * 134
     taken = link.take(133 - room)
-    assert not link.send(50, bytes(64))  # a line of 134 bytes does not fit in 133
+    assert not link.send(50, bytes(64))  # a line of 134 bytes does not fit into 133
     taken += link.take(1)
     assert link.send(51, bytes(64))
     expected = b"".join(stock.line(message(i, bytes([i]) * 64)) for i in range(sent.count(True)))

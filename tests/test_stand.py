@@ -1,4 +1,4 @@
-"""The stand's groove: it carries a rod over the stand's length, and no further."""
+"""The stand's groove carries a rod along the stand's length, but no further."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scene_bench import ALONG_Y, GRAVITY_MPS2, ROD, Scene
 
 _, lib = plant_binding.load()
 STAND_AT = np.array([0.4, 0.2, -0.05])
-ROD_AT = STAND_AT + [0, 0.02, 0.028]  # on the stand's top
+ROD_AT = STAND_AT + [0, 0.02, 0.028]  # lying on top of the stand
 HOLDER = {"start": (list(ROD_AT), (1, 0, 0, 0)), "damping_ratio": 1.0}
 
 
@@ -19,7 +19,7 @@ def on_stand() -> list[dict]:
 
 
 def lead(scene: Scene, places_m) -> None:
-    """The hand moves from the rod's start to each position in turn, half a second each."""
+    """Moves the hand from the rod's start to each position in turn, in half a second each."""
     last = np.zeros(3)
     for place in np.array(places_m):
         for n in range(1, 501):
@@ -29,7 +29,7 @@ def lead(scene: Scene, places_m) -> None:
 
 
 def test_no_groove_beyond_the_stand():
-    """Raised, drawn along its axis past the stand, and lowered: the hand carries its whole weight."""
+    """When the rod is raised, moved along its axis past the stand and lowered, the hand carries its whole weight."""
     with Scene([HOLDER], on_stand()) as scene:
         scene.step(300)
         assert scene.grip()
@@ -41,7 +41,7 @@ def test_no_groove_beyond_the_stand():
 
 @pytest.mark.parametrize(("shift_m", "falls"), [(0.03, False), (0.05, True)])
 def test_a_rod_tips_over_the_stands_edge(shift_m, falls):
-    """Released with its middle 10 mm before the edge, or 10 mm past it."""
+    """The rod is released with its middle 10 mm before the edge of the stand, or 10 mm past it."""
     with Scene([HOLDER], on_stand()) as scene:
         scene.step(100)
         assert scene.grip()

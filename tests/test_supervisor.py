@@ -1,4 +1,4 @@
-"""Modes and reasons: every transition that the header allows, and no other."""
+"""Modes and reasons: every transition listed in the header is possible, and no other."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """The images for microcontrollers: what is linked into them, and what they do in an emulator.
 
-QEMU counts instructions instead of time (-icount): a second is one of the emulated machine, whatever this machine's
-load. It shows that the start-up code, drivers and firmware work, but not cycles, jitter and electrical behaviour."""
+QEMU counts instructions instead of measuring time (-icount), so a second is one of the emulated machine, however busy
+the host is. These tests show that start-up code, drivers and firmware work. They cannot show cycles, jitter or
+electrical behaviour."""
 
 from __future__ import annotations
 
@@ -20,9 +21,10 @@ from images import IMAGES, REPOSITORY, make
 from simulation import PATIENCE_S
 from slcan_oracle import StockSlcan
 
-# 500 million instructions per second: the software floating point of rv32imac needs more than 125 million for 1 kHz.
+# 500 million instructions per second, because the software floating point of rv32imac needs more than 125 million for 1
+# kHz.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
-# Where the monitor sees the drives' enable line, and its bit. RISC-V's machine has none.
+# Address and bit at which QEMU's monitor sees the drives' enable line. The RISC-V machine has none.
 DRIVE_ENABLE = {
     "cortex-m3": (0x40028000, 0),
     "cortex-m4f": (0x40028000, 0),
@@ -39,11 +41,11 @@ def target_build():
         pytest.skip(missing.stderr.strip())
     built = make("-j2", "target")
     assert built.returncode == 0, built.stderr
-    assert built.stderr == ""  # no warning, neither the compiler's nor the linker's
+    assert built.stderr == ""  # neither the compiler nor the linker warns
     return REPOSITORY / "build" / "target"
 
 
-# One with a floating-point unit and one without; all of them by `make test-images`.
+# One image with a floating-point unit and one without. `make test-images` tests all of them.
 TESTED = list(IMAGES) if os.environ.get("ALL_IMAGES") else ["cortex-m4f", "rv32imac"]
 
 
@@ -89,7 +91,7 @@ def test_no_heap_no_stdio_no_libm_and_no_double(elf, image):
 
 
 def test_forbidden_functions_would_be_found(target_build, image, tmp_path):
-    """The same toolchain, flags and check on a program that has all of them."""
+    """The same toolchain, flags and check find all forbidden functions in a program that calls them."""
     source = tmp_path / "program.c"
     source.write_text("""
         #include <math.h>
@@ -125,7 +127,7 @@ CORE = {"cortex-m3": "7-M", "cortex-m4f": "7E-M", "cortex-m7": "7E-M", "cortex-m
 
 
 def test_each_image_is_made_for_its_processor(elf, image):
-    """As the object files say, by the ABI's addenda for Arm (tag CPU_name) and RISC-V (tag arch)."""
+    """The object files name the right processor, in the tags of the ABI: CPU_name on Arm, arch on RISC-V."""
     told = subprocess.run(
         [IMAGES[image].prefix + "readelf", "-A", str(elf)], check=True, capture_output=True, text=True
     ).stdout
@@ -152,7 +154,8 @@ def test_a_board_is_one_image_and_an_unknown_one_is_refused(target_build):
 
 
 def until_prompt(connection: socket.socket) -> str:
-    """What the monitor says until it waits again: what is under way when it quits may be lost."""
+    """Returns what QEMU's monitor prints up to its next prompt. Waiting for the prompt matters, because output may be
+    lost if QEMU quits earlier."""
     said = ""
     while not said.endswith("(qemu) "):
         said += connection.recv(1 << 16).decode()
@@ -160,7 +163,8 @@ def until_prompt(connection: socket.socket) -> str:
 
 
 def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monitor: str = "") -> tuple[str, str]:
-    """Boots the image and sends it the commands. Returns its output once done(output) holds, and the monitor's."""
+    """Boots the image and sends it the commands. Once done(output) holds, returns the output, and what QEMU's monitor
+    printed."""
     if shutil.which(IMAGES[image].emulator[0]) is None:
         pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     serial, console, monitor_socket = folder / "serial", folder / "commands", folder / "monitor"
@@ -187,7 +191,7 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
                 answer += until_prompt(connection)
                 connection.sendall(command.encode())
             while connection.recv(1 << 16):
-                pass  # until it has quit
+                pass  # wait until QEMU has quit
         emulator.wait(PATIENCE_S)
         return serial.read_bytes().decode(), answer
     finally:
@@ -196,7 +200,8 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
 
 
 def decoded(dbc, text: str) -> list[tuple[str, dict]]:
-    """Every line as a message: SLCAN by python-can, the frame by cantools, its protection by autosar-e2e."""
+    """Decodes every line to a message: SLCAN with python-can, the frame with cantools; checks the protection with
+    autosar-e2e."""
     stock = StockSlcan()
     messages, counters = [], {}
     for line in text.split("\r")[:-1]:
@@ -216,7 +221,7 @@ def decoded(dbc, text: str) -> list[tuple[str, dict]]:
 
 @pytest.fixture(scope="module")
 def first_second(tmp_path_factory):
-    """What an image sends until its 1000th JointCmd, that is in the first 1000 ticks."""
+    """Returns what an image sends up to its 1000th JointCmd, which is in the 1000th tick."""
     sent = {}
 
     def boot(image: str, elf: Path) -> str:
@@ -237,15 +242,15 @@ def test_boot_announcement(first_second, image, elf, dbc):
     (identity,) = received["FirmwareIdentity"]
     assert str(identity["arm"]) == "hoap3_right" and identity["joint_count"] == 4
     assert [p["parameter"].value for p in received["ParameterValue"]] == list(range(identity["parameter_count"]))
-    assert len(received["FirmwareStatus"]) == 500  # every 2 ms
+    assert len(received["FirmwareStatus"]) == 500  # one every 2 ms
     assert {str(status["mode"]) for status in received["FirmwareStatus"]} == {"idle"}
     states = [str(heartbeat["state"]) for heartbeat in received["FirmwareHeartbeat"]]
     assert states[0] == "boot_up" and set(states[1:]) == {"pre_operational"} and 10 <= len(states) <= 11
-    for command in received["JointCmd"]:  # nobody is there: nothing may move
+    for command in received["JointCmd"]:  # no drive answers, so nothing may move
         assert {str(command[f"mode_{joint}"]) for joint in range(8)} == {"brake"}
         assert {command[f"velocity_{joint}_radps"] for joint in range(8)} == {0}
     ticks = [trace["now_us"] for trace in received["TickTrace"]]
-    assert ticks == list(range(1000, 1_000_000, 1000))  # none missed in the second
+    assert ticks == list(range(1000, 1_000_000, 1000))  # no tick of the second was missed
 
 
 def test_all_images_send_the_same_bytes(first_second, target_build):
@@ -257,7 +262,7 @@ def test_all_images_send_the_same_bytes(first_second, target_build):
 
 
 def protected(dbc, name: str, values: dict) -> bytes:
-    """A frame as the operator sends it, as a line."""
+    """Returns the line of a protected frame from the operator."""
     message = dbc.get_message_by_name(name)
     data = bytearray(message.encode({"e2e_crc": 0, "e2e_counter": 0, **values}, padding=False))
     e2e.p05.e2e_p05_protect(data, message.dbc.attributes["E2EDataId"].value)
@@ -281,7 +286,7 @@ def test_commands_are_received_between_malformed_lines(image, elf, dbc, tmp_path
     assert (str(ack["command"]), ack["sequence"], str(ack["result"])) == ("select", 78, "accepted")
     status = [data for name, data in messages if name == "FirmwareStatus"][-1]
     assert str(status["task"]) == "mirror"
-    assert status["rejected_frames"] == 0  # malformed lines never became frames
+    assert status["rejected_frames"] == 0  # malformed lines never become frames
 
 
 with_enable_line = pytest.mark.parametrize("image", [image for image in DRIVE_ENABLE if image in TESTED])
@@ -337,7 +342,8 @@ PLANTED = """
 
 
 def planted(image: str, folder: Path, statement: str) -> Path:
-    """An image of the port with, instead of the firmware, a loop that sends its time and does this at 50 ms."""
+    """Builds an image of the port in which the firmware is replaced by a loop that sends its time, and executes this
+    statement at 50 ms."""
     source = folder / "planted.c"
     source.write_text(PLANTED.replace("STATEMENT", statement).replace("HERE", str(REPOSITORY)))
     built = make(f"target-{image}", "CORE_SOURCES=", f"TARGET_MAIN={source}", f"TARGET_BUILD={folder}/build")
@@ -350,7 +356,7 @@ def ticks_us(text: str) -> list[int]:
 
 
 def busy(milliseconds: int) -> str:
-    """Two instructions, of 2 ns each, per round."""
+    """Returns a statement that spins this long: two instructions of 2 ns each per round."""
     return f"spin({milliseconds * 250_000}ul)"
 
 
@@ -367,7 +373,7 @@ FAULTS = {
 
 
 def show_drive_enable(image: str) -> str:
-    """For the monitor."""
+    """Returns the command by which QEMU's monitor prints the register of the enable line."""
     return f"x /1wx {DRIVE_ENABLE[image][0]:#x}\n" if image in DRIVE_ENABLE else ""
 
 
@@ -398,7 +404,8 @@ def test_a_failing_firmware_ends_in_the_safe_state_and_says_why(image, target_bu
     frames, cause = text.split("\r#panic: ")
     assert cause.removesuffix("\r") in causes
     ticks = ticks_us(frames)
-    assert ticks[-1] in (49000, 50000) and ticks[0] == 1000  # the last line may be cut short: the panic does not wait
+    # the panic does not wait for the transmission, so the last line may be cut short
+    assert ticks[-1] in (49000, 50000) and ticks[0] == 1000
     assert drives_enabled(image, answer) in (False, None)
 
 
@@ -422,7 +429,7 @@ PORT_FAULTS = """
 
 
 def test_the_port_counts_its_faults(image, target_build, tmp_path):
-    """200 frames and 8 ms in one tick, and two malformed lines."""
+    """The port counts the faults of 200 frames and 8 ms in one tick, and of two malformed lines."""
     elf = planted(image, tmp_path, PORT_FAULTS)
     text, _ = run(
         image, elf, tmp_path, lambda t: re.search("b1249.*\r", t) is not None, b"garbage\rb2019" + b"0" * 5 + b"\r"
@@ -431,16 +438,16 @@ def test_the_port_counts_its_faults(image, target_build, tmp_path):
     data = bytes.fromhex(re.search("b1249([0-9A-F]{24})\r", text)[1])
     refused, lost, missed, longest_us, bus_off = struct.unpack("<5H", data[:10])
     ticks = ticks_us(text)
-    assert ticks.count(50000) == 1 + 200 - refused  # one by the loop itself
-    assert refused in (127, 128)  # 1,023 bytes hold 73 lines of 14 bytes, one of them perhaps that of the loop
+    assert ticks.count(50000) == 1 + 200 - refused  # the loop itself sends one
+    assert refused in (127, 128)  # 1,023 bytes hold 73 lines of 14 bytes, one of which may be the loop's own
     assert lost == 2
     resumed = 50000 + 1000 * (missed + 1)
     assert resumed in (57000, 58000, 59000) and 8000 <= longest_us < 9500
-    assert bus_off == 65535  # unknown
+    assert bus_off == 65535  # not known to this port
 
 
 def test_ticks_missed_are_not_made_up_for(image, target_build, tmp_path):
-    """8 ms are within the watchdog's 10 ms."""
+    """Missed ticks are skipped when the firmware takes 8 ms, which the watchdog, set to 10 ms, allows."""
     text, _ = run(image, planted(image, tmp_path, busy(8)), tmp_path, lambda t: t.count("\r") > 80)
     assert "#panic" not in text
     ticks = ticks_us(text)

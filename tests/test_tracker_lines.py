@@ -1,5 +1,5 @@
-"""`comanip tracker --stdin`: poses from text to protected frames; against scipy, cantools, autosar-e2e and the C
-core."""
+"""`comanip tracker --stdin` turns lines of text into protected frames with poses. Checked against scipy, cantools,
+autosar-e2e and the C core."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_any_line_is_a_pose_or_nothing_or_a_value_error(line):
 
 
 def publish(monkeypatch, capsys, lines: list[str], *options: str) -> tuple[int, str, list[can.Message]]:
-    """Exit status, standard error, and the messages on the bus."""
+    """Returns exit status, standard error, and the messages on the bus."""
     monkeypatch.setattr(sys, "stdin", io.StringIO("".join(line + "\n" for line in lines)))
     with can.Bus(interface="virtual", channel="tracker-test", fd=True) as bus:
         status, out, err = call_here(
@@ -149,7 +149,7 @@ def test_each_pose_is_a_frame(monkeypatch, capsys, rng):
     points = rng.uniform(-3, 3, (200, 3))
     lines = [
         csv(4294.9 + 0.005 * i, *points[i], *np.roll(turns[i].as_quat(), 1)) for i in range(200)
-    ]  # the clock wraps
+    ]  # the 32-bit clock wraps within these times
     status, err, messages = publish(monkeypatch, capsys, lines)
     assert (status, err) == (0, "200 poses sent, 0 lost, 0 of them out of the signals' range\n")
     poses = signals(messages, "HandPose")

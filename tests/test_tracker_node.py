@@ -1,4 +1,5 @@
-"""The simulated tracker on the bus: frames decoded with cantools and autosar-e2e, poses against scipy."""
+"""The simulated tracker on the bus: its frames are decoded with cantools and autosar-e2e, its poses compared with
+scipy."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ def rotation(wxyz) -> Rotation:
 
 
 def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), start_s=0.5, start=(0.2, -0.1, 0.1)):
-    """A move of 1 s: the pose at a time, and whether the tracker can see it."""
+    """Returns a motion for play(): a move of 1 s that sets the pose at a time, and returns that the tracker can see
+    it."""
     path = ffi.new("hand_path_t *")
     turn = Rotation.from_rotvec(turn_rad).as_quat(scalar_first=True).tolist()
     first = ffi.new("rigid_pose_t *", {"position_m": start, "rotation": [1, 0, 0, 0]})
@@ -48,8 +50,8 @@ def quiet(**changes):
 
 
 def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
-    """All frames in order: (kind, end_ns, decoded signals), and the statistics. The hand's pose is known at each tick
-    that has started."""
+    """Returns poses, statuses and statistics of a run, each frame with its end on the bus in ns. The hand's pose is
+    known for each tick that has started."""
     frames = []
 
     @ffi.callback("bus_handler_t")
@@ -103,7 +105,7 @@ def test_marker_is_measured_in_the_mounted_trackers_frame(dbc):
 
 
 def test_default_mount_is_the_papers(dbc):
-    """(9): q_Tv^E = q(x, -pi/2) rotates the tracker's axes back to the torso's."""
+    """In equation (9), q_Tv^E = q(x, -pi/2) rotates the tracker's axes back to the torso's."""
     poses, *_ = play(dbc, legs(), quiet(), duration_s=2)
     position_m, _ = vectors(poses)
     moved_m = Rotation.from_euler("x", 90, degrees=True).apply(position_m[-1] - position_m[0])
@@ -111,12 +113,12 @@ def test_default_mount_is_the_papers(dbc):
 
 
 def test_stamps_latency_and_status(dbc):
-    start_us = 2**32 - 700_000  # wraps in the run
+    start_us = 2**32 - 700_000  # so that the clock wraps during the run
     poses, status, _ = play(dbc, legs(), quiet(rate_hz=125, latency_s=0.0123, clock_start_us=start_us))
     measured_us = np.arange(len(poses)) * 8000
     assert [pose["t_us"] for _, pose in poses] == [(start_us + int(t)) % 2**32 for t in measured_us]
     after_ready_us = np.array([end_ns for end_ns, _ in poses]) / 1000 - (measured_us + 12_300)
-    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "its duration, after at most one other frame"
+    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "its own duration, after at most one other frame"
     assert [round((end_ns - 100_000) / 1e7) for end_ns, _ in status] == [2 * i for i in range(100)], "every 20 ms"
     assert {(s["period_us"], s["latency_us"], s["fault"]) for _, s in status} == {(8000, 12300, 0)}
 
@@ -140,15 +142,17 @@ def test_hand_out_of_sight_is_invalid(dbc):
     poses, *_ = play(dbc, motion, quiet())
     invalid_us = [pose["t_us"] for _, pose in poses if not pose["valid"]]
     assert invalid_us == list(range(908_000, 1_094_000, 4000))
-    between, *_ = play(dbc, motion, quiet(rate_hz=160, latency_s=0.01))  # 6.25 ms: one neighbour out of sight is enough
+    # at a period of 6.25 ms, samples fall between ticks, and one hidden neighbour is enough
+    between, *_ = play(dbc, motion, quiet(rate_hz=160, latency_s=0.01))
     invalid_us = [pose["t_us"] for _, pose in between if not pose["valid"]]
     assert invalid_us == [t for t in range(0, 1_990_000, 6250) if 906_000 < t < 1_094_000]
 
 
 @pytest.mark.parametrize("latency_s", [0.0, 0.0005, 0.5])
 def test_hand_is_measured_between_the_ticks(dbc, latency_s):
-    """333 Hz fall between ticks of 1 ms: interpolated, and without latency extrapolated for less than a tick. Either
-    error is at most f'' h^2 for a displacement f: 5.8 m/s^2 times (1 ms)^2, plus half a micrometre of the frame."""
+    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated, or without latency extrapolated by less than
+    a tick. Either error is at most f'' h^2 for a displacement f, with h = 1 ms, plus half a micrometre of
+    resolution."""
     poses, *_ = play(
         dbc,
         legs(turn_rad=(0, 0, 0)),
@@ -158,7 +162,7 @@ def test_hand_is_measured_between_the_ticks(dbc, latency_s):
     t = np.round(np.arange(len(poses)) * 1e9 / 333) * 1e-9
     x = np.clip(t - 0.5, 0, 1)[:, None]
     expected_m = np.array([0.2, -0.1, 0.1]) + (10 * x**3 - 15 * x**4 + 6 * x**5) * np.array([0.1, -0.2, 0.3])
-    # peak of f'': 10 / sqrt(3) per s^2 and unit of displacement
+    # peak of f'': 10 / sqrt(3) per s^2 for a displacement of 1
     largest_m = 10 / np.sqrt(3) * np.array([0.1, 0.2, 0.3]) * 1e-6
     assert (np.abs(position_m - expected_m) < largest_m + 0.6e-6).all()
     assert len(poses) == len([k for k in range(700) if k / 333 + latency_s < 2])
@@ -171,14 +175,14 @@ def test_history_covers_the_longest_latency_and_no_more():
     for tick in range(100, 3000):
         pose.position_m = [tick, 0, 0]
         sign, half_rad = (-1.0) ** tick, 0.0005 * tick
-        pose.rotation = [sign * np.cos(half_rad), 0, 0, sign * np.sin(half_rad)]  # 1 mrad per tick, with any sign
+        pose.rotation = [sign * np.cos(half_rad), 0, 0, sign * np.sin(half_rad)]  # 1 mrad per tick, with either sign
         lib.hand_history_push(history, tick * TICK_NS, pose, True)
 
     def at(time_ms):
         return lib.hand_history_sample(history, round(time_ms * TICK_NS), pose) and pose.position_m[0]
 
     assert [at(t) for t in (2400, 2500.25, 2999, 2999.5, 3000)] == pytest.approx([2400, 2500.25, 2999, 2999.5, 3000])
-    assert at(3500) == pytest.approx(3000), "extrapolated for one tick at most"
+    assert at(3500) == pytest.approx(3000), "extrapolated by one tick at most"
     assert at(2500.25) and (rotation(list(pose.rotation)) * Rotation.from_rotvec([0, 0, -2.50025])).magnitude() < 1e-9
     assert at(2000) is False and at(99) is False
 
@@ -194,14 +198,14 @@ def test_dropouts_have_their_rate_and_change_no_other_sample(dbc):
 
 
 def test_out_of_range_is_invalid_and_counted(dbc):
-    """24 bits of micrometres end at 8.388607 m."""
+    """Positions of 24 bits in micrometres end at 8.388607 m."""
     motion = legs(displacement_m=(20, 0, 0), turn_rad=(0, 0, 0), start=(0, 0, 0), start_s=0)
     poses, status, statistics = play(dbc, motion, quiet(mount_translation_m=[0, 0, 0]))
     x = np.clip(np.arange(len(poses)) / 250, 0, 1)
     beyond = 20 * (10 * x**3 - 15 * x**4 + 6 * x**5) > 8.3886075
     assert [not pose["valid"] for _, pose in poses] == beyond.tolist()
     assert statistics.range_errors == statistics.lost == beyond.sum()
-    # The last status is due at 1.98 s, and so is the pose measured 4 ms before.
+    # The last status is due at 1.98 s. It counts the pose measured 4 ms earlier, which is due at the same time.
     assert status[-1][1]["range_errors"] == np.count_nonzero(beyond[: 1976 // 4 + 1])
 
 
@@ -247,7 +251,7 @@ def test_wrong_options_are_named(change, message):
 
 
 def test_generator_is_sfc64():
-    """numpy has the same generator; its state is a, b, c, counter."""
+    """numpy has the same generator, with the state a, b, c, counter."""
     generator = ffi.new("random_t *")
     lib.random_init(generator, 42, b"name")
     reference = np.random.SFC64()

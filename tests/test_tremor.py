@@ -1,4 +1,4 @@
-"""Tremor of the simulated hands: its spectrum and amplitude, compared with the amplitude of recorded hands."""
+"""Tremor of the simulated hands: its spectrum, and its amplitude compared with that of recorded hands."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ ffi, lib = load()
 
 RECORDINGS = Path(__file__).resolve().parents[2] / "shared" / "data" / "hand_motion"
 HANDS = ("dfki_pillow_grasp", "ethz_handheld1", "kth_ho_sample_giver", "kth_ho_sample_taker")
-DEFAULT_MM = 0.1  # default of a scenario
+DEFAULT_MM = 0.1  # the default in a scenario
 
 
 def sample(rms_m: float, times_s: np.ndarray, seed: int = 1, name: bytes = b"person") -> np.ndarray:
-    """Displacement [m], one row per time."""
+    """Returns the displacement [m], one row per time."""
     tremor, displacement_m = ffi.new("tremor_t *"), ffi.new("double[3]")
     lib.tremor_init(tremor, rms_m, seed, name)
     rows = []
@@ -27,7 +27,7 @@ def sample(rms_m: float, times_s: np.ndarray, seed: int = 1, name: bytes = b"per
 
 
 def band_rms(displacement: np.ndarray, interval_s: float, low_hz: float, high_hz: float) -> float:
-    """RMS over all axes within the band, through a Hann window; in the unit of the displacement."""
+    """Returns the RMS over all axes within the band, through a Hann window, in the unit of the displacement."""
     count = len(displacement)
     window = np.hanning(count)[:, None]
     power = np.abs(np.fft.rfft(displacement * window, axis=0)) ** 2
@@ -41,12 +41,12 @@ def test_amplitude_and_band():
     tremor_m = sample(1e-4, times_s)
     rms_m = np.sqrt((tremor_m**2).sum(axis=1).mean())
     assert rms_m == pytest.approx(1e-4, rel=0.02)
-    assert band_rms(tremor_m, 0.005, 7.9, 12.1) == pytest.approx(rms_m, rel=0.03), "nothing outside the band"
+    assert band_rms(tremor_m, 0.005, 7.9, 12.1) == pytest.approx(rms_m, rel=0.03), "there is nothing outside the band"
     np.testing.assert_allclose(np.sqrt((tremor_m**2).mean(axis=0)), 1e-4 / np.sqrt(3), rtol=0.05)
 
 
 def test_it_starts_at_rest_and_is_smooth():
-    """No velocity above that of 18 sines of 12 Hz in phase, no jump at the start."""
+    """The velocity never exceeds that of 18 sines of 12 Hz in phase, and there is no jump at the start."""
     tremor_m = sample(1e-4, np.arange(0, 2, 0.001))
     largest_m = 1e-4 * np.sqrt(2 / 18) * 6
     assert np.abs(tremor_m[0]).max() == 0
@@ -63,8 +63,8 @@ def test_seed_and_person_decide_it():
 
 
 def rest_rms_mm(path: Path) -> np.ndarray:
-    """RMS in 8 to 12 Hz, all axes together, of each stretch of 0.5 s in which the hand moves less than 10 mm. A cubic
-    fit removes the move. Stretches overlap by three quarters."""
+    """Returns the RMS from 8 to 12 Hz, over all axes, of each stretch of 0.5 s in which the hand moves less than 10 mm.
+    A cubic fit removes the slow motion. Neighbouring stretches overlap by three quarters."""
     rows = np.loadtxt(path, delimiter=",", skiprows=1)
     interval_s = np.median(np.diff(rows[:, 0]))
     count = round(0.5 / interval_s)
@@ -81,7 +81,7 @@ def rest_rms_mm(path: Path) -> np.ndarray:
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="the recordings are not available")
 def test_default_is_within_the_range_of_recorded_hands():
-    """Hands nearly at rest, recorded with markers; the numbers include their noise."""
+    """The recorded hands are nearly at rest and carry markers, so their numbers include the noise of the markers."""
     rms_mm = {name: rest_rms_mm(RECORDINGS / f"{name}.csv") for name in HANDS}
     for name, values in rms_mm.items():
         low, middle, high = values.min(), np.median(values), values.max()

@@ -1,4 +1,4 @@
-"""The firmware's own sine and cosine against numpy in double precision."""
+"""The firmware's own sine and cosine agree with numpy in double precision."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from comanip._core import lib
 
-ERROR_BOUND = 1.2e-7  # as in trigonometry.h
+ERROR_BOUND = 1.2e-7  # the same as in trigonometry.h
 
 
 def sine_cosine(angle: float) -> tuple[float, float]:
@@ -15,8 +15,8 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 
 def angles(rng) -> np.ndarray:
-    """Random angles over the whole range, and the neighbours of every octant's border, where the reduction switches;
-    the first border is pi/2, where it starts."""
+    """Returns random angles over the whole range, and angles next to the border of every octant, where the reduction
+    switches."""
     limit = np.float32(lib.TRIGONOMETRY_MAX_RAD)
     borders = np.arange(-81, 82) * (np.pi / 4)
     near = [(borders + offset).astype(np.float32) for offset in (0, 1e-7, -1e-7, 1e-6, -1e-6, 1e-5, -1e-5)]

@@ -1,5 +1,5 @@
-"""Firmware and plant as two processes on one bus: they cooperate as in the simulator, lose each other and find each
-other again, but move only after an explicit re-arm."""
+"""Firmware and plant, as two processes on one bus, cooperate as they do in the simulator. They lose contact and find
+each other again, but move only after an explicit re-arm."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ NAMES_A_LOSS = {"drive_silent", "drive_error"}
 
 @pytest.fixture(scope="module")
 def waving(tmp_path_factory) -> str:
-    """A scenario in which the hand moves all the time. Its operator starts so late that the test operates instead."""
+    """Writes a scenario in which the hand moves all the time. Its operator starts so late that the test can operate
+    instead."""
     text = PLAIN.read_text()
     to_and_fro = [f"      - {{do: move, to_m: [{0.03 * (i % 2)}, 0, 0], duration_s: 0.5}}\n" for i in range(38)]
     before, rest = text.split("    program:\n")
@@ -60,14 +61,14 @@ def either_bus(tmp_path, request):
 
 
 def begin(bus: Bus, scenario: str, *options: object) -> tuple[subprocess.Popen, subprocess.Popen]:
-    """Plant first, then firmware, so that the plant's log begins with the firmware's boot."""
+    """Starts the plant before the firmware, so that the plant's log begins with the firmware's boot."""
     plant = bus.plant("--scenario", scenario, *options)
     bus.wait(lambda: "waits for the firmware" in bus.output("plant.out") or plant.poll() is not None, "the plant")
     return plant, bus.firmware()
 
 
 def cooperate(bus: Bus) -> None:
-    """Until the arm cooperates and moves. A start spoilt by a busy machine is repeated."""
+    """Waits until the arm cooperates and moves. A start that a busy machine has spoilt is repeated."""
     bus.wait_mode("ready", "fault", start=len(bus.frames))
     while True:
         rearm(bus)
@@ -82,7 +83,7 @@ def moves(bus: Bus, start: int) -> bool:
 
 
 def rearm(bus: Bus) -> None:
-    """The user's action: stop, which clears a fault, then start."""
+    """Re-arms as a user does: stop, which clears a fault, then start."""
     result = ""
     while result != "accepted":
         bus.wait(lambda: bus.command("stop") == "accepted", "the fault's cause is gone")
@@ -92,7 +93,7 @@ def rearm(bus: Bus) -> None:
 
 
 def require_standstill(bus: Bus, start: int) -> None:
-    """From there on the brakes are closed, and no joint turns by more than the encoder's noise."""
+    """Checks that from there on the brakes are closed and no joint turns by more than the encoder's noise."""
     for joint in range(JOINTS):
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         assert states
@@ -106,7 +107,7 @@ def require_standstill(bus: Bus, start: int) -> None:
 
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def together(tmp_path_factory, request):
-    """A complete run: its folder, the frames seen by the tap, and the processes' output."""
+    """Returns a complete run: its folder, the frames that the tap recorded, and the output of both processes."""
     for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("together")
         with Bus(folder, SLOW << attempt, request.param) as bus_:
@@ -116,8 +117,8 @@ def together(tmp_path_factory, request):
 
 
 def run_to_end(bus: Bus, duration_s: float) -> int:
-    """A run on a bus that the firmware joins and leaves. Checks that the firmware's exit status is 0; returns the
-    plant's."""
+    """Runs the plant on a bus that the firmware joins and leaves. Checks that the firmware's exit status is 0, and
+    returns that of the plant."""
     plant, firmware = begin(bus, str(PLAIN), "--duration", duration_s)
     bus.wait(lambda: plant.poll() is not None, "the plant's end")
     firmware.send_signal(signal.SIGTERM)
@@ -133,7 +134,7 @@ def test_the_arm_follows_as_in_the_simulator(together):
     assert summary["real_time"]["slow"] in [SLOW << attempt for attempt in range(ATTEMPTS)]
     modes = [change["mode"] for change in summary["modes"]]
     after = modes[modes.index("cooperating") + 1 :]
-    # a new reason is logged if a busy machine makes the drives appear silent for a moment
+    # a busy machine may make the drives appear silent for a moment, which logs a new reason but no new mode
     assert set(after) == {"ready"}
     assert "forward" in {check["name"] for check in summary["checks"]}, "the hand's displacement is judged"
 
@@ -156,7 +157,8 @@ def test_each_process_names_its_bus(together):
 
 
 def test_the_plants_log_matches_the_bus(together):
-    """In bus order where the kernel sends the plant its own frames back; otherwise each sender's are in order."""
+    """If the kernel returns the plant's own frames, the log is in bus order. Otherwise the frames of each id are in
+    order."""
     folder, seen, _, _ = together
     logged = [(frame.frame_id, frame.data) for frame in logged_frames(folder / "plant" / "bus.log")]
     tapped = [(frame.frame_id, frame.data) for frame in seen]
@@ -195,7 +197,8 @@ def test_the_plants_log_replays_byte_for_byte(together):
 
 
 def test_firmware_paused(either_bus, waving):
-    """The drives brake on their own; the resumed firmware reports the cause and moves nothing."""
+    """When the firmware is paused, the drives brake on their own. When it resumes, it reports the cause and moves
+    nothing."""
     bus = either_bus
     _, firmware = begin(bus, waving, "--duration", 110)
     cooperate(bus)
@@ -226,8 +229,8 @@ def test_firmware_killed_and_started_again(either_bus, waving):
     again = len(bus.frames)
     bus.firmware("firmware_again")
     bus.wait_mode("ready", start=again)
-    assert bus.since(again, "FirmwareIdentity"), "it announces itself"
-    assert {mode for mode, _ in bus.statuses_for(0.1)} == {"ready"}, "it does not start by itself"
+    assert bus.since(again, "FirmwareIdentity"), "the firmware announces itself"
+    assert {mode for mode, _ in bus.statuses_for(0.1)} == {"ready"}, "the cooperation does not start by itself"
     cooperate(bus)
 
 
@@ -251,16 +254,16 @@ def test_plant_killed_and_started_again(either_bus, waving):
     plant.kill()
     plant.wait()
     require_stop_of_the_commands(bus, start)
-    # the fault remains while the new tracker clock is learnt
+    # the fault remains while the clock of the new tracker is learnt
     assert {mode for mode, _ in bus.statuses_for(1.2)} == {"fault"}
     bus.plant("--scenario", waving, "--duration", 110, name="plant_again")
     bus.wait(lambda: is_answered(bus), "the drives answer again")
-    assert bus.status()[0] == "fault", "it stays latched"
+    assert bus.status()[0] == "fault", "the fault stays latched"
     cooperate(bus)
 
 
 def require_latched_fault(bus: Bus) -> None:
-    """The fault stays latched, the arm rests, and the operator can start again."""
+    """Checks that the fault stays latched, that the arm rests, and that the operator can start again."""
     assert set(bus.statuses_for(0.1)) == {("fault", bus.status()[1])}
     start = len(bus.frames)
     bus.statuses_for(0.05)
@@ -269,7 +272,7 @@ def require_latched_fault(bus: Bus) -> None:
 
 
 def pause_frames(bus: Bus) -> float:
-    """Count of a frame that is sent in each tick."""
+    """Returns how many times a once-per-tick frame is due during the pause."""
     return 1000 * PAUSE_S / bus.message("JointState0").cycle_time
 
 
@@ -283,17 +286,18 @@ def is_answered(bus: Bus) -> bool:
 
 
 def require_brake_after_timeout(bus: Bus, start: int) -> None:
-    """Each drive reports the missing commands, with its brake closed."""
+    """Checks that each drive closes its brake and reports that commands are missing."""
     for joint in range(JOINTS):
         bus.wait(lambda joint=joint: len(bus.since(start, f"JointState{joint}")) > 15, "JointState")
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         late = [state for state in states if str(state["error"]) == "command_timeout"]
         assert len(late) > 1
-        assert {str(state["mode"]) for state in late[1:]} == {"brake"}  # the first one reports the state found
+        # the first one still reports the mode before the timeout
+        assert {str(state["mode"]) for state in late[1:]} == {"brake"}
 
 
 def require_stop_of_the_commands(bus: Bus, start: int) -> None:
-    """The firmware names the cause; its commands ramp down at the allowed deceleration and then command the brake."""
+    """Checks that the firmware reports the cause, and that its commands ramp down and then close the brakes."""
     bus.wait_mode("fault", start=start)
     assert bus.status()[1] in NAMES_A_LOSS
     faulted = next(
@@ -308,7 +312,7 @@ def require_stop_of_the_commands(bus: Bus, start: int) -> None:
     speed = [
         max(abs(command[f"velocity_{i}_radps"]) for i in range(JOINTS)) for command in bus.commands(faulted, JOINTS)
     ]
-    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "slower and slower"
+    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "the speed never rises"
     assert speed[-1] == 0
 
 
@@ -343,8 +347,8 @@ def test_malformed_packets_are_ignored(bus):
     assert bus.command("select") == "accepted"
     process.send_signal(signal.SIGTERM)
     assert process.wait() == 0
-    assert "foreign" not in bus.output("firmware.err"), "the hub passes none of them on"
-    assert bus.output("hub.err"), "and reports it"
+    assert "foreign" not in bus.output("firmware.err"), "the hub forwards none of them"
+    assert bus.output("hub.err"), "the hub reports them"
 
 
 @pytest.mark.parametrize("program", [FIRMWARE, PLANT])
@@ -367,7 +371,7 @@ def test_a_hub_in_a_folder_that_others_may_write_to_is_not_trusted(tmp_path, pro
 
 
 def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
-    """The port with a test firmware that stops looping: the process ends and reports why."""
+    """A test firmware that stops looping is linked to the port: its process ends and reports why."""
     main = tmp_path / "hanging.c"
     main.write_text(
         '#include "hal/hal.h"\n#include "firmware/main.h"\n'

@@ -1,4 +1,5 @@
-"""Water particles and cups against analytic physics: fall, momentum, energy, tilted surface, shaken and poured cups."""
+"""Water particles and cups agree with analytic physics: free fall, momentum, energy, and tilted, shaken and poured
+cups."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ UPRIGHT = Rotation.identity()
 
 
 class Water:
-    """One water_body_t: cup 0 at START_M, cup 1 (if any) at glass_m. ``step`` moves cup 0."""
+    """One water_body_t with cup 0 at START_M and, optionally, cup 1 at glass_m. ``step`` moves cup 0."""
 
     def __init__(self, ffi, lib, body, pose):
         self.ffi, self.lib, self.body, self.pose = ffi, lib, body, pose
@@ -43,7 +44,7 @@ class Water:
         return c
 
     def positions(self) -> np.ndarray:
-        """(n, 3), m."""
+        """Returns the particles' positions, (n, 3), in m."""
         for i in range(self.count):
             self.lib.water_particle(self.body, i, self.ffi.from_buffer("double[]", self._buffer[i]))
         return self._buffer.copy()
@@ -75,7 +76,7 @@ def water_in(cup, particles, glass=None, glass_m=(0.0, 0.0, 0.0), radius_m=RADIU
 
 
 def tilt(degrees, direction_rad=0.0):
-    """Opens towards (cos, sin) of the direction."""
+    """Returns the rotation of a cup that tilts its opening towards (cos, sin) of the direction."""
     axis = np.array([-np.sin(direction_rad), np.cos(direction_rad), 0.0])
     return Rotation.from_rotvec(np.radians(degrees) * axis)
 
@@ -90,7 +91,8 @@ def pour(water, degrees, direction_rad=0.0, tilt_s=2.0, hold_s=1.0, step_s=TICK_
 
 
 def shell_distance(cup, points) -> np.ndarray:
-    """(n,), distance from the shell's surface, by 40000 samples of its centre line in each point's half-plane."""
+    """Returns the distance of each point from the shell's surface, (n,), by 40000 samples of the shell's centre line in
+    the half-plane of the point."""
     half = cup["wall_m"] / 2
     outer = cup["radius_m"] + half
     t = np.linspace(0.0, 1.0, 20000)
@@ -102,7 +104,8 @@ def shell_distance(cup, points) -> np.ndarray:
 
 
 def test_contacts_with_the_cups_shell():
-    """Deepest contact = sampled distance; the point lies on the shell, the normal points from it to the centre."""
+    """The deepest contact matches the sampled distance. Each contact point lies on the shell, and its normal points
+    from there to the particle's centre."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     points = np.random.default_rng(1).uniform([-0.035, -0.035, -0.012], [0.035, 0.035, 0.055], (250, 3))
@@ -122,8 +125,8 @@ def test_contacts_with_the_cups_shell():
 
 
 def test_inner_size_matches_the_cup():
-    """A sphere that just fits between axis and wall, and one on the bottom, touch with depth 0; in the corner both
-    do."""
+    """A sphere that just fits between axis and wall, or just above the bottom, does not touch. In the corner, 0.1 mm
+    closer, both contacts are 0.1 mm deep."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     assert lib.cup_touch(cup, [0.0199, 0.0, 0.0051], RADIUS_M, contact) == 0
@@ -134,14 +137,15 @@ def test_inner_size_matches_the_cup():
 @pytest.mark.parametrize(
     ("rho_mm", "z_mm", "inside", "left"),
     [
-        (0, 20, True, False), (25, 45, True, False), (25.1, 20, False, False),  # in the wall, still in
-        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: below the rim, and on it
+        # on the axis; half in the wall, which is inside; too far in the wall
+        (0, 20, True, False), (25, 45, True, False), (25.1, 20, False, False),
+        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: below the rim and above it
         (0, 56.9, False, False), (0, 57.1, False, True), (0, -11.9, False, False), (0, -12.1, False, True),
         (33, 53, False, False), (34, 54, False, True),  # 11.3 and 12.7 mm from the edge of the opening
     ],
 )  # fmt: skip
 def test_particle_inside_and_left(rho_mm, z_mm, inside, left):
-    """Diameter and wall are 12 mm."""
+    """In this cup, a particle's diameter plus the wall is 12 mm."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", CUP)
     for angle in (0.0, 2.0, 4.0):
@@ -168,7 +172,7 @@ def test_filled_and_at_rest(cup, particles):
 
 
 def test_too_many_particles_are_refused():
-    with water_in(CUP, 150) as water:  # 79 cm3 of spheres in 88 cm3: denser than any packing
+    with water_in(CUP, 150) as water:  # 79 cm3 of spheres in 88 cm3 are denser than any packing
         assert water is None
     with water_in(CUP, 3, radius_m=0.03) as water:
         assert water is None
@@ -182,7 +186,7 @@ def centre_of_mass(water):
 
 
 def test_particles_conserve_momentum():
-    """The cup disappears and the packed heap bursts apart: the centre of mass follows the parabola."""
+    """When the cup disappears and the packed heap bursts apart, the centre of mass follows a parabola."""
     with water_in(CUP, 72) as water:
         away = START_M - [0.0, 0.0, 0.3]
         path = [centre_of_mass(water)]
@@ -207,7 +211,8 @@ def test_one_particle_falls_as_galileo_predicts():
 
 
 def test_nothing_bounces():
-    """A particle falls by 40 mm onto the bottom, at 0.89 m/s: it rebounds by at most 2 %, and does not pass through."""
+    """A particle that falls by 40 mm hits the bottom at 0.89 m/s. It rebounds by at most 2 %, and does not pass
+    through."""
     with water_in(CUP, 1) as water:
         lower = START_M - [0.0, 0.0, 0.040]
         height_m = []
@@ -222,7 +227,7 @@ def test_nothing_bounces():
 
 
 def test_energy_never_grows_in_a_still_cup():
-    """It stops abruptly from 0.16 m/s. Contacts may store and return 1 % of the heap's potential energy."""
+    """The cup has stopped abruptly from 0.16 m/s. Contacts may store and return 1 % of the heap's potential energy."""
     with water_in(CUP, 72) as water:
         for i in range(1, 101):
             water.step(START_M + [0.005 * np.sin(np.pi * i / 100), 0.0, 0.0])
@@ -241,7 +246,8 @@ def test_energy_never_grows_in_a_still_cup():
 
 
 def test_nothing_leaks_from_a_shaken_cup():
-    """Peak 0.3 m/s and 5 m/s^2, sideways and along: below 1 g, the water stays in."""
+    """Water stays in a cup that is shaken sideways and vertically with peaks of 0.3 m/s and 5 m/s^2, which is below 1
+    g."""
     speed, acceleration = 0.3, 5.0
     omega = acceleration / speed
     with water_in(CUP, 50) as water:
@@ -257,7 +263,7 @@ def test_nothing_leaks_from_a_shaken_cup():
 
 
 def test_walls_carry_the_particles():
-    """The cup rises at 0.5 m/s, reached within 50 ms: the bottom lifts all particles."""
+    """The bottom lifts all particles when the cup rises at 0.5 m/s, a speed that it reaches within 50 ms."""
     with water_in(CUP, 60) as water:
         for i in range(1, 401):
             t = i * TICK_S
@@ -274,7 +280,7 @@ def test_walls_carry_the_particles():
 
 @functools.cache
 def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
-    """Share of a liquid of level fill_m that stays in a tilted cylinder: the part below the lip."""
+    """Returns the share of a liquid, filled to fill_m, that stays in a tilted cylinder: the part below the lip."""
     rho, angle = np.meshgrid(np.linspace(0, radius_m, 400), np.linspace(0, 2 * np.pi, 360, endpoint=False))
     x = rho * np.cos(angle)
     t = np.radians(degrees)
@@ -285,8 +291,8 @@ def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
 
 
 def require_kept_as_a_liquid(water, cup, degrees, fill_m):
-    """At least as much as a liquid of level fill_m; at most as much as one whose surface is 15 degrees steep behind a
-    rim that is a particle's diameter higher. Tolerance: six particles."""
+    """Checks that the cup keeps at least as much as it would of a liquid filled to fill_m, and at most as much as it
+    would if the surface were 15 degrees steep and the rim a particle's diameter higher. Tolerance: six particles."""
     radius_m, height_m = cup["radius_m"], cup["height_m"]
     kept = water.counts().in_robot_cup / water.count
     least = liquid_left(radius_m, height_m, fill_m, degrees)
@@ -308,7 +314,7 @@ def test_tilted_cup_keeps_as_much_as_a_liquid(cup, particles, degrees):
 
 @pytest.mark.parametrize(("cup", "particles", "degrees"), [(CUP, 72, 70), (BOWL, 84, 39)])
 def test_settled_water_stays_at_rest_and_pours_when_tilted(cup, particles, degrees):
-    """Once settled, particles move less than a thousandth of their radius in a second; when tilted, they flow
+    """Once settled, particles move by less than a thousandth of their radius in a second. When tilted, they flow
     normally."""
     with water_in(cup, particles) as water:
         for _ in range(1000):
@@ -339,7 +345,7 @@ def test_spilt_water_stays_where_it_fell():
 
 
 def test_step_size_does_not_matter():
-    """Poured share, mean of four directions, at 0.5, 1 and 2 ms: within 6 % of the water."""
+    """The share poured at steps of 0.5, 1 and 2 ms, as the mean of four directions, agrees within 6 % of the water."""
     shares = []
     for step_s in (0.5e-3, 1e-3, 2e-3):
         poured = []
@@ -354,8 +360,10 @@ def test_step_size_does_not_matter():
 
 @pytest.mark.parametrize("direction", [0.0, 1.0, 2.5])
 def test_poured_into_a_wider_cup(direction):
-    """Its rim 30 mm below the lip, its axis 16 mm beyond: all leaving particles land in it."""
-    lip_m = 0.0398  # of the bowl at 39 degrees, beside its frame; the frame stays, so the lip sinks to -0.0065
+    """All particles that leave the bowl land in a cup whose rim is 30 mm below the lip and whose axis is 16 mm beyond
+    it."""
+    # distance of the bowl's lip from its frame at 39 degrees; the frame does not move, so the lip sinks to -0.0065
+    lip_m = 0.0398
     beyond = (lip_m + 0.016) * np.array([np.cos(direction), np.sin(direction)])
     glass_m = [*(START_M[:2] + beyond), START_M[2] - 0.0065 - 0.030 - GLASS["height_m"]]
     with water_in(BOWL, 84, GLASS, glass_m) as water:
