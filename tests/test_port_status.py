@@ -46,7 +46,7 @@ bool __real_bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t re
 bool __wrap_bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns) {
     static int traces;
     if (frame->id == 0x060 && ++traces > 700 && traces <= 712) {
-        return false; /* a full queue, for twelve ticks */
+        return false; /* as if the queue were full for twelve ticks */
     }
     return __real_bus_send(self, node, frame, ready_ns);
 }
@@ -54,7 +54,7 @@ bool __real_hal_can_receive(can_frame_t *frame);
 bool __wrap_hal_can_receive(can_frame_t *frame) {
     static int asked;
     ++asked;
-    return (asked < 40 || asked >= 60) && __real_hal_can_receive(frame); /* nothing taken for twenty ticks */
+    return (asked < 40 || asked >= 60) && __real_hal_can_receive(frame); /* receives nothing for twenty ticks */
 }
 """
 

@@ -318,12 +318,12 @@ PLANTED = """
     int large_frame(void);
     __attribute__((noinline)) int large_frame(void) {
         volatile unsigned char bytes[3500];
-        bytes[0] = 1; /* the lowest: far below the stack's end */
+        bytes[0] = 1; /* the lowest byte, far below the end of the stack */
         return bytes[0];
     }
     int dig(int depth);
     __attribute__((noinline)) int dig(int depth) {
-        volatile int here = depth; /* so that it is not made a loop */
+        volatile int here = depth; /* keeps the compiler from turning the recursion into a loop */
         return depth < 0 ? 0 : here + dig(depth + 1);
     }
     void firmware_main(void) {

@@ -1,5 +1,5 @@
-"""`comanip tracker --stdin` turns lines of text into protected frames with poses. Checked against scipy, cantools,
-autosar-e2e and the C core."""
+"""`comanip tracker --stdin` turns lines of text into protected frames with poses, which scipy, cantools, autosar-e2e and
+the C core confirm."""
 
 from __future__ import annotations
 

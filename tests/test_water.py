@@ -125,8 +125,8 @@ def test_contacts_with_the_cups_shell():
 
 
 def test_inner_size_matches_the_cup():
-    """A sphere that just fits between axis and wall, or just above the bottom, does not touch. In the corner, 0.1 mm
-    closer, both contacts are 0.1 mm deep."""
+    """A sphere 0.1 mm away from wall and bottom touches neither. Moved into the corner by 0.2 mm, it touches both with a
+    depth of 0.1 mm."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     assert lib.cup_touch(cup, [0.0199, 0.0, 0.0051], RADIUS_M, contact) == 0
@@ -137,9 +137,9 @@ def test_inner_size_matches_the_cup():
 @pytest.mark.parametrize(
     ("rho_mm", "z_mm", "inside", "left"),
     [
-        # on the axis; half in the wall, which is inside; too far in the wall
+        # on the axis; at the inner edge of the rim; in the wall, which is neither inside nor left
         (0, 20, True, False), (25, 45, True, False), (25.1, 20, False, False),
-        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: below the rim and above it
+        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: left below the rim, but not above it
         (0, 56.9, False, False), (0, 57.1, False, True), (0, -11.9, False, False), (0, -12.1, False, True),
         (33, 53, False, False), (34, 54, False, True),  # 11.3 and 12.7 mm from the edge of the opening
     ],
