@@ -1,4 +1,5 @@
-/* The functions of scene.h and arm_plant.h that the modules under test call, on the state set by the test. */
+/* Implements the functions of scene.h and arm_plant.h that the modules under test call, with the state that the test
+ * has set. */
 #include "fake_scene.h"
 
 double arm_plant_position_rad(const arm_plant_t *self, int joint) {

@@ -1,4 +1,4 @@
-/* A scene whose state a test sets, for the modules that read scenes (proximity, gripper node). */
+/* A scene with a state that the test sets, for the modules that read scenes (proximity and gripper node). */
 #ifndef COMANIP_TESTS_FAKE_SCENE_H
 #define COMANIP_TESTS_FAKE_SCENE_H
 
@@ -15,8 +15,8 @@ struct scene {
     rigid_pose_t robot_cup;
     bool holds[SCENARIO_MAX_PEOPLE + 1][SCENARIO_MAX_OBJECTS];
     double opening, force_N;
-    int commands; /* sent to the gripper so far */
-    bool close;   /* the last command */
+    int commands; /* number of commands sent to the gripper so far */
+    bool close;   /* whether the last command closes the gripper */
 };
 
 #endif

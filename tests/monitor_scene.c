@@ -1,4 +1,4 @@
-// A scene in place of ODE: each function returns its own fixed value.
+// Replaces the scene with ODE: each function returns a fixed value, different from those of the others.
 
 #include "../sim/scene/scene.h"
 

@@ -1,4 +1,4 @@
-/* The functions of scene.h that people's programs use, without physics. */
+/* Implements, without physics, the functions of scene.h that people's programs use. */
 #include "stand_in_scene.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-"""Pictures of a run: they read their input correctly, draw it completely, and report missing data in one line. Compared
-with closed forms, scipy and the simulator's scenario files."""
+"""Pictures of a run: they show the right data, are complete, and missing data is reported in one line. The references
+are closed forms, scipy and the simulator's scenario files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`comanip tracker --stdin` turns lines of text into protected frames with poses, which scipy, cantools, autosar-e2e and
+"""`comanip tracker --stdin` turns lines of text into protected frames with poses, as scipy, cantools, autosar-e2e and
 the C core confirm."""
 
 from __future__ import annotations

@@ -125,8 +125,8 @@ def test_contacts_with_the_cups_shell():
 
 
 def test_inner_size_matches_the_cup():
-    """A sphere 0.1 mm away from wall and bottom touches neither. Moved into the corner by 0.2 mm, it touches both with a
-    depth of 0.1 mm."""
+    """A sphere 0.1 mm away from wall and bottom touches neither. Moved into the corner by 0.2 mm, it touches both with
+    a depth of 0.1 mm."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     assert lib.cup_touch(cup, [0.0199, 0.0, 0.0051], RADIUS_M, contact) == 0

@@ -1,7 +1,8 @@
-/* Prints a digest of the joint velocities of the control laws without prediction over a generated input: random samples
- * of a moving and turning hand, interpolated and mapped by Algorithm 1, and control law (4) at random joint positions,
- * some of them at a limit. The source also compiles with the firmware before prediction; before_prediction.txt, used by
- * tests/test_former_law.py, is that firmware's output. */
+/* Prints a digest of the joint velocities that the control laws without prediction compute for a generated input. The
+ * samples of a hand that moves and turns at random are interpolated and mapped by Algorithm 1, and control law (4) is
+ * applied at random joint positions, some of them at a limit. This file also compiles with the firmware as it was before
+ * prediction was added. tests/test_former_law.py compares the output with before_prediction.txt, the output of that
+ * firmware. */
 #include <stdio.h>
 #include <string.h>
 
@@ -15,7 +16,7 @@
 
 static uint32_t state = 1;
 
-/* A pseudo-random number in -1..1. */
+/* Returns a pseudo-random number in -1..1. */
 static float random_number(void) {
     state = state * 1664525u + 1013904223u;
     return (float)(int32_t)state * (1.0f / 2147483648.0f);

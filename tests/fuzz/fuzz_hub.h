@@ -1,4 +1,4 @@
-/* A hub with one client of the type under test and one listener, both in this process. */
+/* Runs a hub with one client of the type under test and one listener, both in this process. */
 #ifndef COMANIP_FUZZ_HUB_H
 #define COMANIP_FUZZ_HUB_H
 
@@ -7,8 +7,8 @@
 
 #include "../../host_tools/hub/hub.h"
 
-/* Sends each part from the client, reads all answers, checks each frame received by the listener, and ends the hub. A
- * byte before each part gives its length; 16 and 72, the lengths of frames, are frequent. */
+/* Splits the data into parts, sends each from the client, reads all answers, checks each frame that the listener
+ * receives, and ends the hub. The byte before each part determines its length, mostly 16 or 72, the lengths of frames. */
 void fuzz_hub(const endpoint_t *endpoint, int socket_type, const uint8_t *data, size_t size);
 
 #endif

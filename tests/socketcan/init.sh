@@ -1,6 +1,6 @@
 #!/bin/sh
-# The first process of the guest: loads the CAN modules, creates two virtual buses and runs the tests. Its root is the
-# host's file system.
+# The guest's first process: loads the CAN modules, creates three virtual buses, one of them without FD, and runs the
+# tests. Its root is the host's file system.
 folder=$(dirname "$0")
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME="$folder" LANG=C.UTF-8
 {
@@ -17,7 +17,7 @@ for module in drivers/net/can/dev/can-dev net/can/can net/can/can-raw drivers/ne
     busybox insmod "$modules/$module.ko"
 done
 ip link set lo up
-echo 16777216 >/proc/sys/net/core/rmem_default # so that listeners lose no frames on a busy host
+echo 16777216 >/proc/sys/net/core/rmem_default # large enough that listeners lose no frames on a busy host
 for bus in vcan0 vcan1; do
     ip link add dev $bus type vcan
     ip link set $bus mtu 72 txqueuelen 1000 up

@@ -1,7 +1,8 @@
 #!/bin/sh
-# Tests firmware and plant on the kernel's SocketCAN, on machines whose kernel has none: boots user-mode Linux from the
-# running file system and runs init.sh there. Usage: tests/socketcan/run.sh PYTHON [pytest's arguments]
-# Exit status: 0 passed, or skipped with the reason (REQUIRED=1: skipping is a failure), 1 failed.
+# Tests firmware and plant on the kernel's SocketCAN, even if this machine's kernel has none: boots user-mode Linux from
+# the running file system and runs init.sh there. Usage: tests/socketcan/run.sh PYTHON [arguments for pytest]
+# Exit status: 0 if the tests passed or were skipped, for a reason that is printed; 1 if they failed, or if they were
+# skipped although REQUIRED=1.
 set -eu
 repository=$(cd "$(dirname "$0")/../.." && pwd)
 packages="user-mode-linux busybox-static iproute2 can-utils"

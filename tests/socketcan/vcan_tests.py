@@ -1,5 +1,5 @@
-"""Firmware and plant on the kernel's SocketCAN, observed by unmodified standard tools: candump, canplayer, cansniffer,
-cangen, python-can. Runs in user-mode Linux: make test-socketcan."""
+"""Firmware and plant on the kernel's SocketCAN, observed with unmodified standard tools: candump, canplayer,
+cansniffer, cangen and python-can. `make test-socketcan` runs this file in user-mode Linux."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from test_two_processes import PLAIN, begin, run_to_end
 
 CANTOOLS = Path(sys.executable).parent / "cantools"
 LINE = re.compile(r"\((\d+)\.(\d{6})\) (\w+) ([0-7][0-9A-F]{2})#(?:#([0-9A-F]))?((?:[0-9A-F]{2})*)(?: [RT])?")
-FDF = 4  # newer kernels set it in the flags, older ones do not
+FDF = 4  # newer kernels set this flag, older ones do not
 TO_FIRMWARE = {message.frame_id for message in FD_MESSAGES if "Firmware" in message.receivers}
 FOREIGN_ID = 0x7A5
 ERROR_FLAG = 0x20000000  # linux/can.h, linux/can/error.h
@@ -41,7 +41,7 @@ def read_log(path: Path, fd: bool = True) -> list[LoggedFrame]:
     frames = []
     for line in path.read_text().splitlines():
         seconds, microseconds, _, frame_id, flags, data = LINE.fullmatch(line).groups()
-        assert int(flags, 16) & ~FDF == 1 if fd else flags is None, "CAN FD has its bit-rate switch"
+        assert int(flags, 16) & ~FDF == 1 if fd else flags is None, "every CAN FD frame switches the bit rate"
         frames.append(LoggedFrame(10**6 * int(seconds) + int(microseconds), int(frame_id, 16), bytes.fromhex(data)))
     return frames
 
@@ -55,7 +55,7 @@ def payload(frames: list[LoggedFrame]) -> list[tuple[int, bytes]]:
 
 
 def listeners(interface: str) -> int:
-    """The number of sockets that receive all frames of the interface."""
+    """Returns the number of sockets that receive all frames of the interface."""
     lines = Path("/proc/net/can/rcvlist_all").read_text().splitlines()
     return sum(line.split()[0] == interface for line in lines if line.strip())
 
@@ -69,7 +69,8 @@ def wait_for_listeners(interface: str, count: int) -> None:
 
 @contextlib.contextmanager
 def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
-    """Its growing screen output. cansniffer of can-utils 2020 supports classic frames only."""
+    """Runs cansniffer, and yields its screen output, which grows meanwhile. The version in can-utils 2020 supports
+    classic frames only."""
     master, slave = pty.openpty()
     others = listeners(interface)
     sniffer = subprocess.Popen(["cansniffer", interface], stdin=slave, stdout=slave, stderr=slave)
@@ -95,7 +96,8 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
 
 
 def wait_until_written(*files: Path) -> None:
-    """Waits until the files have not grown for two seconds: on a busy machine a slow listener is many frames behind."""
+    """Waits until the files have not grown for two seconds, because on a busy machine a slow listener lags by many
+    frames."""
     sizes, since_s, deadline_s = None, time.monotonic(), time.monotonic() + 120
     while time.monotonic() - since_s < 2:
         assert time.monotonic() < deadline_s, f"{files} keep growing: {sizes}"
@@ -106,8 +108,8 @@ def wait_until_written(*files: Path) -> None:
 
 
 def record_run(bus: Bus, *logger_options: str) -> int:
-    """candump and python-can's logger listen from before the firmware's boot until after the plant's end. Returns the
-    plant's exit status."""
+    """Runs plant and firmware while candump and python-can's logger listen, from before the firmware boots until after
+    the plant has ended. Returns the exit status of the plant."""
     others = listeners(bus.interface)
     with open(bus.folder / "candump.log", "w") as log:
         candump = subprocess.Popen(["candump", "-L", bus.interface], stdout=log)
@@ -141,7 +143,8 @@ def session(tmp_path_factory) -> Path:
 
 
 def test_candump_and_the_plants_log_are_the_same(session):
-    """Frames, their order, and the kernel's time stamps, which the log scales by the slowed clock."""
+    """candump and the plant's log have the same frames in the same order, and the same time stamps of the kernel, which
+    the log scales to the slowed clock."""
     dumped, logged = read_log(session / "candump.log"), read_log(session / "plant" / "bus.log")
     assert len(logged) > 15_000
     assert payload(dumped)[: len(logged)] == payload(logged)
@@ -151,7 +154,7 @@ def test_candump_and_the_plants_log_are_the_same(session):
 def test_python_can_logs_the_same(session):
     dumped, logged = read_log(session / "candump.log"), read_log(session / "python.log")
     assert payload(logged) == payload(dumped)
-    assert max(abs(a.t_us - b.t_us) for a, b in zip(logged, dumped, strict=True)) <= 1  # its times are floats
+    assert max(abs(a.t_us - b.t_us) for a, b in zip(logged, dumped, strict=True)) <= 1  # python-can's times are floats
 
 
 def test_cantools_decodes_candumps_log(session):
@@ -183,7 +186,7 @@ def test_candumps_log_replays_byte_for_byte(session):
 
 
 def test_canplayer_plays_it_again(session):
-    """Onto a second bus, at its own pace, where candump receives the same frames."""
+    """canplayer sends the log to a second bus at the recorded pace, and candump receives the same frames there."""
     part = (session / "candump.log").read_text().splitlines(keepends=True)[:2000]
     recorded, again = session / "part.log", session / "again.log"
     recorded.write_text("".join(part))
@@ -203,7 +206,7 @@ def test_canplayer_plays_it_again(session):
 
 @pytest.fixture
 def alone(tmp_path):
-    """The firmware without a plant: it waits for its drives."""
+    """Runs the firmware without a plant, so that it waits for its drives."""
     with Bus(tmp_path) as bus:
         firmware = bus.firmware()
         bus.wait_mode("idle")
@@ -217,7 +220,7 @@ def stop(bus: Bus, firmware: subprocess.Popen) -> str:
 
 
 def test_the_kernel_filters_for_the_firmware(alone):
-    """Its filter list has the ids given in the DBC, and other frames do not reach it."""
+    """The firmware's filter list consists of the ids given in the DBC, and other frames do not reach the firmware."""
     bus, firmware = alone
     lines = Path("/proc/net/can/rcvlist_sff").read_text().splitlines()
     ids = {int(line.split()[1], 16) for line in lines if line.split()[:1] == ["vcan0"]}
@@ -230,7 +233,7 @@ def test_the_kernel_filters_for_the_firmware(alone):
 
 
 def test_fd_and_classic_frames_are_received(alone):
-    """A command in a classic frame is accepted like one in an FD frame: the protection covers the data only."""
+    """A command in a classic frame is accepted like one in an FD frame, because the protection covers only the data."""
     bus, firmware = alone
     assert bus.command("select") == "accepted"
     message = DBC.get_message_by_name("OperatorCommand")
@@ -258,7 +261,7 @@ def test_remote_and_extended_frames_are_ignored(alone):
 
 
 def test_error_frames_are_reported(alone):
-    """vcan has no errors of its own; a sent frame with the error flag is received as an error frame."""
+    """vcan has no errors of its own, but a frame sent with the error flag is received as an error frame."""
     bus, firmware = alone
     for classes, controller in ((ERROR_CONTROLLER, TX_PASSIVE), (ERROR_BUS_OFF, 0), (ERROR_RESTARTED, 0)):
         bus.send_packet(CAN_FRAME.pack(ERROR_FLAG | classes, 8, 0, 0, 0, bytes([0, controller]) + bytes(6)))
@@ -285,7 +288,8 @@ def test_an_interface_that_goes_down_and_comes_back(alone):
 
 
 def test_the_systems_clock_is_set(tmp_path):
-    """Back by 1000 s: the firmware's clock continues, and poses do not appear 1000 s old."""
+    """When the system's clock is set back by 1000 s, the firmware's clock continues, and poses do not appear 1000 s
+    old."""
     step_s = 1000
     with Bus(tmp_path) as bus:
         begin(bus, str(PLAIN), "--duration", 20)
@@ -319,7 +323,7 @@ def test_a_bus_without_fd_is_refused():
 
 @pytest.fixture(scope="module")
 def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
-    """The session's folder and cansniffer's screen output meanwhile."""
+    """Returns the folder of a session, and cansniffer's screen output during the session."""
     for attempt in range(ATTEMPTS):
         folder = tmp_path_factory.mktemp("classic")
         with Bus(folder, SLOW << attempt, "classic", "classic0") as bus, watched_by_cansniffer("classic0") as screen:
@@ -333,7 +337,7 @@ def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
 def test_classic_candump_python_can_and_the_plants_log_are_the_same(classic_session):
     folder, _ = classic_session
     dumped, logged, python = (read_log(folder / n, fd=False) for n in ("candump.log", "plant/bus.log", "python.log"))
-    assert len(logged) > 2.5 * 8 * 250, "commands and states of four joints alone"
+    assert len(logged) > 2.5 * 8 * 250, "already commands and states of four joints are this many"
     assert payload(dumped)[: len(logged)] == payload(logged)
     assert payload(python) == payload(dumped)
 
@@ -355,7 +359,7 @@ def test_cansniffer_shows_the_firmwares_classic_frames(classic_session):
 
 
 def test_cansniffer_shows_what_changes(alone):
-    """cangen's classic frames alongside the firmware's."""
+    """cansniffer shows cangen's classic frames alongside the firmware's."""
     with watched_by_cansniffer("vcan0") as shown:
         cangen = subprocess.Popen(["cangen", "vcan0", "-I", f"{FOREIGN_ID:x}", "-L", "8", "-D", "i", "-g", "20"])
         deadline = time.monotonic() + 60
