@@ -33,7 +33,7 @@ DEFAULT_JERK = 10_000.0
 
 
 def arm_of(jerk: float) -> core.Arm:
-    """Returns a configuration of the limits with HOAP-3's ranges and speeds."""
+    """Returns an arm with HOAP-3's ranges and speeds, and with this jerk limit."""
     ranges = (ARM.position_min_rad, ARM.position_max_rad, ARM.velocity_max_radps)
     return core.Arm(
         np.repeat(IDENTITY, N, 0), np.repeat(Z_AXIS, N, 0), *ranges, jerk_max_radps3=np.full(N, jerk, np.float32)
@@ -300,9 +300,9 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
     assert (drives.position_rad < ARM.position_max_rad).all()
 
 
-AT_LIMIT_RAD = 2e-3  # as JOINT_LIMITS_AT_LIMIT_RAD
+AT_LIMIT_RAD = 2e-3  # the same as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# distance from the limit at which a joint's stopping speed is 0
+# distance from the limit at which the stopping speed of a joint is 0
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 

@@ -48,11 +48,12 @@ def test_a_ramp_at_the_limits_is_not_a_violation():
 
 
 def test_each_frame_of_a_fourfold_tick():
-    """Frames every 4 ms, as on classic CAN, may reach the acceleration limit in one tick from rest, and return."""
+    """With frames every 4 ms, as on classic CAN, one tick suffices to reach the acceleration limit from rest, and to
+    return."""
     watch = Watch()
     for velocity in (0, 0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.24, 0.14):
         assert watch.command([velocity] * 4, ticks=4) == 0
-    assert watch.command([0.201] * 4, ticks=4) == 4  # from -25 to 15.25 rad/s^2 in 4 ms
+    assert watch.command([0.201] * 4, ticks=4) == 4  # the acceleration changes from -25 to 15.25 rad/s^2 in 4 ms
 
 
 @pytest.mark.parametrize("joint", range(4))
@@ -110,14 +111,14 @@ def test_speed_fraction_lowered_in_motion_leaves_time_to_brake():
     watch.speed_fraction = 0.1
     for slower in (0.01, 0.03, *(0.055 + 0.025 * np.arange(10))):
         assert watch.command([0, slower - velocity, 0, 0]) == 0
-    assert watch.command([0, slower + 0.015 - velocity, 0, 0]) == 1, "brakes less than possible above the new limit"
+    assert watch.command([0, slower + 0.015 - velocity, 0, 0]) == 1, "it brakes less than it could above the new limit"
 
 
 def test_a_brake_closed_in_motion():
     watch = Watch()
     for step in range(10):
         assert watch.command([0.025 * step, 0, 0, 0]) == 0
-    assert watch.command([0.225, 0, 0, 0], mode=(0, 1, 1, 1)) == 2, "acceleration and jerk"
+    assert watch.command([0.225, 0, 0, 0], mode=(0, 1, 1, 1)) == 2, "both acceleration and jerk are violated"
 
 
 def test_absent_joints_must_be_commanded_to_zero():

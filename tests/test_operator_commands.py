@@ -109,7 +109,7 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
     def end_when_repeated() -> None:
         wait_until(lambda: len(live.received) >= 3, "three requests")
-        stored.extend(live.bench.stored)  # a request that is still under way when the save ends starts another one
+        stored.extend(live.bench.stored)  # a request that is still under way when the save ends starts another save
         live.bench.store_until = 0
 
     ending = threading.Thread(target=end_when_repeated)
@@ -133,7 +133,7 @@ def test_lost_requests_are_sent_again(live, comanip):
     assert comanip("task", "select", "pour", *BUS)[0] == 0
     assert len(live.received) >= 4
     sequences = {DBC.decode_message(m.arbitration_id, bytes(m.data))["sequence"] for m in live.received}
-    assert len(sequences) == 1, "the same request"
+    assert len(sequences) == 1, "each is the same request"
     assert len({m.data[2] for m in live.received}) == len(live.received), "each with a new counter"
 
 

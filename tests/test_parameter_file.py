@@ -75,11 +75,11 @@ def test_saved_parameters_survive_a_kill(hub, file):
     with firmware(hub, "--parameters", file) as (process, client):
         assert client.read("motion_scale") == 1
         client.write("motion_scale", 0.5)
-        assert not file.exists(), "writing is not saving"
+        assert not file.exists(), "writing must not save"
         done = comanip(hub, "socketcand", "param", "save")
         assert (done.returncode, done.stderr) == (0, "") and done.stdout.startswith("saved: "), done
         assert file.read_bytes() == with_scale(0.5)
-        assert [path.name for path in file.parent.iterdir()] == [file.name], "no other file is left"
+        assert [path.name for path in file.parent.iterdir()] == [file.name], "no other file must be left"
         process.process.kill()
         process.wait()
         assert f"comanip-firmware: parameters: {file} is not there yet, defaults\n" in process.text()
@@ -168,7 +168,7 @@ def test_an_invalid_record_gives_defaults_and_is_reported_on_the_bus(hub, file, 
     assert file.read_bytes() == with_scale(0.5), "a save repairs it"
 
 
-# ---- interrupted
+# ---- interrupted saves
 
 
 def is_complete(file: Path, *scales: float) -> bool:
@@ -188,7 +188,7 @@ def test_killed_during_the_write(hub, file, bytes_written):
         process.wait()
         assert process.process.returncode == KILLED_BY_LIMIT
     assert file.read_bytes() == with_scale(0.5)
-    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "killed at that byte"
+    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "it is killed at that byte"
     with firmware(hub, "--parameters", file) as (process, client):
         assert client.read("motion_scale") == 0.5
         client.write("motion_scale", 2)
@@ -236,7 +236,7 @@ def test_killed_at_any_moment(tmp_path, rng):
     assert interrupted > 10, "the process spends most of its time writing"
 
 
-# ---- refused
+# ---- refused saves
 
 
 @contextlib.contextmanager
@@ -297,7 +297,7 @@ def test_a_file_that_cannot_be_written(hub, file):
         with pytest.raises(RefusedError, match="save: refused: store_failed"):
             client.save()
         assert f"comanip-firmware: parameters not saved: {file}: Is a directory\n" in process.text()
-        assert client.read("motion_scale") == 0.25, "still in force"
+        assert client.read("motion_scale") == 0.25, "the value still applies"
         end(process)
     assert file.read_bytes() == with_scale(0.5)
 

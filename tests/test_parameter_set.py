@@ -87,8 +87,8 @@ def test_the_papers_law_gives_a_warning_and_is_not_refused():
 
 
 def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
-    """Confirms the assumption of the criterion in double precision: the eigenvalues of J N^-1 J^T W K, with dqrobotics'
-    Jacobian, stay below the largest gain times its weight for any posture and any weights."""
+    """Confirms the assumption of the criterion in double precision: for any posture and weights, no eigenvalue of J
+    N^-1 J^T W K, with dqrobotics' Jacobian, exceeds the largest gain among those with a weight."""
     arm = oracle.hoap3()
     _, jacobians = oracle.evaluate(arm, rng.uniform(*np.radians(oracle.HOAP3_RANGE_DEG), size=(50, 4)))
     for jacobian in jacobians:
@@ -100,7 +100,7 @@ def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
         assert rates.real.min() >= -1e-6 * 500
 
 
-# ---- when it comes into force
+# ---- when a set takes effect
 
 
 def named(bench: Bench, ticks: int) -> list[tuple[int, int]]:

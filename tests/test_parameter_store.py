@@ -119,7 +119,8 @@ def test_missing_parameters_get_defaults_and_unknown_numbers_are_skipped(rng):
 
 
 def test_the_former_format_is_read(rng):
-    """Records of firmware with 38 to 43 parameters, sorted by parameter number, are read."""
+    """Records of firmware with 38 to 43 parameters, which contain the values in the order of their numbers, are
+    read."""
     values = random_values(rng)
     for count in FORMER_COUNTS:
         expected = [*values[:count], *DEFAULTS[count:]]
@@ -159,8 +160,7 @@ def test_a_value_out_of_range_refuses_the_whole_record(parameter):
 
 @pytest.fixture(scope="module")
 def other_firmware(tmp_path_factory):
-    """Returns a record of firmware that lacks stale_periods (36) and has one additional parameter with the next free
-    number."""
+    """Compiles firmware that lacks stale_periods (36) and has one additional parameter with the next free number."""
     folder = tmp_path_factory.mktemp("other")
     schema = folder / "schema"
     shutil.copytree(REPOSITORY / "firmware" / "schema", schema)

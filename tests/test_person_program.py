@@ -314,7 +314,7 @@ def test_guide_moves_the_hand_until_the_robot_arrives(follows):
     assert person.time_of("ann.there") == pytest.approx(1.15 + 2 * 0.55, abs=0.0011)
 
 
-FALLING = [  # the step, and what it brings where
+FALLING = [  # a step, and what the failure says that it brings where
     ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001},
      "the robot's gripper to pipe.end"),
     ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001},

@@ -212,7 +212,7 @@ def test_curves_and_limits_match_the_run(tmp_path):
     levels = {float(line.get_ydata()[0]): line.get_label() for line in force.lines[1:] if line.get_label()[0] != "_"}
     assert levels == {4.5: "force rms: 4.5 N", 13.0: "force peak: 13 N"}
     unlimited = time_plots.force(read_run(synthetic_run.write(tmp_path / "other", "mirror"))).axes[0]
-    assert len([line for line in unlimited.lines if line.get_label()[0] != "_"]) == 1, "limits that were not set"
+    assert len([line for line in unlimited.lines if line.get_label()[0] != "_"]) == 1, "unset limits are not drawn"
 
 
 def test_labels_are_spread_in_order(rng):

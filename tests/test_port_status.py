@@ -157,7 +157,7 @@ def test_counts_saturate_below_unknown(tmp_path):
     assert [count(n) for n in (0, 1, 65533, 65534, 65535, 65536, 2**32, 2**63)] == [0, 1, 65533, *[65534] * 5]
 
 
-# ---- a replay leaves it out, and says so
+# ---- a replay leaves PortStatus out, and says so
 
 
 def test_a_replay_names_what_it_leaves_out(plain):

@@ -127,8 +127,8 @@ def test_one_parameter_switches_it_off(dead_end):
 
 
 def test_the_end_effectors_speed_limit_applies_where_it_binds():
-    """While the stretched arm reaches round, the share of the joint speeds alone would allow 0.3 m/s, so the end
-    effector's limit applies."""
+    """While the stretched arm reaches round, the limit on joint speeds alone would allow the end effector 0.3 m/s, so
+    the end effector's own limit applies."""
     bench = started((128, -54, -68, -99))
     carry(bench, (-0.04, -0.16, 0.11))
     until(bench, lib.POSTURE_CHANGING)
@@ -211,7 +211,7 @@ def test_abandoned_in_hold():
     assert (bench.velocity_radps == 0).all()
 
 
-# ---- no change
+# ---- no posture change
 
 
 def test_not_when_latched():

@@ -17,13 +17,13 @@ from scipy.spatial.transform import Rotation
 
 ffi, lib = proximity_binding.load()
 
-ERROR_M = 0.00005  # as CONVEX_DISTANCE_ERROR_M
+ERROR_M = 0.00005  # the same as CONVEX_DISTANCE_ERROR_M
 MS = 1_000_000
 POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward along x; end effector at (0.136, -0.111, 0.014)
 HAND = np.array([0.136, -0.111, 0.014])
-ROBOT = 2  # the holder's index
+ROBOT = 2  # index of the robot among the holders
 WRIST_M = 0.06  # from the hand's origin back to the wrist
-# hand pointing back at the robot, with its thickness, formerly along x, along z
+# a hand that points back at the robot, with its x axis, along which its thickness lies, along the world's z axis
 FACING = Rotation.from_euler("y", -90, degrees=True)
 
 
@@ -153,7 +153,7 @@ def test_arm_parts_follow_the_kinematics(degrees):
             at = middle + 0.03 * away
             if at[0] < 0.03 and at[1] > -0.09:
                 continue  # the torso is closer
-            # turns its end face of 1 mm radius towards the link
+            # turns the rod's end face, 1 mm in radius, towards the link
             across = Rotation.align_vectors([away], [[0, 0, 1]])[0]
             scene.set_pose(scene.scene.object[rod], at, across)
             found_m, pair, *_ = scene.measure(proximity)
@@ -252,7 +252,7 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
 
 def test_forearm_beside_the_torso():
     """The forearm is 111 mm from the torso's middle plane and has a radius of 20 mm. The torso extends to 75 mm, and
-    the elbow is at its height."""
+    the elbow is at the height of the torso."""
     assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
 
 

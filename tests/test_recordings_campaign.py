@@ -157,9 +157,9 @@ HOLD, RETURN = ("hold", "tracker_stale"), ("cooperating", "tracker_returned")
 
 
 def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
-    """Checks that each joint comes to rest within v / a + 2.5 a / j and two ticks of the hold, and stays at rest. Once
-    the deceleration has grown to its limit, in steps that the jerk limit allows, each command must change by the whole
-    step of the acceleration limit, less one unit for rounding, until the deceleration must shrink again."""
+    """Checks that each joint comes to rest within v / a + 2.5 a / j and two ticks after the hold begins, and stays at
+    rest. Once the deceleration has grown to its limit, in steps that the jerk limit allows, each command must change by
+    the whole step of the acceleration limit, less one unit for rounding, until the deceleration must shrink again."""
     commands = frames["JointCmd"]
     first, end = np.searchsorted(commands.t_s, [from_s, until_s])
     speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])

@@ -50,7 +50,7 @@ def short() -> list[Frame]:
     return list(logs.read(shared(*SHORT).require_pass().log))
 
 
-# ---- equal
+# ---- logs that replay without a difference
 
 
 @pytest.mark.parametrize("scenario", EXPERIMENTS)
@@ -75,7 +75,7 @@ def test_log_times_do_not_matter(eventful, rng):
     ]
     report = replay(moved)
     assert report.difference is None
-    assert report.fed > 4 * report.ticks, "each tick reads four drive states and more"
+    assert report.fed > 4 * report.ticks, "each tick reads four drive states, some ticks more"
 
 
 @pytest.mark.parametrize("suffix", [".blf", ".asc", ".log"])
@@ -156,8 +156,8 @@ def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500
 
 @pytest.mark.parametrize("seed", range(8))
 def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
-    """The replay infers from the log which drives counted as silent, although that depends on reception times, which
-    are not logged."""
+    """Whether a drive counts as silent depends on reception times, which are not logged. The replay reaches the same
+    decisions."""
     bench = run_bench(RecordingBench(), np.random.default_rng(seed))
     report = replay(bench.log)
     assert report.difference is None, report.difference
@@ -343,7 +343,7 @@ def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
     assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the save may not have ended yet"
     bench.tick(2)
     assert bench.save() == lib.RESULT_ACCEPTED
-    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "it ended before the next one"
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "it must end before the next one"
 
 
 def test_at_recorded_pace(tmp_path, short):
@@ -410,7 +410,7 @@ def test_a_frame_missing_from_the_log(short, name, what):
     difference = replay([*short[:place], *short[place + 1 :]]).difference
     assert difference is not None
     assert what in difference.what
-    assert place - 40 <= difference.place <= place + 80, "close to it"
+    assert place - 40 <= difference.place <= place + 80, "the difference is close to the missing frame"
 
 
 def test_a_frame_that_the_firmware_never_sent(short):
@@ -436,7 +436,7 @@ def test_a_trace_that_is_switched_off(tmp_path):
     assert "the trace ends before this frame" in replayed.stdout
 
 
-# ---- refused
+# ---- refused logs
 
 
 def test_another_trace_is_refused_with_both_builds(tmp_path, short):

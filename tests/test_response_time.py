@@ -38,7 +38,7 @@ def test_the_example_in_which_the_earlier_analysis_was_wrong():
 
 @st.composite
 def stream_sets(draw, jitter: bool):
-    """Draws two to five streams with a load below one. Times are in units of BIT."""
+    """Draws two to five streams with a load below one. Times are in units of a bit."""
     count = draw(st.integers(2, 5))
     streams = []
     for i in range(count):
@@ -89,8 +89,8 @@ def test_no_response_is_longer_than_computed(streams, chance: random.Random):
 
 @st.composite
 def answered_sets(draw):
-    """Draws a batch of one to three frames, one of which is a request, its answers, and other streams with their own
-    phases."""
+    """Draws a batch of one to three frames, one of which is a request; the answers to the request; and other streams
+    with their own phases."""
     computing = draw(st.integers(0, 20))
     delay = draw(st.integers(0, 25))
     batch, answers, others = draw(st.integers(1, 3)), draw(st.integers(1, 4)), draw(st.integers(0, 3))

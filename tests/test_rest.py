@@ -28,13 +28,13 @@ BUILD = Path(os.environ.get("COMANIP_SANITISED", REPOSITORY / "build"))
 
 @pytest.fixture(scope="module", autouse=True)
 def loop() -> rest_loop.Loop:
-    # so that it is never that of an older firmware
+    # so that the library is never that of an older firmware
     built = make(str(BUILD.relative_to(REPOSITORY) / "rest" / "loop.so"))
     assert built.returncode == 0, built.stderr
     return rest_loop.Loop(BUILD)
 
 
-# ---- the arm in double
+# ---- the arm in double precision
 
 
 def test_the_end_effector_position_matches_the_manuals_table(rng):
@@ -118,7 +118,7 @@ def test_the_target_matches_algorithm_1(loop):
     outcomes = loop.run(cases, {})
     assert (outcomes["start"] == rest_loop.ACCEPTED).all() and not outcomes["interrupted"].any()
     expected = [rest_cases.target_m(case) for case in cases]
-    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the encoder's resolution at the start
+    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the start is known to one encoder pulse
 
 
 def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
@@ -139,7 +139,7 @@ def test_oscillating_and_creeping_are_told_apart(peak_radps, sign_changes, expec
 
 
 def test_the_checks_and_their_limits():
-    """Each check fails by one case too many, and passes without it."""
+    """Each check passes for cases at rest, and fails if one case too many is bad."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
     for count, bad, failed in (
@@ -158,8 +158,8 @@ def test_the_checks_and_their_limits():
 
 
 def test_the_drive_is_a_dead_time_and_a_lag(loop):
-    """The joint follows the command, which is a whole number of milliradians. If the hand rests from the start on,
-    nothing moves."""
+    """A joint follows its command, a whole number of milliradians, with dead time and lag. If the hand never moves,
+    neither does the joint."""
     cases = rest_cases.random_cases("choice", range(5))
     cases["way_m"], cases["turn_rad"], cases["end_s"] = 0.0, 0.0, 3.0
     outcomes = loop.run(cases, {})

@@ -491,8 +491,8 @@ def test_cups_of_two_people(tmp_path):
 
 
 def test_an_object_held_by_the_robot_is_in_its_gripper(tmp_path):
-    """The gripper's middle is 20 mm in front of the end effector. An object counts as held if it is within 15 mm of
-    it."""
+    """The gripper's middle is 20 mm in front of the end effector. The robot can hold an object up to 15 mm away from
+    there."""
     hand_m = np.array([0.136, -0.1206743, 0.0144224])
     for offset_mm, is_held in ((0, True), (14.9, True), (15.1, False)):
         x, y, z = hand_m + [0.02, 0, -1e-3 * offset_mm]
@@ -536,8 +536,8 @@ def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
 @pytest.mark.parametrize(("key", "gyration_m"), [("stiffness_Npm", 1.0), ("stiffness_Nmprad", 0.06)])
 @pytest.mark.parametrize("damping_ratio", [0.05, 0.7, 3.0])
 def test_a_hand_is_stable_at_two_milliseconds(tmp_path, key, gyration_m, damping_ratio):
-    """The stiffness limit is that of v += h (-w^2 x - 2 d w v), then x += h v, by the eigenvalues of this step, for a
-    hand of 0.1 kg."""
+    """A hand of 0.1 kg is accepted up to the stiffness at which the step v += h (-w^2 x - 2 d w v), x += h v becomes
+    unstable, as its eigenvalues show."""
     h = 2e-3
 
     def radius(stiffness: float) -> float:
@@ -627,7 +627,7 @@ def test_moves_to_one_position_share_its_variation(scene):
         there, again, home = (np.array(list(now.step[i].displacement_m)) for i in (1, 2, 3))
         assert (there == again).all()
         assert (home != 0).all(), "the home position varies as well"
-        assert not np.isclose(there - [0.03, 0, 0], home).any(), "each position has its own draw"
+        assert not np.isclose(there - [0.03, 0, 0], home).any(), "each position varies on its own"
         assert list(now.step[4].displacement_m) == [0, 0.02, 0], "a move by_m has no variation of its own"
         assert list(now.step[2].rotation_vector_rad) == list(was.step[2].rotation_vector_rad)
         assert now.recorded_step[0].position_scale == 0.1
@@ -659,7 +659,7 @@ def test_draws_are_uniform_and_within_bounds(scene):
         draws["recorded"].append(person.recorded_step[1].displacement_m[2] / 0.02)
         draws["duration"].append((person.step[0].duration_s - 1) / 0.1)
         draws["turn"].append((person.step[6].duration_s / 2 - 1) / 0.1)
-        assert bytes_of(now.person[1].start) == bytes_of(scene.person[1].start), "only the tracked person's start"
+        assert bytes_of(now.person[1].start) == bytes_of(scene.person[1].start), "only the tracked person's start varies"
     np.testing.assert_allclose(draws["elbow"], draws["start"], atol=1e-12)
     steps = np.arange(count + 1) / count
     for name, values in draws.items():

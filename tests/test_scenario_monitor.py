@@ -211,7 +211,8 @@ def test_half_of_the_window_needs_a_target(with_target, measured):
 def test_displacements_and_paths(rng, motion_scale):
     hand = random_walk(rng, 300)
     expected = np.array([0.03, -0.02, 0.01])
-    whole, part = (None, 0.2), (("operator.latched", 0.05), "person.done")  # from tick 0 to 200; from tick 90 to 240
+    # the first from tick 0 to 200, the second from tick 90 to 240
+    whole, part = (None, 0.2), (("operator.latched", 0.05), "person.done")
     checks = [
         Check(measure, *window, expected_m=tuple(expected))
         for window in (whole, part)
@@ -311,8 +312,8 @@ def test_each_drop_of_the_object_counts_in_its_window():
 
 
 def test_an_object_that_slips_is_lost_by_its_holder():
-    """The loss counts for object 1, which the robot held, whether robot.lost is raised in the last tick that shows the
-    grip or in the next."""
+    """robot.lost counts as a drop of object 1, which the robot held, whether it is raised in the last tick that shows
+    the grip or in the next."""
     held = Tick(holds=(*ALONE, *OTHER))
     watch = Watch(Check("drops", object=0), Check("drops", object=1))
     watch.sample(held, Tick(holds=held.holds, raises=("robot.lost",)), Tick(holds=ALONE))

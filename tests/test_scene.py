@@ -247,7 +247,8 @@ def test_robots_fixed_grip_slips_at_its_torque_limit():
 
 
 def test_a_shock_of_one_step_does_not_open_the_jaws():
-    """A sudden tug by the hand exceeds the force limit by far, but only for a step or two instead of 5 ms."""
+    """A sudden tug by the hand exceeds the force limit by far, but only for a step or two, not for the 5 ms that open
+    the jaws."""
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True)
     with Scene([person_at(at)], [rod], gripper={"force_limit_N": 10.0, "stiffness_Npm": 1e5}) as scene:
@@ -316,9 +317,9 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
 
 @pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
 def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
-    """With a friction coefficient of 0.6, the two sides of a V of 90 degrees hold 0.6 sqrt(2) of the force that presses
-    the rod into it; less while it settles, as lateral friction carries part of the weight. A rod that is held creeps by
-    1 mm/s per N at each of its four contacts."""
+    """With a friction coefficient of 0.6, the two sides of a V of 90 degrees resist sliding with 0.6 sqrt(2) times the
+    force that presses the rod into it, and with less while the rod settles, as lateral friction carries part of the
+    weight. A rod that is held creeps by 1 mm/s per N at each of its four contacts."""
     slope = Rotation.from_euler("x", slope_deg, degrees=True)
     rod, stand = rod_on_stand(HAND_M)
     stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))

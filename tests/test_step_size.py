@@ -1,6 +1,6 @@
 """The results of the five experiments do not depend on whether ODE's time step is 0.5, 1 or 2 ms. The controller's tick
-remains 1 ms. At 2 ms nothing moves in every other tick, so paths are compared every 2 ms. How many particles leave the
-glass varies as it does between seeds, because grains are chaotic, but all of them are caught."""
+remains 1 ms. At 2 ms nothing moves in every other tick, so paths are compared every 2 ms. The number of particles that
+leave the glass varies as it does between seeds, because grains are chaotic, but they are caught in every case."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from simulation import EXPERIMENTS, Run, experiment, shared
 
-# Largest difference between the values of a check: 1 % of the allowed 5 N, 2 degrees of three turns, 0.02 mm, 0.1
+# Allowed differences between the values of a check: 1 % of the allowed 5 N, 2 degrees of three turns, 0.02 mm, 0.1
 # degree.
 AGREE = {
     "crank": {"force_rms": 0.05, "turns": 0.005},
@@ -22,7 +22,7 @@ DEFAULT_US = 1000
 FINEST_US = STEPS_US[0]
 HANDS = (("hand_x_m", "hand_y_m", "hand_z_m"), ("person_x_m", "person_y_m", "person_z_m"))
 JOINTS = ("q0_rad", "q1_rad", "q2_rad", "q3_rad")
-# Largest distance from the path at the finest step, in m. People and operator wait for events, so at 2 ms a grip comes
+# Allowed distance from the path at the finest step, in m. People and operator wait for events, so at 2 ms a grip comes
 # up to 2 ms later and holds the pipe tenths of a millimetre away. This exceeds the error of the integration itself.
 LARGEST_M = {1000: 0.5e-3, 2000: 1.0e-3}
 LARGEST_RAD = {1000: 0.01, 2000: 0.02}  # norm over the four joints

@@ -200,8 +200,8 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
 
 
 def decoded(dbc, text: str) -> list[tuple[str, dict]]:
-    """Decodes every line to a message: SLCAN with python-can, the frame with cantools; checks the protection with
-    autosar-e2e."""
+    """Decodes every line into a message, SLCAN with python-can and the frame with cantools, and checks its protection
+    with autosar-e2e."""
     stock = StockSlcan()
     messages, counters = [], {}
     for line in text.split("\r")[:-1]:

@@ -22,8 +22,8 @@ def rotation(wxyz) -> Rotation:
 
 
 def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), start_s=0.5, start=(0.2, -0.1, 0.1)):
-    """Returns a motion for play(): a move of 1 s that sets the pose at a time, and returns that the tracker can see
-    it."""
+    """Returns a motion for play(), a move of 1 s: a function that sets the pose at a time and returns True, because the
+    tracker always sees the hand."""
     path = ffi.new("hand_path_t *")
     turn = Rotation.from_rotvec(turn_rad).as_quat(scalar_first=True).tolist()
     first = ffi.new("rigid_pose_t *", {"position_m": start, "rotation": [1, 0, 0, 0]})
@@ -133,7 +133,7 @@ def test_lost_samples_are_invalid_and_counted(dbc):
 
 
 def test_hand_out_of_sight_is_invalid(dbc):
-    hidden = range(907, 1094)  # ms
+    hidden = range(907, 1094)  # in ms
 
     def motion(time_s, pose):
         pose.position_m, pose.rotation = [time_s, 0, 0], [1, 0, 0, 0]
@@ -162,7 +162,7 @@ def test_hand_is_measured_between_the_ticks(dbc, latency_s):
     t = np.round(np.arange(len(poses)) * 1e9 / 333) * 1e-9
     x = np.clip(t - 0.5, 0, 1)[:, None]
     expected_m = np.array([0.2, -0.1, 0.1]) + (10 * x**3 - 15 * x**4 + 6 * x**5) * np.array([0.1, -0.2, 0.3])
-    # peak of f'': 10 / sqrt(3) per s^2 for a displacement of 1
+    # f'' peaks at 10 / sqrt(3) per s^2 times the displacement
     largest_m = 10 / np.sqrt(3) * np.array([0.1, 0.2, 0.3]) * 1e-6
     assert (np.abs(position_m - expected_m) < largest_m + 0.6e-6).all()
     assert len(poses) == len([k for k in range(700) if k / 333 + latency_s < 2])
@@ -198,7 +198,8 @@ def test_dropouts_have_their_rate_and_change_no_other_sample(dbc):
 
 
 def test_out_of_range_is_invalid_and_counted(dbc):
-    """Positions of 24 bits in micrometres end at 8.388607 m."""
+    """A position is sent as 24 bits in micrometres, so it is at most 8.388607 m. Samples beyond that are invalid and
+    counted."""
     motion = legs(displacement_m=(20, 0, 0), turn_rad=(0, 0, 0), start=(0, 0, 0), start_s=0)
     poses, status, statistics = play(dbc, motion, quiet(mount_translation_m=[0, 0, 0]))
     x = np.clip(np.arange(len(poses)) / 250, 0, 1)
@@ -251,7 +252,7 @@ def test_wrong_options_are_named(change, message):
 
 
 def test_generator_is_sfc64():
-    """numpy has the same generator, with the state a, b, c, counter."""
+    """The generator matches numpy's SFC64, which has the state a, b, c, counter."""
     generator = ffi.new("random_t *")
     lib.random_init(generator, 42, b"name")
     reference = np.random.SFC64()

@@ -193,7 +193,7 @@ def test_the_plants_log_replays_byte_for_byte(together):
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
-# ---- losing each other
+# ---- losing contact
 
 
 def test_firmware_paused(either_bus, waving):
@@ -312,7 +312,7 @@ def require_stop_of_the_commands(bus: Bus, start: int) -> None:
     speed = [
         max(abs(command[f"velocity_{i}_radps"]) for i in range(JOINTS)) for command in bus.commands(faulted, JOINTS)
     ]
-    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "the speed never rises"
+    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "the speed must never rise"
     assert speed[-1] == 0
 
 
@@ -434,7 +434,7 @@ def test_wrong_use_gives_one_clear_line(program, arguments, expected, tmp_path):
     assert done.returncode == 2
     assert expected in done.stderr
     assert done.stderr.count("\n") == 1
-    assert list(tmp_path.iterdir()) == [], "nothing is written"
+    assert list(tmp_path.iterdir()) == [], "nothing must be written"
 
 
 @pytest.mark.parametrize("program", [FIRMWARE, PLANT])

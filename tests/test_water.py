@@ -145,7 +145,8 @@ def test_inner_size_matches_the_cup():
     ],
 )  # fmt: skip
 def test_particle_inside_and_left(rho_mm, z_mm, inside, left):
-    """In this cup, a particle's diameter plus the wall is 12 mm."""
+    """Above the rim or below the bottom, a particle has left the cup once it is 12 mm away: its diameter plus the
+    wall's thickness."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", CUP)
     for angle in (0.0, 2.0, 4.0):
@@ -373,7 +374,7 @@ def test_poured_into_a_wider_cup(direction):
         assert count.in_person_cup >= 0.98 * count.left_robot_cup
 
 
-# ---- bits
+# ---- reproducible bits
 
 
 def poured_bytes(disturb):
