@@ -298,7 +298,7 @@ def test_saves_end_with_the_recorded_result(result, rng):
     bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
     assert (
         bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED
-    )  # of several first answers, a replay needs only the last
+    )  # a single first request: of several at boot, a replay is certain only of the last
     bench.store_result = result
     for bench.store_ticks in (1, 2, 7, 40):
         sequence = bench.store_ticks

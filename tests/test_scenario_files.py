@@ -659,7 +659,7 @@ def test_draws_are_uniform_and_within_bounds(scene):
         draws["recorded"].append(person.recorded_step[1].displacement_m[2] / 0.02)
         draws["duration"].append((person.step[0].duration_s - 1) / 0.1)
         draws["turn"].append((person.step[6].duration_s / 2 - 1) / 0.1)
-        assert bytes_of(now.person[1].start) == bytes_of(scene.person[1].start), "only the tracked person's start varies"
+        assert bytes_of(now.person[1].start) == bytes_of(scene.person[1].start), "only the tracked person varies"
     np.testing.assert_allclose(draws["elbow"], draws["start"], atol=1e-12)
     steps = np.arange(count + 1) / count
     for name, values in draws.items():

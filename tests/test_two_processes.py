@@ -312,7 +312,7 @@ def require_stop_of_the_commands(bus: Bus, start: int) -> None:
     speed = [
         max(abs(command[f"velocity_{i}_radps"]) for i in range(JOINTS)) for command in bus.commands(faulted, JOINTS)
     ]
-    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "the speed must never rise"
+    assert all(after <= before + 1e-3 for before, after in zip(speed, speed[1:], strict=False)), "the speed never rises"
     assert speed[-1] == 0
 
 
