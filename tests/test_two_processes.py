@@ -337,7 +337,7 @@ def test_a_hub_that_ends_and_returns(bus, tmp_path):
     assert f"comanip-firmware: {INTERFACE}: 1 times without the bus\n" in output
 
 
-@pytest.mark.skipif(has_kernel_can(), reason="the kernel lets no such packets through")
+@pytest.mark.skipif(has_kernel_can(), reason="the kernel does not let such packets through")
 def test_malformed_packets_are_ignored(bus):
     process = bus.firmware()
     bus.wait_mode("idle")
