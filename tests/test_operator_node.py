@@ -4,6 +4,7 @@ waits, and its error messages."""
 from __future__ import annotations
 
 import pytest
+from comanip import tasks
 from sim_binding import load
 
 ffi, lib = load()
@@ -336,15 +337,20 @@ def test_a_stop_without_effect_fails(dbc):
 
 
 def test_it_tracks_whether_the_robot_mirrors(dbc):
-    """Table I's mirrored task mirrors until it is latched; for a custom task, its form decides."""
-    tasks = ((lib.TASK_TELEOP, 0.1), (lib.TASK_MIRROR, 0.4))
-    selects = [command("select", task=task, at_s=at_s) for task, at_s in tasks]
+    """Table I\'s mirrored task mirrors until it is latched; for a custom task, its form decides."""
+    selects = [
+        command("select", task=task, at_s=at_s) for task, at_s in ((lib.TASK_TELEOP, 0.1), (lib.TASK_MIRROR, 0.4))
+    ]
     bench = Bench(dbc, *selects, START, command("latch", at_s=1.0))
     seen = []
     for until_s in (0.2, 0.45, 0.9, 1.1):
         bench.run(until_s)
         seen.append(lib.operator_node_mirrors(bench.operator))
     assert seen == [False, True, True, False]
+    for task in tasks.read():
+        bench = Bench(dbc, command("select", task=task.number), START)
+        bench.run(0.9)
+        assert lib.operator_node_mirrors(bench.operator) == (task.form == "mirrored"), task.name
     for form in (lib.TASK_FORM_CONSTANT, lib.TASK_FORM_MIRRORED):
         bench = Bench(dbc, START, wishes={"defines_task": True, "task": define(form)})
         bench.run(0.9)

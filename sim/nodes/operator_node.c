@@ -8,6 +8,7 @@
 #include "../bus/endpoint.h"
 #include "../common/names.h"
 #include "../scenario/step_wait.h"
+#include "comanip_tasks.h"
 
 #define TEXT_BYTES 160
 #define REFUSAL_BYTES 420  /* room for ten parameters with their values */
@@ -34,7 +35,7 @@ struct operator_node {
     reason_t reason;
     task_id_t task;
     bool latched;
-    uint8_t custom_form;          /* task_form_t of the last task that was defined */
+    task_form_t custom_form;      /* of the last task that was defined */
     char refusal[REFUSAL_BYTES];  /* "": none */
     int64_t refusal_ns, named_ns; /* when it arrived, and when its last parameter arrived */
     bool failed;
@@ -78,7 +79,7 @@ static size_t step_count(const operator_node_t *self) {
 static void finish_step(operator_node_t *self, int64_t now_ns) {
     const operator_step_t *step = &self->steps[self->current];
     if (step->action == OPERATOR_DEFINE_TASK) {
-        self->custom_form = step->define.form;
+        self->custom_form = (task_form_t)step->define.form;
     }
     events_raise(self->events, step->done_event, (double)now_ns * 1e-9);
     const bool leaves_rest = self->stops && self->current < self->script_count;
@@ -332,10 +333,18 @@ bool operator_node_finished(const operator_node_t *self) {
     return self->current == step_count(self);
 }
 
+static task_form_t form_in_force(const operator_node_t *self) {
+    switch (self->task) {
+#define CASE(NAME, number, name, form, t_task, q_task, q_inv)                                                          \
+    case TASK_##NAME: return TASK_FORM_##form;
+        COMANIP_TASKS(CASE)
+    case TASK_CUSTOM: return self->custom_form;
+    }
+    return TASK_FORM_CONSTANT;
+}
+
 bool operator_node_mirrors(const operator_node_t *self) {
-    const bool mirrored =
-        self->task == TASK_CUSTOM ? self->custom_form == TASK_FORM_MIRRORED : self->task == TASK_MIRROR;
-    return mirrored && !self->latched;
+    return form_in_force(self) == TASK_FORM_MIRRORED && !self->latched;
 }
 
 const char *operator_node_failure(const operator_node_t *self) {
