@@ -10,19 +10,8 @@ from comanip._core import ffi, lib
 TICK_US = 1000
 TRACKER_PERIOD_TICKS = 4
 JOINTS = 4
-FRAME_ID = {
-    name: lib.frame_table[getattr(lib, f"FRAME_{name}")].id
-    for name in (
-        "FIRMWARE_STATUS",
-        "COMMAND_ACK",
-        "PARAMETER_VALUE",
-        "FIRMWARE_IDENTITY",
-        "JOINT_CMD",
-        "TICK_TRACE",
-        "FIRMWARE_HEARTBEAT",
-        "PORT_STATUS",
-    )
-}
+KINDS = {number: name.removeprefix("FRAME_") for number, name in ffi.typeof("frame_kind_t").elements.items()}
+FRAME_ID = {KINDS[number]: lib.frame_table[number].id for number in range(lib.FRAME_KIND_COUNT)}
 TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # equation (9) of the paper
 
 
