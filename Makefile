@@ -1,4 +1,4 @@
-# comanip. `make` alone prints the help; the comment after `##` is the help of its target.
+# comanip. `make` without a target prints the help, which consists of the comments after `##`.
 
 BUILD := build
 GENERATED := $(BUILD)/generated
@@ -6,11 +6,11 @@ VENV := .venv
 PYTHON := $(VENV)/bin/python
 DEVELOPMENT := host_tools/development/comanip_dev
 CC := gcc
-# V=1 shows the commands in full.
+# V=1 prints the commands.
 Q := $(if $(V),,@)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-# No contraction, for the same bits on every target; no errno, so that sqrtf is one instruction.
+# -ffp-contract=off: results are bit-identical on every target. -fno-math-errno: sqrtf is one instruction.
 CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GENERATED)
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
 LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
@@ -18,8 +18,8 @@ LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c firmware/*/*/*.c)) \
     $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch] firmware/*/*/*.[ch])
-# The simulated world, without the sources that differ between its three programs: the bus, and the access to the
-# firmware.
+# Sources of the simulated world that its three programs share. They do not include the bus and the access to the
+# firmware, which differ.
 SIM_SOURCES := $(filter-out sim/programs/% sim/port/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*/*.c)) \
     hal/common/frame_time.c hal/linux/hub_path.c
 HOST_SOURCES := firmware/main.c hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c \
@@ -31,7 +31,7 @@ HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev can-utils python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
-# Two processes on a real bus: the firmware through the Linux port, and the plant.
+# Two processes on a real bus: the firmware on the Linux port, and the plant.
 FIRMWARE_PROCESS := $(BUILD)/linux/comanip-firmware
 PLANT_PROCESS := $(BUILD)/linux/comanip-plant
 CAN_SOURCES := $(wildcard hal/linux/can_*.c) hal/linux/pace.c hal/linux/run_options.c
@@ -61,7 +61,7 @@ help: ## print this text
 
 # ---- dependencies
 
-# Runs before every build; takes a fraction of a second if nothing is missing.
+# Runs before every build. Takes a fraction of a second if nothing is missing.
 deps: ## install what is missing: system packages through apt, Python packages into .venv/
 	@$(INSTALL_DEPS)
 
@@ -114,7 +114,7 @@ $(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/coman
 
 # ---- use
 
-# Variables are passed through the environment, so that names may contain quotes and spaces. Unset ones are not passed.
+# Values are passed through the environment, so that they may contain quotes and spaces. Unset variables are not passed.
 sim run-plant pil: export RUN_SCENARIO := $(SCENARIO)
 sim run-plant pil: export RUN_TRACKER := $(TRACKER)
 sim run-plant pil: export RUN_SEED := $(SEED)
@@ -137,7 +137,7 @@ sim: build ## run a scenario; prints a pass/fail table and the paths of the file
 	[ -z "$(filter-out 0 no,$(PLOT))" ] || [ $$status -gt 1 ] || $(PYTHON) -m comanip.plotting "$$RUN_OUT" || exit; \
 	exit $$status
 
-# CAN is the name of an interface of the kernel, or of a hub.
+# CAN is the name of a kernel interface or of a hub.
 RUN_ON_CAN = --can "$(or $(CAN),vcan0)" --slow "$(or $(SLOW),1)"
 run-firmware: export RUN_PARAMETERS := $(PARAMETERS)
 run-firmware: build ## run the firmware as a process on CAN=vcan0 until Ctrl-C; SLOW=n: n times slower; PARAMETERS=file
@@ -168,14 +168,14 @@ following: build $(VENV)/.installed-following ## measure how closely the robot f
 	@$(PYTHON) -m comanip_dev.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
-# One worker per processor; tests/groups.py groups the tests that must share one. PYTEST_ARGS='-n 0' runs without
-# workers, for example with --pdb.
+# One worker per processor. Tests that must run in the same worker are grouped by tests/groups.py. PYTEST_ARGS='-n 0'
+# disables workers, which --pdb requires.
 PYTEST_WORKERS := -n auto --no-loadscope-reorder
 
 test: build $(VENV)/.installed-tests ## run all tests: maths, bus, closed loop, recordings, two target images
 	@$(PYTHON) -m pytest tests $(PYTEST_WORKERS) $(PYTEST_ARGS)
 
-# Boots the kernel's CAN modules in user-mode Linux, which is installed through apt if missing.
+# Boots a kernel with CAN modules in user-mode Linux, which is installed through apt if missing.
 test-socketcan: build $(VENV)/.installed-tests ## run the tests on the kernel's SocketCAN, in user-mode Linux (2 min)
 	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
 
@@ -199,7 +199,7 @@ schema: deps ## update comanip.dbc, docs/bus.md and docs/parameters.md from firm
 	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
 	@$(PYTHON) -m comanip_dev.schema.parameters_doc docs/parameters.md
 
-bus-doc: schema # the previous name
+bus-doc: schema # former name of the target
 
 bus-report: deps ## print load and worst-case response time of every frame; build/reports/bus.json
 	@$(PYTHON) -m comanip_dev.bus.report $(BUILD)/reports/bus.json

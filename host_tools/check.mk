@@ -1,7 +1,7 @@
 # Static checks of the sources.
 
 C_FILES = $(shell git ls-files '*.[ch]')
-# What the formatters do not wrap: comments, and files that have no formatter.
+# Files in which lines are not wrapped by a formatter, or whose comments are not.
 PROSE := Makefile '*.[ch]' '*.md' '*.mk' '*.toml' '*.yaml'
 RUFF := $(VENV)/bin/ruff
 CLANG_FORMAT := $(VENV)/bin/clang-format

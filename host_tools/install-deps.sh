@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs only what is missing. Usage: install-deps.sh "DEBIAN PACKAGES" VENV REQUIREMENTS
-# System packages are installed through apt, as root or with sudo; without apt the script names them and fails.
-# Python packages are installed into VENV in the pinned versions; the packages of this repository are linked there.
+# System packages are installed through apt, as root or with sudo. Without apt, the script lists them and fails.
+# Python packages are installed into VENV in the pinned versions, and the packages of this repository are linked there.
 set -eu
 packages=$1 venv=$2 requirements=$3
 here=$(cd "$(dirname "$0")" && pwd)
@@ -36,8 +36,8 @@ install_system_packages() {
     system_is_complete || fail "packages are still missing after installing $packages: is Python older than 3.11?"
 }
 
-# True if the environment was created in this folder (a moved or copied one has the paths of its old folder), is
-# complete, and has these requirements.
+# True if the environment was created in this folder, is complete, and was made from these requirements. An environment
+# that was moved or copied would contain the paths of its old folder.
 venv_is_complete() {
     [ "$(cat "$venv/.folder" 2>/dev/null)" = "$here" ] && cmp -s "$requirements" "$venv/.installed"
 }
@@ -45,7 +45,7 @@ venv_is_complete() {
 install_python_packages() {
     echo "comanip: installing Python packages into $venv/ (needs the network, once)"
     rm -f "$venv/.installed" "$venv/.installed-tests"
-    [ ! -L "$venv" ] || rm "$venv" # clearing would follow the link and empty another folder's environment
+    [ ! -L "$venv" ] || rm "$venv" # --clear would follow the link and empty the environment of another folder
     python3 -m venv --clear "$venv"
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r "$requirements" ||
         fail "the Python packages could not be installed: is PyPI reachable (proxy, PIP_INDEX_URL)?"
@@ -55,7 +55,7 @@ install_python_packages() {
     cp "$requirements" "$venv/.installed" # last, so that an interrupted run starts over
 }
 
-# Links comanip, and comanip_dev for developers. Runs every time, also if the environment is complete otherwise.
+# Links comanip, and comanip_dev for developers. Runs every time, even if the environment is complete.
 link_packages() {
     for link in "$venv"/lib/python3*/site-packages; do
         link=$link/comanip.pth

@@ -1,7 +1,8 @@
 """Compiles the firmware into the package when the package is installed from a clone of the repository: see
 development/comanip_dev/build_core.py.
 
-If that fails (no C compiler), the package is installed without the compiled core; tools that need it report that.
+If the compilation fails, for example because there is no C compiler, the package is installed without the compiled
+core. Tools that need the core report that it is missing.
 """
 
 import sys

@@ -82,13 +82,13 @@ BAD = {
     "1,2,3": "3 numbers, expected 7",
     csv(*POSITION, 1, 1, 0, 0): "norm 1.41421, expected 1",
     csv(*POSITION, *WXYZ[:3], float("nan")): "'nan' is not finite",
-    "0,0,zero,1,0,0,0": "'zero' is no number",
-    csv(*(2 * MATRIX).ravel()): "no rotation matrix",
+    "0,0,zero,1,0,0,0": "'zero' is not a number",
+    csv(*(2 * MATRIX).ravel()): "not a rotation matrix",
     csv(*np.hstack([np.diag([1.0, 1, -1]), np.zeros((3, 1))]).ravel()): "a reflection",
     csv(*MATRIX.ravel(), 1, 0, 0, 1): "expected 0 0 0 1",
     "nan,nan,nan,nan,nan,nan,nan": "'nan' is not finite",
-    "hello, world": "'hello' is no number",
-    "{": "no JSON",
+    "hello, world": "'hello' is not a number",
+    "{": "not valid JSON",
     '{"position": [1,2,3]}': "'quaternion' is missing",
     '{"position": [1,2], "quaternion": [1,0,0,0]}': "position of 2 numbers, expected 3",
     '{"position": [1,2,"x"], "quaternion": [1,0,0,0]}': "'x', expected finite numbers",
@@ -168,7 +168,7 @@ def test_bad_lines_are_reported_and_sent_as_lost_samples(monkeypatch, capsys):
     status, err, messages = publish(monkeypatch, capsys, lines)
     assert status == 1
     assert err.splitlines() == [
-        "comanip: line 2: 'nonsense' is no number",
+        "comanip: line 2: 'nonsense' is not a number",
         "2 poses sent, 2 lost, 1 of them out of the signals' range",
     ]
     poses = signals(messages, "HandPose")

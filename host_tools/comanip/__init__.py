@@ -1,4 +1,4 @@
-"""Host side of comanip: the firmware's mathematics from Python (``comanip.core``) and the tools around the bus."""
+"""The host side of comanip: the firmware's mathematics for Python (``comanip.core``), and the tools for the bus."""
 
 from comanip import _former_names
 

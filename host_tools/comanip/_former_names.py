@@ -1,4 +1,5 @@
-"""Keeps the modules' names from before the package was divided into folders. To be removed with the next release."""
+"""Keeps the module names that were used before the package was divided into folders. To be removed with the next
+release."""
 
 from __future__ import annotations
 
@@ -26,7 +27,7 @@ NEW_NAMES = {
     "comanip.pose_lines": "comanip.tracker.pose_lines",
     "comanip.tracker_publisher": "comanip.tracker.publisher",
     "comanip.transport": "comanip.bus.transport",
-    # Tools for developers, in a clone of the repository only.
+    # Developers' tools, which are available only in a clone of the repository.
     "comanip.arm_codegen": "comanip_dev.arms.codegen",
     "comanip.arm_description": "comanip_dev.arms.description",
     "comanip.bus_doc": "comanip_dev.bus.doc",
@@ -45,7 +46,8 @@ NEW_NAMES = {
 
 
 class FormerNames(MetaPathFinder, Loader):
-    """The last finder of sys.meta_path: imports the new module for an old name, with a DeprecationWarning."""
+    """Imports the new module when an old name is imported, with a DeprecationWarning. It is the last finder in
+    sys.meta_path."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -53,7 +55,7 @@ class FormerNames(MetaPathFinder, Loader):
         return spec_from_loader(fullname, self) if fullname in NEW_NAMES else None
 
     def get_code(self, fullname: str) -> CodeType:
-        """The code that ``python -m`` runs for an old name: it runs the new module."""
+        """Returns the code for ``python -m`` with an old name, which runs the new module."""
         new = NEW_NAMES[fullname].removesuffix(".__main__")
         print(f"{fullname} is now {new}; the old name will go with the next release", file=sys.stderr)
         return compile(f"import runpy; runpy.run_module('{new}', run_name='__main__', alter_sys=True)", new, "exec")

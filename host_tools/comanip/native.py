@@ -1,4 +1,4 @@
-"""Loads the compiled core for the tools that need it. The other tools run without a C compiler."""
+"""Loads the compiled core for the tools that need it. The other tools work on machines without a C compiler."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from comanip.errors import ToolError
 
 
 def load():
-    """Returns ``(ffi, lib)`` of ``comanip._core``. ToolError if it is not built."""
+    """Returns ``(ffi, lib)`` of ``comanip._core``. Raises ToolError if the module is not built."""
     try:
         from comanip._core import ffi, lib
     except ImportError as error:

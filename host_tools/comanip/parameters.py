@@ -1,6 +1,6 @@
 """Reads and checks the description of the firmware's parameters, ``schema/parameters.toml``.
 
-A ToolError names the file, the entry, what was found and what was expected.
+Errors are raised as ToolError, which names the file and the entry and states what was found and what was expected.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 from comanip.errors import ToolError
 
 PATH = Path(__file__).with_name("schema") / "parameters.toml"
-NUMBERS = 64  # the firmware keeps sets of parameters as bit masks of this width
+NUMBERS = 64  # width of the bit masks in which the firmware stores sets of parameters
 NAME_MAX_CHARACTERS = 40
 KINDS = ("float", "integer", "boolean")
 _REQUIRED = ("number", "name", "unit", "range", "default", "group", "meaning")
@@ -26,7 +26,7 @@ _PI = re.compile(r"(-?)pi(?:/(\d+))?")
 
 @dataclass(frozen=True)
 class Parameter:
-    """minimum, maximum, default: in `unit`. kind: one of KINDS. vector: the name without the component."""
+    """A parameter. minimum, maximum, default: in `unit`. kind: one of KINDS. vector: the name without the component."""
 
     number: int
     name: str
@@ -84,7 +84,7 @@ def _names(path: Path, entry: dict) -> list[str]:
 
 
 def _expanded(path: Path, entry: dict) -> Iterator[Parameter]:
-    """Yields the components of a vector, or the one parameter."""
+    """Yields the parameters of an entry: one for each component of a vector, otherwise a single one."""
     _check_keys(path, entry)
     names, kind = _names(path, entry), entry.get("type", "float")
     if not isinstance(entry["range"], list) or len(entry["range"]) != 2:
@@ -109,7 +109,7 @@ def _expanded(path: Path, entry: dict) -> Iterator[Parameter]:
 
 
 def read(path: Path = PATH) -> list[Parameter]:
-    """All parameters in the order of their numbers."""
+    """Returns all parameters, sorted by number."""
     try:
         document = tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError) as error:
@@ -132,5 +132,5 @@ def read(path: Path = PATH) -> list[Parameter]:
 
 @functools.cache
 def all_parameters() -> dict[str, Parameter]:
-    """All parameters by name, in the order of their numbers."""
+    """Returns all parameters by name, sorted by number."""
     return {parameter.name: parameter for parameter in read()}

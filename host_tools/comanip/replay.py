@@ -1,10 +1,10 @@
-"""Replays a recorded bus: the C core, fed with the frames of a log, must send what the firmware had sent.
+"""Replays a log of the bus: runs the C core on the recorded input and checks that it sends the recorded frames.
 
-Each TickTrace records the time of its tick and the frames that it had read; see ``_binding/replay.h``. The log must
-begin at the firmware's boot. It may come from another build, if TickTrace and the frames that the firmware receives
-have the same layout and meaning (FirmwareIdentity.trace_version and trace_hash). Two kinds of frames are left out of
-the comparison, and named: those that only one of the two builds sends, and those that the DBC marks as not replayed,
-since a log does not contain what they report (PortStatus).
+Each TickTrace records the time of a tick and which frames the firmware read in that tick; see ``_binding/replay.h``.
+The log must begin at the firmware's boot. It may come from another build, provided that TickTrace and the frames that
+the firmware receives have the same layout and meaning in both builds (FirmwareIdentity.trace_version and trace_hash).
+Two kinds of frames are not compared, and the report lists them: frames that only one of the two builds sends, and
+frames that the DBC marks as not replayed because they depend on more than the log contains (PortStatus).
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ from comanip.bus.transport import Profile
 from comanip.errors import ToolError
 
 _CAN_FRAME = struct.Struct("<IHB?64s")  # can_frame_t
-_FOREIGN_ID = 0xFFFF  # no standard data frame
+_FOREIGN_ID = 0xFFFF  # stands for any frame that is not a standard data frame
 FIRMWARE = "Firmware"
 
 
 @dataclass(frozen=True)
 class Difference:
-    """The first difference. recorded: the frame of the log. sent: the frame that the firmware sends instead, if any."""
+    """The first difference between log and replay. recorded: the frame in the log. sent: the frame that the replayed
+    firmware sends instead, if any."""
 
     what: str
     place: int  # index in the log, from 0
@@ -39,15 +40,15 @@ class Difference:
 class Report:
     ticks: int
     boots: int
-    fed: int  # frames that the firmware had read
-    compared: int  # frames that it had sent
+    fed: int  # number of recorded frames fed to the core
+    compared: int  # number of frames from the core that were compared with the log
     difference: Difference | None
-    other_build: int | None = None  # hash of the build that recorded the log, if it is not this core
-    left_out: tuple[str, ...] = ()  # frames that are not compared: see above
+    other_build: int | None = None  # hash of the build that recorded the log, if it differs from this core's
+    left_out: tuple[str, ...] = ()  # names of the messages that are not compared
 
 
 def _native_log(ffi, frames: Sequence[Frame]):
-    """The frames as an array of can_frame_t. A frame that is not a standard data frame gets a foreign id."""
+    """Returns the frames as an array of can_frame_t. Frames other than standard data frames get the id _FOREIGN_ID."""
     offsets = [ffi.offsetof("can_frame_t", name) for name in ("timestamp_us", "id", "length", "fd", "data")]
     if offsets != [0, 4, 6, 7, 8] or ffi.sizeof("can_frame_t") != _CAN_FRAME.size:
         raise AssertionError("can_frame_t does not have the layout that replay.py expects")
@@ -64,13 +65,14 @@ def _first(frames: Sequence[Frame], name: str) -> Frame | None:
 
 
 IDENTITY = ("FirmwareIdentity", "ClassicFirmwareBuild", "ClassicFirmwareIdentity", "ClassicFirmwareTrace")
-BEFORE_TRACE_HASH_BYTES = 16  # of a FirmwareIdentity without trace_version and trace_hash
-BEFORE_TRACE_HASH = 0xBC992C5D  # what such a firmware would have told: it had version 1
+BEFORE_TRACE_HASH_BYTES = 16  # length of the earlier FirmwareIdentity, without trace_version and trace_hash
+BEFORE_TRACE_HASH = 0xBC992C5D  # trace hash of the firmware that sent the earlier FirmwareIdentity (trace version 1)
 
 
 @dataclass(frozen=True)
 class Identity:
-    """The contents of a log's first FirmwareIdentity. arm: name. build_hash: None if the frame is damaged."""
+    """The contents of the first FirmwareIdentity in a log. arm: name of the arm. build_hash: None if the frame is
+    damaged."""
 
     arm: str
     build_hash: int | None
@@ -95,8 +97,8 @@ def _fd_identity(frame: Frame) -> Identity:
 
 
 def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
-    """The identity from its parts, or None if one is missing or damaged. Logs of earlier firmware have no third
-    part."""
+    """Combines the undamaged parts of the identity. Returns None if the first or second part is missing or damaged. The
+    third part may be missing, because earlier firmware did not send it."""
     found: dict[str, dict] = {}
     for frame in frames:
         if frame.message and frame.name in IDENTITY and has_right_crc(frame):
@@ -113,7 +115,7 @@ def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
 
 
 def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
-    """The identity, or None if there is none, or if on classic CAN it is damaged."""
+    """Returns the identity. Returns None if the log does not contain one, or if it is damaged and from classic CAN."""
     if profile is Profile.CLASSIC:
         return _classic_identity(frames)
     first = _first(frames, "FirmwareIdentity")
@@ -121,12 +123,12 @@ def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
 
 
 def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
-    """Returns the identity. ToolError unless the log begins at the boot of a firmware with this core's trace version.
-    A damaged identity does not count as another build: the replay reports it as a difference."""
+    """Returns the identity. Raises ToolError unless the log begins at the firmware's boot and was recorded with this
+    core's trace version. A damaged identity does not raise; the replay later reports it as a difference."""
     trace = _first(frames, profile.message("TickTrace").name)
     if trace is None:
         raise ToolError(
-            "the log has no TickTrace, expected one each tick: is the parameter `trace` 0, or is this another bus?"
+            "the log contains no TickTrace, expected one per tick: is the parameter `trace` 0, or is this another bus?"
         )
     began = _first(frames, profile.message("FirmwareIdentity").name)
     if began is None or (has_right_crc(trace) and trace.counter != 0):
@@ -141,15 +143,15 @@ def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
     own = lib.replay_trace_version(), lib.replay_trace_hash()
     if (told.trace_version, told.trace_hash) != own:
         raise ToolError(
-            f"the log's firmware, build {told.build_hash:016x}, traces its ticks by version {told.trace_version} "
-            f"(hash {told.trace_hash:08x}), this core, build {lib.replay_build_hash():016x}, by version {own[0]} "
-            f"(hash {own[1]:08x}): expected the same; check out and build the revision that recorded it"
+            f"the log has trace version {told.trace_version} (hash {told.trace_hash:08x}, firmware build "
+            f"{told.build_hash:016x}), but this core has version {own[0]} (hash {own[1]:08x}, build "
+            f"{lib.replay_build_hash():016x}); expected the same; check out and build the revision that recorded it"
         )
     return told
 
 
 def _announced_parameters(frames: Sequence[Frame], profile: Profile) -> set[int]:
-    """The numbers of the parameters that the firmware announces at boot."""
+    """Returns the numbers of the parameters that the firmware announces at boot."""
     name = profile.message("ParameterValue").name
     values = (decode_raw(frame) for frame in frames if frame.message and frame.name == name and has_right_crc(frame))
     return {value["parameter"] for value in values if value and value["sequence"] == 0}
@@ -160,7 +162,8 @@ def _profile(frames: Sequence[Frame]) -> Profile:
 
 
 def is_replayed(message: Message) -> bool:
-    """False if the message depends on more than a log contains, such as the port's counts (DBC attribute Replayed)."""
+    """Returns the message's DBC attribute Replayed. It is False for messages that depend on more than the log contains,
+    such as PortStatus with the port's counts."""
     attribute = message.dbc.attributes.get("Replayed")
     return attribute is None or bool(attribute.value)
 
@@ -170,7 +173,8 @@ def _is_damaged(frame: Frame) -> bool:
 
 
 def _first_damaged(frames: Sequence[Frame]) -> int | None:
-    """Index of the first frame with a wrong CRC that the replay does not compare, because it is between other nodes."""
+    """Returns the index of the first frame with a wrong CRC among the frames that the replay does not check: those
+    exchanged between other nodes, and those that are not replayed."""
     others = {
         message.frame_id
         for message in database().messages
@@ -180,7 +184,7 @@ def _first_damaged(frames: Sequence[Frame]) -> int | None:
 
 
 class Replay:
-    """Replays the frames of a log, from the firmware's boot on. ToolError if they cannot be replayed."""
+    """Replays a log, beginning at the firmware's boot. Raises ToolError if the log cannot be replayed."""
 
     def __init__(self, frames: Sequence[Frame]):
         self._ffi, self._lib = native.load()
@@ -190,7 +194,7 @@ class Replay:
         identity = _require_boot(frames, profile, lib)
         arm = getattr(
             lib, f"arm_ik_{identity.arm}", lib.arm_ik_hoap3_right
-        )  # a damaged name: the replay will come upon it
+        )  # if the name is damaged, the replay reports the damaged frame when it reaches it
         self._other_build = None if identity.build_hash in (None, lib.replay_build_hash()) else identity.build_hash
         by_kind = [messages()[lib.frame_table[kind].id] for kind in range(lib.FRAME_KIND_COUNT)]
         self._log = _native_log(ffi, frames)
@@ -210,8 +214,8 @@ class Replay:
             lib.replay_other_build(self._state, [number in announced for number in range(lib.PARAMETER_NUMBERS)])
 
     def _leave_out(self, profile: Profile, by_kind: Sequence[Message]) -> None:
-        """Leaves frames that are not replayed out of the comparison, and with a log of another build also
-        FirmwareIdentity, which names the build, and frames that only one of the two builds sends."""
+        """Excludes messages from the comparison: those that are not replayed and, if another build recorded the log,
+        also FirmwareIdentity, which contains the build hash, and those that only one of the two builds sends."""
         in_log = {frame.frame_id for frame in self.frames if frame.message}
         is_other = self._other_build is not None
         left_out, self._left_out = [], ()
@@ -225,39 +229,37 @@ class Replay:
         self._lib.replay_leave_out(self._state, left_out)
 
     def run(self, chunk: int = 20_000) -> Iterator[int]:
-        """Replays the whole log. Yields the number of frames done after each chunk."""
+        """Replays the whole log. After each chunk, yields the number of frames replayed so far."""
         end = chunk
         while self.run_to(end):
             yield min(end, len(self.frames))
             end += chunk
 
     def run_to(self, place: int) -> bool:
-        """Replays the log up to this index. True if there may be more."""
+        """Replays the log up to this index. Returns True if there may be more to replay."""
         return bool(self._lib.replay_run(self._state, min(place, len(self.frames))))
 
     def report(self) -> Report:
-        """The report, after the whole log was replayed."""
+        """Completes the replay after run() and returns the report."""
         self._lib.replay_finish(self._state)
         state = self._state
         return Report(
             state.ticks, state.boots, state.fed, state.compared, self._difference(), self._other_build, self._left_out
         )
 
-    # ---- the first difference, in words
+    # ---- description of the first difference
 
     def _difference(self) -> Difference | None:
         damaged, found = _first_damaged(self.frames), self._found()
         if damaged is not None and (found is None or damaged < found.place):
-            return Difference("damaged: its CRC is wrong; it went past the firmware", damaged, self.frames[damaged])
+            return Difference("wrong CRC, in a frame that the replay does not compare", damaged, self.frames[damaged])
         return found or self._damaged_at_the_end()
 
     def _damaged_at_the_end(self) -> Difference | None:
-        """A damaged frame after the last tick in the log."""
+        """Returns the first damaged frame after the last tick in the log, as a difference."""
         for place in range(self._state.former_tick_place, len(self.frames)):
             if _is_damaged(self.frames[place]):
-                return Difference(
-                    "damaged: its CRC is wrong; the log ends before a tick reads it", place, self.frames[place]
-                )
+                return Difference("wrong CRC, in a frame after the last tick in the log", place, self.frames[place])
         return None
 
     def _found(self) -> Difference | None:
@@ -272,19 +274,19 @@ class Replay:
             what = (
                 "the firmware does not send this frame"
                 if traced
-                else "the trace ends before this frame: the rest cannot be replayed"
+                else "the trace ends before this frame, so that the rest cannot be replayed"
             )
             return Difference(what, state.place, recorded)
         if state.result == lib.REPLAY_NOT_IN_LOG:
             sent = self._sent(recorded)
             return Difference(
-                f"in this tick the firmware sends a {sent.name} that the log does not have", state.place, recorded, sent
+                f"in this tick the firmware sends a {sent.name} that is not in the log", state.place, recorded, sent
             )
         if state.result == lib.REPLAY_DAMAGED:
-            return Difference("damaged: its CRC is wrong, and the firmware had not refused it", state.place, recorded)
+            return Difference("wrong CRC, in a frame that the firmware sent or accepted", state.place, recorded)
         lost = messages()[state.sent.id].name
         return Difference(
-            f"this tick had read a {lost} with counter {state.sent.data[0]}, which is not in the log",
+            f"in this tick the firmware read a {lost} with counter {state.sent.data[0]}, which is not in the log",
             state.place,
             recorded,
         )

@@ -1,6 +1,6 @@
 """Reads and checks the description of the built-in tasks, ``schema/tasks.toml``.
 
-A ToolError names the file, the task, what was found and what was expected.
+Errors are raised as ToolError, which names the file and the task and states what was found and what was expected.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _KEYS = ("number", "name", "form", "t_task_m", "q_task", "q_inv", "meaning")
 
 @dataclass(frozen=True)
 class Task:
-    """t_task_m: 3 values; q_task, q_inv: unit quaternions w x y z."""
+    """A task. t_task_m: 3 values. q_task, q_inv: unit quaternions w x y z."""
 
     number: int
     name: str
@@ -61,7 +61,7 @@ def _task(path: Path, entry: dict) -> Task:
 
 
 def read(path: Path = PATH) -> list[Task]:
-    """The built-in tasks in the order of their numbers."""
+    """Returns the built-in tasks, sorted by number."""
     try:
         document = tomllib.loads(path.read_text())
     except (OSError, tomllib.TOMLDecodeError) as error:
@@ -82,5 +82,5 @@ def read(path: Path = PATH) -> list[Task]:
 
 
 def names(path: Path = PATH) -> dict[int, str]:
-    """The names of all tasks, the custom one included, by their numbers on the bus."""
+    """Returns the names of all tasks, including the custom task, by their numbers on the bus."""
     return dict(sorted({CUSTOM_NUMBER: CUSTOM_NAME, **{task.number: task.name for task in read(path)}}.items()))

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Prints the traffic of a bus: of the kernel's interface of this name, or else of the hub. Does not start a bus.
+# Prints the traffic of the kernel interface with this name, or of the hub if there is no such interface. Does not start
+# a bus.
 # Usage: candump.sh WITH_CAN BUS [OPTION OF CANDUMP...]
 set -eu
 with_can=$1 bus=$2

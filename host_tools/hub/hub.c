@@ -21,7 +21,7 @@ bool hub_init(hub_t *self, const char *bus) {
     return self->epoll_fd >= 0;
 }
 
-/* index: of a client, or HUB_MAX_CLIENTS + that of a listener. */
+/* index: index of a client, or HUB_MAX_CLIENTS plus the index of a listener. */
 static bool watch(const hub_t *self, int operation, int fd, uint32_t index, uint32_t events) {
     struct epoll_event event = {.events = events, .data.u32 = index};
     return epoll_ctl(self->epoll_fd, operation, fd, &event) == 0;
@@ -144,7 +144,7 @@ static void handle(hub_t *self, const struct epoll_event *event) {
     }
 }
 
-/* True if frames were sent to the client, or still wait for it. */
+/* Sends waiting frames to the client. Returns true if frames were sent or are still waiting. */
 static bool serve(hub_t *self, client_t *client) {
     if (!client->is_listening) {
         client->position = self->journal.end;

@@ -1,5 +1,5 @@
-# The hub, and the shim through which can-utils and python-can use it. Included by the Makefile, which defines BUILD,
-# CC, Q, WARNINGS and VENV.
+# Builds the hub, and the shim through which can-utils and python-can use it. Included by the Makefile, which defines
+# BUILD, CC, Q, WARNINGS and VENV.
 
 HUB_CFLAGS := -std=c11 -O2 -D_GNU_SOURCE $(WARNINGS)
 HUB_SOURCES := $(wildcard host_tools/hub/*.c) hal/linux/hub_path.c
@@ -50,7 +50,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard 
 	$(Q)clang $(HUB_CFLAGS) -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $< tests/fuzz/fuzz_hub.c \
 	    $(filter-out %/main.c,$(HUB_SOURCES)) -o $@
 
-# The hub's messages about refused packets are discarded; those of the fuzzer and the sanitizers are kept.
+# The hub's messages about refused packets are discarded. Messages of the fuzzer and the sanitisers are kept.
 fuzz-hub: $(FUZZ_PROGRAMS) ## fuzz both interfaces of the hub under ASan and UBSan, FUZZ_SECONDS=600 each
 	@for program in $(FUZZ_PROGRAMS); do \
 	    corpus=$(BUILD)/fuzz/corpus-$$(basename $$program); mkdir -p $$corpus; \

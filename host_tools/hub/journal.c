@@ -1,4 +1,4 @@
-/* The ring buffer of the bus's last frames: see journal.h. */
+/* A ring buffer with the last frames of the bus: see journal.h. */
 #include "journal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* The last frames of the bus, in the order that all clients see. Each client reads at its own pace. A client has lost
- * frames if it is more than JOURNAL_FRAMES behind. */
+/* The journal stores the last frames of the bus in the order in which all clients receive them. Each client reads at
+ * its own pace, and loses frames if it falls more than JOURNAL_FRAMES behind. */
 #ifndef COMANIP_HUB_JOURNAL_H
 #define COMANIP_HUB_JOURNAL_H
 
@@ -15,7 +15,7 @@ typedef struct {
     struct canfd_frame frame; /* or a struct can_frame, which begins in the same way */
     size_t bytes;             /* CAN_MTU or CANFD_MTU */
     uint32_t sender;          /* the sending client's number */
-    struct timespec time;     /* when the hub received it; CLOCK_REALTIME */
+    struct timespec time;     /* time of reception by the hub, CLOCK_REALTIME */
 } journal_entry_t;
 
 typedef struct {
@@ -23,17 +23,17 @@ typedef struct {
     uint64_t end; /* number of frames appended so far */
 } journal_t;
 
-/* True if the packet is one frame: it has the right size, a valid length, and an id of 11 bits unless it is flagged as
- * extended. */
+/* Returns true if the packet is a frame: its size is right, its length is valid, and its id has at most 11 bits unless
+ * it is flagged as extended. */
 bool journal_accepts(const void *packet, size_t bytes);
 
-/* Copies a frame that journal_accepts(). */
+/* Appends a copy of a frame, for which journal_accepts() must be true. */
 void journal_append(journal_t *self, const void *packet, size_t bytes, uint32_t sender, const struct timespec *time);
 
-/* False if the frame at the position was overwritten. */
+/* Returns false if the frame at the position has been overwritten. */
 bool journal_has(const journal_t *self, uint64_t position);
 
-/* The frame at the position, for which journal_has() must be true. */
+/* Returns the frame at the position, for which journal_has() must be true. */
 const journal_entry_t *journal_at(const journal_t *self, uint64_t position);
 
 #endif

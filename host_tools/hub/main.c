@@ -18,7 +18,7 @@
 #define EXIT_WRONG_USE 2
 #define ERROR_BYTES 512
 #define STEP_MS 100
-#define FLUSH_STEPS 2000 /* at the end, of about 1 ms each: time for the clients to read the frames already sent */
+#define FLUSH_STEPS 2000 /* steps of about 1 ms at the end, in which clients can read the remaining frames */
 
 static const char usage[] =
     "comanip-hub: a CAN bus for the processes on this machine, without CAN in the kernel\n"
@@ -69,7 +69,7 @@ static bool parse_port(const char *text, int *port) {
     return *port <= 65535;
 }
 
-/* Returns the exit status, or -1 if the program is to run. */
+/* Returns the exit status, or -1 if the program should run. */
 static int parse_options(options_t *self, int argc, char *argv[]) {
     static const struct option table[] = {{"bus", required_argument, NULL, 'b'},
                                           {"socketcand", required_argument, NULL, 's'},
@@ -106,7 +106,7 @@ static int parse_options(options_t *self, int argc, char *argv[]) {
     return -1;
 }
 
-/* Ensures one hub per bus. The process holds the lock until it ends. */
+/* Ensures that a bus has only one hub. The process holds the lock until it ends. */
 static bool lock(const char *path, const char *bus, char error[ERROR_BYTES]) {
     const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR);
     if (fd < 0) {

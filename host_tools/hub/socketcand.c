@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORDS_MAX (3 + CANFD_MAX_DLEN + 1) /* one more than the longest command has */
+#define WORDS_MAX (3 + CANFD_MAX_DLEN + 1) /* one more than in the longest command */
 #define STANDARD_ID_DIGITS 3
 
 static const socketcand_command_t malformed = {.kind = SOCKETCAND_MALFORMED};
 
-/* Splits at blanks, in place. Returns the number of words, at most WORDS_MAX. */
+/* Splits a text at blanks, in place. Returns the number of words, at most WORDS_MAX. */
 static int split(char *text, char *word[WORDS_MAX]) {
     int count = 0;
     char *rest = text;
@@ -40,7 +40,7 @@ static bool is_frame_length(unsigned long length) {
     return is_one;
 }
 
-/* send ID LENGTH BYTE...: all in hexadecimal, the length included, as python-can writes it. */
+/* Parses `send ID LENGTH BYTE...`. All numbers, including the length, are hexadecimal, as python-can writes them. */
 static socketcand_command_t parse_send(char *word[], int count) {
     socketcand_command_t command = {.kind = SOCKETCAND_SEND};
     unsigned long id, length, byte;

@@ -20,7 +20,7 @@ typedef struct {
     char out[OUT_BYTES];
     size_t out_bytes, out_sent;
     bool is_open;         /* the client has opened the bus */
-    int64_t raw_since_ms; /* start of rawmode; 0: not yet */
+    int64_t raw_since_ms; /* start of rawmode, 0 before it */
 } session_t;
 
 static int64_t now_ms(void) {
@@ -43,7 +43,7 @@ static client_result_t flush(const client_t *client) {
     return CLIENT_GOES_ON;
 }
 
-/* A client that does not read its answers is treated as gone. */
+/* Sends an answer. A client that does not read its answers is dropped. */
 static client_result_t answer(const client_t *client, const char *text) {
     session_t *session = client->session;
     const size_t length = strlen(text);
@@ -136,7 +136,7 @@ static client_result_t read_commands(hub_t *hub, client_t *client) {
     return execute_all(hub, client);
 }
 
-/* Appends the frame's line to the output. Returns its length, 0 if the protocol cannot carry the frame. */
+/* Appends the frame's line to the output. Returns its length, or 0 if the protocol cannot carry the frame. */
 static size_t put_line(session_t *session, const journal_entry_t *entry) {
     char line[SOCKETCAND_LINE_BYTES];
     const size_t bytes = socketcand_format(entry, line);
@@ -152,8 +152,8 @@ static size_t put_line(session_t *session, const journal_entry_t *entry) {
 
 static client_result_t write_frames(hub_t *hub, client_t *client) {
     session_t *session = client->session;
-    /* The client must have read its `< ok >` before the first frame arrives, because python-can treats all that one
-     * recv() returns as the answer. The frames of the meantime are sent afterwards. */
+    /* The client must have read `< ok >` before the first frame arrives, because python-can treats everything that one
+     * recv() returns as the answer. Frames that arrive in the meantime are sent afterwards. */
     if (now_ms() < session->raw_since_ms + hub->settle_ms) {
         return CLIENT_GOES_ON;
     }
@@ -168,7 +168,7 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
             const size_t bytes = put_line(session, entry);
             if (bytes == 0 && client->left_out++ == 0) {
                 (void)fprintf(stderr,
-                              "comanip-hub: socketcand client %u: a remote frame is left out, because its protocol "
+                              "comanip-hub: socketcand client %u: a remote frame is left out, because the protocol "
                               "cannot carry it\n",
                               client->number);
             }

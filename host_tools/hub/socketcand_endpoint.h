@@ -8,10 +8,10 @@
 
 extern const endpoint_t socketcand_endpoint;
 
-/* Opens a listening socket at 127.0.0.1; port 0: any free port. Returns it, or -1 with errno. */
+/* Opens a listening socket at 127.0.0.1. port: 0 for any free port. Returns the socket, or -1 with errno. */
 int socketcand_endpoint_open(int port);
 
-/* The port of the listening socket, or -1 with errno. */
+/* Returns the port of the listening socket, or -1 with errno. */
 int socketcand_endpoint_port(int listen_fd);
 
 #endif

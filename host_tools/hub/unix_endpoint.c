@@ -17,7 +17,7 @@ int unix_endpoint_open(const char *path, char error[], size_t error_size) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     memcpy(address.sun_path, path, strnlen(path, HUB_PATH_BYTES - 1));
     const int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    (void)unlink(path); /* left by a hub that was killed: the lock ensures that no other hub runs */
+    (void)unlink(path); /* left by a hub that was killed; because of the lock it cannot belong to a running hub */
     const mode_t mask = umask(S_IRWXG | S_IRWXO);
     const bool is_open =
         fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 && listen(fd, HUB_MAX_CLIENTS) == 0;
@@ -49,7 +49,7 @@ static client_result_t read_frames(hub_t *hub, client_t *client) {
     }
     hub_accept(hub);
     for (int i = 0; i < received; i++) {
-        if (message[i].msg_len == 0) { /* end of file; an empty packet looks the same */
+        if (message[i].msg_len == 0) { /* end of file, which cannot be told from an empty packet */
             return CLIENT_IS_GONE;
         }
         (void)hub_receive(hub, client, packet[i], message[i].msg_len);
@@ -61,7 +61,7 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
     while (client->position != hub->journal.end) {
         struct iovec part[BATCH];
         struct mmsghdr message[BATCH];
-        uint64_t after[BATCH]; /* the position when this message is sent */
+        uint64_t after[BATCH]; /* client->position after this message has been sent */
         unsigned count = 0;
         memset(message, 0, sizeof message);
         uint64_t position = client->position;
@@ -76,7 +76,7 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
         }
         const int sent = count > 0 ? sendmmsg(client->fd, message, count, MSG_DONTWAIT | MSG_NOSIGNAL) : 0;
         if (sent < 0 && errno == EPIPE) {
-            client->is_listening = false; /* it only sends; if it has disconnected, read() reports that */
+            client->is_listening = false; /* the client only sends; if it has disconnected, read() reports that */
             return CLIENT_GOES_ON;
         }
         if (sent < 0) {

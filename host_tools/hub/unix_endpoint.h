@@ -1,5 +1,5 @@
-/* Clients of the Unix socket. Each packet, in either direction, is one struct can_frame or struct canfd_frame. A client
- * that shuts down its receiving side (SHUT_RD) only sends. */
+/* Clients of the Unix socket. Each packet in either direction is a struct can_frame or a struct canfd_frame. No frames
+ * are sent to a client that has shut down its receiving side (SHUT_RD). */
 #ifndef COMANIP_HUB_UNIX_ENDPOINT_H
 #define COMANIP_HUB_UNIX_ENDPOINT_H
 
@@ -7,8 +7,8 @@
 
 extern const endpoint_t unix_endpoint;
 
-/* Opens a listening socket at the path, accessible to its owner only, and replaces an existing one. Returns it, or -1
- * with one line in `error`. */
+/* Opens a listening socket at the path, which only its owner can access, and replaces an existing one. Returns the
+ * socket, or -1 with one line in `error`. */
 int unix_endpoint_open(const char *path, char error[], size_t error_size);
 
 #endif

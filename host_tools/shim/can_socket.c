@@ -1,4 +1,4 @@
-/* Emulates raw CAN sockets by connections to a hub: see can_socket.h. */
+/* Emulates raw CAN sockets with connections to a hub: see can_socket.h. */
 #include "can_socket.h"
 
 #include <errno.h>
@@ -14,7 +14,7 @@
 #define DESCRIPTORS 1024
 #define ERROR_BYTES 512
 
-static _Atomic(can_socket_t *) table[DESCRIPTORS]; /* by descriptor */
+static _Atomic(can_socket_t *) table[DESCRIPTORS]; /* indexed by descriptor */
 
 int can_socket_adopt(int fd) {
     struct stat status;
@@ -28,7 +28,7 @@ int can_socket_adopt(int fd) {
     }
     *self = (can_socket_t){.fd = fd, .device = status.st_dev, .inode = status.st_ino, .loopback = true, .sender = -1};
     receive_filter_init(&self->filter);
-    free(atomic_exchange(&table[fd], self)); /* left if a socket was closed other than through close() */
+    free(atomic_exchange(&table[fd], self)); /* an old entry remains if a socket was not closed through close() */
     return fd;
 }
 
@@ -70,7 +70,7 @@ int can_socket_bind(can_socket_t *self, unsigned index) {
         return -1;
     }
     index = is_any ? interface_only() : index;
-    if (index != 0 || !is_any || !receives_nothing) { /* a socket that only sends names the interface with each frame */
+    if (index != 0 || !is_any || !receives_nothing) { /* a socket that only sends may choose an interface per frame */
         if (receive_filter_attach(&self->filter, self->fd) != 0 || !connect_to(self->fd, index)) {
             return -1;
         }
@@ -121,7 +121,7 @@ static int set_filters(receive_filter_t *self, const void *value, socklen_t leng
     return 0;
 }
 
-/* The flag of an option that is one int. NULL if there is no such option. */
+/* Returns the flag for an option whose value is an int, or NULL if there is no such option. */
 static bool *find_flag(can_socket_t *self, int name) {
     return name == CAN_RAW_LOOPBACK        ? &self->loopback
            : name == CAN_RAW_RECV_OWN_MSGS ? &self->receives_own

@@ -1,5 +1,4 @@
-/* Emulated raw CAN sockets. Each is a connection to a hub, together with the state that SocketCAN keeps for a socket.
- * */
+/* Emulated raw CAN sockets. Each consists of a connection to a hub and the state that SocketCAN keeps for a socket. */
 #ifndef COMANIP_SHIM_CAN_SOCKET_H
 #define COMANIP_SHIM_CAN_SOCKET_H
 
@@ -11,33 +10,34 @@
 
 typedef struct {
     int fd;
-    dev_t device; /* with inode: to check that the descriptor is still this socket */
+    dev_t device; /* device and inode identify the socket, to check that the descriptor still refers to it */
     ino_t inode;
-    unsigned index; /* of the interface that it is connected to; 0: none */
+    unsigned index; /* index of the interface to which the socket is connected, 0 if there is none */
     bool is_bound;
-    bool loopback; /* other sockets on this machine receive what this one sends */
+    bool loopback; /* other sockets on this machine receive the frames that this socket sends */
     bool receives_own;
     receive_filter_t filter;
-    int sender; /* a second connection, for frames that this socket receives itself or for another interface; or -1 */
+    int sender; /* second connection, for frames that this socket receives itself or for another interface; or -1 */
     unsigned sender_index;
 } can_socket_t;
 
-/* Turns the descriptor of a new AF_UNIX socket into an emulated CAN socket. Returns it, or -1 with errno. */
+/* Turns the descriptor of a new AF_UNIX socket into an emulated CAN socket. Returns the descriptor, or -1 with errno.
+ */
 int can_socket_adopt(int fd);
 
-/* The CAN socket of a descriptor, or NULL. Does not change errno. */
+/* Returns the CAN socket of a descriptor, or NULL. Does not change errno. */
 can_socket_t *can_socket_find(int fd);
 
 void can_socket_forget(can_socket_t *self);
 
-/* Connects to the hub of the interface; index 0: to the only hub. Returns 0, or -1 with errno. */
+/* Connects to the hub of the interface. index: 0 for the only hub. Returns 0, or -1 with errno. */
 int can_socket_bind(can_socket_t *self, unsigned index);
 
-/* The descriptor through which to send a frame to the interface (0: the one that the socket is bound to), or -1 with
- * errno. */
+/* Returns the descriptor through which a frame must be sent to the interface, or -1 with errno. index: 0 for the
+ * interface to which the socket is bound. */
 int can_socket_route(can_socket_t *self, unsigned index);
 
-/* Options of SOL_CAN_RAW. Return 0, or -1 with errno. */
+/* Set or get an option of SOL_CAN_RAW. Return 0, or -1 with errno. */
 int can_socket_set_option(can_socket_t *self, int name, const void *value, socklen_t length);
 int can_socket_get_option(const can_socket_t *self, int name, void *value, socklen_t *length);
 

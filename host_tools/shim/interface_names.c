@@ -10,7 +10,7 @@
 
 #include "../../hal/linux/hub_path.h"
 
-#define FIRST_INDEX 0x40000000u /* the kernel counts from 1 */
+#define FIRST_INDEX 0x40000000u /* far above the kernel's indices, which count from 1 */
 #define INTERFACES_MAX 32
 #define ERROR_BYTES 512
 

@@ -1,6 +1,6 @@
-/* libcomanip-can.so, for LD_PRELOAD: raw CAN sockets on a machine whose kernel has none. Calls on a CAN socket are
- * redirected to the hub; all other calls are passed to libc unchanged. Not supported: CAN_BCM, ISO-TP, J1939,
- * MSG_CONFIRM on own frames, sockets that are duplicated or inherited by another program. */
+/* libcomanip-can.so, a library for LD_PRELOAD that provides raw CAN sockets on machines whose kernel has none. Calls on
+ * a CAN socket are redirected to the hub. All other calls are passed to libc unchanged. Not supported are CAN_BCM,
+ * ISO-TP, J1939, MSG_CONFIRM on own frames, and sockets that are duplicated or inherited by another program. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 
 #pragma GCC visibility push(default) /* all other symbols of the library are hidden */
 
-/* next_NAME: the function of libc that ours replaces. */
+/* Defines next_NAME, the libc function that the function NAME in this file replaces. */
 #define NEXT(name)                                                                                                     \
     static __typeof__(name) *next_##name;                                                                              \
     if (next_##name == NULL) {                                                                                         \
@@ -41,8 +41,8 @@ char *if_indextoname(unsigned index, char name[IF_NAMESIZE]) {
     return ours != NULL ? strcpy(name, ours) : next_if_indextoname(index, name);
 }
 
-/* Answers a request about a hub. False if it is about another interface, or is another request: the kernel answers it.
- * */
+/* Answers a request about a hub. Returns false for other requests and other interfaces, which are left to the kernel.
+ */
 static bool answer(unsigned long request, struct ifreq *interface) {
     if (request == SIOCGIFNAME) {
         const char *name = interface_name((unsigned)interface->ifr_ifindex);
@@ -73,7 +73,7 @@ int ioctl(int fd, unsigned long request, ...) {
     return can_socket_find(fd) != NULL && answer(request, argument) ? 0 : next_ioctl(fd, request, argument);
 }
 
-/* ---- opening, binding, options, closing. __SOCKADDR_ARG: glibc declares addresses as a union of all kinds */
+/* ---- opening, binding, options, closing. glibc declares addresses as a union of all kinds, __SOCKADDR_ARG */
 
 int socket(int domain, int type, int protocol) {
     NEXT(socket)
@@ -159,7 +159,7 @@ int getsockopt(int fd, int level, int name, void *value, socklen_t *length) {
     return result;
 }
 
-/* ---- receiving: if the hub ended or dropped this client, the error is that of a removed interface */
+/* ---- receiving. If the hub has ended or dropped this client, the error is the same as for a removed interface */
 
 static ssize_t received(ssize_t bytes) {
     if (bytes == 0 || (bytes < 0 && errno == ECONNRESET)) {
@@ -218,7 +218,7 @@ ssize_t recv(int fd, void *buffer, size_t size, int flags) {
                                        : next_recv(fd, buffer, size, flags);
 }
 
-/* Blocks for the first message only, as with MSG_WAITFORONE. */
+/* Blocks only for the first message, as with MSG_WAITFORONE. */
 int recvmmsg(int fd, struct mmsghdr *message, unsigned count, int flags, struct timespec *timeout) {
     NEXT(recvmmsg)
     if (can_socket_find(fd) == NULL) {
@@ -258,7 +258,7 @@ ssize_t sendmsg(int fd, const struct msghdr *message, int flags) {
         return -1;
     }
     const int route = can_socket_route(can, index_of(message->msg_name, message->msg_namelen));
-    if (route < 0 || !can->loopback) { /* without loopback nobody on this machine receives the frame */
+    if (route < 0 || !can->loopback) { /* without loopback no socket on this machine receives the frame */
         return route < 0 ? -1 : (ssize_t)bytes;
     }
     struct msghdr plain = *message;

@@ -19,7 +19,8 @@ static void emit(program_t *self, unsigned code, unsigned char if_true, unsigned
     self->code[self->length++] = (struct sock_filter){(unsigned short)code, if_true, if_false, value};
 }
 
-/* BPF loads in network byte order; the id is in the byte order of the machine. */
+/* Loads the id and masks it. The mask is converted, because BPF loads in network byte order and the id is in that of
+ * the machine. */
 static void emit_masked_id(program_t *self, uint32_t mask) {
     emit(self, BPF_LD | BPF_W | BPF_ABS, 0, 0, 0);
     emit(self, BPF_ALU | BPF_AND | BPF_K, 0, 0, htonl(mask));
@@ -29,7 +30,7 @@ static void emit_return(program_t *self, uint32_t verdict) {
     emit(self, BPF_RET | BPF_K, 0, 0, verdict);
 }
 
-/* Returns the verdict if the id matches the filter (when_matching), or if it does not match (otherwise). */
+/* Emits code that returns the verdict if the id matches the filter or, if when_matching is false, does not match it. */
 static void emit_filter(program_t *self, const struct can_filter *filter, bool when_matching, uint32_t verdict) {
     const bool is_inverted = (filter->can_id & CAN_INV_FILTER) != 0;
     uint32_t mask = filter->can_mask & ~CAN_ERR_FLAG;

@@ -1,5 +1,5 @@
-/* The receive filter of a raw CAN socket, as a classic BPF program. The kernel applies it before a frame is queued, so
- * that poll() and select() report only frames that pass the filter. */
+/* The receive filter of a raw CAN socket, implemented as a classic BPF program. The kernel applies it before a frame is
+ * queued, so that poll() and select() report only frames that pass the filter. */
 #ifndef COMANIP_SHIM_RECEIVE_FILTER_H
 #define COMANIP_SHIM_RECEIVE_FILTER_H
 
@@ -10,12 +10,12 @@
 typedef struct {
     struct can_filter filter[CAN_RAW_FILTER_MAX];
     int count;             /* 0: no data frames pass */
-    bool join;             /* all filters must match, not just one */
-    bool fd_frames;        /* frames of CAN FD pass as well */
+    bool join;             /* all filters must match instead of at least one */
+    bool fd_frames;        /* CAN FD frames may pass as well */
     can_err_mask_t errors; /* classes of error frames that pass */
 } receive_filter_t;
 
-/* The filter of a new socket: all data frames of classic CAN pass. */
+/* Initialises the filter of a new socket, which all data frames of classic CAN pass. */
 void receive_filter_init(receive_filter_t *self);
 
 /* Attaches the filter to the socket. Returns 0, or -1 with errno. */

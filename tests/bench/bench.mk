@@ -1,13 +1,13 @@
-# `make bench`: the program that runs the ticks. Included by the Makefile, which defines BUILD, GENERATED and
+# Builds the program that runs the ticks for `make bench`. Included by the Makefile, which defines BUILD, GENERATED and
 # CORE_CFLAGS.
 
 BENCH := $(BUILD)/bench
-# A shell pattern, since the folder does not exist before the installation.
+# A shell pattern, because the folder does not exist before the installation.
 BENCH_SITE := $(VENV)/lib/python3*/site-packages
 BENCH_ARMS := six seven
 
-# The same processor for all contenders; ours is otherwise compiled as the product is. EIGEN_MAX_ALIGN_BYTES as in
-# Debian's KDL; BOOST_MPL as in Pinocchio's CMake files.
+# All contenders are compiled for the same processor. Apart from that, ours is compiled as in the product.
+# EIGEN_MAX_ALIGN_BYTES is the same as in Debian's KDL, and BOOST_MPL as in Pinocchio's CMake files.
 BENCH_PROCESSOR := -march=x86-64-v3
 BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG $(BENCH_PROCESSOR) -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
     -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
@@ -32,7 +32,7 @@ $(BENCH)/arms/%.c $(BENCH)/control/arms/%_ik.c: tests/bench/arms/%.toml $(wildca
 	@cp $< $(BENCH)/arms
 	$(Q)$(PYTHON) -m comanip_dev.arms.codegen $(BENCH)/arms/$*.toml >/dev/null
 
-.SECONDARY: $(BENCH_WRITTEN) # kept after compilation
+.SECONDARY: $(BENCH_WRITTEN) # keeps the generated sources after compilation
 BENCH_CC = $(CC) $(CORE_CFLAGS) $(BENCH_PROCESSOR) -I$(BENCH)/control/arms -Ifirmware/arms -Ifirmware/control/arms
 $(BENCH)/%.o: $(BENCH)/%.c Makefile tests/bench/bench.mk $(FIRMWARE_FILES)
 	@echo "  CC $<"

@@ -1,12 +1,13 @@
-"""``make bench``: compares our tick with those of Pinocchio, Orocos KDL, MuJoCo and dqrobotics; measures the simulator.
+"""``make bench``: compares our tick with those of Pinocchio, Orocos KDL, MuJoCo and dqrobotics, and measures the
+simulator's speed.
 
-``bench.py BUILD``. One tick is Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4); see
-contender.hpp. First the joint velocities of all contenders are checked against the paper's equations in double
-(dqrobotics, numpy). Then the contenders run in turn, round after round, each feeding back its own angles. The table
-gives the median of the rounds and the 10th and 90th percentiles. Instructions are counted by callgrind, as the
-difference of two runs. Prints a table, draws BUILD/reports/bench.png and writes BUILD/reports/bench.json. Exit status 1
-if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do
-not apply to a microcontroller.
+``bench.py BUILD``. A tick consists of Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4);
+see contender.hpp. First, the joint velocities of all contenders are checked against the paper's equations in double
+precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each contender feeds its own
+angles back. The table shows the median of the rounds and the 10th and 90th percentiles. callgrind counts instructions,
+as the difference between two runs. Prints a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json.
+Exit status: 1 if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on
+the host do not apply to a microcontroller.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ CALLGRIND_TICKS = 1000
 DQROBOTICS_TICKS = 200
 OURS = ("comanip, specialised", "comanip, table")
 OWN_LAW = "KDL, wdls"
-REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # required: times as long as our specialised tick
+REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # minimum time relative to that of our specialised tick
 WORK = """All contenders: the same inputs; Algorithm 1; control law (4) as (J^T W J + lambda I)^-1 J^T W K e with the
 default K, W and lambda; -march=x86-64-v3. Differences:
 - comanip is float32 and compiled as the product is (-O2, no contraction). The peers use double (Pinocchio float as
@@ -64,7 +65,7 @@ default K, W and lambda; -march=x86-64-v3. Differences:
 
 @dataclass
 class Case:
-    """An arm and its inputs. `model` is the file for the program."""
+    """An arm and its inputs. model: file that the program reads."""
 
     n: int
     arm: arm_description.Arm
@@ -78,7 +79,7 @@ class Case:
 
 
 def kinematics(arm: arm_description.Arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pose (8,) and Jacobian (8, n) of the end effector: the product of the joint poses in double."""
+    """Returns pose (8,) and Jacobian (8, n) of the end effector, computed from the joint poses in double precision."""
     left = [oracle.pose([1.0, 0, 0, 0], np.zeros(3))]
     for fixed, angle in zip(arm.fixed, q, strict=True):
         joint = oracle.multiply(left[-1], oracle.pose(fixed.rotation, fixed.translation_m))
@@ -92,7 +93,8 @@ def kinematics(arm: arm_description.Arm, q: np.ndarray) -> tuple[np.ndarray, np.
 def single(values: np.ndarray) -> np.ndarray:
     """Rounds to float32, so that all contenders get the same input.
 
-    A rotation that is unit in double is not unit in float32, and the peers treat that differently.
+    This matters because a rotation with unit norm in double precision does not have unit norm in float32, which the
+    peers handle in different ways.
     """
     return np.asarray(values, np.float32).astype(float)
 
@@ -131,7 +133,7 @@ def make_case(n: int, folder: Path, rng: np.random.Generator) -> Case:
 
 
 def law_in_double(case: Case) -> np.ndarray:
-    """Joint velocities (STATES, n) by the paper's equations."""
+    """Returns the joint velocities (STATES, n) according to the paper's equations."""
     targets = np.array([case.algorithm.target(oracle.unit(hand)) for hand in case.hands[:STATES]])
     poses, jacobians = zip(*(kinematics(case.arm, q) for q in case.states), strict=True)
     weight = np.repeat(WEIGHT, 4)
@@ -160,8 +162,8 @@ def rows(output: str) -> dict[str, list[list[float]]]:
 
 
 def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str]]:
-    """The largest difference from double of each contender, relative to max(1, |u|, K / 10), and the differences beyond
-    the bound."""
+    """Returns the largest difference of each contender from the equations in double precision, relative to
+    max(1, |u|, K / 10), and a complaint for each difference above the bound."""
     expected = law_in_double(case)
     scale = np.maximum(np.maximum(1.0, GAIN / 10), np.linalg.norm(expected, axis=1, keepdims=True))
     found, complaints = {}, []
@@ -180,7 +182,7 @@ def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str
 
 
 def instructions(case: Case, program: Path, name: str) -> float:
-    """Instructions per tick, counted by callgrind: the cost of CALLGRIND_TICKS further ticks."""
+    """Returns the instructions per tick, which callgrind counts as the cost of CALLGRIND_TICKS additional ticks."""
     counts = []
     for ticks in (CALLGRIND_TICKS, 2 * CALLGRIND_TICKS):
         out = case.model.with_suffix(f".{name.replace(' ', '').replace(',', '-')}.{ticks}")
@@ -195,7 +197,7 @@ def instructions(case: Case, program: Path, name: str) -> float:
 
 
 class Dqrobotics:
-    """The same tick in DQ and numpy, with n x n matrices."""
+    """The same tick with DQ and numpy, with n x n matrices."""
 
     name = "dqrobotics, from Python"
 
@@ -236,7 +238,8 @@ class Dqrobotics:
         return (time.perf_counter_ns() - begin_ns) / ticks
 
     def call_ns(self, calls: int = 20_000) -> float:
-        """Duration of a library call that computes next to nothing: the overhead of Python and the binding per call."""
+        """Returns the duration of a library call with almost no computation, which is the overhead of Python and the
+        binding per call."""
         begin_ns = time.perf_counter_ns()
         for _ in range(calls):
             self.axis.conj()
@@ -247,7 +250,7 @@ class Dqrobotics:
 
 
 def times_ours(times: dict[str, list[float]], name: str) -> float:
-    """The median of the ratios per round: a disturbance of a round affects both sides."""
+    """Returns the median of the ratios in the rounds. A disturbance in a round affects both sides of its ratio."""
     return float(np.median(np.array(times[name]) / np.array(times[OURS[0]])))
 
 
@@ -257,7 +260,7 @@ def summary(values: list[float]) -> dict[str, float]:
 
 
 def measure(case: Case, program: Path) -> dict[str, dict]:
-    """For each contender: ns, heap allocations and instructions per tick."""
+    """Returns ns, heap allocations and instructions per tick for each contender."""
     peer = Dqrobotics(case)
     times: dict[str, list[float]] = {}
     heap: dict[str, float] = {}
@@ -275,7 +278,8 @@ def measure(case: Case, program: Path) -> dict[str, dict]:
 
 
 def missed(n: int, found: dict[str, dict]) -> list[str]:
-    """A line for each ratio below its required value, and for each of our contenders that allocates from the heap."""
+    """Returns a line for each ratio below its required value, and for each of our contenders that allocates from the
+    heap."""
     complaints = []
     for name, required in REQUIRED.items():
         ratio = found[name]["times_ours"]
@@ -312,7 +316,7 @@ def show(results: dict[int, dict[str, dict]], console: Console) -> None:
             )
         console.print(table)
         overhead = found[Dqrobotics.name]["calls_overhead_ns"]
-        print(f"Of dqrobotics' time, about {overhead:.0f} ns are the overhead of the calls from Python.\n")
+        print(f"About {overhead:.0f} ns of dqrobotics' time are the overhead of the calls from Python.\n")
     print(WORK)
 
 

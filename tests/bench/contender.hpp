@@ -1,5 +1,6 @@
-// The compared tick: Algorithm 1's loop body, forward kinematics, the Jacobian and control law (4). Each contender uses
-// its own types. The joint velocities are integrated into the angles of its next tick, so that latency counts.
+// The tick that is compared consists of Algorithm 1's loop body, forward kinematics, the Jacobian and control law (4).
+// Each contender uses its own types. The next tick starts from the integrated joint velocities, so that the latency of
+// a tick is measured, not only its throughput.
 #pragma once
 
 #include <memory>
@@ -14,21 +15,21 @@ struct Pose {
     Eigen::Vector3d translation_m;
 };
 
-// As written by bench.py.
+// The model that bench.py writes.
 struct Model {
     std::string arm;            // name of the specialised arm
     int n;                      // joints, each about the z axis of the frame after its `fixed`
     std::vector<Pose> fixed;
     Pose effector;
-    // Algorithm 1: the target's rotation is left r right, its translation
+    // Algorithm 1: the target's rotation is left r right, and its translation is
     // virtual_start + R(left) (t - hand_start) - R(target) relation.
     Eigen::Quaterniond left, right;
     Eigen::Vector3d hand_start_m, virtual_start_m, relation_m;
     // Control law (4) in the target's frame: rotation, translation.
     double weight[2], gain_per_s[2], damping;
     std::vector<double> start_rad;
-    std::vector<Pose> hand;     // the person's hand, tick by tick; a closed path that repeats
-    std::vector<std::vector<double>> states; // angles for the check, one per hand pose, in order
+    std::vector<Pose> hand;     // the person's hand in each tick; a closed path that repeats
+    std::vector<std::vector<double>> states; // joint angles for the check, one set per hand pose
 };
 
 constexpr double TICK_S = 1e-3;
@@ -38,8 +39,8 @@ class Contender {
     virtual ~Contender() = default;
     virtual std::string name() const = 0;
     virtual void set(const double position_rad[]) = 0;
-    virtual void ticks(int count) = 0;                                // starting with the first hand
-    virtual void velocity(int hand, double velocity_radps[]) = 0;     // of one tick, from the angles last set
+    virtual void ticks(int count) = 0;                                // starts with the first hand pose
+    virtual void velocity(int hand, double velocity_radps[]) = 0;     // result of a tick at the angles last set
 };
 
 std::vector<std::unique_ptr<Contender>> ours(const Model &model);

@@ -1,4 +1,5 @@
-// Orocos KDL: forward kinematics and Jacobian, with control law (4) by LDL^T, and with KDL's damped least squares.
+// Orocos KDL's forward kinematics and Jacobian, once with control law (4) solved by LDL^T, and once with KDL's damped
+// least squares.
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainiksolvervel_wdls.hpp>
@@ -61,9 +62,9 @@ template <int N> struct SameLaw {
     }
 };
 
-// The twist that closes the error, scaled by gain and weights, through ChainIkSolverVel_wdls, as a KDL user would do.
-// That solver takes a 6 x 6 block of its 6 x n matrix and aborts below 6 joints: a shorter arm gets locked joints at
-// its end effector.
+// Passes the twist that closes the error, scaled by gain and weights, to ChainIkSolverVel_wdls, as a KDL user would do.
+// The solver accesses a 6 x 6 block of its 6 x n matrix and therefore aborts if n is below 6, so locked joints are
+// appended to the end effector of shorter arms.
 class DampedLeastSquares : public Contender {
   public:
     explicit DampedLeastSquares(const Model &model)

@@ -1,6 +1,6 @@
-// ticks MODEL check            velocities of each contender in each of the model's states, one line each
-// ticks MODEL time TICKS       ns and heap allocations per tick of each contender, one after the other
-// ticks MODEL run TICKS NAME   only the named contender, for callgrind
+// ticks MODEL check            prints the velocities of each contender in each of the model's states, one per line
+// ticks MODEL time TICKS       prints ns and heap allocations per tick of each contender
+// ticks MODEL run TICKS NAME   runs only the contender NAME, for callgrind
 #include <time.h>
 
 #include <cstdio>
@@ -67,7 +67,7 @@ Model read_model(const char *path) {
         model.fixed.push_back(read_pose(in));
     }
     model.effector = read_pose(in);
-    const Pose left = read_pose(in), right = read_pose(in); // hand_start_m and virtual_start_m are their translations
+    const Pose left = read_pose(in), right = read_pose(in); // their translations are hand_start_m and virtual_start_m
     model.left = left.rotation, model.hand_start_m = left.translation_m;
     model.right = right.rotation, model.virtual_start_m = right.translation_m;
     in >> model.relation_m.x() >> model.relation_m.y() >> model.relation_m.z();

@@ -1,4 +1,4 @@
-// The common part of the peers' ticks, as users would write it with Eigen: Algorithm 1, control law (4), the loop.
+// The common part of the peers' ticks, as users would write it with Eigen: Algorithm 1, control law (4) and the loop.
 #pragma once
 
 #include "contender.hpp"
@@ -8,8 +8,8 @@ template <class Scalar> struct PoseOf {
     Eigen::Matrix<Scalar, 3, 1> translation_m;
 };
 
-// Kinematics: struct with `void update(const Scalar q[])`, the end effector's `rotation()` and `translation_m()` in the
-// torso frame, and `jacobian()`: 6 x n, linear velocity above, angular velocity below, in torso axes.
+// Kinematics is a struct with `void update(const Scalar q[])`, the end effector's `rotation()` and `translation_m()` in
+// the torso frame, and `jacobian()`, which is 6 x n in torso axes with the linear velocity above the angular velocity.
 template <class Scalar, int N, class Kinematics> class Peer : public Contender {
     using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
     using Quaternion = Eigen::Quaternion<Scalar>;
@@ -63,10 +63,10 @@ template <class Scalar, int N, class Kinematics> class Peer : public Contender {
         law(target, place);
     }
 
-    // Control law (4) in the target's frame, times 4; W and K have one value for rotation and one for translation. In
-    // the torso frame and multiplied by conj(conj(q_d) q) on the right, which is orthogonal, a joint's column of the
-    // dual quaternion Jacobian is (omega; v + t x omega / 2; t . omega / 2) / 2 with t from the target to the end
-    // effector.
+    // Control law (4) in the target's frame, multiplied by 4. W and K have one value for rotation and one for
+    // translation. When expressed in the torso frame and multiplied on the right by conj(conj(q_d) q), which is
+    // orthogonal, a joint's column of the dual quaternion Jacobian is (omega; v + t x omega / 2; t . omega / 2) / 2,
+    // where t is the vector from the target to the end effector.
     void law(const Quaternion &target, const Vector3 &place) {
         Quaternion turn = kinematics_.rotation() * target.conjugate();
         const Vector3 delta = turn.w() < 0 ? Vector3(-turn.vec()) : Vector3(turn.vec());
@@ -99,7 +99,7 @@ template <class Scalar, int N, class Kinematics> class Peer : public Contender {
     Eigen::Matrix<Scalar, N, 1> q_, u_;
 };
 
-// Gives the peers the number of joints at compile time.
+// Turns the number of joints into a compile-time constant for the peers.
 template <template <int> class Make, class... Arguments>
 std::unique_ptr<Contender> with_joints(int n, Arguments &&...arguments) {
     switch (n) {

@@ -1,4 +1,4 @@
-// Pinocchio: placements and Jacobians of the joints, then of the end effector.
+// Pinocchio's placements and Jacobians, first of the joints, then of the end effector.
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/multibody.hpp>

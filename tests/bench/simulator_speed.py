@@ -1,5 +1,5 @@
-"""Simulated time over wall time, a part of `make bench`: the plain motions and the complete experiments. The time is
-that of the whole process, including its start and its output files."""
+"""Measures the ratio of simulated time to wall time for the plain motions and the complete experiments, as a part of
+`make bench`. The wall time is that of the whole process, including its start and its output files."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from pathlib import Path
 from simulation import EXPERIMENTS, SCENARIOS, experiment, run
 
 RUNS = 9
-DURATION_S = 60  # of the plain motions; an experiment runs to its own end
+DURATION_S = 60  # duration of the plain motions; experiments run to their end
 LEAST_PLAIN, LEAST_POUR, LEAST_EXPERIMENT = 25.0, 7.0, 15.0
 
 
 def ratios(*arguments: object) -> list[float]:
-    """The first run warms the caches and is left out."""
+    """Returns the ratio of simulated time to wall time for each run. The first run, which warms the caches, is left
+    out."""
     result = []
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(1 + RUNS):
@@ -29,7 +30,7 @@ def ratios(*arguments: object) -> list[float]:
 
 
 def contenders() -> list[tuple[str, float, tuple[object, ...]]]:
-    """Name, required ratio and simulator options of each run."""
+    """Returns the name, required ratio and simulator options of each run."""
     plain = [(f"{name} (moves)", LEAST_PLAIN, ("--scenario", name, "--duration", DURATION_S)) for name in SCENARIOS]
     return plain + [
         (name, LEAST_POUR if name == "pour" else LEAST_EXPERIMENT, ("--scenario", experiment(name)))
@@ -38,7 +39,8 @@ def contenders() -> list[tuple[str, float, tuple[object, ...]]]:
 
 
 def measure() -> tuple[dict[str, dict[str, float]], bool]:
-    """Prints a table. Returns median, least and most of each scenario, and whether one misses its required ratio."""
+    """Prints a table. Returns the median, smallest and largest ratio of each scenario, and whether any scenario misses
+    its required ratio."""
     print(f"simulated time over wall time: {RUNS} runs each, {os.cpu_count()} cores")
     print(f"{'scenario':<16} {'required':>8} {'median':>8} {'least':>8} {'most':>8}")
     found, slow = {}, False

@@ -13,7 +13,7 @@
 
 struct tick {
     arm_ik_t ik;
-    arm_t arm; /* used unless the arm is a generated one */
+    arm_t arm; /* used unless the arm has generated code */
     arm_joint_t joints[ARM_MAX_JOINTS];
     cooperation_t cooperation;
     differential_ik_config_t config;
@@ -35,7 +35,7 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
         }
     }
     if (model->name != NULL) {
-        abort(); /* otherwise the table's figures would be reported */
+        abort(); /* otherwise the figures for the table would be reported under this name */
     }
     for (int i = 0; i < model->joint_count; i++) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};

@@ -301,7 +301,7 @@ def main(argv: list[str]) -> int:
     for line in over:
         print(f"make cycles: {line}", file=sys.stderr)
     print(
-        f"make cycles: above {budget} or a requirement; UPDATE=1 rewrites the budget"
+        f"make cycles: above {budget} or a requirement; UPDATE=1 updates the budget"
         if over
         else f"make cycles: within {budget} and all requirements"
     )

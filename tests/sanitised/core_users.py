@@ -1,4 +1,4 @@
-"""Finds the test files that use the compiled core: those whose imports lead to ``comanip._core``."""
+"""Finds the test files that import the compiled core ``comanip._core``, directly or through other modules."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 TESTS = REPOSITORY / "tests"
-# tests/rest has a loop around the core that is compiled on its own.
+# The loop in tests/rest contains the core and is compiled separately.
 FOLDERS = (
     REPOSITORY / "host_tools",
     REPOSITORY / "host_tools" / "development",
@@ -17,13 +17,13 @@ FOLDERS = (
     TESTS / "bitexact",
 )
 CORES = {"comanip._core", "rest_loop"}
-# The firmware runs as a separate process there, which is not sanitised, and timeouts decide the outcome.
+# In these tests the firmware runs as a separate process, which is not sanitised, and the outcome depends on timeouts.
 OTHER_PROCESSES = {"test_comanip_on_a_hub.py", "test_two_processes.py"}
 
 
 @functools.cache
 def source(module: str) -> Path | None:
-    """The file of a module of ours."""
+    """Returns the file of a module in this repository, or None for any other module."""
     inner = Path(*module.split("."))
     places = (folder / place for folder in FOLDERS for place in (inner.with_suffix(".py"), inner / "__init__.py"))
     return next((place for place in places if place.is_file()), None)
@@ -31,7 +31,8 @@ def source(module: str) -> Path | None:
 
 @functools.cache
 def imports(file: Path) -> frozenset[str]:
-    """What it names, also within functions. Of `from a import b` both a and a.b, of which one may be no module."""
+    """Returns the modules that the file imports, including those within functions. For `from a import b` returns both a
+    and a.b, although a.b need not be a module."""
     found = set()
     for node in ast.walk(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):

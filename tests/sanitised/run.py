@@ -1,8 +1,8 @@
 """Runs the tests that use the compiled core against the sanitised one: ``run.py FOLDER RUNTIME [options of pytest]``.
 
-FOLDER has _core.abi3.so and rest/loop.so (sanitised.mk); RUNTIME is clang's runtime library. A sanitiser ends the
-process in which it finds an error, but a test may expect a process to fail. So its report is written to a file, and any
-such file fails the run.
+FOLDER contains _core.abi3.so and rest/loop.so (sanitised.mk). RUNTIME is clang's runtime library. A sanitiser ends the
+process in which it finds an error, which is not sufficient if the test expects this process to fail. Sanitisers
+therefore write their reports to files, and the run fails if there is any such file.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ HERE = Path(__file__).resolve().parent
 
 
 def environment(folder: Path, runtime: str, reports: Path) -> dict[str, str]:
-    """PYTHONMALLOC: each of Python's objects has its own memory, so that an access past its end is seen."""
+    """Returns the environment for the tests. With PYTHONMALLOC each Python object is allocated separately, so that an
+    access past its end is detected."""
     log = f"log_path={reports / 'report'}"
     return os.environ | {
         "COMANIP_SANITISED": str(folder),
@@ -33,7 +34,8 @@ def environment(folder: Path, runtime: str, reports: Path) -> dict[str, str]:
 
 
 def run(files: Sequence[Path], options: Sequence[str], folder: Path, runtime: str, reports: Path) -> int:
-    """Exit status: pytest's, or 1 if that is 0 and a sanitiser found something, which is printed."""
+    """Runs pytest and prints what the sanitisers found. Returns pytest's exit status, or 1 if it is 0 but a sanitiser
+    found an error."""
     shutil.rmtree(reports, ignore_errors=True)
     reports.mkdir(parents=True)
     command = [sys.executable, "-m", "pytest", *map(str, files), *options]

@@ -1,9 +1,9 @@
-# `make test-sanitised`: each test that uses the compiled core, with the core built by clang with AddressSanitizer and
+# `make test-sanitised` runs the tests that use the compiled core, with a core built by clang with AddressSanitizer and
 # UndefinedBehaviorSanitizer. Included by the Makefile, which defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
 
 SANITISED := $(BUILD)/sanitised
-# Not unsigned overflow, since counters and clocks wrap by design; not implicit conversions: of those that lose bits,
-# -Wconversion leaves only the ++ of such a counter.
+# Unsigned overflow is not checked, because counters and clocks wrap by design. Implicit conversions are not checked,
+# because -Wconversion already rejects those that lose bits, except in the ++ of such a counter.
 SANITISERS := address,undefined,float-cast-overflow,float-divide-by-zero,local-bounds
 SANITISED_CFLAGS = $(CORE_CFLAGS) -O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITISERS) -fno-sanitize-recover=all
 SANITISER_RUNTIME = $(shell clang -print-file-name=libclang_rt.asan-$(shell uname -m).so 2>/dev/null)
@@ -22,7 +22,7 @@ $(SANITISED)/rest/%.o: %.c tests/rest/loop.h $(SANITISED_FROM)
 	@echo "  CC [sanitised] $<"
 	$(Q)clang $(SANITISED_CFLAGS) -fPIC -c $< -o $@
 
-# For tests/rest, whose loop is compiled around the core. It expects the simulator in the same build folder.
+# The sanitised loop for tests/rest, which contains the core. The tests expect the simulator in the same build folder.
 $(SANITISED)/rest/loop.so: $(REST_SOURCES:%.c=$(SANITISED)/rest/%.o)
 	@echo "  LINK $@"
 	$(Q)clang $(SANITISED_CFLAGS) -shared $^ -lm -o $@

@@ -1,4 +1,4 @@
-"""`make test-sanitised` tests the sanitised core, and an error that a sanitiser finds fails the run."""
+"""Checks that `make test-sanitised` uses the sanitised core, and that the run fails if a sanitiser finds an error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import run  # noqa: E402
 
 FOLDER, RUNTIME = Path(os.environ["COMANIP_SANITISED"]), os.environ["COMANIP_SANITISER_RUNTIME"]
 HEAD = "import subprocess, sys, pytest\nfrom comanip._core import ffi, lib\n"
-# Wrong calls of the real core, and what is found in it.
+# Wrong calls of the real core, and the reports that they must cause.
 FAULTS = {
     "read past the end": (
         """
@@ -82,7 +82,7 @@ def test_a_child_process_has_the_sanitised_core(environment):
 
 def test_tests_of_the_core_are_found_by_their_imports():
     names = {file.name for file in core_users.test_files()}
-    # controller_step() on a bench, in the replay, in the loop of the following, and in a loop in C
+    # These call controller_step() on a test bench, in the replay, in the loop of `make following`, and in a loop in C.
     assert names >= {"test_controller.py", "test_replay.py", "test_following.py", "test_rest.py"}
     direct = {file.name for file in core_users.TESTS.glob("test_*.py") if "\nfrom comanip._core " in file.read_text()}
     assert len(direct) > 20 and names >= direct - core_users.OTHER_PROCESSES
@@ -91,7 +91,8 @@ def test_tests_of_the_core_are_found_by_their_imports():
 
 @pytest.fixture
 def seeded_run(tmp_path, capfd):
-    """Runs a test of this text as `make test-sanitised` does: its exit status and all that was said."""
+    """Returns a function that runs a test with the given text as `make test-sanitised` does, and that returns the exit
+    status and the output."""
 
     def run_it(text: str) -> tuple[int, str]:
         file = tmp_path / "test_seeded.py"

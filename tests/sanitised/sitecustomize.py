@@ -1,7 +1,7 @@
-"""Python runs this at its start, since run.py puts this folder in PYTHONPATH: ``comanip._core`` is then the sanitised
-module, in this process and in every Python that it starts.
+"""Makes ``comanip._core`` the sanitised module, in this process and in every Python process that it starts. Python runs
+this file when it starts, because run.py adds this folder to PYTHONPATH.
 
-AddressSanitizer has to be loaded before anything else. So Python starts itself anew with it. Other programs, such as
+AddressSanitizer must be loaded before anything else, so Python restarts itself with LD_PRELOAD. Other programs, such as
 QEMU, do not inherit it.
 """
 
@@ -33,7 +33,8 @@ def load_runtime() -> None:
 
 
 class SanitisedCore:
-    """Asked before all others, so that the plain core is never found."""
+    """An import finder that returns the sanitised core. It comes before all others, so that the plain core is never
+    found."""
 
     @staticmethod
     def find_spec(fullname, path=None, target=None):
@@ -41,7 +42,8 @@ class SanitisedCore:
 
 
 class SanitisedPopen(subprocess.Popen):
-    """A child whose environment a test has chosen needs these variables as well, or it would use the plain core."""
+    """Adds the variables of the sanitised run to an environment that a test passes explicitly. Without them the child
+    process would use the plain core."""
 
     def __init__(self, *arguments, env=None, **options):
         super().__init__(*arguments, env=None if env is None else {**SETTINGS, **env}, **options)

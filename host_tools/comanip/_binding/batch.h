@@ -1,5 +1,5 @@
-/* Loops over arrays for Python. Each loop calls one function of the firmware per row and computes nothing itself.
- * Arrays are dense, row by row; `out` must not overlap the inputs. */
+/* Applies functions of the firmware to arrays from Python. Each loop calls one function per row and does no computation
+ * of its own. Arrays are dense and row-major; `out` must not overlap the inputs. */
 #ifndef COMANIP_BATCH_H
 #define COMANIP_BATCH_H
 

@@ -7,7 +7,7 @@
 #define TICK_US 1000u
 #define TICK_S 1e-3
 #define PULSES_PER_RAD (209.0 * 180.0 / 3.14159265358979324) /* resolution of HOAP-3's encoders */
-#define JOINT_STATE_US 440u /* from the tick to the first drive's answer, as on the simulated bus */
+#define JOINT_STATE_US 440u /* delay from the tick to the first drive's answer, as on the simulated bus */
 #define JOINT_STATE_SPACING_US 57u
 #define STATUS_PERIOD_TICKS 100u
 #define SELECT_BEFORE_START_TICKS 10u
@@ -35,7 +35,8 @@ typedef struct {
     controller_t controller;
     controller_inbox_t inbox;
     uint32_t received_us;      /* time of reception of the frame that is being sent to the firmware */
-    transport_sender_t others; /* tracker, drives and operator, who send different frames and share the counters */
+    transport_sender_t others; /* sender for tracker, drives and operator; they can share one because no two of them
+                                * send the same frame */
     joint_cmd_t command;
     bool accepted; /* nothing has been refused so far */
 } loop_t;

@@ -1,7 +1,7 @@
-/* The firmware in a closed loop without physics, about a hundred times faster than real time: controller_step() with
- * frames of CAN FD, drives that follow their commands with a lag, and encoders. The order of events within a tick is
- * that of the simulator (sim/world/world.c): a command takes effect at its tick; the encoder readings of a tick arrive
- * for the next one. */
+/* Runs the firmware in a closed loop without physics, about a hundred times faster than real time. The loop consists of
+ * controller_step() with CAN FD frames, drives that follow their commands with a lag, and encoders. Events within a
+ * tick have the same order as in the simulator (sim/world/world.c): a command takes effect in its own tick, and the
+ * encoder readings of a tick reach the firmware in the next one. */
 #ifndef COMANIP_KINEMATIC_LOOP_H
 #define COMANIP_KINEMATIC_LOOP_H
 
@@ -21,14 +21,15 @@ typedef struct {
 /* start_rad: joint_count values. */
 void kinematic_arm_init(kinematic_arm_t *self, int joint_count, double lag_s, const double start_rad[]);
 
-/* One tick of 1 ms. command_radps, encoder_rad: joint_count values; the encoders are read at the tick's beginning. */
+/* Simulates one tick of 1 ms. command_radps and encoder_rad have joint_count values. encoder_rad receives the readings
+ * at the beginning of the tick. */
 void kinematic_arm_step(kinematic_arm_t *self, const float command_radps[], float encoder_rad[]);
 
 /* ---- the firmware around it */
 
-/* One HandPose on the bus. */
+/* A HandPose frame on the bus. */
 typedef struct {
-    uint32_t received_us; /* end of the frame by the firmware's clock; ascending */
+    uint32_t received_us; /* end of the frame by the firmware's clock; must not decrease from sample to sample */
     hand_pose_t pose;
 } kinematic_sample_t;
 
@@ -36,20 +37,20 @@ typedef struct {
     const arm_ik_t *ik;
     parameters_t parameters;
     double lag_s;                   /* time constant of the drives */
-    uint32_t period_us, latency_us; /* in TrackerStatus, which is sent 10 times a second */
+    uint32_t period_us, latency_us; /* announced in TrackerStatus, which is sent 10 times a second */
     uint8_t task;                   /* task_id_t that the operator selects */
     uint32_t start_tick;            /* tick in which the operator starts the task */
 } kinematic_loop_config_t;
 
-/* The state at the beginning of a tick, and the command of that tick. */
+/* State at the beginning of a tick, and the command sent in that tick. */
 typedef struct {
     control_mode_t mode;
     double position_rad[ARM_MAX_JOINTS];
     float command_radps[ARM_MAX_JOINTS];
 } kinematic_tick_t;
 
-/* Runs tick_count ticks; tick k is at k ms. start_rad: joint_count values. ticks: written, tick_count elements. False
- * if the firmware refused a frame, a parameter or the start. */
+/* Runs tick_count ticks; tick k is at k ms. start_rad has joint_count values. Writes tick_count elements to `ticks`.
+ * Returns false if the firmware refused a frame, a parameter or the start. */
 bool kinematic_loop_run(const kinematic_loop_config_t *config, const double start_rad[], size_t sample_count,
                         const kinematic_sample_t samples[], size_t tick_count, kinematic_tick_t ticks[]);
 

@@ -62,7 +62,7 @@ void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t cou
 
 /* ---- comparison of frames */
 
-/* True for a ParameterValue of a parameter that one of the two builds does not have. */
+/* Returns true for a ParameterValue whose parameter exists in only one of the two builds. */
 static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
     if (!self->is_of_another_build || stream->kind != FRAME_PARAMETER_VALUE) {
         return false;
@@ -104,7 +104,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
-            self->result == REPLAY_EQUAL) { /* otherwise the log ends within the tick */
+            self->result == REPLAY_EQUAL) { /* not in the last tick, within which the log may end */
             self->sent = *sent;
             replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
@@ -120,7 +120,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     self->compared++;
 }
 
-/* Records recorded frames of the firmware before `limit` that the replay has not sent. */
+/* Reports frames that the firmware recorded before index `limit` but the replay has not sent. */
 static void find_unsent(replay_t *self, uint32_t limit) {
     for (int i = 0; i < self->stream_count; i++) {
         replay_stream_t *stream = &self->stream[i];
@@ -133,7 +133,7 @@ static void find_unsent(replay_t *self, uint32_t limit) {
 
 /* ---- a tick */
 
-/* True if the firmware was started again: its counters restart, and it sends its identity. */
+/* Returns true if the firmware has rebooted: its counters restart and it sends its identity again. */
 static bool is_reboot(replay_t *self) {
     const uint32_t heartbeat = replay_stream_of_kind(self, FRAME_FIRMWARE_HEARTBEAT)->cursor;
     return self->ticks > 0u && replay_counter_of(self, &self->log[self->tick_place]) == 0u &&
@@ -154,7 +154,7 @@ static void step(replay_t *self, const replay_trace_t *trace) {
     }
 }
 
-/* True if the firmware has sent the TickTrace with these parts. */
+/* Returns true if the replayed firmware has sent exactly the TickTrace made of these parts. */
 static bool has_sent(replay_t *self, const uint32_t part_place[]) {
     const uint16_t first_id = self->log[part_place[0]].id;
     for (int i = 0; i < self->outbox.count; i++) {
@@ -170,8 +170,8 @@ static bool has_sent(replay_t *self, const uint32_t part_place[]) {
     return true;
 }
 
-/* Repeats the tick under an assumption about the frames that it had read. False if the assumption contradicts the log.
- * */
+/* Replays the tick under one assumption about the frames that it read. Returns false if the log contradicts the
+ * assumption. */
 static bool try_plan(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->controller = self->before;
     memcpy(self->stream, self->stream_before, sizeof self->stream);
@@ -186,7 +186,8 @@ static bool try_plan(replay_t *self, const replay_trace_t *trace, replay_plan_t 
     return true;
 }
 
-/* Repeats the firmware's tick with the frames that it had read. False if no assumption is possible. */
+/* Replays the tick under the first assumption that reproduces its TickTrace, or else under the first that agrees with
+ * the log. Returns false if the log contradicts all of them. */
 static bool redo_tick(replay_t *self, const uint32_t part_place[], const replay_trace_t *trace) {
     int first_possible = REPLAY_READ_PLANS;
     for (int plan = REPLAY_READ_ALL; plan < REPLAY_READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
@@ -200,7 +201,8 @@ static bool redo_tick(replay_t *self, const uint32_t part_place[], const replay_
     return first_possible != REPLAY_READ_PLANS && try_plan(self, trace, (replay_plan_t)first_possible);
 }
 
-/* damaged: index of a damaged part, or REPLAY_NO_FRAME if a part is missing, as at the end of the log. */
+/* Ends the replay at a TickTrace that cannot be read. damaged: index of the damaged part, or REPLAY_NO_FRAME if a part
+ * is missing, for example at the end of the log. */
 static void end_without_trace(replay_t *self, uint32_t damaged) {
     if (damaged != REPLAY_NO_FRAME) {
         replay_end(self, REPLAY_DAMAGED, damaged);
@@ -235,7 +237,7 @@ static void replay_tick(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);
     }
-    find_unsent(self, self->former_tick_place); /* within a tick the order on the bus may differ */
+    find_unsent(self, self->former_tick_place); /* not up to this tick, because the order within a tick may differ */
     self->fed += self->inbox.count;
     self->ticks++;
     self->former_tick_place = self->tick_place;

@@ -1,22 +1,24 @@
-/* Replays a recorded bus: runs the firmware again with the frames that each of its ticks had read. The TickTrace of a
- * tick records which frames these were.
+/* Replays a log of the bus. Each tick of the firmware runs again with the frames that it read originally. The tick's
+ * TickTrace records which frames these were.
  *
- * The parameters at boot, which may come from the store, are those of the firmware's announcement. The outcome of a
- * save is that of the recorded answer.
+ * The parameters at boot, which the firmware may have loaded from its store, are taken from the ParameterValue frames
+ * that it sends at boot. The result of a save is taken from the recorded answer.
  *
- * The times of the log are not used, because they are usually not by the firmware's clock. The effects of a frame's
- * time of reception are in the trace:
+ * The timestamps in the log are ignored, because they usually do not come from the firmware's clock. The trace contains
+ * everything that depends on when a frame was received:
  *
- * hand_age_us      A HandPose is stamped now - hand_age. This gives the recorded clock offset and age whatever the true
- *                    stamp was, because both follow from now, the age and the tracker's stamp.
- *   drives_fresh     A JointState gets the oldest stamp with which its drive is fresh as long as the trace reports it.
- *   rejected_frames  Determines how many frames without a recorded counter (wrong CRC or length, repeated) the tick had
- *                    read.
+ *   hand_age_us      A HandPose is stamped now - hand_age. This reproduces the recorded clock offset and age whatever
+ *                    the true stamp was, because both follow from now, the age and the tracker's stamp.
+ *   drives_fresh     A JointState is stamped with the oldest time at which its drive is still fresh for as long as the
+ *                    trace reports fresh drives.
+ *   rejected_frames  The increase is the number of frames without a recorded counter (wrong CRC, wrong length or
+ *                    repeated) that the tick read.
  *
- * On classic CAN all parts of a message are read in the tick that had read the last of them.
+ * On classic CAN, all parts of a message are fed in the tick that originally read the last part.
  *
- * A log of another build is compared as far as both builds agree. Frame kinds that are left out are fed, but not
- * compared. Of ParameterValue, counters and parameters that one of the builds does not have are not compared. */
+ * A log of another build is compared only in what both builds have in common. Frame kinds that are left out are fed to
+ * the firmware, but not compared. The counters of ParameterValue are not compared, nor are parameters that exist in
+ * only one of the builds. */
 #ifndef COMANIP_REPLAY_H
 #define COMANIP_REPLAY_H
 
@@ -26,21 +28,21 @@
 
 typedef enum {
     REPLAY_EQUAL = 0,     /* no difference so far */
-    REPLAY_DIFFERENT = 1, /* the firmware sends another frame at `place` */
+    REPLAY_DIFFERENT = 1, /* the firmware sends `sent`, which has other bytes than the frame at `place` */
     REPLAY_NOT_SENT = 2,  /* the firmware does not send the frame at `place` */
     REPLAY_NOT_IN_LOG =
-        3, /* the firmware sends `sent`, and the log, at `place` in that tick, has no such frame any more */
-    REPLAY_DAMAGED =
-        4,           /* the frame at `place` was read by the firmware or sent by it, and its CRC is wrong in the log */
-    REPLAY_LOST = 5, /* the TickTrace at `place` tells of a frame, `sent` with its id and, as only byte, its counter,
-                      * that the log does not have, or not among so few that a tick can read them */
+        3,              /* the firmware sends `sent` in the tick at `place`, but the log contains no such frame there */
+    REPLAY_DAMAGED = 4, /* the firmware read or sent the frame at `place`, but its CRC is wrong in the log */
+    REPLAY_LOST = 5,    /* according to the TickTrace at `place`, the tick read a frame that is not in the log, or that
+                         * comes after more frames than a tick can read; `sent` has its id, and its counter as the only
+                         * byte */
 } replay_result_t;
 
-/* The frames of one id. */
+/* All frames with one id. */
 typedef struct {
     const frame_description_t *description;
     frame_kind_t kind;
-    uint32_t cursor; /* next frame to be read by, or expected from, the firmware */
+    uint32_t cursor; /* index of the next frame that the firmware is to read or expected to send */
 } replay_stream_t;
 
 #define REPLAY_MAX_STREAMS (CLASSIC_FRAME_COUNT + FRAME_KIND_COUNT)
@@ -48,23 +50,23 @@ typedef struct {
 #define REPLAY_TRACE_PARTS CLASSIC_MAX_PARTS
 
 typedef struct {
-    /* The log, as the caller owns it: standard frames of up to 64 bytes in the order of the bus; timestamps are
-     * ignored. */
+    /* The log, owned by the caller: standard frames of up to 64 bytes in the order of the bus. Timestamps are ignored.
+     */
     const can_frame_t *log;
     uint32_t count;
-    uint8_t *stream_of; /* count: number of each one's stream, REPLAY_NO_STREAM for foreign ids */
-    uint32_t *next;     /* count: place of the next frame of the same stream */
+    uint8_t *stream_of; /* per frame: number of its stream, or REPLAY_NO_STREAM for a foreign id */
+    uint32_t *next;     /* per frame: index of the next frame of the same stream */
     bool to_firmware[FRAME_KIND_COUNT];
     bool from_firmware[FRAME_KIND_COUNT];
-    bool left_out[FRAME_KIND_COUNT]; /* of the comparison */
+    bool left_out[FRAME_KIND_COUNT]; /* frame kinds that are not compared */
     bool is_of_another_build;
-    bool has_parameter[PARAMETER_NUMBERS]; /* the build that recorded the log */
+    bool has_parameter[PARAMETER_NUMBERS]; /* parameters of the build that recorded the log */
     can_profile_t profile;
     replay_stream_t stream[REPLAY_MAX_STREAMS];
     int stream_count;
 
     controller_t controller;
-    controller_t before; /* state before this tick, to repeat it */
+    controller_t before; /* state before this tick, restored to try it again */
     controller_inbox_t inbox, received;
     outbox_t outbox;
     uint32_t place_of[CONTROLLER_INBOX_FRAMES]; /* index in the log of each frame in the inbox */
@@ -73,12 +75,12 @@ typedef struct {
     replay_result_t result;
     uint32_t place;
     can_frame_t sent;
-    uint32_t tick_place; /* index of the next tick's TickTrace or of its first part; REPLAY_NO_FRAME: no further tick */
+    uint32_t tick_place; /* index of the next TickTrace (of its first part); REPLAY_NO_FRAME if there is none */
     uint32_t former_tick_place;
     uint32_t ticks, boots, fed, compared;
 } replay_t;
 
-/* Build hash, trace hash and trace version of this core. */
+/* Return the build hash, trace hash and trace version of this core. */
 uint64_t replay_build_hash(void);
 uint32_t replay_trace_hash(void);
 uint8_t replay_trace_version(void);
@@ -88,18 +90,18 @@ uint8_t replay_trace_version(void);
 void replay_init(replay_t *self, const arm_ik_t *ik, can_profile_t profile, const can_frame_t log[], uint32_t count,
                  uint8_t stream_of[], uint32_t next[], const bool to_firmware[], const bool from_firmware[]);
 
-/* To be called between replay_init() and replay_run() for a log of another build. has_parameter: the parameters that
- * the other build had. */
+/* Prepares for a log of another build. Call between replay_init() and replay_run(). has_parameter: parameters of the
+ * other build. */
 void replay_other_build(replay_t *self, const bool has_parameter[PARAMETER_NUMBERS]);
 
-/* To be called between replay_init() and replay_run(). left_out: frame kinds that are not compared. */
+/* Excludes frame kinds from the comparison. Call between replay_init() and replay_run(). */
 void replay_leave_out(replay_t *self, const bool left_out[FRAME_KIND_COUNT]);
 
-/* Replays the ticks whose TickTrace is before the index `end`, up to the first difference. True if there may be further
- * ticks. */
+/* Replays the ticks whose TickTrace is before the index `end`, up to the first difference. Returns true if there may be
+ * further ticks. */
 bool replay_run(replay_t *self, uint32_t end);
 
-/* To be called after the last tick: finds recorded frames that the replay has not sent. A log may end within a tick. */
+/* Finds recorded frames that the replay has not sent. Call after the last tick. A log may end within a tick. */
 void replay_finish(replay_t *self);
 
 #endif

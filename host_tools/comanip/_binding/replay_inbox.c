@@ -5,9 +5,9 @@
 
 #include "replay_log.h"
 
-#define LOOK_AHEAD_TICKS 4 /* JointState's timeout in ticks, plus the tick itself */
+#define LOOK_AHEAD_TICKS 4 /* timeout of JointState in ticks, plus the tick itself */
 
-/* The largest accepted step of a counter. */
+/* Returns the largest accepted step of a counter. */
 static uint8_t max_delta(const replay_t *self) {
     return self->profile == CAN_PROFILE_CLASSIC ? E2E_PROFILE2_MAX_DELTA : E2E_MAX_DELTA;
 }
@@ -17,7 +17,7 @@ static bool add_to_inbox(replay_t *self, uint32_t place) {
         return false;
     }
     int i = self->inbox.count++;
-    for (; i > 0 && self->place_of[i - 1] > place; i--) { /* in the order of the bus */
+    for (; i > 0 && self->place_of[i - 1] > place; i--) { /* insertion sort, which keeps the order of the bus */
         self->place_of[i] = self->place_of[i - 1];
         self->inbox.frame[i] = self->inbox.frame[i - 1];
     }
@@ -26,7 +26,8 @@ static bool add_to_inbox(replay_t *self, uint32_t place) {
     return true;
 }
 
-/* A firmware that has just booted did not receive the frames before: only the last frame before the tick is certain. */
+/* Skips frames that were sent before the firmware booted. Of the frames with the traced counter, only the last one
+ * before the tick is certain to have been received. */
 static void skip_unheard(replay_t *self, replay_stream_t *stream, uint8_t counter) {
     for (uint32_t i = stream->cursor; i < self->tick_place; i = self->next[i]) {
         if (replay_counter_of(self, &self->log[i]) == counter && replay_has_right_crc(self, stream, &self->log[i])) {
@@ -43,13 +44,13 @@ static bool is_read(const replay_t *self, replay_plan_t plan, const replay_strea
         return plan < REPLAY_READ_NEWEST;
     }
     if (stream->description->period_ms == 0u) {
-        return true; /* an operator's frame: its answer is in the log */
+        return true; /* a request by the operator: the log contains the answer, so it was read */
     }
     return plan == REPLAY_READ_BRIDGED_STATES && distance % (max_delta(self) - 2u) == 0u;
 }
 
-/* Takes the frames of one id up to the one with the traced counter. False if there is no such frame, or if there are
- * more frames than a tick reads. */
+/* Adds the frames of one id to the inbox, up to the one with the traced counter. Returns false if there is no such
+ * frame, or if there are more frames than a tick can read. */
 static bool read_stream(replay_t *self, replay_stream_t *stream, const replay_trace_t *trace, replay_plan_t plan) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
     const uint8_t wanted = trace->last[stream->kind].counter;
@@ -85,7 +86,7 @@ static bool read_stream(replay_t *self, replay_stream_t *stream, const replay_tr
     return false;
 }
 
-/* JointState frames of joints that the arm does not have are not read, because no node sends them. */
+/* No JointState is read for joints that the arm lacks, because no node sends these frames. */
 bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->inbox.count = 0;
     for (int i = 0; i < self->stream_count; i++) {
@@ -96,7 +97,7 @@ bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_
     return true;
 }
 
-/* True if the firmware refuses this frame without recording its counter in the trace. */
+/* Returns true if the firmware refuses this frame without recording its counter in the trace. */
 static bool is_refused_unseen(replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
     e2e_receiver_t receiver = *replay_receiver(self, stream);
     const e2e_status_t status = replay_follow(self, stream, &receiver, frame);
@@ -125,8 +126,8 @@ bool replay_read_refused(replay_t *self) {
 
 /* ---- times of reception */
 
-/* The oldest time stamp with which the drive is fresh in all ticks whose trace reports it as fresh, until its next
- * frame. */
+/* Returns the oldest time stamp with which the drive is fresh in every tick whose trace reports fresh drives, until the
+ * drive's next frame. */
 static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);
     uint32_t stamp_us = trace->message.now_us - timeout_us - 1u;

@@ -1,4 +1,4 @@
-/* Reconstructs the frames that a tick of the recorded firmware had read, from its TickTrace. A part of the replay. */
+/* Reconstructs from a TickTrace which frames the recorded firmware read in that tick. A part of the replay. */
 #ifndef COMANIP_REPLAY_INBOX_H
 #define COMANIP_REPLAY_INBOX_H
 
@@ -8,24 +8,24 @@
  * The replay tries these assumptions in order until the tick sends the recorded TickTrace. */
 typedef enum {
     REPLAY_READ_ALL,            /* all frames up to the traced counter */
-    REPLAY_READ_BRIDGED_STATES, /* only as many states as the end-to-end check needs to accept the counter */
-    REPLAY_READ_NEWEST_STATES,  /* only the newest state of each drive */
-    REPLAY_READ_NEWEST,         /* also only the newest pose */
+    REPLAY_READ_BRIDGED_STATES, /* of the drives' states, only those needed for the check to accept the counter */
+    REPLAY_READ_NEWEST_STATES,  /* of the drives' states, only the newest of each drive */
+    REPLAY_READ_NEWEST,         /* in addition, only the newest pose */
     REPLAY_READ_PLANS
 } replay_plan_t;
 
-/* Records a difference, unless there is one earlier in the log. */
+/* Records a difference, unless one was found earlier in the log. */
 void replay_end(replay_t *self, replay_result_t result, uint32_t place);
 
 /* Records REPLAY_LOST for this frame. */
 void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t counter);
 
-/* Fills the inbox with the frames up to the traced counters. False if the log does not have one of them (then the
- * replay has ended), or if there are more frames than a tick reads. */
+/* Fills the inbox with the frames up to the traced counters. Returns false if one of them is not in the log, which ends
+ * the replay, or if there are more frames than a tick can read. */
 bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan);
 
-/* Adds the next frame, in the order of the bus, that the firmware may have read and refused without recording its
- * counter. False if there is none. */
+/* Adds the next frame on the bus that the firmware may have read and refused without recording its counter. Returns
+ * false if there is none. */
 bool replay_read_refused(replay_t *self);
 
 /* Sets the times of reception in the inbox: see replay.h. */

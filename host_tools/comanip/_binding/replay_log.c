@@ -1,9 +1,9 @@
-/* The index of a recorded bus: see replay_log.h. */
+/* Indexes the frames of a log: see replay_log.h. */
 #include "replay_log.h"
 
 #include <string.h>
 
-#define TRACE_WITHIN_FRAMES 400 /* all parts of a TickTrace are within this many frames */
+#define TRACE_WITHIN_FRAMES 400 /* maximum distance in frames between the parts of a TickTrace */
 
 static void add_stream(replay_t *self, const frame_description_t *description, frame_kind_t kind) {
     self->stream[self->stream_count++] =
@@ -89,7 +89,7 @@ e2e_receiver_t *replay_receiver(replay_t *self, const replay_stream_t *stream) {
 
 /* ---- the trace */
 
-/* The next part with this counter at or after `place`, or REPLAY_NO_FRAME. */
+/* Returns the index of the next part with this counter, at or after `place`, or REPLAY_NO_FRAME. */
 static uint32_t find_part(const replay_t *self, const replay_stream_t *stream, uint32_t place, uint8_t counter) {
     const uint32_t limit = self->count - place < TRACE_WITHIN_FRAMES ? self->count : place + TRACE_WITHIN_FRAMES;
     const uint8_t number = (uint8_t)(stream - self->stream);

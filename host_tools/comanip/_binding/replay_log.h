@@ -1,4 +1,4 @@
-/* The frames of a recorded bus, indexed by id. A part of the replay. */
+/* Indexes the frames of a log by id. A part of the replay. */
 #ifndef COMANIP_REPLAY_LOG_H
 #define COMANIP_REPLAY_LOG_H
 
@@ -6,31 +6,32 @@
 
 typedef struct {
     tick_trace_t message;
-    e2e_receiver_t last[FRAME_KIND_COUNT]; /* last counter that the tick had read, by frame kind */
+    e2e_receiver_t last[FRAME_KIND_COUNT]; /* last counter that the tick read, by frame kind */
 } replay_trace_t;
 
 /* Sets stream_of and next for all frames. */
 void replay_log_index(replay_t *self);
 
-/* The stream of the message's first frame, or of an id. */
+/* Return the stream of the first frame of a message, or of a frame id. */
 replay_stream_t *replay_stream_of_kind(replay_t *self, frame_kind_t kind);
 replay_stream_t *replay_stream_of_id(replay_t *self, uint16_t id);
 
 uint8_t replay_counter_of(const replay_t *self, const can_frame_t *frame);
 
-/* Counters are compared under this mask. */
+/* Returns the mask under which counters are compared. */
 uint8_t replay_counter_mask(const replay_t *self);
 
-/* Checks a frame and follows its counter like the firmware. */
+/* Checks a frame and updates the receiver's counter as the firmware does. */
 e2e_status_t replay_follow(const replay_t *self, const replay_stream_t *stream, e2e_receiver_t *receiver,
                            const can_frame_t *frame);
 bool replay_has_right_crc(const replay_t *self, const replay_stream_t *stream, const can_frame_t *frame);
 
-/* The firmware's end-to-end receiver of this stream. */
+/* Returns the firmware's end-to-end receiver for this stream. */
 e2e_receiver_t *replay_receiver(replay_t *self, const replay_stream_t *stream);
 
-/* Reads a TickTrace. place: its index in the log, or that of its first part. part_place: indices of all parts in order.
- * False if a part is damaged, whose index is then in part_place[0], or missing (REPLAY_NO_FRAME). */
+/* Reads a TickTrace. place: index in the log of the TickTrace or of its first part. part_place: receives the indices of
+ * all parts in order. Returns false if a part is damaged or missing; part_place[0] is then the index of the damaged
+ * part, or REPLAY_NO_FRAME. */
 bool replay_read_trace(replay_t *self, uint32_t place, replay_trace_t *trace, uint32_t part_place[REPLAY_TRACE_PARTS]);
 
 #endif

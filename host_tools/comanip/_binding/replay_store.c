@@ -31,7 +31,7 @@ void replay_boot(replay_t *self, const arm_ik_t *ik) {
             (void)parameters_set(&parameters, told.parameter, told.value);
             is_known[told.parameter] = true;
             result = told.result == RESULT_PARAMETERS_UNSTABLE ? result
-                                                               : told.result; /* this result is not about the store */
+                                                               : told.result; /* UNSTABLE does not concern the store */
             known++;
         }
     }
@@ -39,7 +39,7 @@ void replay_boot(replay_t *self, const arm_ik_t *ik) {
     controller_set_parameters(&self->controller, &parameters, result);
 }
 
-/* True for an answer to the request of the save, or to another request with the same parameter and sequence number. */
+/* Returns true for an answer to the save, or to another request with the same parameter and sequence number. */
 static bool is_answer(const replay_t *self, const can_frame_t *frame) {
     const parameter_value_t value = replay_parameter_value(self, frame);
     return value.parameter == self->before.save_parameter && value.sequence == self->before.save_sequence;

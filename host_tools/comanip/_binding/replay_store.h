@@ -1,17 +1,18 @@
-/* Reconstructs what the recorded firmware had read from its store, and the outcome of saves. A part of the replay. */
+/* Reconstructs what the recorded firmware read from its store, and the results of saves. A part of the replay. */
 #ifndef COMANIP_REPLAY_STORE_H
 #define COMANIP_REPLAY_STORE_H
 
 #include "replay.h"
 
-/* Initialises the controller as after the boot that the next frames announce, with the announced parameters. Parameters
- * that are not announced before the log ends have their defaults. */
+/* Initialises the controller as at boot, with the parameters that the firmware announces in the following frames of the
+ * log. Parameters that are not announced before the log ends get their defaults. */
 void replay_boot(replay_t *self, const arm_ik_t *ik);
 
-/* The ParameterValue in a frame of the log, or in one that was sent. */
+/* Returns the ParameterValue in a frame from the log or from the replay. */
 parameter_value_t replay_parameter_value(const replay_t *self, const can_frame_t *frame);
 
-/* To be called after a step. True if the recorded tick also sent the answer to a save; the inbox now has its result. */
+/* Checks after a step whether the recorded tick also sent the answer to a save. If so, puts the result of the save into
+ * the inbox and returns true. */
 bool replay_ends_save(replay_t *self);
 
 #endif

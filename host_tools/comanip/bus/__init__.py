@@ -1,4 +1,4 @@
-"""The CAN bus: frames and their meaning, transport, logs, and a live bus."""
+"""The CAN bus: frames and their decoding, transport, logs and live buses."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ _OF_LIVE = ("BusAddress", "CONNECT_S", "LISTEN_S", "LiveBus", "open_bus")
 
 
 def __getattr__(name: str):
-    """``comanip.bus`` used to be the module that is now ``comanip.bus.live``. To be removed with the next release."""
+    """Forwards the names that ``comanip.bus`` had before it became a package. They are now in ``comanip.bus.live``. To
+    be removed with the next release."""
     if name not in _OF_LIVE:
         raise AttributeError(f"module 'comanip.bus' has no attribute '{name}'")
     warnings.warn(

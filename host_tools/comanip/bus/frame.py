@@ -1,4 +1,4 @@
-"""One CAN frame, its decoding by the DBC and its end-to-end check."""
+"""CAN frames: their decoding with the DBC and their end-to-end check."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ import cantools
 from cantools.database.can.message import Message
 
 DBC_PATH = Path(__file__).parents[1] / "comanip.dbc"
-CLASSIC = "Classic"  # prefix of the names of the frames for classic CAN
+CLASSIC = "Classic"  # prefix of the names of classic CAN frames
 COUNTERS, CLASSIC_COUNTERS = 256, 16
 
 
 class Frame(NamedTuple):
-    """t_us: time by the clock of the log or of the bus. remote: a remote frame; only the length of its data counts."""
+    """A CAN frame. t_us: time by the clock of the log or of the bus. In a remote frame only the length of `data` is
+    meaningful."""
 
     t_us: int
     frame_id: int
     data: bytes
     fd: bool = True
-    brs: bool = True  # FD: bit rate switch, the data phase is at the higher rate
-    esi: bool = False  # FD: error state indicator, the sender is error-passive
+    brs: bool = True  # CAN FD's bit rate switch: the data phase uses the higher rate
+    esi: bool = False  # CAN FD's error state indicator: the sender is error-passive
     extended: bool = False
     remote: bool = False
     error: bool = False  # an error frame: frame_id is SocketCAN's error class
@@ -31,7 +32,7 @@ class Frame(NamedTuple):
 
     @property
     def message(self) -> Message | None:
-        """The DBC's message with this id, or None."""
+        """The message with this id in the DBC, or None."""
         return None if self.extended or self.remote or self.error else messages().get(self.frame_id)
 
     @property
@@ -56,27 +57,27 @@ def messages() -> dict[int, Message]:
 
 @functools.cache
 def data_id(name: str) -> int | None:
-    """The message's E2E Data ID, or None if it is not protected."""
+    """Returns the message's E2E Data ID, or None if it is not protected."""
     attribute = database().get_message_by_name(name).dbc.attributes.get("E2EDataId")
     return int(attribute.value) if attribute else None
 
 
 def is_classic(name: str) -> bool:
-    """True for a message of classic CAN, which is sent in parts and protected by E2E Profile 2."""
+    """Returns True for a message of classic CAN, which is sent in parts and protected by E2E Profile 2."""
     return name.startswith(CLASSIC)
 
 
 @functools.cache
 def classic_parts(name: str) -> list[str]:
-    """The frames in which classic CAN carries a message of CAN FD. Empty if the message is the same in both
-    profiles."""
+    """Returns the names of the frames that carry a CAN FD message on classic CAN. Empty if the message is the same in
+    both profiles."""
     attributes = {message.name: message.dbc.attributes.get("PartOf") for message in database().messages}
     return [part for part, whole in attributes.items() if whole and str(whole.value) == name]
 
 
 def crc(data: bytes, data_id: int) -> int:
-    """AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial 0xFFFF) over the bytes after the CRC, then the Data ID, low byte
-    first."""
+    """Returns the CRC of AUTOSAR E2E Profile 5: CRC-16 (0x1021, initial value 0xFFFF) over the bytes after the CRC,
+    followed by the Data ID, low byte first."""
     return binascii.crc_hqx(bytes(data[2:]) + data_id.to_bytes(2, "little"), 0xFFFF)
 
 
@@ -89,8 +90,8 @@ def _crc8_table() -> list[int]:
 
 
 def classic_crc(data: bytes, data_id: int) -> int:
-    """AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial and final XOR 0xFF) over the bytes after the CRC, then the counter's
-    Data ID, which is (data_id + 16 * counter) modulo 256."""
+    """Returns the CRC of AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial value and final XOR 0xFF) over the bytes after the
+    CRC, followed by the Data ID for the counter, which is (data_id + 16 * counter) modulo 256."""
     table, value = _crc8_table(), 0xFF
     for byte in (*data[1:], (data_id + 16 * (data[1] % CLASSIC_COUNTERS)) % 256):
         value = table[value ^ byte]
@@ -98,7 +99,7 @@ def classic_crc(data: bytes, data_id: int) -> int:
 
 
 def has_right_crc(frame: Frame) -> bool:
-    """True if the CRC of a frame is right. The frame's message must be a protected one of the DBC."""
+    """Returns True if the frame is complete and its CRC is right. It must belong to a protected message of the DBC."""
     if len(frame.data) < frame.message.length:
         return False
     if is_classic(frame.name):
@@ -107,8 +108,8 @@ def has_right_crc(frame: Frame) -> bool:
 
 
 def protected(name: str, signals: dict, counter: int) -> bytes:
-    """The payload of a CAN FD message with its end-to-end header. A signal out of range raises cantools'
-    EncodeError."""
+    """Returns the payload of a CAN FD message with its end-to-end header. Raises cantools' EncodeError if a signal is
+    out of range."""
     message = database().get_message_by_name(name)
     data = bytearray(message.encode(signals | {"e2e_crc": 0, "e2e_counter": counter % COUNTERS}))
     data[0:2] = crc(data, data_id(name)).to_bytes(2, "little")
@@ -116,7 +117,7 @@ def protected(name: str, signals: dict, counter: int) -> bytes:
 
 
 def decode(frame: Frame) -> dict | None:
-    """The signals by name. None if the DBC does not have the id, or the frame is too short."""
+    """Returns the signals by name, or None if the id is not in the DBC or the frame is too short."""
     message = frame.message
     if message is None or len(frame.data) < message.length:
         return None
@@ -124,7 +125,7 @@ def decode(frame: Frame) -> dict | None:
 
 
 def decode_raw(frame: Frame) -> dict | None:
-    """Like decode(), but with numbers for enumerated values."""
+    """Works like decode(), but returns enumerated values as numbers."""
     message = frame.message
     if message is None or len(frame.data) < message.length:
         return None
@@ -132,7 +133,7 @@ def decode_raw(frame: Frame) -> dict | None:
 
 
 def signals_text(frame: Frame) -> str:
-    """The signals in one line, without the end-to-end header."""
+    """Returns the signals as one line of text, without the end-to-end header."""
     signals = decode(frame)
     if signals is None:
         return frame.data.hex(" ") if frame.data else "no data"
@@ -149,14 +150,14 @@ def _short(value: object) -> str:
 
 
 class Verdict(NamedTuple):
-    """The result of an end-to-end check. ok: None for a frame without protection."""
+    """Result of an end-to-end check. ok: None for a frame without protection."""
 
     ok: bool | None
     text: str
 
 
 class E2EChecker:
-    """Follows the counter of each id, as a receiver does."""
+    """Checks frames as a receiver does, with one counter per id."""
 
     def __init__(self):
         self._counter: dict[int, int] = {}

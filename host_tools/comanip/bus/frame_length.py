@@ -1,10 +1,10 @@
-"""The longest and the shortest time that a CAN frame occupies the bus, over all payloads of its length: exact values.
+"""Computes the exact longest and shortest time that a CAN frame can occupy the bus, over all payloads of its length.
 
-The number of stuff bits still to come depends on the bits sent so far only through the last bit and the length of its
-run. In a classic frame, whose CRC is stuffed as well, it also depends on the CRC so far. Dynamic programming over these
-states (10, or 10 x 32768 with the CRC) therefore finds the greatest number of stuff bits, from the last payload bit
-backwards. A pass forwards then finds a payload that causes it. Frames are those of ISO 11898-1 with 11-bit ids, from
-SOF to the end of the intermission, without errors.
+Of the bits sent so far, only the last bit and the length of the run that it ends affect the number of stuff bits still
+to come. In a classic frame, whose CRC is stuffed as well, the CRC so far also matters. Dynamic programming over these
+states (10, or 10 x 32768 with the CRC) therefore finds the largest or smallest number of stuff bits, working backwards
+from the last payload bit. A forward pass then finds a payload with that number. Frames are those of ISO 11898-1 with
+11-bit ids, from SOF to the end of the intermission, without errors.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FD_LENGTHS = (*range(9), 12, 16, 20, 24, 32, 48, 64)  # bytes by DLC
+FD_LENGTHS = (*range(9), 12, 16, 20, 24, 32, 48, 64)  # payload bytes, indexed by DLC
 STUFF_RUN = 5
 CRC15_POLYNOMIAL = 0x4599
 CRC15_VALUES = 1 << 15
@@ -25,7 +25,7 @@ NS_PER_S = 1_000_000_000
 
 @dataclass(frozen=True)
 class BitRates:
-    """Bit rates of a bus. data_bps: rate of CAN FD's data phase; None for classic frames."""
+    """The bit rates of a bus. data_bps: rate of CAN FD's data phase; None for classic frames."""
 
     nominal_bps: int
     data_bps: int | None = None
@@ -41,7 +41,7 @@ class BitRates:
 
 @dataclass(frozen=True)
 class FrameLength:
-    """The duration of a frame, and a payload that causes it."""
+    """A duration of a frame, and a payload with which the frame takes that long."""
 
     duration_ns: int
     payload: bytes
@@ -49,15 +49,15 @@ class FrameLength:
 
 # ---- stuffing
 
-# State 2 * (run - 1) + bit: the last bit sent, and the length of the run that it ends. A stuff bit is counted when the
-# bit after it is sent: in CAN FD a run that ends with the data causes no stuff bit, because the fixed stuff bit of the
-# CRC field takes its place.
+# State 2 * (run - 1) + bit stands for the last bit sent and the length of the run that it ends. A stuff bit is counted
+# when the bit after it is sent. This is because in CAN FD a run that ends with the data causes no stuff bit: the fixed
+# stuff bit of the CRC field follows instead.
 STATES = 2 * STUFF_RUN
 START_OF_FRAME = 0  # one dominant bit
 
 
 def _step(state: int, bit: int) -> tuple[int, int]:
-    """The state after the bit, and the number of stuff bits (0 or 1) sent before it."""
+    """Returns the state after the bit, and the number of stuff bits (0 or 1) that are sent before it."""
     last, run = state % 2, state // 2 + 1
     stuffed = int(run == STUFF_RUN)
     if stuffed:
@@ -75,7 +75,8 @@ def _crc15(crc: np.ndarray | int, bit: int) -> np.ndarray | int:
 
 
 def _crc_stuff_bits(state: int) -> np.ndarray:
-    """The number of stuff bits of each CRC that is sent after this state, the one before the CRC delimiter included."""
+    """Returns the number of stuff bits for each CRC that can be sent after this state, including a stuff bit directly
+    before the CRC delimiter."""
     crc = np.arange(CRC15_VALUES)
     states, count = np.full(CRC15_VALUES, state), np.zeros(CRC15_VALUES, np.int16)
     steps = np.array([[_step(s, bit) for bit in (0, 1)] for s in range(STATES)])
@@ -87,8 +88,8 @@ def _crc_stuff_bits(state: int) -> np.ndarray:
 
 @functools.cache
 def _ahead(is_fd: bool, is_longest: bool) -> list[np.ndarray]:
-    """[n][state, CRC]: the greatest or least number of stuff bits of n payload bits and the stuffed bits after them.
-    For CAN FD, whose CRC has fixed stuff bits, there is one column."""
+    """Returns for each n an array [state, CRC] with the largest or smallest number of stuff bits in n more payload bits
+    and the stuffed bits after them. For CAN FD, whose CRC has fixed stuff bits, the array has one column."""
     extreme = np.maximum if is_longest else np.minimum
     crc = np.zeros(1, int) if is_fd else np.arange(CRC15_VALUES)
     end = [np.zeros(1, np.int16) if is_fd else _crc_stuff_bits(state) for state in range(STATES)]
@@ -114,7 +115,7 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
         raise ValueError(
             f"length {length}: expected {'0 to 8, 12, 16, 20, 24, 32, 48 or 64' if is_fd else '0 to 8'} bytes"
         )
-    # After SOF. FD: id, RRS, IDE, FDF, res, BRS | ESI, DLC; classic: id, RTR, IDE, FDF, DLC.
+    # The bits after SOF: id, RRS, IDE, FDF, res, BRS | ESI, DLC in CAN FD; id, RTR, IDE, FDF, DLC in classic CAN.
     nominal = _bits(identifier, 11) + ([0, 0, 1, 0, 1] if is_fd else [0, 0, 0, *_bits(length, 4)])
     fast = [0, *_bits(FD_LENGTHS.index(length), 4)] if is_fd else []
     state, crc, stuff = START_OF_FRAME, 0, [0, 0]
@@ -138,9 +139,9 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
     nominal_bits = 1 + len(nominal) + stuff[0] + CRC_DELIMITER_TO_INTERMISSION
     data_bits = len(fast) + stuff[1]
     if is_fd:
-        # The CRC field holds the stuff count and the CRC, with a fixed stuff bit before its first and after every
-        # fourth bit. The rate changes within the BRS bit and within the CRC delimiter: together they last one nominal
-        # bit and one data bit.
+        # The CRC field consists of the stuff count and the CRC, with a fixed stuff bit at its start and after every
+        # fourth bit. The bit rate changes within the BRS bit and within the CRC delimiter, which together last one
+        # nominal bit and one data bit.
         crc_field = 4 + (17 if length <= FD_CRC17_MAX_BYTES else 21)
         nominal_bits -= 1
         data_bits += 8 * length + crc_field + 1 + crc_field // 4 + 1
@@ -151,11 +152,11 @@ def _extreme(identifier: int, length: int, rates: BitRates, is_longest: bool) ->
 
 @functools.cache
 def longest(identifier: int, length: int, rates: BitRates) -> FrameLength:
-    """The longest frame with this id and number of bytes. ValueError for an invalid id or length."""
+    """Returns the longest frame with this id and number of bytes. Raises ValueError for an invalid id or length."""
     return _extreme(identifier, length, rates, True)
 
 
 @functools.cache
 def shortest(identifier: int, length: int, rates: BitRates) -> FrameLength:
-    """The shortest frame with this id and number of bytes. ValueError for an invalid id or length."""
+    """Returns the shortest frame with this id and number of bytes. Raises ValueError for an invalid id or length."""
     return _extreme(identifier, length, rates, False)

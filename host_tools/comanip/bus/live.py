@@ -1,4 +1,4 @@
-"""A live CAN bus, CAN FD or classic, through python-can: sends and receives messages with end-to-end protection."""
+"""Sends and receives messages with end-to-end protection on a live bus, CAN FD or classic, through python-can."""
 
 from __future__ import annotations
 
@@ -15,27 +15,28 @@ from comanip.bus.transport import Profile, Receiver, Sender, profile_of
 from comanip.errors import ToolError
 
 CONNECT_S = 2.0
-# The time to detect the profile from the traffic: a status comes every 2 or 8 ms; the hub's socketcand starts to
-# forward frames after 300 ms.
+# Time to listen for traffic that shows the profile. FirmwareStatus is sent every 2 ms (CAN FD) or 8 ms (classic CAN);
+# the hub's socketcand starts to forward frames after 300 ms.
 LISTEN_S = 0.8
 
 
 @dataclass(frozen=True)
 class BusAddress:
-    """interface, channel: python-can's names. host, port: used with the interface socketcand only."""
+    """The address of a bus. interface, channel: as python-can names them. host, port: used by the interface socketcand
+    only."""
 
     interface: str = "socketcan"
     channel: str = "vcan0"
     host: str = "127.0.0.1"
     port: int = 29536
-    profile: Profile | None = None  # None: detected from the traffic; CAN FD if there is none
+    profile: Profile | None = None  # None: detected from the traffic, or CAN FD if there is no traffic
 
     def __str__(self) -> str:
         return f"{self.interface} {self.channel}"
 
 
 class LiveBus:
-    """An open bus. As a context manager it closes the bus at the end."""
+    """An open bus, which can be used as a context manager."""
 
     def __init__(self, bus: can.BusABC, address: BusAddress):
         self._bus, self._address = bus, address
@@ -57,7 +58,7 @@ class LiveBus:
         self._bus.shutdown()
 
     def send(self, name: str, signals: dict) -> None:
-        """Sends a message. ToolError if the bus refuses it."""
+        """Sends a message. Raises ToolError if the bus does not accept it."""
         is_fd = self.profile is Profile.FD
         try:
             frames = self._sender.frames(name, signals)
@@ -73,7 +74,7 @@ class LiveBus:
                 raise ToolError(f"{self._address}: {name} cannot be sent: {error}") from error
 
     def receive(self, timeout_s: float) -> Frame | None:
-        """The next message, or None after the timeout. ToolError if the bus can no longer be read."""
+        """Returns the next message, or None after the timeout. Raises ToolError if the bus can no longer be read."""
         deadline_s = time.monotonic() + timeout_s
         while True:
             frame = self.receive_frame(max(0.0, deadline_s - time.monotonic()))
@@ -82,8 +83,8 @@ class LiveBus:
                 return message
 
     def receive_frame(self, timeout_s: float) -> Frame | None:
-        """The next frame, without an end-to-end check, or None. Some interfaces of python-can return None before the
-        timeout."""
+        """Returns the next frame, which is not checked, or None after the timeout. Some interfaces of python-can return
+        None before the timeout."""
         try:
             message = self._bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
@@ -91,16 +92,16 @@ class LiveBus:
         return None if message is None else from_message(message)
 
     def receive_until(self, deadline_s: float) -> Frame | None:
-        """Like receive(), with a deadline by time.monotonic()."""
+        """Works like receive(), but with a deadline by time.monotonic() instead of a timeout."""
         return self.receive(max(0.0, deadline_s - time.monotonic()))
 
 
 def open_bus(address: BusAddress) -> LiveBus:
-    """Opens the bus. ToolError if python-can cannot open it."""
+    """Opens the bus. Raises ToolError if python-can cannot open it."""
     logging.getLogger("can").addHandler(logging.NullHandler())  # errors that matter are raised as exceptions
     options = {"host": address.host, "port": address.port} if address.interface == "socketcand" else {}
     try:
-        if options:  # fails after CONNECT_S; python-can itself would try for ten seconds
+        if options:  # test the connection first, because python-can would try for ten seconds
             socket.create_connection((address.host, address.port), CONNECT_S).close()
         bus = can.Bus(
             interface=address.interface, channel=address.channel, fd=address.profile is not Profile.CLASSIC, **options

@@ -1,7 +1,7 @@
 """Reads logs of a CAN bus, frame by frame: candump's format, and the formats that python-can reads.
 
-candump's lines are parsed here, which is faster for long logs than python-can. python-can writes such lines with ` R`
-(received) or ` T` (sent) at the end.
+candump's lines are parsed here because python-can is slower with long logs. The lines that python-can writes in
+candump's format end with ` R` (received) or ` T` (sent).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _LOG_LINE = re.compile(
     r"#(?:#([0-9A-F])((?:[0-9A-F]{2})*)|R([0-8]?)|((?:[0-9A-F]{2}){0,8}))(?: [RT])?",
     re.IGNORECASE,
 )
-# candump's output without -L, with -ta, -tz or no time. Two digits in the brackets mean CAN FD.
+# candump's output without -L, with time stamps (-ta or -tz) or without. Two digits in brackets indicate CAN FD.
 _SCREEN_LINE = re.compile(
     r" *(?:\((\d+)\.(\d{1,9})\) +)?(\S+) +([0-9A-F]{3}|[0-9A-F]{8}) +\[(\d{1,2})\]"
     r" *((?:[0-9A-F]{2} *)*|remote request)",
@@ -44,14 +44,14 @@ def _microseconds(seconds: str, fraction: str) -> int:
 
 
 def _identified(identifier: str) -> tuple[int, bool, bool]:
-    """(id without flags, is extended, is an error frame)"""
+    """Returns (id without flags, is extended, is an error frame)."""
     number = int(identifier, 16)
     error = len(identifier) == 8 and bool(number & ERROR_FLAG)
     return number & ID_MASK, len(identifier) == 8 and not error, error
 
 
 def parse_candump_line(line: str) -> Frame | None:
-    """The frame of one line of `candump -L` or of candump's screen output; None if the line is neither."""
+    """Parses a line of `candump -L` or of candump's screen output. Returns None if the line is neither."""
     match = _LOG_LINE.fullmatch(line)
     if match:
         seconds, fraction, channel, identifier, flags, fd_data, remote, data = match.groups()
@@ -80,7 +80,7 @@ def parse_candump_line(line: str) -> Frame | None:
 
 
 def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
-    """The frames of these lines; empty lines are skipped. ToolError names a line that is not a frame."""
+    """Yields the frames of these lines. Skips empty lines. Raises ToolError for a line that is not a frame."""
     for number, line in enumerate(lines, 1):
         text = line.rstrip("\r\n ")
         if not text:
@@ -88,7 +88,7 @@ def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
         frame = parse_candump_line(text)
         if frame is None:
             raise ToolError(
-                f"{name}:{number}: '{text[:80]}' is no frame, expected lines as `candump -L` writes them: "
+                f"{name}:{number}: '{text[:80]}' is not a frame, expected lines as `candump -L` writes them: "
                 "(seconds) interface ID#DATA"
             )
         yield frame
@@ -111,7 +111,7 @@ def _open_text(path: Path):
 
 
 def read(path: Path) -> Iterator[Frame]:
-    """The frames of a log file. The suffix determines the format. ToolError if the file cannot be read."""
+    """Yields the frames of a log file, whose suffix determines the format. Raises ToolError if it cannot be read."""
     is_compressed = path.suffix.lower() in _OPENERS
     suffix = (path.with_suffix("") if is_compressed else path).suffix.lower()
     if is_compressed and suffix != CANDUMP_SUFFIX:
@@ -127,15 +127,15 @@ def read(path: Path) -> Iterator[Frame]:
             with can.LogReader(path) as reader:
                 yield from map(from_message, reader)
     except (lzma.LZMAError, gzip.BadGzipFile, EOFError) as error:
-        raise ToolError(f"{path}: is no {path.suffix[1:]} file, or is damaged ({error})") from error
+        raise ToolError(f"{path}: is not a {path.suffix[1:]} file, or is damaged ({error})") from error
     except OSError as error:
         raise ToolError(f"{path}: {error.strerror or error}, expected a log of a CAN bus") from error
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, can.CanError) as error:
-        raise ToolError(f"{path}: is no {suffix} log, or is damaged ({error})") from error
+        raise ToolError(f"{path}: is not a {suffix} log, or is damaged ({error})") from error
 
 
 def candump_line(frame: Frame) -> str:
-    """The frame as `candump -L` writes it."""
+    """Returns the frame in the format of `candump -L`."""
     identifier = (
         f"{frame.frame_id | (ERROR_FLAG if frame.error else 0):08X}"
         if frame.extended or frame.error

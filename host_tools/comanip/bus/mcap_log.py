@@ -1,4 +1,4 @@
-"""Writes logs as MCAP, for Foxglove and Lichtblick: one channel per message of the DBC, with its signals as JSON."""
+"""Writes logs as MCAP for Foxglove and Lichtblick, with one channel per message of the DBC and its signals as JSON."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def message_schema(message: Message) -> dict:
 
 
 def foreign_schema() -> dict:
-    """The schema of frames that are not in the DBC."""
+    """Returns the schema of frames that are not in the DBC."""
     return {
         "title": FOREIGN,
         "type": "object",
@@ -43,13 +43,14 @@ def foreign_schema() -> dict:
 
 
 def signals_json(frame: Frame) -> dict:
-    """The signals, with the names of enumerated values (a value without a name as its decimal number)."""
+    """Returns the signals by name. Enumerated values are replaced by their names, or kept as decimal numbers if they
+    have none."""
     enumerated = {signal.name for signal in frame.message.signals if signal.choices}
     return {name: str(value) if name in enumerated else value for name, value in decode(frame).items()}
 
 
 def write(file: BinaryIO, frames: Iterable[Frame]) -> int:
-    """Writes the frames. Returns their number."""
+    """Writes the frames and returns their number."""
     try:
         from mcap.writer import Writer
     except ImportError as error:

@@ -1,7 +1,7 @@
-"""The operator's side of the bus: sends commands and parameter accesses, and waits for their acknowledgement.
+"""Acts as the operator on the bus: sends commands and parameter requests, and waits for the answers.
 
-A request without an answer is sent again, with a new counter and the same sequence number. A refusal raises
-RefusedError with the name of the firmware's result.
+A request that is not answered is sent again, with a new counter and the same sequence number. If the firmware refuses a
+request, RefusedError is raised with the name of its result.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from comanip.errors import ToolError
 
 ATTEMPTS = 5
 ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
-SAVE_S = 2.0  # a save is answered only when the record is in the store, which may be a slow card
+SAVE_S = 2.0  # the firmware answers a save only when the store, which may be a slow card, has the record
 ACCEPTED = "accepted"
 UNSTABLE = "parameters_unstable"
 
 
 class RefusedError(ToolError):
-    """The firmware refused a request. result: the name of the reason. involved: the parameters and values that the
-    firmware reports with the refusal."""
+    """The firmware refused a request. result: name of the reason. involved: parameters and their values that the
+    firmware reports together with the refusal."""
 
     def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
         self.result, self.involved = result, involved or {}
@@ -48,7 +48,7 @@ _WHY = {
 
 
 def choices(message: str, signal: str) -> list[str]:
-    """The names of an enumerated signal's values, in the order of their numbers."""
+    """Returns the names of an enumerated signal's values, sorted by value."""
     table = database().get_message_by_name(message).get_signal_by_name(signal).choices
     return [str(table[number]) for number in sorted(table)]
 
@@ -58,7 +58,7 @@ def parameter_names() -> list[str]:
 
 
 def as_float32(value: float) -> float:
-    """The value rounded to float32, as on the bus. ToolError if it does not fit."""
+    """Returns the value rounded to float32, as on the bus. Raises ToolError if it exceeds the range of float32."""
     try:
         return struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:
@@ -67,7 +67,7 @@ def as_float32(value: float) -> float:
 
 @dataclass(frozen=True)
 class ParameterAnswer:
-    value: float  # in force
+    value: float  # the value that the firmware uses
     result: str
 
 
@@ -79,8 +79,8 @@ class OperatorClient:
     # ---- requests
 
     def command(self, name: str, task: str = "pour") -> None:
-        """Sends a command. task: used by `select` only. RefusedError if the firmware refuses, ToolError if it does not
-        answer."""
+        """Sends a command. task: used by `select` only. Raises RefusedError if the firmware refuses the command, and
+        ToolError if it does not answer."""
         answer = self._request("OperatorCommand", {"command": name, "task": task}, "CommandAck", {"command": name})
         if answer["result"] != ACCEPTED:
             raise self._refused(f"{name} {task}" if name == "select" else name, str(answer["result"]))
@@ -92,17 +92,17 @@ class OperatorClient:
         return answer.value
 
     def write(self, parameter: str, value: float) -> None:
-        """Writes the value, and reads it back."""
+        """Writes the value and checks it by reading it back."""
         requested = as_float32(value)
         answer = self._access("write", parameter, requested)
         if answer.result != ACCEPTED:
-            raise RefusedError(f"{parameter} = {value:g} (in force: {answer.value:g})", answer.result)
+            raise RefusedError(f"{parameter} = {value:g} (present value: {answer.value:g})", answer.result)
         found = self.read(parameter)
         if found != requested:
             raise ToolError(f"{parameter}: accepted as {requested:g}, but reads back as {found:g}")
 
     def save(self) -> None:
-        """Saves all parameters for the next boot. When this returns, they are in non-volatile memory."""
+        """Saves all parameters for the next boot. On return they are in non-volatile memory."""
         answer = self._access("save", parameter_names()[0], 0.0, max(SAVE_S, self._answer_s))
         if answer.result != ACCEPTED:
             raise self._refused("save", answer.result)
@@ -110,7 +110,8 @@ class OperatorClient:
     # ---- one request and its answer
 
     def _refused(self, request: str, result: str) -> RefusedError:
-        """The refusal, with the parameters that the firmware reports after its answer, one in each tick."""
+        """Returns the error for a refusal, including the parameters that the firmware reports after its answer, one in
+        each tick."""
         involved = {}
         deadline_s = time.monotonic() + self._answer_s
         while result == UNSTABLE and time.monotonic() < deadline_s:
@@ -128,7 +129,7 @@ class OperatorClient:
 
     def _request(self, request: str, signals: dict, answer: str, expected: dict, answer_s: float | None = None) -> dict:
         answer_s = self._answer_s if answer_s is None else answer_s
-        self._sequence = self._sequence % 255 + 1  # 0 is reserved for the announcement at boot
+        self._sequence = self._sequence % 255 + 1  # 0 is reserved for the parameters that are sent at boot
         expected = expected | {"sequence": self._sequence}
         for _ in range(self._attempts):
             self._bus.send(request, signals | {"sequence": self._sequence})

@@ -1,6 +1,7 @@
 """Writes logs as pcap with LINKTYPE_CAN_SOCKETCAN (227), for Wireshark and tcpdump.
 
-Each record is SocketCAN's can_frame (16 bytes) or canfd_frame (72 bytes), but the CAN id is in network byte order:
+Each record is SocketCAN's can_frame (16 bytes) or canfd_frame (72 bytes), except that the CAN id is in network byte
+order:
 https://www.tcpdump.org/linktypes/LINKTYPE_CAN_SOCKETCAN.html
 """
 
@@ -30,7 +31,7 @@ def packet(frame: Frame) -> bytes:
 
 
 def write(file: BinaryIO, frames: Iterable[Frame]) -> int:
-    """Writes the frames. Returns their number."""
+    """Writes the frames and returns their number."""
     file.write(_FILE_HEADER.pack(0xA1B2C3D4, 2, 4, 0, 0, _CANFD_FRAME.size, LINKTYPE_CAN_SOCKETCAN))
     count = 0
     for frame in frames:

@@ -1,5 +1,5 @@
-"""The state of a bus, computed from its frames: rates, ages, load, errors, latest signals. All times are those of the
-frames."""
+"""Computes the state of a bus from its frames: rates, ages, load, errors and latest signals. All times are by the
+frames' clock."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ CLASSIC_RATES = BitRates(1_000_000)
 
 @dataclass
 class IdState:
-    """The state of one id. times_us: arrival times of the frames within the last WINDOW_US."""
+    """The state of one id. times_us: times of the frames within the last WINDOW_US."""
 
     last: Frame
     count: int = 0
-    refused: int = 0  # failed the end-to-end check
+    refused: int = 0  # number of frames that failed the end-to-end check
     verdict: Verdict = Verdict(None, "")
     times_us: deque[int] = field(default_factory=deque)
 
@@ -64,8 +64,8 @@ class BusState:
         self._busy_ns += duration_ns
 
     def load_percent(self, now_us: int | None = None) -> float:
-        """Upper bound of the bus load at 1 and 5 Mbit/s: each frame counts as the longest one with its id and
-        length."""
+        """Returns an upper bound of the bus load at 1 and 5 Mbit/s. Each frame counts as the longest frame with its id
+        and length."""
         now_us = self.now_us if now_us is None else now_us
         while self._busy and self._busy[0][0] <= now_us - WINDOW_US:
             self._busy_ns -= self._busy.popleft()[1]
@@ -76,19 +76,20 @@ class BusState:
         return sum(state.rate_hz(now_us) for state in self.ids.values())
 
     def of(self, name: str) -> IdState | None:
-        """The state of this message's id, or None if it was never seen."""
+        """Returns the state of this message's id, or None if no such frame has been received."""
         frame_id = next(i for i, message in messages().items() if message.name == name)
         return self.ids.get((frame_id, False))
 
     def signals(self, name: str) -> dict:
-        """The latest signals of this message, on a bus of either profile. Empty before the first message."""
+        """Returns the latest signals of this message, in either profile. Empty before the first message."""
         message = self._messages.get(name)
         return (decode(message) or {}) if message else {}
 
 
 def frame_duration_ns(frame: Frame) -> int:
-    """Duration of the longest frame with this id and length. An extended id counts as a standard one plus 20 bits."""
-    # socketcand does not report whether a frame is CAN FD; the DBC does.
+    """Returns the duration of the longest frame with this id and length. An extended id counts as a standard id plus 20
+    bits."""
+    # socketcand does not report whether a frame is CAN FD, but the DBC does.
     classic = not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)
     length = len(frame.data) if classic else next((n for n in FD_LENGTHS if n >= len(frame.data)), FD_LENGTHS[-1])
     duration_ns = longest(

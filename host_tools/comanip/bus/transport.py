@@ -1,5 +1,6 @@
-"""Messages on a bus of either profile. On CAN FD a message is one frame. On classic CAN the compiled core splits and
-reassembles it, as in the firmware (``firmware/protocol/can_transport.h``). A message is a Frame in its CAN FD layout.
+"""Converts between messages and the frames of either profile. On CAN FD a message is one frame. On classic CAN the
+compiled core splits and reassembles messages, as in the firmware (``firmware/protocol/can_transport.h``). A message is
+represented by a Frame in CAN FD layout.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ class Profile(str, Enum):
     CLASSIC = "classic"
 
     def message(self, name: str):
-        """The DBC's message for this bus; on classic CAN its first part."""
+        """Returns the DBC's entry for this message in this profile. On classic CAN it is the first part."""
         parts = classic_parts(name) if self is Profile.CLASSIC else []
         return database().get_message_by_name(parts[0] if parts else name)
 
 
 def profile_of(frame: Frame) -> Profile | None:
-    """The profile of a bus that carries this frame, or None if both profiles have such a frame."""
+    """Returns the profile of a bus that carries this frame, or None if the frame is not specific to a profile."""
     if frame.message is None:
         return None
     if is_classic(frame.name):
@@ -34,8 +35,8 @@ def profile_of(frame: Frame) -> Profile | None:
 
 
 class Sender:
-    """One sender and its counters. They start at random values, because a receiver would treat a restart at 0 as a
-    repetition."""
+    """A sender with its counters. The counters start at random values, because a receiver could take a restart at 0 for
+    a repetition."""
 
     def __init__(self, profile: Profile):
         self._profile = profile
@@ -48,7 +49,7 @@ class Sender:
                 self._state.counters.counter[kind] = random.randrange(COUNTERS)
 
     def frames(self, name: str, signals: dict) -> list[tuple[int, bytes]]:
-        """(id, data) of each frame of the message. ValueError if a signal is out of range."""
+        """Returns (id, data) of each frame of the message. Raises ValueError if a signal is out of range."""
         self._counter[name] = (self._counter[name] + 1) % COUNTERS
         frame_id = database().get_message_by_name(name).frame_id
         data = protected(name, signals, self._counter[name])
@@ -64,7 +65,7 @@ class Sender:
 
 class Receiver:
     """Reassembles messages from the frames of a bus of either profile. On classic CAN it does not reassemble JointCmd,
-    whose number of parts depends on the arm's number of joints, which is not on the bus."""
+    because the number of parts depends on the number of joints, which is not sent on the bus."""
 
     def __init__(self):
         self._state = None
@@ -76,7 +77,7 @@ class Receiver:
         self._lib.transport_receiver_init(self._state, self._lib.CAN_PROFILE_CLASSIC, self._lib.ARM_MAX_JOINTS, kinds)
 
     def message(self, frame: Frame) -> Frame | None:
-        """The message that this frame completes, or None. Returns a CAN FD frame unchanged."""
+        """Returns the message that this frame completes, or None. Returns a CAN FD frame unchanged."""
         if not is_classic(frame.name):
             return frame
         if self._state is None:

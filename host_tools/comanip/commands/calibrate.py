@@ -44,7 +44,7 @@ Sample = tuple[float, np.ndarray]  # time [s], position [m] in the tracker's fra
 
 
 class _Unwrapped:
-    """Converts the tracker's 32-bit clock to seconds without wraparound."""
+    """Converts times of the tracker's 32-bit clock, which wraps, to continuous seconds."""
 
     def __init__(self):
         self._last_us, self._wraps = 0, 0
@@ -57,7 +57,7 @@ class _Unwrapped:
 
 
 def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
-    """The samples of the valid HandPose frames."""
+    """Yields the samples of the valid HandPose frames."""
     clock, receiver = _Unwrapped(), Receiver()
     for frame in (received and receiver.message(received) for received in frames):
         if frame is None or frame.name != "HandPose" or (pose := decode(frame)) is None or not pose["valid"]:
@@ -66,7 +66,8 @@ def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
 
 
 def recorded_samples(path: Path) -> Iterator[Sample]:
-    """The samples of a recording (docs/recordings.md), or of lines for `comanip tracker` with time stamps."""
+    """Yields the samples of a recording (docs/recordings.md), or of lines in the format of `comanip tracker` with time
+    stamps."""
     try:
         with open(path, encoding="utf-8") as lines:
             for number, line in enumerate(lines, 1):

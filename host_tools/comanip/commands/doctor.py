@@ -1,4 +1,4 @@
-"""``comanip doctor``: lists what this machine has, and how to install what is missing."""
+"""``comanip doctor``: lists what is installed on this machine, and how to install what is missing."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PYTHON_LEAST = (3, 11)
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the report. needed: nothing works without it; the other findings concern single commands."""
+    """One line of the report. needed: True if every command requires it; other findings affect single commands."""
 
     what: str
     found: str | None  # None: missing

@@ -42,7 +42,7 @@ REFRESH_S = 0.2
 MODE_STYLE = {"cooperating": "green", "ready": "cyan", "hold": "yellow", "fault": "bold red"}
 NO_POSE_US = 2**24 - 1
 CAN_FAULTS = {"error_passive": "error-passive", "bus_off": "bus-off"}
-PORT_COUNTS = {  # of PortStatus: one, several
+PORT_COUNTS = {  # texts for counts in PortStatus, in the singular and plural
     "refused_frames": ("frame not sent", "frames not sent"),
     "lost_frames": ("received frame lost", "received frames lost"),
     "error_passive": ("time error-passive", "times error-passive"),
@@ -52,7 +52,7 @@ PORT_COUNTS = {  # of PortStatus: one, several
 
 
 def render(state: BusState, now_us: int, source: str) -> Group:
-    """The whole display. now_us: by the clock of the frames."""
+    """Returns the whole display. now_us: present time by the frames' clock."""
     return Group(_head(state, now_us, source), _table(state, now_us))
 
 
@@ -85,7 +85,7 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
 
 
 def port_faults(signals: dict) -> str:
-    """A PortStatus in one line; "" if nothing is wrong. What the port cannot know is left out."""
+    """Returns a PortStatus as one line, or "" if nothing is wrong. Values that the port does not know are left out."""
     known = {name: value for name, value in signals.items() if isinstance(value, int)}
     parts = [
         f"{known[name]} {one if known[name] == 1 else many}"
@@ -127,7 +127,7 @@ def _from_bus(bus) -> Iterator[Frame | None]:
 
 
 def _from_log(path: Path) -> Iterator[Frame | None]:
-    """The frames of a log at their recorded pace; None while no frame is due."""
+    """Yields the frames of a log at their recorded pace, and None while no frame is due."""
     begin_s = first_us = None
     for frame in logs.read(path):
         if first_us is None:
@@ -139,7 +139,7 @@ def _from_log(path: Path) -> Iterator[Frame | None]:
 
 
 class _Clock:
-    """The frames' clock, extrapolated by this machine's clock, so that ages grow while the bus is silent."""
+    """The frames' clock, extrapolated with this machine's clock so that ages keep growing while the bus is silent."""
 
     def __init__(self):
         self._newest_us, self._at_s = 0, time.monotonic()
@@ -193,7 +193,7 @@ def monitor(
     profile: BusProfile = None,
     log: Annotated[Path | None, typer.Option(help="A log instead of a bus, at its recorded pace.")] = None,
     duration: Annotated[
-        float | None, typer.Option(min=0.0, help="Stop after so many seconds instead of at Ctrl-C or the log's end.")
+        float | None, typer.Option(min=0.0, help="Stop after this many seconds instead of at Ctrl-C or the log's end.")
     ] = None,
     once: Annotated[
         bool, typer.Option("--once", help="Print one table at the end; requires --duration or --log.")

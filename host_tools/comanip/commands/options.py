@@ -41,10 +41,10 @@ LogPath = Annotated[
 
 
 def examples(*lines: str) -> str:
-    """The examples at the end of a command's help."""
+    """Formats the examples at the end of a command's help."""
     return "[bold]Examples[/bold]\n\n" + "\n\n".join(f"  {line}" for line in lines)
 
 
 def console() -> Console:
-    """The console for output to people."""
+    """Returns a console for human-readable output."""
     return Console(highlight=False)

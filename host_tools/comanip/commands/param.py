@@ -51,7 +51,7 @@ def list_(
     port: Port = PORT,
     profile: BusProfile = None,
 ) -> None:
-    """Show the value in force of each parameter, with its unit, range, default and meaning."""
+    """Show the present value of each parameter, with its unit, range, default and meaning."""
     table = Table(box=None, pad_edge=False)
     for column in ("parameter", "value", "from", "to", "default", "unit", "meaning"):
         table.add_column(column, no_wrap=True)

@@ -25,7 +25,7 @@ HELP = examples(
 
 
 def _run_paced(replaying: Replay) -> None:
-    """Replays at the recorded speed, by the times of the log, and prints each change of mode."""
+    """Replays at the recorded speed, using the timestamps in the log, and prints each change of mode."""
     frames = replaying.frames
     times_us = [frame.t_us for frame in frames]
     begin_s, mode, index, more = time.monotonic(), None, 0, True
@@ -40,7 +40,7 @@ def _run_paced(replaying: Replay) -> None:
 
 
 def _print_mode_change(frame: Frame, previous: tuple | None, begin_us: int) -> tuple | None:
-    """Returns the mode and the reason after this frame."""
+    """Prints the mode and the reason if this frame changes them. Returns (mode, reason) after this frame."""
     if frame.name != "FirmwareStatus" or (status := decode(frame)) is None:
         return previous
     mode = (str(status["mode"]), str(status["reason"]))
@@ -85,7 +85,7 @@ def replay(
         bool, typer.Option("--pace", help="Replay at the recorded speed instead of as fast as possible.")
     ] = False,
 ) -> None:
-    """Feed a log into the C core, which must send the recorded frames, byte for byte.
+    """Replay a log with the C core, and compare the frames that it sends with the recorded ones, byte for byte.
 
     Exit status: 0 equal, 1 different (the first difference is shown), 2 the log cannot be replayed.
     """
@@ -112,8 +112,8 @@ def replay(
         _print_difference(report.difference, frames[0].t_us)
     verdict = "[red]DIFFERENT[/red]" if report.difference else "[green]EQUAL[/green]"
     console().print(
-        f"{log}: {verdict}: {report.ticks} ticks{boots}: fed with {report.fed} frames, "
-        f"the firmware sent {report.compared}; {took_s:.1f} s",
+        f"{log}: {verdict}: {report.ticks} ticks{boots}, {report.fed} received and {report.compared} sent frames "
+        f"replayed; {took_s:.1f} s",
         soft_wrap=True,
     )
     if report.difference is not None:

@@ -20,7 +20,7 @@ HELP = examples(
 
 
 def find_simulator() -> Path | None:
-    """Looks in this repository, in the working folder and the folders above it, and in PATH."""
+    """Searches for the simulator in this repository, in the working folder and the folders above it, and in PATH."""
     roots = [Path(__file__).resolve().parents[3], Path.cwd(), *Path.cwd().parents]
     built = [root / BUILT for root in roots if (root / BUILT).is_file()]
     found = shutil.which("comanip-sim")

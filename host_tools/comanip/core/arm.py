@@ -1,4 +1,4 @@
-"""The firmware's built-in arms by name, and further arms from arrays."""
+"""Arms: those built into the firmware, by name, and others defined by arrays."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import numpy as np
 from comanip._core import ffi, lib
 from comanip.core import checks as check
 
-JERK_DEFAULT_RADPS3 = 1e4  # also the default of an arm's description, firmware/arms/*.toml
+JERK_DEFAULT_RADPS3 = 1e4  # also the default in the arm descriptions, firmware/arms/*.toml
 _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 
 
 def _built_in() -> dict[str, object]:
-    """The arms linked into the firmware, each an arm_ik_t, by name."""
+    """Returns the arms linked into the firmware, each an arm_ik_t, by name."""
     symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_ik_"))
     found = [
         symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_ik_t")
@@ -29,16 +29,17 @@ def _pose(x: np.ndarray):
 
 
 def arms() -> list[str]:
-    """The names of the firmware's built-in arms."""
+    """Returns the names of the firmware's built-in arms."""
     return sorted(_BUILT_IN)
 
 
 class Arm:
-    """A serial arm of n = 1..8 revolute joints, for use wherever the name of an arm is accepted.
+    """A serial arm of n = 1..8 revolute joints. Functions that take an arm accept it in place of a name.
 
-    The pose fixed[i] leads from the moving frame of the previous joint (for the first joint: the torso) to joint i,
-    which turns about axis[i]; `effector` leads from the last joint's moving frame to the end effector. Float32 arrays:
-    fixed (n, 8) unit, axis (n, 3) unit, limits (n,); the jerk limit is 10,000 rad/s^3 unless given.
+    fixed[i] is the pose of joint i, which turns about axis[i], relative to the moving frame of the previous joint (for
+    the first joint: the torso). `effector` is the pose of the end effector relative to the last joint's moving frame.
+    All arrays are float32: fixed (n, 8) with unit dual quaternions, axis (n, 3) with unit vectors, limits (n,). The
+    default jerk limit is 10,000 rad/s^3.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class Arm:
 
     @classmethod
     def named(cls, name: str) -> Arm:
-        """A built-in arm. ValueError if arms() does not have the name."""
+        """Returns a built-in arm. Raises ValueError if the name is not in arms()."""
         if name not in _BUILT_IN:
             raise ValueError(f"arm: unknown name {name!r}: known are {', '.join(arms())}")
         self = cls.__new__(cls)
@@ -100,7 +101,7 @@ class Arm:
         return self
 
     def _take(self, ik) -> None:
-        """ik: an arm_ik_t *."""
+        """Sets the attributes from ik, an arm_ik_t *."""
         self.ik, self.table = ik, ik.arm
         table = self.table
         self.name: str = ffi.string(table.name).decode()

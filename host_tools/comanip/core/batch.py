@@ -1,4 +1,4 @@
-"""The functions of ``comanip.core`` that compute row by row. Each calls a loop in C (``_binding/batch.h``)."""
+"""The functions of ``comanip.core`` that work row by row. Each calls a loop in C (``_binding/batch.h``)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _joint_positions(arm: Arm, q: object) -> np.ndarray:
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The products a b, row by row: (N, 8), (N, 8) -> (N, 8)."""
+    """Returns the products a b, row by row: (N, 8), (N, 8) -> (N, 8)."""
     a, b = check.array("a", a, ("N", 8)), check.array("b", b, ("N", 8))
     check.same_length("a", a, "b", b)
     out = np.empty_like(a)
@@ -38,7 +38,7 @@ def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def conjugate(a: np.ndarray) -> np.ndarray:
-    """The conjugates (both quaternions conjugated), which for poses are the inverses: (N, 8) -> (N, 8)."""
+    """Returns the conjugates (both quaternions conjugated), which are the inverses of poses: (N, 8) -> (N, 8)."""
     a = check.array("a", a, ("N", 8))
     out = np.empty_like(a)
     lib.batch_conjugate(len(a), _dual_quaternions(a), _dual_quaternions(out))
@@ -46,8 +46,8 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def normalise(a: np.ndarray) -> np.ndarray:
-    """Normalises to unit dual quaternions, |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| must be within 1e-12 to 1e12,
-    so that its square fits into float32."""
+    """Normalises to unit dual quaternions, with |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| must be between 1e-12 and
+    1e12, so that its square can be represented in float32."""
     a = check.array("a", a, ("N", 8))
     norm = np.linalg.norm(a[:, :4].astype(float), axis=1)
     bad = (norm < 1e-12) | (norm > 1e12)
@@ -60,7 +60,7 @@ def normalise(a: np.ndarray) -> np.ndarray:
 
 
 def decompositional_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Equation (6) for poses, T{b} T{a} P(b) P(a), row by row: (N, 8), (N, 8) -> (N, 8)."""
+    """Evaluates equation (6) for poses, T{b} T{a} P(b) P(a), row by row: (N, 8), (N, 8) -> (N, 8)."""
     a, b = check.poses("a", a), check.poses("b", b)
     check.same_length("a", a, "b", b)
     out = np.empty_like(a)
@@ -69,7 +69,8 @@ def decompositional_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def pose_from_matrix(R: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """The poses of rotation matrices and translations [m] (footnote 1 of the paper): (N, 3, 3), (N, 3) -> (N, 8)."""
+    """Converts rotation matrices and translations [m] to poses (footnote 1 of the paper):
+    (N, 3, 3), (N, 3) -> (N, 8)."""
     R, t = check.rotation_matrices("R", R), check.array("t", t, ("N", 3))
     check.same_length("R", R, "t", t)
     out = np.empty((len(R), 8), np.float32)
@@ -78,7 +79,7 @@ def pose_from_matrix(R: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
-    """The end effector's pose in the torso frame at the joint positions q [rad]: (N, n) -> (N, 8)."""
+    """Returns the end effector's pose in the torso frame at the joint positions q [rad]: (N, n) -> (N, 8)."""
     arm = resolve(arm)
     q = _joint_positions(arm, q)
     out = np.empty((len(q), 8), np.float32)
@@ -87,7 +88,8 @@ def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
 
 
 def pose_jacobian(arm: str | Arm, q: np.ndarray) -> np.ndarray:
-    """The derivative of forward_kinematics() with respect to q, with the sign that it returns: (N, n) -> (N, 8, n)."""
+    """Returns the derivative of forward_kinematics() with respect to q, for the sign of the pose that this function
+    returns: (N, n) -> (N, 8, n)."""
     arm = resolve(arm)
     q = _joint_positions(arm, q)
     out = np.empty((len(q), 8, arm.joint_count), np.float32)
@@ -104,12 +106,12 @@ def joint_velocity(
     error_frame: str = "torso",
     weight: float | np.ndarray | None = None,
 ) -> np.ndarray:
-    """Differential inverse kinematics (damped least squares, equation (4) of the paper) without limits:
+    """Computes differential inverse kinematics (damped least squares, equation (4) of the paper) without limits:
     u = (J^T W J + damping I)^-1 J^T W K e [rad/s], (N, n), (N, 8) -> (N, n).
 
-    gain and weight: the diagonals of K and W, a number or (8,); without weight, W is the identity, as in the paper.
-    error_frame: "torso" uses e = q_d - q as in the paper, "target" uses e = 1 - conj(q_d) q and the Jacobian conj(q_d)
-    J.
+    gain, weight: the diagonals of K and W, as a number or (8,). If weight is None, W is the identity, as in the paper.
+    error_frame: "torso" uses e = q_d - q, as in the paper. "target" uses e = 1 - conj(q_d) q with the Jacobian
+    conj(q_d) J.
     """
     arm = resolve(arm)
     q, target = _joint_positions(arm, q), check.poses("target", target)

@@ -13,7 +13,8 @@ UNIT_TOLERANCE = 1e-4
 
 
 def array(name: str, value: object, shape: tuple[int | str, ...]) -> np.ndarray:
-    """The value as a contiguous, finite float32 array of this shape. A letter in shape stands for any length."""
+    """Returns the value as a contiguous float32 array after checking that it is finite and has this shape. A letter in
+    `shape` stands for any length."""
     expected = f"float32 numpy array of shape ({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
     if not isinstance(value, np.ndarray):
         raise ValueError(f"{name}: expected a {expected}, got {type(value).__name__}")
@@ -34,7 +35,8 @@ def same_length(first_name: str, first: np.ndarray, second_name: str, second: np
 
 
 def scalar(name: str, value: object, minimum: float = -math.inf, *, above: bool = False) -> float:
-    """The value as a number that is finite in float32 and at least the minimum (greater than it if `above`)."""
+    """Returns the value as a number after checking that it is finite in float32 and not below the minimum; if `above`,
+    it must exceed the minimum."""
     bound = "" if minimum == -math.inf else f" {'above' if above else 'of at least'} {minimum:g}"
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, np.floating)):
         raise ValueError(f"{name}: expected a number{bound}, got {type(value).__name__}")
@@ -46,7 +48,8 @@ def scalar(name: str, value: object, minimum: float = -math.inf, *, above: bool 
 
 
 def diagonal(name: str, value: object) -> list[float]:
-    """The diagonal of an 8 x 8 matrix: one number for all components, or a float32 array of 8; none negative."""
+    """Returns the diagonal of an 8 x 8 matrix. The value is one number for all components or a float32 array of 8, and
+    must not be negative."""
     if not isinstance(value, np.ndarray) or value.ndim == 0:
         if not isinstance(value, (numbers.Real, np.ndarray)):
             raise ValueError(
@@ -68,7 +71,8 @@ def _reject_off_unit(name: str, error: np.ndarray, what: str) -> None:
 
 
 def poses(name: str, value: object, shape: tuple[int | str, ...] = ("N", 8)) -> np.ndarray:
-    """The value as unit dual quaternions: |P| = 1 and P . D = 0 within UNIT_TOLERANCE."""
+    """Returns the value after checking that it consists of unit dual quaternions, with |P| = 1 and P . D = 0 within
+    UNIT_TOLERANCE."""
     checked = array(name, value, shape)
     rows = checked.reshape(-1, 8).astype(np.float64)
     norm_error = np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1.0)
@@ -99,5 +103,5 @@ def rotation_matrices(name: str, value: object) -> np.ndarray:
 
 
 def pointer(kind: str, values: np.ndarray):
-    """A C pointer to the array's memory. The array must outlive it."""
+    """Returns a C pointer to the array's memory. The array must outlive it."""
     return ffi.cast(f"{kind} *", ffi.from_buffer(values)) if values.size else ffi.NULL

@@ -1,4 +1,4 @@
-"""Algorithm 1 of the paper as the firmware computes it, from Python."""
+"""Provides the firmware's implementation of Algorithm 1 of the paper."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from comanip.core import checks as check
 
 
 def enumerators(kind: str, prefix: str) -> dict[str, int]:
-    """The numbers of a C enumeration's members by name, in lower case without the prefix: {"pour": 0, ...}."""
+    """Returns the values of a C enumeration by name, in lower case and without the prefix: {"pour": 0, ...}."""
     elements = sorted(ffi.typeof(kind).elements.items())
     return {name.removeprefix(prefix).lower(): number for number, name in elements}
 
@@ -33,10 +33,13 @@ def _pose(name: str, value: object):
 class Cooperation:
     """Maps the pose of the person's hand (tracker frame) to the target pose of the end effector (torso frame).
 
-    task: "pour", "teleop" or "mirror" (Table I). tracker_rotation: rotation of the torso's axes in the tracker's frame,
-    a unit quaternion (4,); by default (9) of the paper. latch: grasp() keeps the "commanded" or the "measured" q_task.
-    scale: factor on the hand's displacement, not on its rotation. start_offset: (3,) in m in torso axes, the position
-    of the person's hand at the start minus that of the end effector; by default 0, as the paper assumes.
+    task: "pour", "teleop" or "mirror" (Table I).
+    tracker_rotation: rotation of the torso's axes in the tracker's frame, a unit quaternion (4,). The default is (9) of
+        the paper.
+    latch: whether grasp() keeps the "commanded" or the "measured" q_task.
+    scale: factor for the hand's displacement. The rotation is not scaled.
+    start_offset: initial position of the person's hand minus that of the end effector, in m in torso axes (3,). The
+        default is 0, as the paper assumes.
     """
 
     def __init__(
@@ -66,21 +69,22 @@ class Cooperation:
             ffi.memmove(ffi.addressof(self._config, "start_offset_m"), offset.tobytes(), 12)
 
     def start(self, hand: np.ndarray, robot: np.ndarray) -> None:
-        """Initialises Algorithm 1. hand: (8,) in the tracker frame. robot: (8,) in the torso frame."""
+        """Initialises Algorithm 1 with the poses of both hands. hand: (8,) in the tracker frame. robot: (8,) in the
+        torso frame."""
         lib.cooperation_start(self._state, self._config, self._task, _pose("hand", hand), _pose("robot", robot))
         self._started = True
 
     def target(self, hand: np.ndarray) -> np.ndarray:
-        """The target (8,) of the end effector for this pose (8,) of the person's hand."""
+        """Returns the end effector's target (8,) for this pose (8,) of the person's hand."""
         self._require_start("target")
         lib.cooperation_update(self._state, ffi.new("pose_t *", _pose("hand", hand)), 1.0)
         vec8 = ffi.new("dual_quaternion_t *", lib.pose_to_dual_quaternion(self._state.target))
         return np.frombuffer(ffi.buffer(vec8), np.float32).copy()
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
-        """Latches q_task: it is constant from now on. With latch "commanded" it is the q_task of the latest target() or
-        start(). With "measured" it is the present relative pose of the hands, computed from the end effector's measured
-        pose `robot` (8,)."""
+        """Latches q_task, which is constant from now on. With latch "commanded", q_task keeps its value from the latest
+        target() or start(). With "measured", it becomes the present relative pose of the hands, computed from the end
+        effector's measured pose `robot` (8,)."""
         self._require_start("grasp")
         measured = None if robot is None else _pose("robot", robot)
         if self._latch == "commanded":

@@ -1,1 +1,1 @@
-"""Plots of a finished run. run_data and scenes work without matplotlib."""
+"""Plots a finished run. The modules run_data and scenes work without matplotlib."""

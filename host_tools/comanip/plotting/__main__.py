@@ -1,4 +1,4 @@
-"""``python -m comanip.plotting DIR`` draws the run in DIR (its summary.json and trace.csv) into DIR/report/*.png."""
+"""``python -m comanip.plotting DIR`` plots the run in DIR, from its summary.json and trace.csv, to DIR/report/*.png."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from comanip.plotting.run_data import RunDataError, read_run
 
 
 def draw(folder: Path) -> list[Path]:
-    """Draws all plots that the run has data for. Returns their paths. RunDataError if a file is missing or
+    """Draws all plots for which the run has data, and returns their paths. Raises RunDataError if a file is missing or
     malformed."""
     run = read_run(folder)
     try:
@@ -34,7 +34,7 @@ def draw(folder: Path) -> list[Path]:
     written = []
     for name, make in pictures.items():
         path = report / f"{name}.png"
-        path.unlink(missing_ok=True)  # may be left from an earlier run
+        path.unlink(missing_ok=True)  # remove the plot of an earlier run, which might not be replaced
         figure = make(run)
         if figure is not None:
             written.append(style.save(figure, path))

@@ -1,4 +1,4 @@
-"""One figure per experiment: four snapshots of the scene, and the curves that show whether it succeeded."""
+"""Draws the figure of an experiment: four snapshots of the scene, and the curves that show whether it succeeded."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from comanip.plotting.scenes import SCENES, Scene
 SNAPSHOTS = 4
 WIDTH_INCH = 11.0
 TORSO_M = np.array([[0.0, 0.0, 0.0], [-0.035, 0.0, 0.125]])  # waist and chest, from the HOAP-3 manual
-FOREARM_M = 0.16  # drawn length of the person's forearm
+FOREARM_M = 0.16  # length of the person's forearm in the drawing
 SCALE_BAR_M = 0.1
 CARRIER_COLOURS = {"hand": style.ROBOT, "person": style.PERSON, "second": style.SECOND}
 RING = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
 def plain_scene(run: RunData) -> Scene:
-    """The scene of a user's scenario. The objects in it determine the curves."""
+    """Returns a scene for a user's scenario. The curves depend on the objects in the scenario."""
     curves = {"rod": "handing", "crank": "crank"}
     decisive = "water" if run.has("water_robot") else curves[run.thing.kind] if run.thing else "tracking"
     return Scene(run.scenario, (), decisive)
 
 
 def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
-    """(time, caption) of the snapshots: those of the scene if all its events occurred, otherwise evenly spaced over
-    the cooperation."""
+    """Returns (time, caption) of the snapshots. They are those of the scene if all of its events occurred, otherwise
+    evenly spaced over the cooperation."""
     starts = [(run.event_s(event), after_s, caption) for event, after_s, caption in scene.instants]
     if starts and all(start is not None for start, _, _ in starts):
         return [(start + after_s, caption) for start, after_s, caption in starts]
@@ -39,7 +39,8 @@ def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
 
 
 class View:
-    """Orthographic projection by azimuth and elevation: points in torso axes (..., 3) to paper (..., 2), in m."""
+    """An orthographic projection with a given azimuth and elevation, from points in torso axes (..., 3) to points on
+    the paper (..., 2), in m."""
 
     def __init__(self, azimuth_deg: float, elevation_deg: float) -> None:
         a, e = np.radians([azimuth_deg, elevation_deg])
@@ -71,7 +72,7 @@ def _draw_cup(axes: Axes, view: View, run: RunData, row: int, cup: Cup, colour: 
     low, high = bottom + ring, bottom + cup.height_m * axis + ring
     _line(axes, view, low, color=colour, lw=1.0, zorder=6)
     _line(axes, view, high, color=colour, lw=1.4, zorder=6)
-    # The outline of the wall: the two generating lines farthest apart across the cup's axis in the projection.
+    # The wall's outline consists of the two generating lines that are farthest apart across the projected axis.
     along = view(axis)
     across = np.array([-along[1], along[0]])
     side = view(ring) @ across
@@ -126,7 +127,7 @@ def _draw_snapshot(axes: Axes, view: View, run: RunData, row: int, arm_m: np.nda
 
 
 def _frame(panels: list[Axes]) -> float:
-    """Gives all panels the same limits and scale, and one scale bar. Returns the ratio of height to width."""
+    """Sets the same limits and scale for all panels and draws a scale bar. Returns the ratio of height to width."""
     limits = np.array([[*p.get_xlim(), *p.get_ylim()] for p in panels])
     x0, x1 = limits[:, 0].min(), limits[:, 1].max()
     y0, y1 = limits[:, 2].min(), limits[:, 3].max()
@@ -140,10 +141,11 @@ def _frame(panels: list[Axes]) -> float:
 
 
 def _lay_out(figure: Figure, panels: list[Axes], rows: list[Axes], section: float) -> float:
-    """Places the snapshots in a row, as high as needed, and the curves below. Returns the figure's height in inches."""
+    """Places the snapshots in a row that is as high as they need, and the curves below. Returns the figure's height in
+    inches."""
     gap, width = 0.1, 10.8 / SNAPSHOTS - 0.1
     panel = min(3.4, width * section)
-    bottoms = (2.12, 0.48)  # of the curves
+    bottoms = (2.12, 0.48)  # lower edges of the two rows of curves
     curve = 1.5
     base = bottoms[0] + curve + 0.35
     height = base + panel + 0.72
@@ -165,7 +167,7 @@ def _legend(figure: Figure, run: RunData, height: float) -> None:
     figure.legend(handles=handles, loc="upper right", ncols=len(handles), bbox_to_anchor=(0.995, 1 - 0.05 / height))
 
 
-# ---- the curves that show the success
+# ---- the curves that show whether the experiment succeeded
 
 
 def _displacement_mm(run: RunData, what: str, since_s: float) -> np.ndarray:
@@ -191,7 +193,7 @@ def _plot_carrying(run: RunData, rows: list[Axes]) -> None:
             label = f"{'robot' if what == 'hand' else 'person'} {axis}"
             way = _displacement_mm(run, what, since_s)[part, k]
             rows[0].plot(run.t_s[part], way, color=colour, ls=line, lw=width, label=label)
-    rows[0].set_ylabel("way [mm]")
+    rows[0].set_ylabel("displacement [mm]")
     time_plots.plot_force(run, rows[1])
 
 
@@ -217,7 +219,7 @@ def _plot_tracking(run: RunData, rows: list[Axes]) -> None:
     for k, (axis, colour) in enumerate(zip("xyz", (style.BLUE, style.ORANGE, style.GREEN), strict=True)):
         way = _displacement_mm(run, "hand", since_s)[part, k]
         rows[0].plot(run.t_s[part], way, color=colour, label=f"robot {axis}")
-    rows[0].set_ylabel("way [mm]")
+    rows[0].set_ylabel("displacement [mm]")
     error = 1e3 * np.linalg.norm(run.position_m("hand") - run.position_m("target"), axis=1)
     rows[1].plot(run.t_s[part], error[part], color=style.VERMILION, label="distance from target")
     rows[1].set_ylabel("error [mm]")

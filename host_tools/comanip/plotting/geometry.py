@@ -1,4 +1,4 @@
-"""Rotations, and the points of the arm's links, computed by the firmware's code."""
+"""Computes rotations and, with the firmware's code, the points of the arm's links."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ARM = "hoap3_right"
 
 
 def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Rotates one vector (3,), or one each (N, 3), by unit quaternions (N, 4), w first -> (N, 3)."""
+    """Rotates one vector (3,), or a vector for each rotation (N, 3), by unit quaternions (N, 4), w first -> (N, 3)."""
     w, axis = rotation[:, :1], rotation[:, 1:]
     vector = np.broadcast_to(vector, axis.shape)
     cross = 2.0 * np.cross(axis, vector)
@@ -20,20 +20,20 @@ def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def angle_between_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Angle of the rotation from a to b, unit quaternions (N, 4) of either sign -> (N,), 0..180."""
+    """Returns the angle of the rotation from a to b, unit quaternions (N, 4) of either sign -> (N,), 0..180."""
     cosine = np.abs((a * b).sum(axis=1))
-    # Unlike the arc cosine, |a - b| and |a + b| are accurate near 0.
+    # Computed from |a - b| and |a + b|, because the arc cosine is inaccurate for small angles.
     nearer = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
     return np.degrees(4.0 * np.arctan2(nearer / 2.0, np.sqrt((1.0 + cosine) / 2.0)))
 
 
 def tilt_deg(rotation: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Angle between torso z and an axis (3,) of the rotated body: (N, 4) -> (N,)."""
+    """Returns the angle between the torso's z axis and an axis (3,) of the rotated body: (N, 4) -> (N,)."""
     return np.degrees(np.arccos(np.clip(rotate(rotation, axis)[:, 2], -1.0, 1.0)))
 
 
 def _translation(poses: np.ndarray) -> np.ndarray:
-    """(N, 8) -> (N, 3)"""
+    """Returns the translations of poses: (N, 8) -> (N, 3)."""
     padding = np.zeros((len(poses), 4), np.float32)
     dual = np.ascontiguousarray(np.hstack([poses[:, 4:], padding]))
     primary = np.ascontiguousarray(np.hstack([poses[:, :4], padding]))
@@ -41,7 +41,7 @@ def _translation(poses: np.ndarray) -> np.ndarray:
 
 
 def _first_joints(arm: Arm, count: int) -> Arm:
-    """The arm truncated after joint `count`, without an effector."""
+    """Returns an arm that consists of the first `count` joints, without an end effector."""
     rows = [arm.table.joints[i] for i in range(count)]
     fixed = np.array([np.frombuffer(ffi.buffer(ffi.new("dual_quaternion_t *", pose)), np.float32)
                       for pose in (lib.pose_to_dual_quaternion(row.fixed) for row in rows)])  # fmt: skip
@@ -51,7 +51,7 @@ def _first_joints(arm: Arm, count: int) -> Arm:
 
 
 def arm_points_m(joints_rad: np.ndarray) -> np.ndarray:
-    """The origins of all joints and the hand in torso axes: (N, n) -> (N, n + 1, 3)."""
+    """Returns the origins of all joints and the position of the hand, in torso axes: (N, n) -> (N, n + 1, 3)."""
     q = np.ascontiguousarray(joints_rad, np.float32)
     arm = Arm.named(ARM)
     parts = [_first_joints(arm, k) for k in range(1, arm.joint_count + 1)]

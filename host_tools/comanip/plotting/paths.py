@@ -1,4 +1,4 @@
-"""The paths of the hands and of the object in 3D."""
+"""Plots the paths of the hands and of the object in 3D."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from comanip.plotting.run_data import RunData
 
 LEAST_HALF_MM = 60.0  # minimum half range of an axis
 TICK_MM = 50.0
-FRAME = (0.02, 0.02, 0.96, 0.84)  # left, bottom, width, height of the figure: below heading and legend
-FITTINGS = 3  # labels keep their size when the box changes, so the fit takes a few iterations
+FRAME = (0.02, 0.02, 0.96, 0.84)  # left, bottom, width and height of the part of the figure below heading and legend
+FITTINGS = 3  # iterations of the fit; one is not enough, because the labels do not scale with the box
 WAYS = (
     ("target", "target", style.TARGET, 0.8),
     ("hand", "robot's hand", style.ROBOT, 1.6),
@@ -28,14 +28,14 @@ WAYS = (
 
 
 def _corners(axes: Axes3D) -> np.ndarray:
-    """The corners of the box in pixels: (8, 2)."""
+    """Returns the corners of the box in pixels: (8, 2)."""
     corners = np.array(list(itertools.product(axes.get_xlim(), axes.get_ylim(), axes.get_zlim())))
     x, y, _ = proj3d.proj_transform(*corners.T, axes.get_proj())
     return axes.transData.transform(np.column_stack([x, y]))
 
 
 def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
-    """Scales the box, with sides in this proportion, to fill FRAME together with its labels and ticks."""
+    """Scales the box, whose sides have these proportions, so that it fills FRAME together with its labels and ticks."""
     left, bottom, width, height = FRAME
     zoom = 1.0
     for line in axes.lines:
@@ -54,7 +54,7 @@ def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
 
 
 def paths(run: RunData) -> Figure:
-    """The figure, with equal axes. A ring marks each start, a square each end."""
+    """Draws the figure, with the same scale on all axes. Rings mark the starts of the paths, squares the ends."""
     figure = plt.figure(figsize=(8.6, 5.8))
     axes = figure.add_axes(FRAME, projection="3d")
     part = style.thinned(run)

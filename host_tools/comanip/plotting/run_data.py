@@ -24,7 +24,8 @@ class Event:
 
 @dataclass(frozen=True)
 class Cup:
-    """A cup relative to the hand that carries it: centre of its inner bottom, and axis towards its opening."""
+    """A cup in the frame of the hand that carries it. mount_m: centre of the inner bottom. axis: unit vector towards
+    the opening."""
 
     carrier: str  # "hand", "person" or "second", as in the trace's columns
     mount_m: tuple[float, float, float]
@@ -35,8 +36,8 @@ class Cup:
 
 @dataclass(frozen=True)
 class Thing:
-    """The object of the trace's object_* columns. Of a crank, length_m is the handle's length and radius_m the lever
-    arm."""
+    """The object in the trace's object_* columns. For a crank, length_m is the length of the handle and radius_m the
+    lever arm."""
 
     kind: str  # "rod" or "crank"
     length_m: float
@@ -45,7 +46,8 @@ class Thing:
 
 @dataclass(frozen=True)
 class RunData:
-    """One row per tick. An empty cell is NaN, as are all cells of a column that the file does not have."""
+    """The data of a run, with one row per tick. Empty cells are NaN, as are all cells of columns that are not in the
+    file."""
 
     folder: Path
     summary: dict
@@ -61,17 +63,17 @@ class RunData:
 
     @property
     def events(self) -> list[Event]:
-        """The events in order of time."""
+        """The events, sorted by time."""
         found = [Event(float(event["t_s"]), event["name"]) for event in self.summary.get("events") or []]
         return sorted(found, key=lambda event: event.t_s)
 
     def event_s(self, *names: str) -> float | None:
-        """Time of the first of these events, in this order of preference, that occurred; None if none did."""
+        """Returns the time of the first name in this list whose event occurred, or None if none did."""
         times = {event.name: event.t_s for event in reversed(self.events)}
         return next((times[name] for name in names if name in times), None)
 
     def modes(self) -> list[tuple[float, float, str]]:
-        """(from, until, mode) over the whole run."""
+        """Returns (from, until, mode) for each period of the run with an unchanged mode."""
         changes = self.summary["modes"]
         ends = [change["t_s"] for change in changes[1:]] + [float(self.t_s[-1])]
         return [(change["t_s"], end, change["mode"]) for change, end in zip(changes, ends, strict=True)]
@@ -89,31 +91,31 @@ class RunData:
         ]
 
     def column(self, name: str) -> np.ndarray:
-        """(N,)"""
+        """Returns a column (N,)."""
         return self.columns.get(name, np.full(len(self.t_s), np.nan))
 
     def has(self, name: str) -> bool:
         return bool(np.isfinite(self.column(name)).any())
 
     def limits(self, unit: str) -> list[tuple[str, float]]:
-        """Names and limits of the run's checks that have this unit."""
+        """Returns the names and limits of the run's checks that have this unit."""
         checks = self.summary.get("checks") or []
         return [(check["name"].replace("_", " "), check["limit"]) for check in checks if check.get("unit") == unit]
 
     def position_m(self, what: str) -> np.ndarray:
-        """(N, 3) of "target", "hand", "person", "second" or "object", in torso axes."""
+        """Returns the positions (N, 3) of "target", "hand", "person", "second" or "object", in torso axes."""
         return np.stack([self.column(f"{what}_{axis}_m") for axis in "xyz"], axis=1)
 
     def rotation(self, what: str) -> np.ndarray:
-        """(N, 4) unit quaternion, w first."""
+        """Returns the rotations as unit quaternions (N, 4), w first."""
         return np.stack([self.column(f"{what}_q{axis}") for axis in "wxyz"], axis=1)
 
     def joints_rad(self) -> np.ndarray:
-        """(N, 4)"""
+        """Returns the joint positions (N, 4)."""
         return np.stack([self.column(f"q{i}_rad") for i in range(JOINTS)], axis=1)
 
     def rates_radps(self) -> np.ndarray:
-        """Commanded joint velocities (N, 4)."""
+        """Returns the commanded joint velocities (N, 4)."""
         return np.stack([self.column(f"dq{i}_command_radps") for i in range(JOINTS)], axis=1)
 
     def row_at(self, time_s: float) -> int:
@@ -135,14 +137,14 @@ def read_summary(path: Path) -> dict:
 
 
 def _with_nan(text: str) -> str:
-    """Writes "nan" into empty cells, for numpy's fast reader."""
-    for _ in range(2):  # the second pass is for adjacent empty cells
+    """Replaces empty cells with "nan", which numpy's fast reader requires."""
+    for _ in range(2):  # the second pass handles adjacent empty cells, whose matches overlap
         text = text.replace(",,", ",nan,")
     return text.replace(",\n", ",nan\n")
 
 
 def read_trace(path: Path) -> dict[str, np.ndarray]:
-    """All columns but `mode`, by name: (N,) float64."""
+    """Returns all columns except `mode` by name, each as (N,) float64."""
     try:
         text = path.read_text()
     except OSError as error:

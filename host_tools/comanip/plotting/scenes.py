@@ -1,4 +1,5 @@
-"""The snapshots of the five experiments, as in the paper's Figs. 5 to 7, and the curves that show their success."""
+"""Defines for each of the five experiments the snapshots, as in the paper's Figs. 5 to 7, and the curves that show
+whether it succeeded."""
 
 from __future__ import annotations
 
@@ -7,11 +8,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scene:
-    """instants: (event, seconds after it, caption) in order of time. view_deg: azimuth, elevation of the viewpoint."""
+    """The layout of an experiment's figure. instants: (event, seconds after it, caption) of the snapshots, sorted by
+    time. view_deg: azimuth and elevation of the viewpoint."""
 
     title: str
     instants: tuple[tuple[str, float, str], ...]
-    decisive: str  # curves that show the success: "water", "carrying", "handing", "crank" or "tracking"
+    decisive: str  # the curves that show the success: "water", "carrying", "handing", "crank" or "tracking"
     view_deg: tuple[float, float] = (-62.0, 16.0)
 
 

@@ -1,4 +1,5 @@
-"""The common style of all figures: fonts, palette (Okabe and Ito 2008, safe for colour blindness), events and modes."""
+"""Defines the common style of all figures: fonts, the palette (Okabe and Ito 2008, distinguishable by colour-blind
+readers), and how events and modes are drawn."""
 
 from __future__ import annotations
 
@@ -27,8 +28,8 @@ MODE_COLOURS = {"cooperating": "#EAF3FA", "hold": "#FDEFD3", "fault": "#F8D9CC"}
 
 DPI = 160
 MAX_DRAWN = 4000  # points per curve, more than the figure has pixels
-LABEL_INCH = 0.115  # an event label's size across its text
-CHARACTER_INCH = 0.055  # an event label's size along its text, per character
+LABEL_INCH = 0.115  # height of an event label's text
+CHARACTER_INCH = 0.055  # width of a character in an event label
 
 plt.rcParams.update(
     {
@@ -55,7 +56,7 @@ plt.rcParams.update(
 
 
 def thinned(run: RunData) -> slice:
-    """Every k-th tick, with k such that at most MAX_DRAWN ticks are drawn."""
+    """Returns a slice that selects every k-th tick, with k such that at most MAX_DRAWN ticks are drawn."""
     return slice(None, None, max(1, -(-len(run.t_s) // MAX_DRAWN)))
 
 
@@ -66,14 +67,14 @@ def heading(run: RunData, what: str) -> str:
 
 
 def legend_beside(axes: Axes) -> None:
-    """A legend to the right of the axes, where it covers no data."""
+    """Adds a legend to the right of the axes, where it does not cover any data."""
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="upper left", bbox_to_anchor=(1.005, 1.03), borderaxespad=0.0, handlelength=1.6)
 
 
 def spread(positions: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
-    """Moves ascending positions apart by at least `gap` (less if there is no room) within low..high. Positions that
-    are too close move to either side."""
+    """Moves ascending positions apart until they are at least `gap` apart, or less if low..high is too short for that.
+    Positions that are too close are moved in both directions."""
     ideal = np.asarray(positions, float)
     if len(ideal) < 2:
         return np.clip(ideal, low, high)
@@ -87,7 +88,8 @@ def spread(positions: Sequence[float], gap: float, low: float, high: float) -> n
 
 
 def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
-    """Draws modes as bands and events as lines in all rows of a time axis, and the events' names above the first."""
+    """Draws modes as bands and events as lines in all rows, which share a time axis, and the events' names above the
+    first row."""
     begin_s, end_s = float(run.t_s[0]), float(run.t_s[-1])
     for axes in rows:
         axes.set_xlim(begin_s, end_s)
@@ -104,10 +106,10 @@ def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
 
 
 def _explain_modes(run: RunData, axes: Axes) -> None:
-    """A legend of the bands, beside the label of the time axis."""
+    """Adds a legend for the bands beside the label of the time axis."""
     seen = [mode for mode in MODE_COLOURS if mode in {name for _, _, name in run.modes()}]
     handles = [Patch(facecolor=MODE_COLOURS[mode], edgecolor=PALE, label=mode) for mode in seen]
-    # An artist of the figure, because a second axes.legend() would replace the first.
+    # Added to the figure as an artist, because a second axes.legend() would replace the first.
     legend = Legend(axes.figure, handles, seen, loc="lower right", bbox_to_anchor=(0.995, 0.002), ncols=len(seen) or 1)
     axes.figure.add_artist(legend)
 
@@ -134,7 +136,7 @@ def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
 
 
 def time_figure(run: RunData, what: str, rows: int, row_inch: float = 1.5) -> tuple[Figure, list[Axes]]:
-    """A figure of rows that share the time axis, with room for event names above and legends beside."""
+    """Creates a figure with rows that share the time axis, with room for event names above and for legends beside."""
     longest = max((len(event.name) for event in run.events), default=0)
     top_inch = 0.4 + (0.2 + CHARACTER_INCH * longest if longest else 0.0)
     height = top_inch + rows * row_inch + 0.45

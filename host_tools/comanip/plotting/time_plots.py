@@ -1,4 +1,5 @@
-"""Quantities of a run over time, one function per figure. Each returns the figure, or None if there is no data."""
+"""Plots quantities of a run over time, with one function per figure. Each returns the figure, or None if the run lacks
+the data."""
 
 from __future__ import annotations
 
@@ -13,11 +14,11 @@ from comanip.core.arm import Arm
 from comanip.plotting import geometry, style
 from comanip.plotting.run_data import JOINTS, RunData
 
-LOG_RATIO = 30.0  # ratio of the largest to the least clearance above which the axis is logarithmic
+LOG_RATIO = 30.0  # the axis is logarithmic if the ratio of largest to smallest clearance is above this
 
 
 def tracking(run: RunData) -> Figure | None:
-    """Target and simulated end effector per axis, with the error below."""
+    """Plots the positions of target and simulated end effector for each axis, with the error below."""
     if not run.has("target_x_m"):
         return None
     figure, rows = style.time_figure(run, "Target and robot's hand", 6, 1.05)
@@ -55,7 +56,7 @@ def orientation(run: RunData) -> Figure | None:
 
 
 def joints(run: RunData) -> Figure:
-    """Joint positions in their usable range, and commanded velocities, with limits."""
+    """Plots the joint positions within their usable ranges, and the commanded velocities with their limits."""
     figure, rows = style.time_figure(run, "Joints", 2 * JOINTS, 0.95)
     arm, part = Arm.named(geometry.ARM), style.thinned(run)
     position_deg, rates = np.degrees(run.joints_rad())[part], run.rates_radps()[part]
@@ -100,20 +101,20 @@ def clearance(run: RunData) -> Figure | None:
         axes.yaxis.set_major_formatter(ScalarFormatter())
     else:
         axes.set_ylim(bottom=min(0.0, low))
-    axes.set_ylabel("least distance [mm]")
+    axes.set_ylabel("smallest distance [mm]")
     style.legend_beside(axes)
     style.mark_time(run, [axes])
     return figure
 
 
 def draw_limits(axes: Axes, limits: list[tuple[str, float]], unit: str) -> None:
-    """One line per limit of the scenario's checks."""
+    """Draws a line for each limit of the scenario's checks."""
     for (name, limit), line in zip(limits, itertools.cycle(("--", ":", "-.")), strict=False):
         axes.axhline(limit, color=style.LIMIT, ls=line, lw=1.0, label=f"{name}: {limit:g} {unit}")
 
 
 def plot_force(run: RunData, axes: Axes) -> None:
-    """Magnitude of the force at the people's hands while they hold something, with the scenario's limits."""
+    """Plots the magnitude of the force at the people's hands while they hold something, with the scenario's limits."""
     part = style.thinned(run)
     force = np.sqrt(sum(run.column(f"force_{axis}_N") ** 2 for axis in "xyz"))
     if run.has("force_x_N"):

@@ -1,1 +1,1 @@
-"""A tracker as a node on the bus: poses from text, their publication, and the calibration of its axes."""
+"""Connects a tracker to the bus: parses poses from text, publishes them, and calibrates the tracker's axes."""

@@ -1,9 +1,10 @@
 """Estimates the rotation between tracker and robot, q_Tv^E, from three guided moves of the hand.
 
 The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
-between. The tracker measures the three directions. The rotation that maps the torso's axes to them in the least
-squares sense is Wahba's problem, solved by a singular value decomposition (Kabsch; Markley 1988). The residuals of the
-directions give the uncertainty: the covariance of the attitude is the inverse of the Fisher information.
+between the moves. The tracker measures the three directions. Finding the rotation that best maps the torso's axes to
+these directions in the least squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
+Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is the
+inverse of the Fisher information.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles per direction, minus the t
 
 
 class CalibrationError(ToolError):
-    """The moves do not determine the rotation; the message says why."""
+    """The moves do not determine the rotation. The message states the reason."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ class MoveDetector:
         return self._rest_point is not None
 
     def feed(self, t_s: float, position_m: np.ndarray) -> Move | None:
-        """The move that ended with the present rest, once the rest has lasted REST_S. Otherwise None."""
+        """Processes a position. Returns the move that ended with the present rest when the rest has lasted REST_S,
+        otherwise None."""
         if self._times and t_s <= self._times[-1]:
             return None
         self._times.append(t_s)
@@ -79,7 +81,7 @@ class MoveDetector:
         self._times, self._points = self._times[start:], self._points[start:]
         self._rest_since = self._times[0]
         if before is None or np.linalg.norm(here - before) < LEAST_MOVE_M:
-            self._rest_point = here if before is None else before  # kept, so that slow drift adds up to a move
+            self._rest_point = here if before is None else before  # keep the old point, so that slow drift adds up
             return None
         return _move(before, here, path)
 
@@ -95,8 +97,8 @@ def _move(start: np.ndarray, end: np.ndarray, path: np.ndarray) -> Move:
 
 @dataclass(frozen=True)
 class Calibration:
-    """rotation: maps torso axes to the tracker's frame. standard_error_deg: standard error of the rotation about its
-    most uncertain axis."""
+    """The result of a calibration. rotation: matrix that maps torso axes to the tracker's frame. standard_error_deg:
+    standard error of the rotation about its most uncertain axis."""
 
     rotation: np.ndarray  # (3, 3)
     residual_deg: tuple[float, float, float]
@@ -104,12 +106,12 @@ class Calibration:
 
     @property
     def rotation_vector(self) -> np.ndarray:
-        """The three parameters: (3,) in rad, of norm up to pi."""
+        """The values of the three parameters: (3,) in rad, with a norm of at most pi."""
         return rotation_vector(self.rotation)
 
 
 def rotation_vector(rotation: np.ndarray) -> np.ndarray:
-    """The rotation vector (axis times angle) of a rotation matrix."""
+    """Returns the rotation vector (axis times angle) of a rotation matrix."""
     symmetric = (rotation + rotation.T) / 2
     skew = 0.5 * np.array(
         [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
@@ -125,7 +127,7 @@ def rotation_vector(rotation: np.ndarray) -> np.ndarray:
 
 
 def rotation_from_vector(vector: np.ndarray) -> np.ndarray:
-    """Rodrigues' formula."""
+    """Returns the rotation matrix of a rotation vector, by Rodrigues' formula."""
     angle = float(np.linalg.norm(vector))
     if angle < 1e-12:
         return np.eye(3)
@@ -135,8 +137,8 @@ def rotation_from_vector(vector: np.ndarray) -> np.ndarray:
 
 
 def solve(moves: Iterable[Move]) -> Calibration:
-    """Estimates the rotation from the moves forward, left and up. CalibrationError if they do not determine it well
-    enough."""
+    """Estimates the rotation from the moves forward, left and up. Raises CalibrationError if they do not determine it
+    with sufficient accuracy."""
     moves = list(moves)
     if len(moves) != len(MOVES):
         raise CalibrationError(

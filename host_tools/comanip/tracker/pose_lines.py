@@ -1,6 +1,6 @@
-"""Parses poses of a hand from lines of text, CSV or JSON, so that any tracker can be connected.
+"""Parses poses of a hand from lines of CSV or JSON, so that any tracker can be connected.
 
-CSV, separated by commas, semicolons or blanks, each with or without a leading time stamp in seconds:
+CSV, with values separated by commas, semicolons or blanks, and an optional leading time stamp in seconds:
     x, y, z, qw, qx, qy, qz                  metres and a unit quaternion (order `wxyz`, or `xyzw` as an option)
     3 x 4 or 4 x 4 numbers, row by row       a homogeneous matrix
 JSON, one object per line:
@@ -19,11 +19,12 @@ import numpy as np
 ORDERS = ("wxyz", "xyzw")
 UNIT_TOLERANCE = 1e-3  # as in the firmware
 NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header line
-_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has a time stamp
+_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has time stamp
 
 
 class Pose(NamedTuple):
-    """position_m, quaternion: in the tracker's frame. t_s: time by the tracker's clock, if the line has one."""
+    """A pose of the hand. position_m, quaternion: in the tracker's frame. t_s: time stamp of the line, by the tracker's
+    clock."""
 
     position_m: tuple[float, float, float]
     quaternion: tuple[float, float, float, float]  # w x y z
@@ -31,7 +32,7 @@ class Pose(NamedTuple):
 
 
 def _quaternion_from_matrix(rotation: np.ndarray) -> np.ndarray:
-    """Shepperd's method: computes the largest of the four components first."""
+    """Converts a matrix by Shepperd's method, which computes the largest of the four components first."""
     trace = np.trace(rotation)
     greatest = int(np.argmax([trace, *np.diag(rotation)]))
     if greatest == 0:
@@ -65,7 +66,7 @@ def _from_matrix(numbers: list[float], t_s: float | None) -> Pose:
     error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if error > UNIT_TOLERANCE:
         raise ValueError(
-            f"no rotation matrix: R R^T is off the identity by {error:.3g}, expected {UNIT_TOLERANCE:g} at most"
+            f"not a rotation matrix: R R^T is off the identity by {error:.3g}, expected {UNIT_TOLERANCE:g} at most"
         )
     if np.linalg.det(rotation) < 0.0:
         raise ValueError("a reflection, expected a rotation matrix of determinant 1")
@@ -85,7 +86,7 @@ def _parse_json(line: str, order: str) -> Pose:
     try:
         content = json.loads(line)
     except json.JSONDecodeError as error:
-        raise ValueError(f"no JSON ({error.msg} at column {error.colno})") from error
+        raise ValueError(f"not valid JSON ({error.msg} at column {error.colno})") from error
     unknown = set(content) - {"t", "position", "quaternion", "matrix"}
     if unknown:
         raise ValueError(f"unknown '{sorted(unknown)[0]}', expected t, position and quaternion, or matrix")
@@ -106,7 +107,8 @@ def _parse_json(line: str, order: str) -> Pose:
 
 
 def parse(line: str, order: str = "wxyz") -> Pose | None:
-    """The pose of one line; None for an empty line, a comment (#) or a header. ValueError says what is wrong."""
+    """Parses a line. Returns None for an empty line, a comment (#) or a header. Raises ValueError, which states what is
+    wrong, for a malformed line."""
     text = line.strip()
     if not text or NO_POSE.match(text):
         return None
@@ -117,7 +119,7 @@ def parse(line: str, order: str = "wxyz") -> Pose | None:
         try:
             numbers.append(float(word))
         except ValueError:
-            raise ValueError(f"'{word[:40]}' is no number") from None
+            raise ValueError(f"'{word[:40]}' is not a number") from None
         if not math.isfinite(numbers[-1]):
             raise ValueError(f"'{word[:40]}' is not finite")
     if len(numbers) not in _COUNTS:

@@ -1,4 +1,4 @@
-"""Acts as the tracker on the bus: sends HandPose for each pose and TrackerStatus every 20 ms, with end-to-end
+"""Acts as the tracker on the bus: sends a HandPose for each pose and a TrackerStatus every 20 ms, with end-to-end
 protection."""
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from comanip.tracker.pose_lines import Pose
 
 CLOCK_US = 2**32  # the tracker's clock wraps
 COUNT = 2**16
-PERIOD_US = (1_000, 100_000)  # range of the firmware
-INTERVALS = 50  # the period is their median
+PERIOD_US = (1_000, 100_000)  # range that the firmware accepts
+INTERVALS = 50  # number of intervals whose median is the estimated period
 
 
 def status_period_s(bus: LiveBus) -> float:
@@ -22,8 +22,8 @@ def status_period_s(bus: LiveBus) -> float:
 
 
 class TrackerPublisher:
-    """rate_hz: rate of the tracker; None: estimated from the poses' time stamps. clock: gives the time of poses that
-    have no time stamp."""
+    """Publishes poses. rate_hz: rate of the tracker; None: estimated from the poses' time stamps. clock: returns the
+    time for poses without a time stamp."""
 
     def __init__(self, bus: LiveBus, rate_hz: float | None = None, clock=time.monotonic):
         self._bus, self._clock = bus, clock
@@ -33,7 +33,7 @@ class TrackerPublisher:
         self.sent = self.lost = self.range_errors = 0
 
     def publish(self, pose: Pose) -> None:
-        """Sends the pose. A pose out of the signals' range is sent as invalid and counted as a range error."""
+        """Sends the pose. A pose that exceeds the signals' range is sent as invalid and counted as a range error."""
         t_us = round(1e6 * (self._clock() if pose.t_s is None else pose.t_s))
         if self._last_us is not None and t_us - self._last_us > 0:
             self._intervals_us.append(t_us - self._last_us)
@@ -52,7 +52,7 @@ class TrackerPublisher:
             self._lose(t_us)
 
     def lose(self) -> None:
-        """Sends an invalid pose, for a sample without a pose."""
+        """Sends an invalid pose to report a sample without a pose."""
         self._lose(round(1e6 * self._clock()) if self._last_us is None else self._last_us + self.period_us)
 
     def _lose(self, t_us: int) -> None:

@@ -1,9 +1,9 @@
 """Compiles the firmware into the extension module ``comanip._core``.
 
-Run as ``python -m comanip_dev.build_core --generated DIR --build-dir DIR --cflags FLAGS``, after comanip_dev.codegen
-has written the generated CAN sources. The declarations for Python are the preprocessed headers of the firmware, not a
-copy that could differ from them. cffi compares the layout of every struct with the compiler's when the module is
-loaded.
+``python -m comanip_dev.build_core --generated DIR --build-dir DIR --cflags FLAGS`` must run after comanip_dev.codegen
+has written the generated CAN sources. The declarations for Python come from the firmware's preprocessed headers, not
+from a copy that could differ from them. When the module is loaded, cffi compares the layout of every struct with the
+compiler's.
 """
 
 from __future__ import annotations
@@ -41,19 +41,19 @@ def run(command: list[str]) -> str:
 
 
 def core_sources() -> list[Path]:
-    """The firmware without main.c, which needs a HAL, and the C sources of the binding."""
+    """Returns the C sources of the firmware, except main.c, which needs a HAL, and those of the binding."""
     return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 
 def umbrella(sources: list[Path]) -> str:
-    """Includes the header of each source that has one."""
+    """Returns a C source that includes the header of each source that has one."""
     headers = [source.with_suffix(".h") for source in sources]
     return "".join(f'#include "{header}"\n' for header in headers if header.is_file())
 
 
 def preprocessed(includes: str, folder: Path, *options: str) -> str:
-    """The preprocessed headers for cffi: without the standard headers, whose types cffi knows, and with declarations in
-    place of inline functions, because cffi does not parse bodies."""
+    """Returns the preprocessed headers for cffi. The standard headers are left out, because cffi knows their types, and
+    inline functions are replaced by declarations, because cffi does not parse bodies."""
     source = folder / "umbrella.c"
     source.write_text(includes)
     no_headers = folder / "no_headers"
@@ -65,7 +65,7 @@ def preprocessed(includes: str, folder: Path, *options: str) -> str:
 
 
 def declarations(includes: str, generated: Path, build_dir: Path) -> str:
-    """The declarations for cffi: the headers and their numeric constants."""
+    """Returns the declarations for cffi, which consist of the headers and their numeric constants."""
     text = preprocessed(includes, build_dir, f"-I{generated}", "-P")
     macros = preprocessed(includes, build_dir, f"-I{generated}", "-dM", "-undef")
     integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)
@@ -76,7 +76,7 @@ def declarations(includes: str, generated: Path, build_dir: Path) -> str:
 
 
 def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path = PACKAGE) -> Path:
-    """Builds the module in `folder`. SystemExit if something does not compile."""
+    """Builds the module in `folder`. Raises SystemExit if something does not compile."""
     if not (generated / "comanip_dbc.c").is_file():
         raise SystemExit(
             f"build_core: {generated}/comanip_dbc.c is missing: run python -m comanip_dev.codegen {generated} first"
@@ -110,7 +110,7 @@ def build(generated: Path, build_dir: Path, core_flags: list[str], folder: Path 
     library = folder / "_core.abi3.so"
     unfinished = build_dir / library.name
     run([*compiler(), "-shared", *objects, "-o", str(unfinished)])
-    # Replaced atomically: a process that has loaded the old module keeps it.
+    # Replaced atomically, so that a process that has loaded the old module keeps it.
     temporary = library.with_suffix(".tmp")
     temporary.write_bytes(unfinished.read_bytes())
     temporary.replace(library)

@@ -1,23 +1,23 @@
-"""Generates C sources of the firmware from the schema, firmware/schema/: frames, parameters and tasks.
+"""Generates C sources of the firmware from the schema, firmware/schema/, which describes frames, parameters and tasks.
 
-Run as ``python -m comanip_dev.codegen OUT_DIR``. SystemExit names an inconsistency of the schema. Writes:
+Run as ``python -m comanip_dev.codegen OUT_DIR``. Raises SystemExit if the schema is inconsistent. Writes:
 
 ``comanip_dbc.h/.c``
     cantools' structs, with pack and unpack functions for *raw integers*. cantools' encode, decode and range functions
-    are removed: they convert out-of-range floats (undefined behaviour in C) and need double arithmetic.
-    comanip_messages scales and checks ranges instead. Packing writes each byte once, instead of clearing the payload
-    first. The generation date is removed, so that the build is reproducible.
+    are removed, because they convert out-of-range floats (undefined behaviour in C) and need double arithmetic.
+    comanip_messages does the scaling and the range checks instead. Packing writes each byte once instead of clearing
+    the payload first. The generation date is removed, so that the build is reproducible.
 ``comanip_schema.h``
     what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
     one X-macro row per frame, for CAN FD and for classic CAN.
 ``comanip_messages.h/.inc``, ``comanip_classic.inc``, ``comanip_parameters.h``, ``comanip_tasks.h``
     see messages.py, classic.py, tables.py.
 ``comanip_identity.h``
-    the contents of FirmwareIdentity: 64 bits of SHA-256 over the firmware's sources and the schema (the same sources
-    give the same hash on the host and on every target), and a version and a hash of what a replay depends on.
+    the contents of FirmwareIdentity: the build hash, which is 64 bits of SHA-256 over the firmware's sources and the
+    schema and therefore the same on the host and on every target, and a version and a hash of what a replay depends on.
 
 ``python -m comanip_dev.codegen --schema`` (``make schema``) updates the rows of comanip.dbc that repeat parameters and
-tasks. An unchanged file is not rewritten, so that make rebuilds only what depends on changes.
+tasks. An unchanged file is not rewritten, so that make does not rebuild what depends on it.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ UNWANTED = r"(?:init|encode|decode|is_in_range|is_in_phys_range)"
 
 
 def drop_unwanted_functions(text: str) -> str:
-    """Removes declarations and definitions of all functions except pack and unpack, with their doc comments."""
+    """Removes all functions except pack and unpack: their declarations, definitions and doc comments."""
     signature = rf"(?:/\*\*(?:(?!\*/).)*?\*/\n)?(?:int|bool|double|int\d+_t|uint\d+_t) comanip_\w+_{UNWANTED}\([^)]*\)"
     text = re.sub(signature + r"\n\{\n.*?\n\}\n", "", text, flags=re.DOTALL)
     return re.sub(signature + r";\n", "", text, flags=re.DOTALL)
 
 
 def write_each_byte_once(text: str) -> str:
-    """cantools' packing clears all bytes and combines each signal with OR. This replaces the first OR of a byte by an
-    assignment. It requires straight-line code, so messages with multiplexed signals are refused."""
+    """Replaces the first OR of each byte by an assignment. cantools' packing clears all bytes and then combines the
+    signals with OR. This works in straight-line code only, so messages with multiplexed signals are refused."""
 
     def rewritten(match: re.Match) -> str:
         body, seen = match["body"], set()
@@ -78,7 +78,7 @@ RAW_MAX = 2**23  # quantise() in firmware/protocol/messages.c adds 0.5 in float3
 
 
 def names_by_value(signal) -> str:
-    """The value table of an enumerated signal as designated initialisers of an array of strings."""
+    """Returns the value table of an enumerated signal as designated initialisers of an array of strings."""
     return ", ".join(f'[{value}] = "{name}"' for value, name in sorted(signal.choices.items()))
 
 
@@ -86,7 +86,7 @@ def names_by_value(signal) -> str:
 
 
 def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
-    """One codec serves the eight frames `prefix`0..7, so their layouts must be the same."""
+    """Checks that the eight frames `prefix`0..7 have the same layout, because they share one codec."""
     layouts = {
         message.name: [(s.name, s.start, s.length, s.is_signed, s.scale) for s in message.signals]
         for message in messages
@@ -99,7 +99,8 @@ def check_joints_are_alike(messages: list[Message], prefix: str) -> None:
 
 
 def check_joints_are_scaled_alike(message: Message) -> None:
-    """One loop serves the signals NAME_0_UNIT..NAME_7_UNIT of JointCmd, so they must have the same scale and length."""
+    """Checks that the signals NAME_0_UNIT..NAME_7_UNIT of JointCmd have the same scale and length, because one loop
+    packs them all."""
     scaling: dict[str, tuple] = {}
     for signal in message.signals:
         own = (signal.length, signal.is_signed, signal.scale)
@@ -108,7 +109,7 @@ def check_joints_are_scaled_alike(message: Message) -> None:
 
 
 def check_classic_tables(messages: list[Message]) -> None:
-    """A signal must have the same value table in both profiles."""
+    """Checks that each signal has the same value table in both profiles."""
     parts = classic_codec.parts_of(messages)
     for message in messages:
         own = {signal.name: signal.choices for signal in message.signals if signal.choices}
@@ -119,7 +120,7 @@ def check_classic_tables(messages: list[Message]) -> None:
 
 
 def check_readers(messages: list[Message]) -> None:
-    """Each frame must have a sender and a receiver among the DBC's nodes."""
+    """Checks that each frame has a sender and a receiver among the DBC's nodes."""
     for message in messages:
         if not message.senders or not message.receivers:
             raise SystemExit(
@@ -128,7 +129,7 @@ def check_readers(messages: list[Message]) -> None:
 
 
 def check_trace(messages: list[Message]) -> None:
-    """TickTrace must have the counter of every frame that the firmware receives, and `received` one bit for each."""
+    """Checks that TickTrace has a counter for each frame that the firmware receives, and `received` a bit for each."""
     trace = next(message for message in messages if message.name == "TickTrace")
     counters = [s.name for s in trace.signals if s.name.endswith("_counter") and not s.name.startswith("e2e_")]
     expected = [trace_counter(message) for message in to_firmware(messages)]
@@ -139,12 +140,12 @@ def check_trace(messages: list[Message]) -> None:
 
 
 def to_firmware(messages: list[Message]) -> list[Message]:
-    """The messages of CAN FD that the firmware receives."""
+    """Returns the CAN FD messages that the firmware receives."""
     return [m for m in messages if "Firmware" in m.receivers and not m.name.startswith(CLASSIC)]
 
 
 def trace_counter(message: Message) -> str:
-    """The name of a message's counter in TickTrace, such as hand_pose_counter, or joint_state_3_counter for
+    """Returns the name of a message's counter in TickTrace, such as hand_pose_counter, or joint_state_3_counter for
     JointState3."""
     return re.sub(r"(\D)(\d)$", r"\1_\2", camel_to_snake_case(message.name)) + "_counter"
 
@@ -166,7 +167,7 @@ def x_macro(name: str, rows: list[str]) -> list[str]:
 
 
 def trace_rows(messages: list[Message]) -> list[str]:
-    """The rows in the order of the counters in TickTrace, which is that of the bits in `received`."""
+    """Returns the rows in the order of the counters in TickTrace, which is also that of the bits in `received`."""
     trace = next(message for message in messages if message.name == "TickTrace")
     by_counter = {trace_counter(m): m for m in to_firmware(messages)}
     rows = []
@@ -185,7 +186,7 @@ def received_rows(messages: list[Message]) -> list[str]:
 
 
 def multipart_rows(messages: list[Message]) -> list[str]:
-    """The messages that have several frames on classic CAN."""
+    """Returns the rows for messages that consist of several frames on classic CAN."""
     long = [name for name, parts in classic_codec.parts_of(messages).items() if len(parts) > 1]
     return [f"    KIND({camel_to_snake_case(name).upper()}, {i})" for i, name in enumerate(long)]
 
@@ -243,8 +244,8 @@ def schema_header(database) -> str:
 
 
 def trace_hash(database) -> int:
-    """32 bits of SHA-256 over what a replay depends on: the trace version, and the layouts of TickTrace and of the
-    frames that the firmware receives, on CAN FD and classic CAN."""
+    """Returns 32 bits of SHA-256 over what a replay depends on: the trace version, and the layouts of TickTrace and of
+    the frames that the firmware receives, on CAN FD and classic CAN."""
     parts = classic_codec.parts_of(database.messages)
     names = [m.name for m in to_firmware(database.messages)] + ["TickTrace"]
     names += [part.name for name in names for part in parts.get(name, [])]
@@ -305,7 +306,7 @@ def check(database) -> None:
 
 
 def main(out_dir: Path, schema: Path = SCHEMA) -> None:
-    """Writes the sources into out_dir. SystemExit names an inconsistency of the schema."""
+    """Writes the sources into out_dir. Raises SystemExit if the schema is inconsistent."""
     try:
         all_parameters, all_tasks = parameters.read(schema / "parameters.toml"), tasks.read(schema / "tasks.toml")
     except ToolError as error:

@@ -1,9 +1,9 @@
 """``make arms``: generates the C sources of each arm from its description, firmware/arms/NAME.toml.
 
-firmware/arms/NAME.[ch] hold the arm's table and its forward kinematics, firmware/control/arms/NAME_ik.[ch] its inverse
-kinematics, both as straight-line code for this arm. The generated files are committed.
+firmware/arms/NAME.[ch] contain the arm's table and its forward kinematics, and firmware/control/arms/NAME_ik.[ch] its
+inverse kinematics, both as straight-line code for this arm. The generated files are committed.
 
-Run as ``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]``; the files go to ROOT/arms and ROOT/control/arms.
+``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]`` writes to ROOT/arms and ROOT/control/arms.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ARMS = REPOSITORY / "firmware" / "arms"
 
 
 def within_columns(lines: Sequence[str]) -> str:
-    """The lines as text, with statements broken at blanks into lines of at most COLUMNS."""
+    """Returns the lines as text. Breaks long statements at blanks into lines of at most COLUMNS."""
     broken: list[str] = []
     for line in lines:
         indent = " " * (len(line) - len(line.lstrip()) + 4)
@@ -98,8 +98,8 @@ def ik_source(arm: Arm) -> str:
 
 
 def files(path: Path) -> dict[Path, str]:
-    """The text of each generated file for ROOT/arms/NAME.toml. ArmError or OSError if the description cannot be
-    read."""
+    """Returns the text of each file generated from ROOT/arms/NAME.toml. Raises ArmError or OSError if the description
+    cannot be read."""
     arm = read(path)
     ik = path.parent.parent / "control" / "arms" / f"{path.stem}_ik"
     return {

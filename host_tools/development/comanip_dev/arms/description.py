@@ -1,8 +1,8 @@
 """Reads the description of an arm, firmware/arms/NAME.toml.
 
-The description uses modified DH parameters. It lists the frames from the torso to the end effector, each
-Rot_x(alpha) Trans_x(a) Trans_z(d) Rot_z(theta). A frame with a range is a joint: the joint's angle is added to theta.
-Lengths are in m, angles in degrees.
+The description uses modified DH parameters. It lists the frames from the torso to the end effector, each of which is
+Rot_x(alpha) Trans_x(a) Trans_z(d) Rot_z(theta) relative to the previous one. A frame with a range is a joint, whose
+angle is added to theta. Lengths are in m, angles in degrees.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-# The limits of arm_check() in firmware/arms/arm.c.
+# The same limits as in arm_check(), firmware/arms/arm.c.
 JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = 8, 8.0, 32.0, 100.0
 JERK_RADPS3 = (1e3, 1e6)
 JERK_DEFAULT_RADPS3 = 1e4
@@ -27,12 +27,12 @@ ARM_KEYS = {"name", "id", "velocity_max_radps", "frame", *OPTIONAL_KEYS}
 
 
 class ArmError(ValueError):
-    """The description is wrong. The message is one line with the file, the value and what was expected."""
+    """The description is wrong. The message is one line that states the file, the value and what was expected."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """rotation: unit quaternion (4,), w first. matrix: the same rotation, (3, 3). translation_m: (3,)."""
+    """A pose. rotation: unit quaternion (4,), w first. matrix: the same rotation, (3, 3). translation_m: (3,)."""
 
     rotation: np.ndarray
     translation_m: np.ndarray
@@ -60,8 +60,8 @@ def turn(axis: Sequence[float], angle_deg: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Arm:
-    """twist: pose from the moving frame of the previous joint (for the first joint: the torso) to the joint, without
-    the offset of its angle. effector: pose from the last joint to the end effector."""
+    """An arm. twist: pose of each joint relative to the moving frame of the previous joint (for the first joint: the
+    torso), without the joint's angle offset. effector: pose of the end effector relative to the last joint."""
 
     name: str
     id: int
@@ -107,7 +107,7 @@ def _range_rad(place: str, value: object, margin_deg: float) -> tuple[float, flo
 
 
 def _load(path: Path) -> tuple[dict, str]:
-    """(description, title); the title is the file's first line."""
+    """Returns the description and the title, which is the file's first line."""
     try:
         text = path.read_text()
         description = tomllib.loads(text)
@@ -124,7 +124,7 @@ def _check_keys(place: str, found: object, known: set[str]) -> None:
 
 
 def read(path: Path) -> Arm:
-    """Reads the arm that a file describes. ArmError if something is missing, unknown or out of range."""
+    """Reads the description of an arm. Raises ArmError if something is missing, unknown or out of range."""
     description, title = _load(path)
     _check_keys(str(path), description, ARM_KEYS)
     if missing := ARM_KEYS - OPTIONAL_KEYS - set(description):

@@ -1,10 +1,9 @@
-"""Generates differential inverse kinematics (equation (4)) and forward kinematics of one arm, as the lines of C
-functions.
+"""Generates differential inverse kinematics (equation (4)) and forward kinematics of one arm, as lines of C functions.
 
 The equations are those of firmware/control/differential_ik_isotropic.c. Errors and joint axes may be expressed in any
-frame, because rotations change neither J^T W J nor J^T W K e. Here they are expressed in the frame of one of the middle
-joints, where the axes are constant or depend on few joints. The generator tries every joint and keeps the one with the
-fewest operations. Joints turn about z.
+frame, because rotations change neither J^T W J nor J^T W K e. Here they are expressed in the frame of a joint in the
+middle of the arm, where the axes are constant or depend on few joints. The generator tries every joint as the middle
+joint and keeps the one that needs the fewest operations. Joints turn about z.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ Quaternion = list[Term]
 COLUMNS = 120
 
 
-# ---- formulas on terms, which are constants or variables of the C code
+# ---- formulas with terms, which are constants or variables of the C code
 
 
 def constants(numbers: np.ndarray) -> list[Term]:
@@ -53,7 +52,7 @@ def conjugate(q: Quaternion) -> Quaternion:
 
 @dataclass
 class Joint:
-    """Cosine and sine of a joint's angle and of half the angle."""
+    """The cosine and sine of a joint's angle and of half the angle."""
 
     cosine: Term
     sine: Term
@@ -61,7 +60,7 @@ class Joint:
     half_sine: Term
 
     def turned(self, block: Block, v: Vector, sign: int = 1) -> Vector:
-        """Rot_z(angle) v, or Rot_z(-angle) v if sign is -1."""
+        """Returns Rot_z(angle) v, or Rot_z(-angle) v if sign is -1."""
         sine = self.sine if sign > 0 else -self.sine
         x = block.add(block.multiply(self.cosine, v[0]), -block.multiply(sine, v[1]))
         y = block.add(block.multiply(sine, v[0]), block.multiply(self.cosine, v[1]))
@@ -73,8 +72,8 @@ class Joint:
 
 
 def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> list[Joint]:
-    """The joints, from the C variables for the sine and cosine of half the measured angle (without the joint's
-    offset)."""
+    """Returns the joints. sines, cosines: names of the C variables for the sine and cosine of half the measured angle,
+    without the joint's offset."""
     joints = []
     for offset_deg, sine, cosine in zip(
         arm.offset_deg, (Term(1.0, s) for s in sines), (Term(1.0, c) for c in cosines), strict=True
@@ -86,7 +85,7 @@ def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> l
 
 
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
-    """Cosine and sine of the angle plus `angle_deg`."""
+    """Returns the cosine and sine of the sum of the given angle and `angle_deg`."""
     c, s = constants([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
     return [
         block.add(block.multiply(c, cosine), -block.multiply(s, sine)),
@@ -100,9 +99,9 @@ def rotated(block: Block, matrix: np.ndarray, v: Vector) -> Vector:
 
 @dataclass
 class Seen:
-    """The arm in the frame of joint `middle`: axes (n x 3), levers from each axis to the end effector (n x 3),
-    positions of the end effector (3) and of the target (3), and the rotation from the end effector to the target
-    (4)."""
+    """The arm expressed in the frame of joint `middle`: joint axes (n x 3), levers from each axis to the end effector
+    (n x 3), positions of the end effector (3) and of the target (3), and the rotation from the end effector to the
+    target (4)."""
 
     axes: list[Vector]
     levers: list[Vector]
@@ -147,7 +146,7 @@ def see(
         return v
 
     def seen(v: Vector, joint: int, is_point: bool) -> Vector:
-        """Transforms from the fixed frame of a joint on either side of `middle`."""
+        """Transforms from the fixed frame of `joint`, which may be on either side of `middle`, to that of `middle`."""
         if joint >= middle:
             return from_hand_side(v, joint, is_point)
         return to_middle(block, arm, joints, middle, joints[joint].turned(block, v, -1), joint + 1, is_point)
@@ -158,7 +157,7 @@ def see(
     levers = [add(block, hand, [-x for x in point]) for point in points]
 
     def before(q: Quaternion) -> Quaternion:
-        """conj(r) q, where r is the rotation from the torso to the middle joint."""
+        """Returns conj(r) q, where r is the rotation from the torso to the middle joint."""
         for i in range(middle + 1):
             q = quaternion_product(block, conjugate(constants(arm.twist[i].rotation)), q)
             if i < middle:
@@ -166,7 +165,7 @@ def see(
         return q
 
     def after(q: Quaternion) -> Quaternion:
-        """q conj(r), where r is the rotation from the middle joint to the end effector."""
+        """Returns q conj(r), where r is the rotation from the middle joint to the end effector."""
         q = quaternion_product(block, q, conjugate(constants(arm.effector.rotation)))
         for i in range(n - 1, middle - 1, -1):
             q = quaternion_product(block, q, conjugate(joints[i].quaternion))
@@ -182,8 +181,9 @@ def see(
 
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
-    """The quantities that depend on the error frame: g, and the weighted parts of the error; see
-    differential_ik_isotropic.c. Those that the equations do not use, as for arms with few joints, are left out."""
+    """Returns the quantities that depend on the error frame: g, and the weighted parts of the error; see
+    differential_ik_isotropic.c. Quantities that the equations do not use are left out, which happens if the arm has
+    few joints."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)
@@ -228,7 +228,7 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
 
 
 def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]]:
-    """The normal equations: the lower triangle as matrix_ij, the right-hand side as right_i."""
+    """Returns the normal equations, with the lower triangle as matrix_ij and the right-hand side as right_i."""
     block = Block("n")
     rotation, diagonal = Term(1.0, "law->weight_rotation"), Term(1.0, "law->diagonal")
     offset, turn, dual = (
@@ -263,7 +263,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
 def assign(
     lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]
 ) -> str | None:
-    """Assigns first - a b - c d ... to a new variable, without the products that have a factor 0. Returns its name."""
+    """Assigns first - a b - c d ... to a new variable and returns its name. Leaves out products with a factor 0."""
     terms = [f"{a} * {b}" for a, b in products if a and b]
     if not terms:
         return first
@@ -274,12 +274,13 @@ def assign(
 
 @dataclass
 class Factors:
-    """The factors L D L^T of the normal equations, row by row; None means 0 by construction. The last two rows are
-    solved as one block, with one division instead of two. A block of earlier rows would be less accurate."""
+    """The factorisation L D L^T of the normal equations, row by row. None stands for entries that are 0 by
+    construction. The last two rows are solved as one block, which needs one division instead of two. A block of earlier
+    rows would be less accurate."""
 
     n: int
-    eliminated: int  # rows, before the last two
-    row: dict[tuple[int, int], str | None]  # the lower triangle, then L D below the diagonal
+    eliminated: int  # number of rows before the last two
+    row: dict[tuple[int, int], str | None]  # initially the lower triangle, later L D below the diagonal
     factor: dict[tuple[int, int], str | None]
     lines: list[str]
 
@@ -309,7 +310,7 @@ def factorise(n: int, matrix: dict[tuple[int, int], Term], inverse: str = "1.0f 
 
 
 def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
-    """Solves for the right-hand side in the variables PULLS_0, PULLS_1, ... and stores the result in the array
+    """Generates the solution for the right-hand side in the variables PULLS_0, PULLS_1, ..., stored in the array
     `speeds`. The names of intermediate variables begin with `pulls`."""
     lines: list[str] = []
     n, row, factor, eliminated = factors.n, factors.row, factors.factor, factors.eliminated
@@ -340,7 +341,7 @@ def solve(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 
 
 def wrapped(items: list[str], begin: str, indent: str, end: str) -> list[str]:
-    """The items in lines of at most COLUMNS; the first line starts with `begin`, the others with `indent`."""
+    """Arranges the items in lines of at most COLUMNS. The first line starts with `begin`, the others with `indent`."""
     lines = [begin]
     for i, item in enumerate(items):
         text = item + ("," if i < len(items) - 1 else end)
@@ -352,14 +353,14 @@ def wrapped(items: list[str], begin: str, indent: str, end: str) -> list[str]:
 
 
 def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """The variables of the normal equations: the matrix's entries that are not 0 by construction, and the right-hand
-    side."""
+    """Returns the variables of the normal equations: the entries of the matrix that are not 0 by construction, and the
+    right-hand side."""
     return [*(term.variable for term in matrix.values() if term.variable), *(f"right_{i}" for i in range(n))]
 
 
 def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """The struct of the equations, and the function that solves them with joints at their limits. It is a separate
-    function, so that the code without joints at limits need not store the equations."""
+    """Returns the struct that stores the equations, and the function that solves them with joints at their limits. It
+    is a separate function so that the equations are not stored if no joint is at a limit."""
     names = unknown(n, matrix)
     lines = ["typedef struct {", *wrapped(names, "    float ", " " * 10, ";"), "} equations_t;", "",
              "static inline void solve(void *equations, float velocity_radps[]) {",
@@ -382,8 +383,8 @@ def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]
 
 
 def sines_and_cosines(n: int) -> list[str]:
-    """sine_cosine_inline() of the half angles. Each step is done for all joints, so that each coefficient is loaded
-    once. The results are bit-identical to those of sine_cosine_inline()."""
+    """Generates sine_cosine_inline() of the half angles. Each step is done for all joints before the next step, so that
+    each coefficient is loaded once. The results are bit-identical to those of sine_cosine_inline()."""
     joints = range(n)
     lines = [f"    const float half_{i} = 0.5f * position_rad[{i}];" for i in joints]
     lines.append(f"    float {', '.join(f'sine_{i}' for i in joints)}, {', '.join(f'cosine_{i}' for i in joints)};")
@@ -411,8 +412,8 @@ def sines_and_cosines(n: int) -> list[str]:
 
 @dataclass
 class Law:
-    """body: body of differential_ik_isotropic() for the arm. at_limit: the definitions that it needs for joints at
-    their limits."""
+    """The C code for an arm. body: body of its differential_ik_isotropic(). at_limit: definitions that the body needs
+    for joints at their limits."""
 
     body: list[str]
     at_limit: list[str]
@@ -457,7 +458,7 @@ def fewest_operations(arm: Arm) -> Law:
 
 
 def forward_kinematics(arm: Arm) -> list[str]:
-    """Equation (3), evaluated from the end effector towards the torso."""
+    """Generates equation (3), evaluated from the end effector towards the torso."""
     n = len(arm.twist)
     lines = ["    (void)arm;"]
     lines += [f"    const sine_cosine_t half_{i} = sine_cosine(0.5f * position_rad[{i}]);" for i in range(n)]

@@ -1,7 +1,7 @@
-"""Generates the equations of firmware/control/position_priority.c for one arm, as the lines of a C function.
+"""Generates the equations of firmware/control/position_priority.c for one arm, as lines of a C function.
 
-As in differential_ik.py, errors, motion and axes are expressed in the frame of the middle joint that needs the fewest
-operations. If joints are at their limits, position_priority_solve() solves the equations, as for any arm.
+As in differential_ik.py, errors, motion and axes are expressed in the frame of the joint for which this needs the
+fewest operations. If joints are at their limits, the general position_priority_solve() solves the equations.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def scaled(block: Block, factor: Term, v: Vector) -> Vector:
 
 
 def task_damping(block: Block, moments: list[Vector]) -> list[Vector]:
-    """A = I + damping (J_p J_p^T + floor I)^-1, 3 x 3, computed by cofactors."""
+    """Returns a = I + damping (J_p J_p^T + floor I)^-1, 3 x 3, computed by cofactors."""
     floor = Term(1.0, "POSITION_PRIORITY_TASK_FLOOR_M2")
     m = [[ZERO] * 3 for _ in range(3)]
     cofactor = [[ZERO] * 3 for _ in range(3)]

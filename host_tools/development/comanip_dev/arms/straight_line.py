@@ -1,10 +1,10 @@
-"""Generates straight-line C from formulas that are evaluated symbolically. Constants are folded; nothing is computed
-twice.
+"""Generates straight-line C from formulas that are evaluated symbolically. Constants are folded, and no expression is
+computed twice.
 
 A `Term` is a constant, or a constant factor times a variable of the C code. Factors are kept separate from variables
 until they must be multiplied out. Signs therefore cost nothing, and a rotation by 90 degrees, whose quaternion is
-1/sqrt(2) (1, 1, 0, 0), costs additions only. The simplifications are exact in real numbers. The order of the emitted
-operations fixes the order of roundings, so that every compiler gives the same result.
+1/sqrt(2) (1, 1, 0, 0), costs additions only. The simplifications are exact in real numbers. The emitted code fixes the
+order of the operations and thereby of the roundings, so that all compilers produce the same result.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Term:
-    """factor * variable, or the factor alone if variable is None."""
+    """The product factor * variable, or only the factor if variable is None."""
 
     factor: float
     variable: str | None = None
@@ -38,11 +38,11 @@ def literal(value: float) -> str:
 
 
 class Block:
-    """Statements in the order of their creation. text() returns those that its results depend on."""
+    """A list of statements in the order of their creation. text() returns those that are needed for given results."""
 
     def __init__(self, prefix: str) -> None:
         self._prefix = prefix
-        self._statements: dict[str, tuple[str, tuple[str, ...]]] = {}  # variable: expression, variables in it
+        self._statements: dict[str, tuple[str, tuple[str, ...]]] = {}  # variable: (expression, its variables)
         self._known: dict[str, str] = {}  # expression: variable
 
     def _emit(self, expression: str, *variables: str) -> str:
@@ -83,13 +83,13 @@ class Block:
         return Term(factor, self._emit(f"{a.variable} * {b.variable}", a.variable, b.variable))
 
     def whole(self, a: Term) -> Term:
-        """The term with its factor multiplied out, except for the sign."""
+        """Returns the term with its factor multiplied out, except for the sign."""
         if a.variable is None or abs(a.factor) == 1.0:
             return a
         return Term(1.0 if a.factor > 0 else -1.0, self._emit(f"{literal(abs(a.factor))} * {a.variable}", a.variable))
 
     def apply(self, template: str, *arguments: Term) -> Term:
-        """A C expression: the template with the arguments in place of {}."""
+        """Returns a term for a C expression, which is the template with the arguments in place of {}."""
         text = template.format(*(value(self.whole(argument)) for argument in arguments))
         return Term(
             1.0, self._emit(text, *(argument.variable for argument in map(self.whole, arguments) if argument.variable))
@@ -116,7 +116,7 @@ class Block:
 
 
 def value(term: Term) -> str:
-    """The term as a C expression."""
+    """Returns the term as a C expression."""
     if term.variable is None:
         return literal(term.factor)
     if abs(term.factor) == 1.0:

@@ -1,7 +1,7 @@
-"""Writes docs/bus.md from comanip.dbc: ``python -m comanip_dev.bus.doc [FILE]`` writes the file, or prints the text.
+"""Generates docs/bus.md from comanip.dbc. ``python -m comanip_dev.bus.doc [FILE]`` writes the file, or prints the text.
 
 The DBC is the only description of frames (ids, layouts, scales, periods, Data IDs). Frames that share a layout
-(JointState0..7) and signals that repeat per joint appear once.
+(JointState0..7) are documented once, as are signals that repeat for each joint.
 """
 
 from __future__ import annotations
@@ -77,14 +77,14 @@ def number(value: float) -> str:
 
 
 def scale_text(scale: float) -> str:
-    """A negative power of two as a fraction, so that no digits are lost."""
+    """Formats a scale. A negative power of two becomes a fraction, so that no digits are lost."""
     inverse = round(1.0 / scale)
     is_binary = inverse > 1 and inverse & (inverse - 1) == 0 and scale * inverse == 1.0
     return f"1/{inverse}" if is_binary else number(scale)
 
 
 def families(messages: Iterable[Message]) -> list[list[Message]]:
-    """Messages in the order of their ids, grouped into families whose names differ in the last digit only."""
+    """Returns the messages sorted by id and grouped into families, in which the names differ only in the last digit."""
     found: dict[str, list[Message]] = {}
     for message in sorted(messages, key=lambda m: m.frame_id):
         found.setdefault(message.name.rstrip("0123456789"), []).append(message)
@@ -97,7 +97,7 @@ def family_name(family: Sequence[Message]) -> str:
 
 
 def hexadecimal(family: Sequence[Message], value: str) -> str:
-    """The value of the first and the last member: "0x180..0x187"."""
+    """Formats the values of the first and the last member of a family, such as "0x180..0x187"."""
     values = {"id": [m.frame_id for m in family], "data_id": [attribute(m, "E2EDataId") for m in family]}[value]
     if not any(values):
         return "none"
@@ -138,7 +138,8 @@ def signal_row(signal: Signal, is_repeated: bool) -> list[str]:
 
 
 def signal_rows(message: Message) -> list[list[str]]:
-    """One row per signal. Signals that repeat per joint have one row, that of joint 0, with N in the name."""
+    """Returns one row per signal. Signals that repeat for each joint get a single row, that of joint 0, with N in the
+    name."""
     names = [JOINT.sub("_N", signal.name) for signal in message.signals]
     rows = []
     for signal, name in zip(message.signals, names, strict=True):
@@ -171,7 +172,7 @@ def section(family: Sequence[Message]) -> list[str]:
 
 
 def markdown(database: cantools.database.Database, max_delta: int, classic_max_delta: int) -> str:
-    """The whole text. max_delta, classic_max_delta: the firmware's limits for E2E counters."""
+    """Returns the whole document. max_delta, classic_max_delta: the firmware's limits for steps of E2E counters."""
     fd = families(message for message in database.messages if not is_classic(message.name))
     classic = families(message for message in database.messages if is_classic(message.name))
     header = ("id", "frame", "bytes", "period", "timeout", "E2E Data ID", "sent by", "for")
@@ -186,7 +187,7 @@ def markdown(database: cantools.database.Database, max_delta: int, classic_max_d
 
 
 def max_delta(name: str) -> int:
-    """The value of a macro in firmware/protocol/e2e.h: the largest accepted step of a counter."""
+    """Reads the largest accepted step of a counter from a macro in firmware/protocol/e2e.h."""
     text = (REPOSITORY / "firmware" / "protocol" / "e2e.h").read_text()
     return int(re.search(rf"#define {name} (\d+)", text)[1])
 

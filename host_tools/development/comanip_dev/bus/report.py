@@ -1,6 +1,7 @@
-"""Load and worst-case response times of the bus: ``python -m comanip_dev.bus.report [FILE]`` (``make bus-report``).
+"""Computes load and worst-case response times of the bus: ``python -m comanip_dev.bus.report [FILE]``
+(``make bus-report``).
 
-Prints the worst case of each frame for 4, 6, 7 and 8 joints, CAN FD and classic CAN, and marks frames that miss their
+Prints the worst case of each frame for 4, 6, 7 and 8 joints on CAN FD and classic CAN, and marks frames that miss their
 deadline. Also writes the results to FILE (JSON). Exit status: 0, even if frames are late; 2 wrong use.
 """
 
@@ -50,8 +51,9 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class Row:
-    """Times in ms to the end of the frame. queued_ms: from its queueing. response_ms: from its event, which is the tick
-    for frames of firmware and drives, and the queueing for frames on events. None: unbounded, the bus is overloaded."""
+    """The worst case of a frame, as times in ms to the end of the frame. queued_ms: from its queueing. response_ms:
+    from its event. The event is the tick for frames of firmware and drives, and the queueing for frames that are sent
+    on events. None: unbounded, because the bus is overloaded."""
 
     name: str
     id: int
@@ -67,8 +69,8 @@ class Row:
 
 @dataclass(frozen=True)
 class Result:
-    """Loads assume the longest frames. late_at_boot: names of the frames that are late while the boot frames are
-    sent."""
+    """The results for one profile and number of joints. Loads assume the longest frames. late_at_boot: names of frames
+    that are late while the boot frames are sent."""
 
     profile: str
     joints: int
@@ -80,7 +82,7 @@ class Result:
 
 
 def rows(frames: Sequence[Frame], rates: BitRates) -> list[Row]:
-    """The rows in order of ids."""
+    """Returns the rows, sorted by id."""
     all_streams = streams(frames, rates)
     found = analyse(all_streams, rates.nominal_ns)
     result = []
@@ -123,7 +125,7 @@ def result(profile: Profile, joints: int) -> Result:
 
 
 def names(late: Sequence[str]) -> str:
-    """The names, with JointState4, JointState5, JointState6 shortened to JointState4..6."""
+    """Returns the names as text, in which JointState4, JointState5, JointState6 is shortened to JointState4..6."""
     families: dict[str, list[str]] = {}
     for name in late:
         families.setdefault(name.rstrip("0123456789"), []).append(name)
@@ -150,7 +152,7 @@ def overview(results: Sequence[Result]) -> Table:
 
 
 def time_text(row: Row | None) -> str:
-    """The time, in red and with an exclamation mark if it is late."""
+    """Formats a response time, in red and with an exclamation mark if the frame is late."""
     if row is None:
         return ""
     text = "no bound" if row.response_ms is None else f"{row.response_ms:.3f}"
@@ -158,7 +160,7 @@ def time_text(row: Row | None) -> str:
 
 
 def details(results: Sequence[Result]) -> Table:
-    """The table of one profile: a row per frame, a column per number of joints."""
+    """Returns the table of one profile, with a row per frame and a column per number of joints."""
     table = Table(title=f"{results[0].profile}: worst-case response in ms", title_justify="left")
     columns = ("id", "frame", "bytes", "us at most", "period ms", *(f"{item.joints} joints" for item in results))
     for header in columns:

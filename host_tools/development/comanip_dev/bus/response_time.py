@@ -1,23 +1,23 @@
-"""Worst-case response times on a CAN bus: non-preemptive fixed priorities.
+"""Computes worst-case response times on a CAN bus, which schedules frames by fixed priorities without preemption.
 
 The method is that of R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability
-analysis: refuted, revisited and revised. Real-Time Systems 35 (2007), over all instances of the busy period. A frame
-that answers another inherits its jitter from that frame, iterated to a fixed point (holistic analysis: K. Tindell,
-J. Clark, 1994).
+analysis: refuted, revisited and revised. Real-Time Systems 35 (2007), over all instances in the busy period. A frame
+that answers another frame inherits its jitter from that frame; this is iterated to a fixed point (holistic analysis:
+K. Tindell, J. Clark, 1994).
 
 Assumptions: ids are priorities; each node offers its lowest id first; frames of two streams with the same id delay each
 other; there are no errors. All times are whole nanoseconds.
 
-An answer depends on its request, the frame that it answers, so the sum of both worst cases would count most frames
-twice. A tighter bound holds if all answers to a request are sent before the next request is queued, and no other frame
-has a priority between theirs. There are two cases.
+An answer depends on the frame that it answers, its request. The sum of the worst cases of both would therefore count
+most frames twice. A tighter bound holds if all answers to a request are sent before the next request is queued, and if
+no other frame has a priority between those of the answers. There are two cases:
 
-The answer is queued within the busy period in which its request was queued. From the start of that busy period on, the
-request, its answers and the frames queued together with the request are each sent once. No earlier answer is sent in
-it: it could not start while frames of higher priority wait, and it was sent before the request was queued.
-
-The answer is queued later. Then the bus was idle at this priority at some time between the end of the request and the
-queueing of the answer, and a busy period without the frames that were queued together with the request bounds it.
+1. The answer is queued within the busy period in which its request was queued. From the start of that busy period, the
+   request, its answers and the frames queued together with the request are each sent once. The busy period contains no
+   earlier answer, because an answer cannot start while frames of higher priority are waiting, and all earlier answers
+   were sent before the request was queued.
+2. The answer is queued later. Then the bus was idle at this priority at some time between the end of the request and
+   the queueing of the answer. The bound is a busy period without the frames that were queued together with the request.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ UNBOUNDED_NS = 10_000_000_000  # a longer response time counts as unbounded
 
 @dataclass(frozen=True)
 class Stream:
-    """Frames of one kind. Each is queued earliest_ns to earliest_ns + jitter_ns after its event; the events are
-    period_ns or more apart. Jitter also models bursts of frames on events: with a period of 20 ms and a jitter of 19 ms
-    two frames are at least 1 ms apart, and on average there is one in 20 ms.
+    """A stream of frames of one kind. Each frame is queued earliest_ns to earliest_ns + jitter_ns after its event, and
+    events are at least period_ns apart. Jitter also models bursts of frames that are sent on events: with a period of
+    20 ms and a jitter of 19 ms, two frames are at least 1 ms apart, and there is on average one frame in 20 ms.
 
-    batch: streams of one batch are queued at the same instants; those with the same period are always queued together.
-    one_of: of the streams with this name, which have the same period and jitter, only one is sent at a time. answers:
-    name of the frame that this one answers: it is queued answer_delay_ns after the end of that frame and has its event
-    and period; `analyse` computes earliest_ns and jitter_ns.
+    batch: streams of one batch are queued at the same instants. Those with the same period are always queued together.
+    one_of: only one of the streams with this name, which have the same period and jitter, is sent at a time.
+    answers: name of the frame that this frame answers. The answer is queued answer_delay_ns after the end of that frame
+        and has the same event and period. `analyse` computes its earliest_ns and jitter_ns.
     """
 
     name: str
@@ -55,19 +55,20 @@ class Stream:
 
 @dataclass(frozen=True)
 class Response:
-    """Times to the end of the frame, from its queueing and from its event. None: unbounded, the bus is overloaded."""
+    """The times from the queueing of a frame and from its event to the end of the frame. None: unbounded, because the
+    bus is overloaded."""
 
     queued_ns: int | None
     event_ns: int | None
 
 
 def load(streams: Sequence[Stream]) -> float:
-    """Bus load if all frames have their greatest length."""
+    """Returns the bus load if all frames have their maximum length."""
     return sum(stream.longest_ns / stream.period_ns for stream in one_of_each(streams))
 
 
 def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
-    """The longest stream of each `one_of`, and all streams that have none."""
+    """Returns the longest stream of each `one_of` group, and all streams that are not in such a group."""
     chosen: dict[str, Stream] = {}
     for stream in streams:
         key = stream.one_of or stream.name
@@ -77,8 +78,8 @@ def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
 
 
 def analyse(streams: Sequence[Stream], bit_ns: int) -> dict[str, Response]:
-    """Response times by name. bit_ns: bit time of the arbitration phase. KeyError if a stream answers an unknown
-    one."""
+    """Returns the response times by name. bit_ns: bit time of the arbitration phase. Raises KeyError if a stream
+    answers an unknown one."""
     known = {stream.name: Response(0, 0) for stream in streams}
     while True:
         by_name = {stream.name: stream for stream in streams}
@@ -112,12 +113,12 @@ def _response(streams: Sequence[Stream], stream: Stream, known: dict[str, Respon
 
 
 def _instances(stream: Stream, window_ns: int) -> int:
-    """The greatest number of instances queued in a window."""
+    """Returns the maximum number of instances that are queued in a window."""
     return -(-(window_ns + stream.jitter_ns) // stream.period_ns)
 
 
 def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
-    """The shortest window that equals the work queued in it."""
+    """Returns the shortest window that is exactly as long as the work queued in it."""
     window_ns = start_ns
     while (needed_ns := work_ns(window_ns)) != window_ns:
         window_ns = needed_ns
@@ -125,8 +126,8 @@ def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
 
 
 def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int = 0) -> int:
-    """Time until a frame starts: base_ns of work, plus all frames of higher priority that are queued meanwhile, up to
-    the bit in which arbitration starts."""
+    """Returns the time until a frame starts. It consists of base_ns of work and of all frames of higher priority that
+    are queued in the meantime, up to the bit in which arbitration starts."""
     return _least_window(
         max(base_ns, at_least_ns),
         lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher),
@@ -134,7 +135,7 @@ def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int
 
 
 def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit_ns: int) -> Response:
-    """The analysis of Davis et al., over each instance in the busy period."""
+    """Returns the worst case by the analysis of Davis et al., over all instances in the busy period."""
     level = [stream, *higher]
     busy_ns = _least_window(
         stream.longest_ns, lambda ns: blocking_ns + sum(_instances(other, ns) * other.longest_ns for other in level)
@@ -153,7 +154,7 @@ def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit
 def _answer(
     stream: Stream, higher: Sequence[Stream], blocking_ns: int, known: dict[str, Response], bit_ns: int
 ) -> Response | None:
-    """The bound for answers described at the top of this file, or None if its conditions do not hold."""
+    """Returns the bound for answers described at the top of this file, or None if its conditions do not hold."""
     asked = next((other for other in higher if other.name == stream.answers), None)
     if asked is None:
         return None
@@ -178,7 +179,7 @@ def _answer(
     connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)
 
     follows = [o for o in together if o.identifier > asked.identifier and o.shortest_ns >= stream.answer_delay_ns]
-    if follows:  # a frame queued with the request is sent after it, so the busy period lasts until the answer is queued
+    if follows:  # such a frame is sent after the request, so the busy period lasts until the answer is queued
         return connected
     ends_ns = _waits(base_ns, [other for other in rest if other not in batch], bit_ns) + stream.longest_ns
     apart = Response(ends_ns, known[asked.name].event_ns + stream.answer_delay_ns + ends_ns)

@@ -1,7 +1,7 @@
-"""The traffic of the bus as streams for ``response_time``, from the DBC: the frames of CAN FD, or those of classic CAN.
+"""Derives the traffic on the bus, CAN FD or classic, from the DBC, as streams for ``response_time``.
 
-The DBC does not contain the rate of frames on events, the computing time of the firmware, and the response time of the
-drives. They are assumed here and printed by ``make bus-report``.
+The DBC does not contain the rate of frames that are sent on events, the computing time of the firmware, or the response
+time of the drives. They are assumed here, and ``make bus-report`` prints the assumptions.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Frame:
-    """Frames of one kind: sent every period_ms, or on events, on average one per period. batch, one_of and answers: as
-    in Stream."""
+    """Frames of one kind, which are sent every period_ms, or on events with an average of one per period. batch, one_of
+    and answers have the same meaning as in Stream."""
 
     name: str
     identifier: int
@@ -80,13 +80,13 @@ class Frame:
 
 
 def _number(name: str, kind: str) -> int | None:
-    """The number of the frame's joint, or None."""
+    """Returns the number of the joint to which the frame belongs, or None."""
     found = re.fullmatch(rf"(?:{CLASSIC})?{kind}(\d)", name)
     return int(found[1]) if found else None
 
 
 def _messages(is_for_classic: bool) -> list[Message]:
-    """The messages of a profile. A message without parts for classic CAN, such as the heartbeat, is in both
+    """Returns the messages of a profile. A message without parts for classic CAN, such as the heartbeat, is in both
     profiles."""
     return [
         message
@@ -96,7 +96,7 @@ def _messages(is_for_classic: bool) -> list[Message]:
 
 
 def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
-    """All frames of an arm with this number of joints, without those that are sent at boot only."""
+    """Returns all frames for an arm with this number of joints, except those that are sent only at boot."""
     prefix, tick_ms = (CLASSIC, CLASSIC_TICK_MS) if is_for_classic else ("", FD_TICK_MS)
     event_ms = tick_ms * (CLASSIC_EVENT_TICKS if is_for_classic else FD_EVENT_TICKS)
     sync = f"{CLASSIC}JointCmd{joints - 1}" if is_for_classic else "JointCmd"
@@ -124,7 +124,7 @@ def _frames(joints: int, is_for_classic: bool) -> list[Frame]:
 
 
 def _boot_frames(is_for_classic: bool) -> list[Frame]:
-    """The frames that are sent at boot in addition to all others."""
+    """Returns the frames that are sent only at boot, in addition to all others."""
     tick_ms = CLASSIC_TICK_MS if is_for_classic else FD_TICK_MS
     periods_ms = dict.fromkeys(BOOT_ONLY, BOOT_MS) | dict.fromkeys(
         ("ParameterValue", f"{CLASSIC}ParameterValue"), tick_ms

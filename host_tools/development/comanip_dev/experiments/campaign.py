@@ -1,4 +1,4 @@
-"""Runs the simulator many times in a few processes: jobs, their outcomes, and results that are reused."""
+"""Runs the simulator many times in a few processes, and reuses the results of earlier campaigns."""
 
 from __future__ import annotations
 
@@ -20,16 +20,17 @@ SCENARIOS_FROM_SIMULATOR = "../../sim/scenarios"
 INPUTS_FILE = "inputs.sha256"
 RUN_TIMEOUT_S = 900.0
 POLL_S = 0.01
-END_S = 2.0  # time for a child to end after SIGTERM
+END_S = 2.0  # time that a child has to end after SIGTERM
 
 
 class CampaignError(Exception):
-    """The runs cannot be done. The message is one line with the reason."""
+    """The campaign cannot be run. The message is one line that states the reason."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run of the simulator. parameters: written over the bus. arguments: further options of the simulator."""
+    """One run of the simulator. parameters: parameters to write over the bus. arguments: further options for the
+    simulator."""
 
     scenario: str
     seed: int
@@ -62,7 +63,7 @@ class Outcome:
     """The outcome of a job. summary is empty if the run ended before the simulator judged it."""
 
     job: Job
-    result: str  # "pass", "fail"; "error" without a summary
+    result: str  # "pass" or "fail", or "error" if there is no valid summary
     reason: str
     summary: dict = field(default_factory=dict)
 
@@ -79,7 +80,8 @@ class Outcome:
 
 
 def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
-    """One digest per job, over program, scenario, recordings and command line. Equal digests mean equal results."""
+    """Returns a digest for each job, over program, scenario, recordings and command line. Jobs with equal digests have
+    equal results."""
 
     @functools.cache
     def content(path: Path) -> str:
@@ -95,13 +97,13 @@ def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
 
 
 def remember(outcome: Outcome, digest: str) -> None:
-    """Stores the digest of a run that passed or failed, so that the run is not repeated."""
+    """Stores the digest of a run unless its result is "error", so that the run is not repeated."""
     if outcome.result != "error":
         (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
 
 
 def recall(job: Job, digest: str, files: Sequence[str]) -> Outcome | None:
-    """The outcome of an earlier run with this digest, if its folder has these files; otherwise None."""
+    """Returns the outcome of an earlier run with this digest if its folder contains these files, otherwise None."""
     try:
         if (job.out / INPUTS_FILE).read_text().strip() != digest:
             return None
@@ -124,7 +126,7 @@ class _Child:
 
 
 def _judge(job: Job, status: int, stderr: str) -> Outcome:
-    """The verdict of the summary, if the exit status agrees with it."""
+    """Returns the outcome with the verdict from the summary, or an error if the exit status does not agree with it."""
     last_line = stderr.strip().splitlines()[-1] if stderr.strip() else "no message"
     if status not in (0, 1):
         return Outcome(job, "error", f"exit status {status}: {last_line}")
@@ -161,7 +163,7 @@ def _end(children: list[_Child]) -> None:
 
 
 def _collect(child: _Child, job: Job, timeout_s: float) -> Outcome | None:
-    """The outcome of a child that has ended, or None while it runs."""
+    """Returns the outcome of a child that has ended, or None while it runs."""
     status = child.process.poll()
     if status is None:
         if time.monotonic() - child.started_s < timeout_s:
@@ -186,8 +188,8 @@ def run_jobs(
     on_done: Callable[[Outcome], None] = lambda outcome: None,
     timeout_s: float = RUN_TIMEOUT_S,
 ) -> list[Outcome]:
-    """Runs all jobs, `workers` at a time. Returns the outcomes in the order of the jobs. If interrupted, it terminates
-    its children."""
+    """Runs all jobs, `workers` at a time, and returns the outcomes in the order of the jobs. Terminates its children if
+    interrupted."""
     require_simulator(simulator)
     outcomes: list[Outcome | None] = [None] * len(jobs)
     waiting = list(reversed(range(len(jobs))))

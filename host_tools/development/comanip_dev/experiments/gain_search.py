@@ -2,23 +2,26 @@
 
 ``python -m comanip_dev.experiments.gain_search --out DIR`` (``make gain-search``).
 
-Each candidate runs all scenarios and seeds in the simulator. The score of a run is a sum of terms, each divided by an
+The simulator runs all scenarios and seeds with each candidate. The score of a run is a sum of terms, each divided by an
 acceptable value:
 
     score = position RMS / 5 mm + orientation RMS / 20 deg + share of ticks at the acceleration limit / 10 %
             + force RMS / 5 N + 10 if a check failed
 
-averaged over the runs; the lowest score is the best. A term that a run did not measure (it never cooperated, nothing
-was held) counts 0, but the failed check counts; a run without a summary counts WORST. Checks weigh most, because gains
-that fail the task are useless. Orientation has a large divisor because four joints cannot follow it.
+The score of a candidate is the mean over its runs. The lowest score is the best. A term that a run did not measure,
+because the arm never cooperated or nothing was held, counts as 0, but the failed check still counts. A run without a
+summary scores WORST. Failed checks weigh most, because gains that fail the task are useless. Orientation has a large
+divisor because four joints cannot follow it.
 
-(a) the paper's law: error_frame = torso, W = 1; K = diag(k_r x4, k_t x4): k_r, k_t / k_r and lambda on a grid. (b)
-ours, with prediction: the gain k = following_gain_per_s, and the ratio 1 / orientation_weight_m2 on a grid.
+Two laws are searched on grids:
 
-The search first tries a coarse grid with one seed, in a shuffled but repeatable order, so that a search cut short by
+(a) the paper's law with error_frame = torso, W = 1 and K = diag(k_r x4, k_t x4), over k_r, k_t / k_r and lambda;
+(b) our law with prediction, over the gain k = following_gain_per_s and the ratio 1 / orientation_weight_m2.
+
+The search first tries a coarse grid with one seed. The order is shuffled but repeatable, so that a search cut short by
 --budget-s still covers the whole range. It then tries the neighbours of the best candidates, half a grid step away, and
-finally the best candidates with more seeds. It writes tried.csv (every candidate) and gains.md (the best of each law,
-and the share of the grid that was tried).
+finally the best candidates with more seeds. It writes all candidates to tried.csv, and the best of each law, with the
+share of the grid that was tried, to gains.md.
 """
 
 from __future__ import annotations
@@ -48,13 +51,13 @@ POSITION_MM, ORIENTATION_DEG, ACCELERATION_SHARE, FORCE_N, FAILED = 5.0, 20.0, 0
 WORST = 100.0
 MAX_GAIN_PER_S = 500.0  # maximum of the firmware's parameters
 ACCELERATION_RADPS2, TICK_S = 25.0, 1e-3
-RATE_STEP_RADPS = 1e-3  # resolution of the trace
+RATE_STEP_RADPS = 1e-3  # resolution of velocities in the trace
 ROTATION_GAINS_PER_S = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 GAIN_RATIOS = (1.0, 4.0, 16.0, 64.0, 256.0, 1024.0)
 DAMPINGS = (1e-4, 1e-3, 1e-2, 1e-1)
 OUR_GAINS_PER_S = (10.0, 20.0, 25.0, 35.0, 50.0, 60.0)
 OUR_GAIN_RANGE_PER_S = (1.0, 60.0)  # range of the firmware's parameter
-OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1e3: the parameter's maximum, 1e-3 m^2
+OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1e3 corresponds to the parameter's maximum, 1e-3 m^2
 BEST = 5  # number of candidates to refine and to confirm
 SHOWN = 10
 ORDER_SEED = 1
@@ -62,8 +65,8 @@ ORDER_SEED = 1
 
 @dataclass(frozen=True)
 class Candidate:
-    """gain_per_s: k_r of the paper's law, k of ours. ratio: k_t / k_r of the paper's law, 1 / orientation_weight_m2 of
-    ours. damping: lambda of the paper's law; 0 for ours, which has no such parameter."""
+    """A set of gains to try. gain_per_s: k_r of the paper's law, or k of ours. ratio: k_t / k_r of the paper's law, or
+    1 / orientation_weight_m2 of ours. damping: lambda of the paper's law; 0 for ours, which has no such parameter."""
 
     law: str  # "paper" or "ours"
     gain_per_s: float
@@ -91,7 +94,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Score:
-    """Means over the runs that measured each term; NaN if none did."""
+    """The score of a candidate and its terms, each averaged over the runs that measured it; NaN if none did."""
 
     score: float
     position_mm: float
@@ -113,7 +116,7 @@ class Tried:
 
 
 def acceleration_share(trace: dict[str, np.ndarray]) -> float:
-    """Share of the commanded ticks in which a joint accelerates at its limit."""
+    """Returns the share of the commanded ticks in which a joint accelerates at its limit."""
     rates = np.stack([trace[f"dq{i}_command_radps"] for i in range(4)], axis=1)
     change = np.abs(np.diff(rates, axis=0))
     change = change[np.isfinite(change).all(axis=1)]
@@ -123,7 +126,8 @@ def acceleration_share(trace: dict[str, np.ndarray]) -> float:
 
 
 def figures(outcome: Outcome) -> tuple[float, float, float, float, float]:
-    """(position [mm], orientation [deg], share at the acceleration limit, force [N], 1 if the run failed)"""
+    """Returns the terms of a run: position [mm], orientation [deg], share at the acceleration limit, force [N], and 1
+    if the run failed."""
     tracking = outcome.summary.get("tracking") or {}
     forces = [p.get("force_rms_N") for p in outcome.summary.get("people") or []]
     forces = [force for force in forces if force is not None]
@@ -165,7 +169,7 @@ def coarse_grid(law: str) -> list[Candidate]:
 
 
 def neighbours(candidate: Candidate) -> list[Candidate]:
-    """Candidates half a step of the coarse grid to either side, one axis at a time."""
+    """Returns the candidates that differ in one value by half a step of the coarse grid, in either direction."""
     steps = (("gain_per_s", 1.4), ("ratio", 2.0), ("damping", 3.0))
     found = []
     for name, factor in steps:
@@ -180,7 +184,7 @@ def best_of(tried: Iterable[Tried], count: int) -> list[Candidate]:
 
 
 class Search:
-    """Tries candidates until the time is up. tried: the candidates with their scores."""
+    """Tries candidates until the time is up. tried: candidates with their scores."""
 
     def __init__(self, run: Callable[[Candidate, int], Score], budget_s: float) -> None:
         self._run = run
@@ -188,7 +192,7 @@ class Search:
         self.tried: list[Tried] = []
 
     def stage(self, name: str, candidates: Sequence[Candidate], seeds: int, share_end_s: float) -> list[Tried]:
-        """Tries these candidates. The first one is always tried, so that there is a result."""
+        """Tries these candidates. Always tries the first one, so that there is a result."""
         done: list[Tried] = []
         for candidate in candidates:
             if done and time.monotonic() > share_end_s:
@@ -205,8 +209,8 @@ class Search:
         return done
 
     def law(self, law: str, seeds: int, end_s: float) -> None:
-        """Searches one law until end_s: half of the time for the grid, a quarter each for refining and for more
-        seeds."""
+        """Searches for the gains of one law until end_s. Half of the time is for the grid, and a quarter each for
+        refining and for more seeds."""
         begin_s = time.monotonic()
         span_s = max(0.0, min(end_s, self._end_s) - begin_s)
         coarse = self.stage("coarse", coarse_grid(law), 1, begin_s + 0.5 * span_s)
@@ -239,7 +243,7 @@ def csv_text(tried: Sequence[Tried]) -> str:
 
 
 def markdown(tried: Sequence[Tried], scenarios: Sequence[str]) -> str:
-    """The best candidates of each law. Those confirmed with more seeds come first."""
+    """Returns the text of gains.md with the best candidates of each law. Those confirmed with more seeds come first."""
     names = ", ".join(scenarios)
     lines = [
         "# Gains found",
@@ -271,7 +275,7 @@ def run_search(arguments: argparse.Namespace) -> int:
             for seed in range(1, seeds + 1)
         ]
         for job in jobs:
-            (job.out / "trace.csv").unlink(missing_ok=True)  # left from the previous candidate
+            (job.out / "trace.csv").unlink(missing_ok=True)  # remove that of the previous candidate
         outcomes = run_jobs(jobs, arguments.simulator, arguments.jobs)
         if not search.tried and not any(o.summary for o in outcomes):
             raise CampaignError(f"no run could be scored: {outcomes[0].job.label}: {outcomes[0].reason}")

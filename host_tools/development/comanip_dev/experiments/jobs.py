@@ -1,4 +1,4 @@
-"""The runs of the experiments: scenarios, recordings and seeds, with our law and with the paper's."""
+"""Defines the runs of the experiments: scenarios, recordings and seeds, with our law and with the paper's."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LAW_SEEDS = 5
 
 @dataclass(frozen=True)
 class Recording:
-    """A recorded motion of the tracked person. second: recording for the second person."""
+    """A recorded motion of the tracked person. second: recorded motion of the second person."""
 
     scenario: str
     file: str
@@ -25,7 +25,7 @@ class Recording:
     second: str | None = None
 
 
-# The factor by which each recording is scaled into the arm's reach is in the scenario and in each run's summary.
+# Each recording is scaled into the arm's reach. The factor is in the scenario and in the summary of each run.
 RECORDINGS = (
     Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of this task"),
     Recording("pour", "kul_pour2_com.csv", "the same with a longer path; every sample is logged twice"),
@@ -49,7 +49,8 @@ def seed_jobs(seeds: int, out: Path) -> list[Job]:
 
 
 def recording_jobs(folder: Path, out: Path) -> list[Job]:
-    """The runs on recordings. CampaignError if the folder lacks a file, because the campaign would be incomplete."""
+    """Returns the runs on recordings. Raises CampaignError if a file is missing, because the campaign would be
+    incomplete."""
     missing = sorted({r.file for r in RECORDINGS if not (folder / r.file).is_file()})
     missing += sorted({r.second for r in RECORDINGS if r.second and not (folder / r.second).is_file()} - set(missing))
     if missing:

@@ -1,4 +1,4 @@
-"""The record of each run, and the verdict over all seeds of a condition together."""
+"""Records the result of each run, and judges all seeds of a condition together."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 from comanip_dev.experiments.campaign import Outcome
 
-# Share of the particles that left the robot's glass, over all seeds of a condition.
+# Required share of caught particles among those that left the robot's glass, over all seeds of a condition.
 CAUGHT_TOGETHER_MIN_PERCENT = 95.0
 
 
 def shown(value: float | None) -> str:
-    """The value with four digits, or a dash if it was not measured."""
+    """Formats a value with four digits, or as a dash if it was not measured."""
     return "-" if value is None else f"{value:.4g}"
 
 
 def record(outcome: Outcome) -> dict:
-    """One element of experiments.json."""
+    """Returns the run's element of experiments.json."""
     job = outcome.job
     return {
         "scenario": job.scenario,
@@ -31,8 +31,9 @@ def record(outcome: Outcome) -> dict:
 
 @dataclass(frozen=True)
 class Condition:
-    """A scenario with its built-in motion or one recording, over all its seeds. In a single run of `pour` only about 60
-    of 160 particles leave the glass, and 5 % of these are three particles: the verdict would be down to chance."""
+    """A scenario with its built-in motion or a recording, with all of its seeds. They are judged together because in a
+    single run of `pour` only about 60 of 160 particles leave the glass. 5 % of these are three particles, so that the
+    verdict would depend on chance."""
 
     scenario: str
     recording: str | None
@@ -64,14 +65,14 @@ class Condition:
 
     @property
     def reason(self) -> str:
-        """One line that says why the condition failed."""
+        """One line that states why the condition failed."""
         return (
             f"{self.caught} of {self.poured} particles caught ({shown(self.caught_percent)} %), "
             f"expected at least {CAUGHT_TOGETHER_MIN_PERCENT:g} %"
         )
 
     def record(self) -> dict:
-        """One element of conditions.json."""
+        """Returns the condition's element of conditions.json."""
         return {
             "scenario": self.scenario,
             "recording": self.recording,

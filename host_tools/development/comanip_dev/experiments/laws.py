@@ -21,7 +21,7 @@ def _tracking(key: str) -> Callable[[dict], float | None]:
 
 
 def _force(key: str) -> Callable[[dict], float | None]:
-    """A function that reads the largest value of all people from a summary."""
+    """Returns a function that reads a value from a summary, the largest of all people."""
 
     def read(summary: dict) -> float | None:
         values = [person[key] for person in summary.get("people") or [] if person.get(key) is not None]
@@ -31,7 +31,8 @@ def _force(key: str) -> Callable[[dict], float | None]:
 
 
 def law_figures(outcomes: Sequence[Outcome]) -> dict:
-    """Medians over the runs, and the number of runs that passed. A median is None if no run measured the quantity."""
+    """Returns the medians over the runs, and the number of runs that passed. A median is None if no run measured the
+    quantity."""
     return {
         "runs": len(outcomes),
         "passed": sum(o.passed for o in outcomes),
@@ -43,7 +44,7 @@ def law_figures(outcomes: Sequence[Outcome]) -> dict:
 
 
 def compare_laws(ours: Sequence[Outcome], paper: Sequence[Outcome]) -> list[dict]:
-    """One row per scenario: both laws over the same seeds."""
+    """Returns a row per scenario, which compares both laws over the same seeds."""
     rows = []
     for name in SCENARIOS:
         theirs = [o for o in paper if o.job.scenario == name]

@@ -1,5 +1,5 @@
-"""Parameters for the paper's control law (4) without changes: error in the torso frame, no weights. The paper gives
-neither K nor lambda. The values here are the best that ``make gain-search`` found (docs/gains.md)."""
+"""Parameters for the unmodified control law (4) of the paper, with the error in the torso frame and no weights. The
+paper does not state K and lambda. The values here are the best that ``make gain-search`` found (docs/gains.md)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ def law_parameters(
     weight_dual: float,
     damping: float,
 ) -> tuple[tuple[str, float], ...]:
-    """The firmware's parameters for law (4), with K and W constant over the four components of each quaternion."""
+    """Returns the firmware's parameters for law (4), with K and W constant over the four components of each
+    quaternion."""
     parameters = [("prediction", 0.0), ("error_frame", error_frame), ("damping", damping)]
     parameters += [(f"gain_{axis}_per_s", gain_rotation_per_s) for axis in _ROTATION]
     parameters += [(f"gain_dual_{axis}_per_s", gain_dual_per_s) for axis in _ROTATION]

@@ -30,7 +30,8 @@ def interrupt_on_sigterm() -> None:
 
 
 def guarded(program: str, run: Callable[[], int], after_interruption: str = "") -> int:
-    """Runs the program. An interruption or an error prints one line and returns an exit status, without a traceback."""
+    """Runs the program. After an interruption or an error, prints one line instead of a traceback and returns the exit
+    status."""
     interrupt_on_sigterm()
     try:
         return run()
@@ -43,5 +44,5 @@ def guarded(program: str, run: Callable[[], int], after_interruption: str = "") 
 
 
 def console() -> Console:
-    """A console as wide as the terminal, or FILE_COLUMNS wide when the output is a file."""
+    """Returns a console as wide as the terminal, or FILE_COLUMNS wide when the output is a file."""
     return Console() if sys.stdout.isatty() else Console(width=FILE_COLUMNS)

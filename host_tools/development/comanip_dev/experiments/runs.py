@@ -1,4 +1,4 @@
-"""Runs the jobs that an earlier campaign has not finished, and shows the progress."""
+"""Runs the jobs that an earlier campaign has not finished, and shows progress."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _drop_bulky_files(outcome: Outcome) -> None:
 
 
 def part_times(outcomes: Sequence[Outcome]) -> str:
-    """The sum of the wall times of the runs, for each part of the campaign."""
+    """Formats the total wall time of the runs in each part of the campaign."""
     took_s: dict[str, float] = {}
     for outcome in outcomes:
         job = outcome.job
@@ -40,7 +40,7 @@ def part_times(outcomes: Sequence[Outcome]) -> str:
 def run_with_progress(
     jobs: Sequence[Job], simulator: Path, workers: int, console: Console, finish: Callable[[Outcome], None]
 ) -> list[Outcome]:
-    """Runs the jobs, with a progress bar on a terminal and a line per run elsewhere."""
+    """Runs the jobs. Shows a progress bar on a terminal, and otherwise prints a line per run."""
     if not console.is_terminal:
         done = 0
 
@@ -64,7 +64,7 @@ def run_with_progress(
 
 
 def run_what_is_left(jobs: Sequence[Job], arguments: argparse.Namespace, console: Console) -> list[Outcome]:
-    """Returns the outcomes in the order of the jobs. Runs that an earlier campaign finished are not repeated."""
+    """Runs the jobs that an earlier campaign has not finished. Returns all outcomes in the order of the jobs."""
     require_simulator(arguments.simulator)
     digests = dict(zip(jobs, inputs_digests(jobs, arguments.simulator), strict=True))
     files = BULKY_FILES if arguments.keep else ()

@@ -1,4 +1,4 @@
-"""The table of the experiments: how many runs passed, and the decisive figures."""
+"""Builds the table of the experiments, with the number of passed runs and the decisive figures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from comanip_dev.experiments.judgement import CAUGHT_TOGETHER_MIN_PERCENT, Condi
 
 @dataclass(frozen=True)
 class Figure:
-    """A check whose value is shown. higher_is_better: the lowest value is the worst."""
+    """A check whose value is shown. higher_is_better: True if the lowest value is the worst."""
 
     check: str
     higher_is_better: bool
@@ -44,7 +44,8 @@ DECISIVE = {
 
 
 def figure_lines(outcomes: Sequence[Outcome], figures: Sequence[Figure]) -> list[tuple[str, str, str, str]]:
-    """(name with unit, median, worst, limit) of each figure over the runs that measured it; "-" if none did."""
+    """Returns (name with unit, median, worst, limit) of each figure over the runs that measured it. Values are "-" if
+    none did."""
     lines = []
     for figure in figures:
         found = [check for o in outcomes for check in o.checks if check["name"] == figure.check]
@@ -59,7 +60,7 @@ def figure_lines(outcomes: Sequence[Outcome], figures: Sequence[Figure]) -> list
 
 
 def condition_lines(conditions: Sequence[Condition]) -> list[tuple[str, str, str, str]]:
-    """Like figure_lines(), over conditions instead of runs."""
+    """Works like figure_lines(), but with conditions instead of runs."""
     if not conditions:
         return []
     values = [c.caught_percent for c in conditions if c.caught_percent is not None]

@@ -1,8 +1,9 @@
-"""Measures how closely the end effector follows the person's hand, over recordings, trackers and followers.
+"""Measures how closely the end effector follows the person's hand, with various recordings, trackers and followers.
 
-``python -m comanip_dev.following --out DIR`` prints one table and the criteria, and writes DIR/following.json and
-DIR/following.png. Results are kept in DIR/results.jsonl, from which an interrupted campaign continues. Exit status: 0
-all criteria passed, or there are no recordings and nothing is measured; 1 one failed, 2 wrong use, 130 interrupted.
+``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
+DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
+all criteria passed, or nothing was measured because there are no recordings; 1 a criterion failed, 2 wrong use, 130
+interrupted.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ PRINT_EVERY_S = 10.0
 
 
 class Progress:
-    """Prints a line at least every PRINT_EVERY_S and at the end."""
+    """Prints the progress about every PRINT_EVERY_S and at the end."""
 
     def __init__(self, what: str, count: int) -> None:
         self._what, self._count, self._done, self._printed_s = what, count, 0, time.monotonic()
@@ -55,7 +56,8 @@ def _leave_signals_to_the_parent() -> None:
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
-    """Calls each (function, argument, ...) of `work` in a process and stores the (key, value) that it returns."""
+    """Calls each (function, argument, ...) in `work` in a worker process and stores the (key, value) that it
+    returns."""
     work = list(work)
     progress = Progress(what, len(work))
     with ProcessPoolExecutor(workers, initializer=_leave_signals_to_the_parent) as pool:
@@ -69,7 +71,7 @@ def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: s
 
 
 def _prepare(results: Results, paths: Sequence[Path], workers: int) -> dict[Setting, list[tuple[Path, float]]]:
-    """For each setting, the recordings that the arm can follow, with their scales."""
+    """Returns for each setting the recordings that the arm can follow, with their scales."""
     pairs = [(setting, path) for setting in plan.SETTINGS for path in paths]
     missing = [(prepare, *pair) for pair in pairs if scene_key(pair[0], pair[1].stem) not in results.values]
     _in_processes(results, missing, workers, "optima")

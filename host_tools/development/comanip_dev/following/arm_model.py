@@ -1,4 +1,4 @@
-"""Forward and inverse kinematics of the arm in double precision, for many postures at once."""
+"""Computes forward and inverse kinematics of the arm in double precision, for many postures at once."""
 
 from __future__ import annotations
 
@@ -35,12 +35,13 @@ class ArmModel:
         self.velocity_max_radps = self.arm.velocity_max_radps.astype(float)
 
     def hand(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """End effector poses at joint angles (N, n): positions in m (N, 3) and rotations (N, 4) in the torso frame."""
+        """Returns the end effector's poses in the torso frame at joint angles (N, n): positions in m (N, 3) and
+        rotations (N, 4)."""
         position_m, rotation, _, _ = self._chain(q)
         return position_m, rotation
 
     def position_jacobian(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """End effector positions (N, 3) and their derivatives (N, 3, n) in m/rad."""
+        """Returns the end effector's positions (N, 3) and their derivatives (N, 3, n) in m/rad."""
         position_m, _, axis, origin_m = self._chain(q)
         return position_m, np.stack(
             [rotations.cross(a, position_m - o) for a, o in zip(axis, origin_m, strict=True)], axis=2
@@ -61,8 +62,8 @@ class ArmModel:
         return position_m, rotations.multiply(rotation, turn), axis, origin_m
 
     def reach(self, target_m: np.ndarray, start_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Moves the end effectors to the targets (N, 3) by damped Gauss-Newton steps from start_rad (N, n), within the
-        joint limits. Returns the nearest postures (N, n) and the remaining distances in m (N,)."""
+        """Finds postures that bring the end effector to the targets (N, 3), by damped Gauss-Newton steps from start_rad
+        (N, n) within the joint limits. Returns the nearest postures (N, n) and the remaining distances in m (N,)."""
         q = np.clip(start_rad, self.position_min_rad, self.position_max_rad)
         best, nearest_m = q.copy(), np.full(len(q), np.inf)
         for _ in range(MAX_ITERATIONS):

@@ -1,4 +1,4 @@
-"""One case: a follower on one recording at one condition."""
+"""Measures one case: a follower on one recording at one condition."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from comanip_dev.following.recorded_hand import HandMotion, Recording
 from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import Samples, Tracker, measure
 
-BEGIN_S = 3.0  # start of the motion: by then the cooperation has started and the task is in force
+BEGIN_S = 3.0  # start of the motion, when the cooperation has started and the transition to the task is complete
 AFTER_S = 0.5
-REST_S = 20.0  # duration of the hand's rest, to measure the noise
+REST_S = 20.0  # duration of the hand's rest in which the noise is measured
 ACCELERATION_MAX_RADPS2 = 25.0
-# The start postures of the scenarios.
+# Start postures of the scenarios, in degrees.
 START_DEG = {"teleop": (60, -30, -10, -80), "mirror": (90, -5, 0, -90), "pour": (90, -60, 0, -100)}
 
-# A follower is a function of (arm, task, start, motion of the hand, tracker, the tracker's samples). It returns the
-# arm's motion.
+# A follower is a function that computes the arm's motion from (arm, task, start posture, motion of the hand, tracker,
+# the tracker's samples).
 Follower = Callable[[ArmModel, str, np.ndarray, HandMotion, Tracker, Samples], Run]
 
 
@@ -46,7 +46,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Figures:
-    """The figures of a run. Errors are distances to the instantaneous target during the motion."""
+    """The figures of a run. Errors are distances from the instantaneous target during the motion."""
 
     rms_mm: float
     max_mm: float
@@ -60,7 +60,7 @@ class Figures:
 
 
 def target_path(arm: ArmModel, scene: Scene, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The target of the end effector at each time: positions (T, 3) and rotations (T, 4)."""
+    """Returns the target of the end effector at each time: positions (T, 3) and rotations (T, 4)."""
     start_m, start_rotation = arm.hand(scene.start_rad[None])
     return targets(scene.task, start_m[0], start_rotation[0], *scene.motion.displacement(t_s))
 
@@ -92,7 +92,7 @@ def judge(arm: ArmModel, scene: Scene, run: Run) -> Figures:
 
 
 def noise_at_rest_um(arm: ArmModel, task: str, tracker: Tracker, follower: Follower) -> float:
-    """Noise of the end effector while the person's hand is at rest."""
+    """Returns the noise of the end effector while the person's hand is at rest."""
     motion = HandMotion(None, 1.0, 1.0, BEGIN_S, REST_S)
     start_rad = np.radians(START_DEG[task])
     run = follower(arm, task, start_rad, motion, tracker, measure(tracker, motion))

@@ -1,4 +1,4 @@
-"""The cases of a campaign, and the measurement of one of them."""
+"""Lists the cases of a campaign and measures them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ARM = "hoap3_right"
 
 @dataclass(frozen=True)
 class Case:
-    """recording None: the hand is at rest. position_scale: scale of the recording in this setting."""
+    """A case. recording: None if the hand is at rest. position_scale: scale of the recording in this setting."""
 
     loop: str
     follower: str
@@ -62,7 +62,7 @@ def _recording(path: Path) -> Recording:
 
 
 def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
-    """The recordings of a hand in the folder, and the files that were skipped, with the reason."""
+    """Returns the recordings of a hand in the folder, and the skipped files with the reason for each."""
     paths, left_out = [], {}
     for path in sorted(folder.glob("*.csv")):
         with path.open(encoding="utf-8-sig") as file:
@@ -78,7 +78,7 @@ def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
 
 
 def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
-    """The position scale of the recording in this setting, and the optimum at this scale."""
+    """Returns the position scale of the recording in this setting, and the optimum at this scale."""
     from comanip_dev.following.optimum import optimum
 
     recording = _recording(path)
@@ -90,7 +90,7 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 
 
 def measure(case: Case) -> tuple[Key, dict]:
-    """Measures in the loop without physics. A refusal to cooperate is a result as well."""
+    """Measures a case in the loop without physics. If the arm does not cooperate, this is stored as the result."""
     follower = followers.named(case.follower)
     tracker = case.condition.tracker(case.seed)
     try:
@@ -110,8 +110,8 @@ def _with_rest(loop: str, follower: str, condition: Condition, setting: Setting,
 
 
 def all_cases(choice: Choice, scenes: dict[Setting, list[tuple[Path, float]]]) -> list[Case]:
-    """All cases. scenes: for each setting, the followable recordings with their scales. Judged cases also run in
-    ODE."""
+    """Returns all cases. scenes: the recordings that can be followed in each setting, with their scales. Judged cases
+    also run in ODE."""
     cases: list[Case] = []
     for condition in choice.conditions:
         for follower in plan.FIRMWARE:

@@ -1,5 +1,5 @@
-"""The criteria that the default control law must meet, compared with the former default, on each half of the
-recordings. A criterion that was not measured has not passed."""
+"""Defines the criteria that the default control law must meet on each half of the recordings. Most compare it with the
+former default. A criterion that was not measured counts as failed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WRONG_NOISE_RATIO = 1.1  # a wrong announced latency must not cause oscillations
 
 @dataclass(frozen=True)
 class Criterion:
-    """A measured value and its upper limit. value NaN: not measured."""
+    """A measured value with its upper limit. value: NaN if it was not measured."""
 
     loop: str
     what: str
@@ -33,11 +33,11 @@ class Criterion:
 
     @property
     def passed(self) -> bool:
-        return self.value <= self.limit  # never true of NaN
+        return self.value <= self.limit  # False if the value is NaN
 
 
 class Judge:
-    """Evaluates results. scenes: for each setting, the names of the followable recordings."""
+    """Evaluates results. scenes: names of the recordings that can be followed in each setting."""
 
     def __init__(self, results: Results, scenes: dict[Setting, Sequence[str]]) -> None:
         self._results = results
@@ -46,14 +46,14 @@ class Judge:
     def figure(
         self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str
     ) -> float:
-        """The mean of a figure over the seeds of the tracker's noise. name None: the hand at rest."""
+        """Returns the mean of a figure over the seeds of the tracker's noise. name: None if the hand is at rest."""
         seeds = plan.seeds(follower, condition) if name else (1,)
         keys = [case_key(loop, follower, condition, setting, name, seed) for seed in seeds]
         found = [self._results.values.get(key, {}).get(figure, math.nan) for key in keys]
         return sum(found) / len(found)
 
     def ratio(self, loop: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
-        """The figure of the default divided by that of the former default."""
+        """Returns the figure of the default divided by that of the former default."""
         former = self.figure(loop, plan.FORMER, condition, setting, name, figure)
         return self.figure(loop, plan.DEFAULT, condition, setting, name, figure) / former if former else math.nan
 
@@ -64,7 +64,7 @@ class Judge:
         self, loop: str, what: str, setting: Setting, limit: float, one: Callable[[str], float], unit: str = "",
         without: Sequence[str] = (),
     ) -> list[Criterion]:  # fmt: skip
-        """One criterion per fold: the mean of one(name) over its recordings."""
+        """Returns a criterion for each fold, whose value is the mean of one(name) over the fold's recordings."""
         found = []
         for number, fold in enumerate(self.folds(setting), 1):
             values = [one(name) for name in fold if name not in without]
@@ -122,7 +122,8 @@ class Judge:
         return found
 
     def wrong_latency(self) -> list[Criterion]:
-        """The noise at rest with a wrong announced latency: at rest, only an oscillation of the arm would raise it."""
+        """Returns the criteria for the noise at rest with a wrong announced latency. At rest only an oscillation of the
+        arm could increase the noise."""
         found = []
         for condition in plan.WRONG:
             right = Condition(condition.rate_hz, condition.latency_ms, condition.noise_mm)
@@ -139,8 +140,8 @@ class Judge:
 
 
 def tuned(judge: Judge, peer: str, condition: Condition, figure: str) -> tuple[float, list[str]]:
-    """The mean of a figure over all recordings, and the tuning values used. Each half is measured with the values that
-    had the least mean RMS on the other half."""
+    """Returns the mean of a figure over all recordings, and the tuning values used. Each half is evaluated with the
+    values that had the smallest mean RMS error on the other half."""
     halves, total, count, chosen = judge.folds(plan.TELEOP), 0.0, 0, []
     names = [plan.peer_name(peer, values) for values in plan.PEERS[peer]]
 

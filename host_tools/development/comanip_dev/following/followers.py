@@ -1,5 +1,5 @@
-"""All followers by name: the firmware with the paper's control law, its former default or its default, and other
-programs."""
+"""Provides all followers by name: the firmware with the paper's control law, with its former default law or with its
+default law, and other programs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PARAMETERS = {
 
 
 def firmware(parameters: Mapping[str, float]) -> Follower:
-    """The firmware with these parameters instead of its defaults."""
+    """Returns a follower that runs the firmware with these parameters instead of its defaults."""
     return lambda arm, task, start_rad, motion, tracker, samples: run_firmware(
         arm, task, start_rad, motion, tracker, samples, parameters
     )
@@ -59,8 +59,8 @@ _PEERS = {"one-euro": one_euro, "ruckig": _ruckig, "qp": _qp}
 
 
 def named(name: str) -> Follower:
-    """The follower of this name: plan.PAPER, FORMER, DEFAULT or one of PEER_NAMES. The packages of the latter are
-    imported only when needed."""
+    """Returns the follower with this name: plan.PAPER, FORMER, DEFAULT or one of PEER_NAMES. The packages for the
+    latter are imported only when needed."""
     if name in PARAMETERS:
         return firmware(PARAMETERS[name])
     peer, values = name.split(" ")

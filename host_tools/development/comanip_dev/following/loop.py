@@ -1,4 +1,4 @@
-"""Runs the firmware on a hand's motion and a tracker, in the loop without physics (_binding/kinematic_loop.h)."""
+"""Runs the firmware with a hand's motion and a tracker in the loop without physics (_binding/kinematic_loop.h)."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ COOPERATING = lib.MODE_COOPERATING
 
 
 class LoopError(Exception):
-    """There is no valid run. The message is one line with the reason."""
+    """The run is not valid. The message is one line that states the reason."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """Per tick of 1 ms: joint angles in rad (T, n), commands in rad/s (T, n), whether the arm cooperates (T,)."""
+    """The arm's motion: joint angles in rad (T, n), commands in rad/s (T, n), and whether the arm cooperates (T,).
+    There is one row per tick of 1 ms."""
 
     position_rad: np.ndarray
     command_radps: np.ndarray
@@ -38,13 +39,13 @@ _NAMES = {
 
 
 def knows(parameter: str) -> bool:
-    """True if this firmware has the parameter."""
+    """Returns True if this firmware has the parameter."""
     return parameter in _NAMES
 
 
 def parameter_set(values: Mapping[str, float]):
-    """The firmware's parameters: the defaults, except for these values. LoopError for an unknown name or a value out of
-    range."""
+    """Returns the firmware's default parameters with these values replaced. Raises LoopError for an unknown name or a
+    value out of range."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
     for name, value in values.items():

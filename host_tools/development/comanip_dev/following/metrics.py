@@ -1,5 +1,5 @@
-"""Error, delay and noise of the end effector's path compared with its target path. Paths are (T, 3) in m, with one row
-per tick of 1 ms."""
+"""Computes error, delay and noise of the end effector's path relative to its target path. Paths are (T, 3) in m, with
+one row per tick of 1 ms."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 
 TICK_S = 1e-3
 DELAYS = range(-40, 201)  # candidate delays in ms
-COARSE_MS = 5  # step of the first search, in delays and in ticks
+COARSE_MS = 5  # step of the coarse search, for both the delays and the ticks
 
 
 def errors_mm(path_m: np.ndarray, truth_m: np.ndarray) -> np.ndarray:
-    """Distances (T,)."""
+    """Returns the distances between the paths (T,)."""
     return 1e3 * np.linalg.norm(path_m - truth_m, axis=1)
 
 
@@ -20,9 +20,9 @@ def rms(values: np.ndarray) -> float:
 
 
 def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
-    """The shift of truth_m that fits path_m best in the least squares sense, without regard to a constant offset. A
-    parabola through the three best delays interpolates between ticks. NaN if the hand did not move, or if the best
-    delay is at the limit of the search range."""
+    """Returns the delay with which truth_m fits path_m best in the least squares sense, apart from a constant offset. A
+    parabola through the best delay and its neighbours interpolates between ticks. Returns NaN if the hand did not move,
+    or if the best delay is at the end of the search range."""
     reach = max(abs(DELAYS.start), DELAYS.stop)
     begin, end = reach, len(path_m) - reach
     if end - begin < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
@@ -43,18 +43,18 @@ def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
 
 
 def acceleration_rms_mps2(path_m: np.ndarray) -> float:
-    """RMS magnitude of the acceleration, from second differences over single ticks."""
+    """Returns the RMS magnitude of the acceleration, computed from second differences over single ticks."""
     return rms(np.linalg.norm(np.diff(path_m, 2, axis=0), axis=1) / TICK_S**2)
 
 
 def noise_um(path_m: np.ndarray) -> float:
-    """RMS distance from the mean position, for an end effector that should be at rest."""
+    """Returns the RMS distance from the mean position, for an end effector that should be at rest."""
     return 1e6 * rms(np.linalg.norm(path_m - path_m.mean(axis=0), axis=1))
 
 
 def limit_share(command_radps: np.ndarray, velocity_max_radps: np.ndarray, acceleration_max_radps2: float) -> float:
-    """The share of the ticks in which a joint is commanded at its limit of speed or acceleration. command_radps (T, n)
-    has a resolution of 1 mrad/s."""
+    """Returns the share of ticks in which a joint is commanded at its limit of speed or acceleration. command_radps
+    (T, n) has a resolution of 1 mrad/s."""
     step_radps = 1e-3  # resolution of the commands on the bus
     change = np.abs(np.diff(command_radps, axis=0)).max(axis=1)
     at_acceleration = change > acceleration_max_radps2 * TICK_S - 0.5 * step_radps

@@ -1,4 +1,4 @@
-"""Computes the figures from runs of the simulator, with bus, drives and the arm's dynamics in ODE."""
+"""Computes the figures from runs of the simulator, which includes the bus, the drives and the arm's dynamics in ODE."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from comanip_dev.following.plan import Condition, Setting
 from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import HAND_START_M, NOISE_RAD_PER_M
 
-# The hand plays the recording without tremor. There is nothing else in the scene.
+# The hand plays the recording without tremor. The scene contains nothing else.
 SCENE = """\
 # Written by comanip_dev.following: the person's hand and the arm, without objects.
 name: following
@@ -50,7 +50,7 @@ def job(
     position_scale: float,
     seed: int = 1,
 ) -> Job:
-    """The job of one case. out: folder for the scene and the run's files."""
+    """Returns the job for one case. out: folder for the scene and the run's files."""
     out.mkdir(parents=True, exist_ok=True)
     scene = out / "scene.yaml"
     text = SCENE.format(
@@ -88,7 +88,8 @@ def _pose(trace: np.ndarray, who: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_trace(path: Path, joint_count: int) -> np.ndarray:
-    """Time, both hands and commands of all ticks in which the arm cooperates. LoopError if it never does."""
+    """Returns the time, the poses of both hands and the commands in all ticks in which the arm cooperates. Raises
+    LoopError if it never does."""
     names = ["t_s", *_pose_names("hand"), *_pose_names("person"), *(f"dq{i}_command_radps" for i in range(joint_count))]
     with path.open() as file:
         header = file.readline().strip().split(",")
@@ -100,7 +101,7 @@ def read_trace(path: Path, joint_count: int) -> np.ndarray:
 
 
 def judge(arm: ArmModel, task: str, outcome: Outcome, end_s: float) -> Figures:
-    """The figures until end_s, the end of the recorded motion. LoopError if the run ended earlier."""
+    """Returns the figures until end_s, the end of the recorded motion. Raises LoopError if the run ended earlier."""
     trace = read_trace(outcome.job.out / "trace.csv", arm.joint_count)
     path_m, rotation = _pose(trace, "hand")
     person_m, turned = _pose(trace, "person")
@@ -122,7 +123,7 @@ def judge(arm: ArmModel, task: str, outcome: Outcome, end_s: float) -> Figures:
 
 
 def noise_um(arm: ArmModel, outcome: Outcome) -> float:
-    """Noise of the end effector in a run with the hand at rest."""
+    """Returns the noise of the end effector in a run with the hand at rest."""
     trace = read_trace(outcome.job.out / "trace.csv", arm.joint_count)
     path_m, _ = _pose(trace, "hand")
     return metrics.noise_um(path_m[(trace["t_s"] >= BEGIN_S) & (trace["t_s"] < BEGIN_S + REST_S)])

@@ -32,7 +32,7 @@ def _assignment(text: str) -> tuple[str, float]:
 
 
 def _within(low: float, high: float):
-    """An argparse type: a number in this range."""
+    """Returns an argparse type for numbers in this range."""
 
     def parse(text: str) -> float:
         try:

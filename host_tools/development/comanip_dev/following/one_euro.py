@@ -1,6 +1,6 @@
-"""The One-Euro filter for a follower's input: Casiez, Roussel, Vogel, "1 Euro Filter: A Simple Speed-based Low-pass
-Filter for Noisy Input in Interactive Systems", CHI 2012. Positions are filtered per axis, rotations along the great
-circle with a cutoff that depends on the angular speed."""
+"""Filters a follower's input with the One-Euro filter (Casiez, Roussel, Vogel, "1 Euro Filter: A Simple Speed-based
+Low-pass Filter for Noisy Input in Interactive Systems", CHI 2012). Positions are filtered per axis. Rotations are
+filtered along the great circle, with a cutoff that depends on the angular speed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DERIVATIVE_CUTOFF_HZ = 1.0  # from the paper
 
 
 def _share(cutoff_hz: np.ndarray | float, period_s: float) -> np.ndarray | float:
-    """The weight of the new sample in a low-pass filter with this cutoff."""
+    """Returns the weight of the new sample in a low-pass filter with this cutoff."""
     return 1.0 / (1.0 + 1.0 / (2.0 * np.pi * cutoff_hz * period_s))
 
 
@@ -40,5 +40,5 @@ def filtered(samples: Samples, min_cutoff_hz: float, beta_per_m: float) -> Sampl
 
 
 def _vector(step: np.ndarray) -> np.ndarray:
-    """The rotation vector of the shorter of the two rotations."""
+    """Returns the rotation vector of `step`, for the quaternion sign with the smaller angle."""
     return rotations.to_vector(step if step[0] >= 0.0 else -step)

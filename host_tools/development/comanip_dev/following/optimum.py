@@ -1,8 +1,8 @@
 """Estimates how closely the arm could follow a motion that is known in advance, within its limits.
 
-Inverse kinematics gives the joint path of the instantaneous targets. ADMM projects it onto the limits of position,
-speed and acceleration, with the least change in the least squares sense. The result keeps the limits, so its error is
-an upper bound of the smallest possible error.
+Inverse kinematics computes the joint path for the instantaneous targets. ADMM then finds the path closest to it in the
+least squares sense that keeps the limits of position, speed and acceleration. Since the arm could follow this path, its
+error is an upper bound of the smallest possible error.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from comanip_dev.following.posture_path import posture_path
 
 STEP_S = 5e-3
 ITERATIONS = 400
-RESERVE = 0.995  # share of the limits that is used, so that the remaining violations stay within the limits
+RESERVE = 0.995  # share of the limits that ADMM may use; its remaining violations then stay within the actual limits
 PENALTY = 30.0
 FOLLOWABLE_MM = 0.5
 
@@ -42,14 +42,14 @@ def _differences(q: np.ndarray, order: int) -> np.ndarray:
 
 
 def _transposed(d: np.ndarray, order: int) -> np.ndarray:
-    """The adjoint of _differences(): (T - order, n) -> (T, n)."""
+    """Applies the adjoint of _differences(): (T - order, n) -> (T, n)."""
     for _ in range(order):
         d = np.diff(d, axis=0, prepend=0.0, append=0.0) * -1.0
     return d
 
 
 def _gram(count: int, order: int) -> np.ndarray:
-    """The lower bands (order + 1, count) of the differences' normal matrix."""
+    """Returns the lower bands (order + 1, count) of the differences' normal matrix."""
     stencil = {1: [-1.0, 1.0], 2: [1.0, -2.0, 1.0]}[order]
     bands = np.zeros((3, count))
     for row in range(order + 1):
@@ -61,8 +61,8 @@ def _gram(count: int, order: int) -> np.ndarray:
 def within_limits(
     q: np.ndarray, step_s: float, position: tuple[np.ndarray, np.ndarray], speed: np.ndarray, acceleration: float
 ) -> np.ndarray:
-    """The path (T, n) nearest to q that keeps the limits: position between two arrays (n,), speed (n,) in rad/s, and
-    acceleration in rad/s^2."""
+    """Returns the path (T, n) closest to q that keeps the limits of position (two arrays (n,)), speed ((n,) in rad/s)
+    and acceleration (in rad/s^2)."""
     bounds = {
         0: position,
         1: (-speed * step_s * RESERVE, speed * step_s * RESERVE),
@@ -88,7 +88,7 @@ def within_limits(
 
 
 def optimum(arm: ArmModel, scene: Scene) -> Optimum:
-    """The optimum over the motion. Before it the arm rests in its start posture."""
+    """Returns the optimum over the motion, before which the arm rests in its start posture."""
     motion = scene.motion
     t_s = np.arange(motion.begin_s - 0.5, motion.end_s, STEP_S)
     target_m, _ = target_path(arm, scene, t_s)

@@ -1,5 +1,5 @@
 """Runs other programs as followers in the firmware's loop, with the same tracker frames, limiter, bus times, drives and
-encoders. They replace only the computation of joint velocities from the hand's samples.
+encoders. The programs replace only the computation of joint velocities from the hand's samples.
 
 A follower receives the target of the newest sample, computed by Algorithm 1 with the firmware's reference, and the
 measured joint positions.
@@ -25,20 +25,22 @@ PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
 
 class Velocities(Protocol):
-    """Returns (feedback_radps, feedforward_radps), both (n,): to correct the error, and for the target's motion."""
+    """A function that returns (feedback_radps, feedforward_radps), both (n,). Feedback corrects the error, feedforward
+    follows the target's motion."""
 
     def __call__(self, target: int, measured_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
 
 
-# Makes Velocities from (arm, start, times of the samples in s (N,), their target positions (N, 3) and rotations (N,
-# 4)).
+# A function that creates Velocities from (arm, start posture, times of the samples in s (N,), their target positions
+# (N, 3) and target rotations (N, 4)).
 MakeVelocities = Callable[[ArmModel, np.ndarray, np.ndarray, np.ndarray, np.ndarray], Velocities]
 
 
 def sample_targets(
     arm: ArmModel, task: str, start_rad: np.ndarray, samples: Samples, reference: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The target of the end effector for each sample, relative to the reference sample."""
+    """Returns the end effector's target for each sample. reference: index of the sample at the start of the
+    cooperation."""
     displacement_m = rotations.rotate(MOUNT_ROTATION, samples.position_m - samples.position_m[reference])
     in_torso = rotations.multiply(MOUNT_ROTATION, samples.rotation)
     turn = rotations.multiply(in_torso, rotations.conjugate(in_torso[reference]))
@@ -56,7 +58,7 @@ def run_peer(
     tracker: Tracker,
     samples: Samples,
 ) -> Run:
-    """Runs a follower once. gain_per_s: the follower's gain, which the limiter's approach rule uses."""
+    """Runs a follower once. gain_per_s: gain of the follower, which the limiter's approach rule uses."""
     ticks, count = int(round(motion.duration_s / TICK_S)), arm.joint_count
     start = int(round(START_S / TICK_S))
     seen = np.flatnonzero(samples.valid)

@@ -1,4 +1,4 @@
-"""Plots error, delay and noise of the followers over the tracker's rate, latency and noise."""
+"""Plots error, delay and noise of the followers against the tracker's rate, latency and noise."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ FIGURES = (
 def plot(
     rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], judged: Sequence[str], path: Path
 ) -> Path:
-    """rows: rows of the report for teleop in the loop without physics. sweeps: (value, condition) per axis. judged: the
-    conditions of the last column, which compares all followers."""
+    """Draws the plots. rows: rows of the report for teleop in the loop without physics. sweeps: (value, condition)
+    pairs for each axis. judged: conditions in the last column, which compares all followers."""
     found = {(row["condition"], row["follower"]): row for row in rows}
     known = {condition for condition, _ in found}
     measured = {follower: colour for follower, colour in COLOURS.items() if follower in {name for _, name in found}}

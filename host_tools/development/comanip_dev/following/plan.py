@@ -1,4 +1,4 @@
-"""The plan of `make following`: conditions, recordings with their folds, settings, followers."""
+"""Defines the plan of `make following`: conditions, the halves of the recordings, settings and followers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from comanip_dev.following.tracker import Tracker
 
-# Two halves. Recordings of one session are in the same half, so that tuning on one half uses nothing of the other.
+# Two halves of the recordings. Recordings of one session are in the same half, so that tuning on one half uses no data
+# from the other.
 FOLDS = (
     ("cmu_13_08_rhand", "ethz_handheld1", "kth_ho_sample_baton", "kth_ho_sample_giver", "kth_ho_sample_taker"),
     (
@@ -24,13 +25,13 @@ FOLDS = (
 
 
 def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The two halves of these recordings. Those that are not in FOLDS go to the halves in turn."""
+    """Divides these recordings into the two halves. Recordings that are not in FOLDS are assigned alternately."""
     unknown = [name for name in sorted(names) if not any(name in fold for fold in FOLDS)]
     first, second = (tuple(sorted([*set(names).intersection(FOLDS[i]), *unknown[i::2]])) for i in (0, 1))
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former default locks on them at rotation scale 1
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # with these the former default locks at rotation scale 1
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 
@@ -63,7 +64,7 @@ CONDITIONS = tuple(dict.fromkeys((*JUDGED, Condition(60, 50, 0.5), *RATES, *LATE
 
 @dataclass(frozen=True)
 class Setting:
-    """The task, and the share of the recorded rotation."""
+    """A task with the share of the recorded rotation that is played."""
 
     task: str
     rotation_scale: float
@@ -80,7 +81,7 @@ SETTINGS = (TELEOP, TURNING, MIRROR, POUR)
 PAPER, FORMER, DEFAULT = "paper", "former", "default"
 FIRMWARE = (PAPER, FORMER, DEFAULT)
 LOOP, ODE = "loop", "ODE"  # without physics, and with
-# Well-known programs, with the tuning values that are tried for each.
+# Well-known programs and the tuning values that are tried for each of them.
 PEERS = {
     "one-euro": ((3.0, 100.0), (10.0, 300.0), (20.0, 1000.0)),  # minimum cutoff [Hz], beta [Hz s/m]
     "ruckig": ((0.0,), (0.5,)),  # share of the target's velocity
@@ -93,8 +94,8 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
 
 
 def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
-    """The seeds of the tracker's noise: several if the noise is large, because the largest error depends on the
-    seed."""
+    """Returns the seeds for the tracker's noise. There are several if the noise is large, because the largest error
+    then depends on the seed."""
     return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
 
 

@@ -1,5 +1,5 @@
-"""Follower by mink: differential inverse kinematics as a quadratic programme with the joint limits as constraints, as
-in Pink (Caron et al.), with the arm's kinematics in MuJoCo."""
+"""A follower that uses mink. As in Pink (Caron et al.), differential inverse kinematics is a quadratic programme with
+the joint limits as constraints. MuJoCo computes the arm's kinematics."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from comanip_dev.following.arm_model import ArmModel
 from comanip_dev.following.loop import TICK_S
 from comanip_dev.following.peer_loop import Velocities
 
-ORIENTATION_COST = 0.01  # the position's cost is 1; the square root of the ratio of our weights
+ORIENTATION_COST = 0.01  # relative to a position cost of 1; the square root of the ratio of our weights
 DAMPING = 1e-3
 SOLVER = "daqp"
 
 
 def mjcf(arm: ArmModel) -> str:
-    """The arm as a MuJoCo model. The masses are arbitrary, because only kinematics is used."""
+    """Returns the arm as a MuJoCo model. The masses are arbitrary, because only the kinematics is used."""
 
     def numbers(values: np.ndarray) -> str:
         return " ".join(f"{value:.9g}" for value in values)
@@ -38,7 +38,7 @@ def mjcf(arm: ArmModel) -> str:
 
 
 def velocities(gain_per_s: float):
-    """gain_per_s: desired rate of error reduction."""
+    """Returns a function that creates the follower. gain_per_s: desired rate of error reduction."""
 
     def make(
         arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray

@@ -1,5 +1,5 @@
-"""A recorded hand as the simulator plays it (docs/recordings.md): a rest, the scaled motion at its recorded speed, and
-another rest."""
+"""Plays the recording of a hand as the simulator does (docs/recordings.md): a rest, the scaled motion at its recorded
+speed, and another rest."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from comanip_dev.following import rotations
 HEADER = "t_s,x_m,y_m,z_m,qw,qx,qy,qz"
 MAPPINGS = {"xyz": (0, 1, 2), "zxy": (2, 0, 1)}
 Y_IS_UP = ("cmu_", "ktk_")
-GAP_MEDIANS = 1.5  # a longer interval, in median intervals, is a gap
+GAP_MEDIANS = 1.5  # intervals longer than this many median intervals are gaps
 
 
 class RecordingError(Exception):
-    """A recording is malformed. The message is one line."""
+    """A recording is malformed. The message is one line that states the reason."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Displacement and rotation since the first sample, in torso axes. t_s: (N,), starts at 0. displacement_m: (N, 3).
-    turn: (N, 4), with continuous signs. gap: (N - 1,), true if the tracker lost the hand between sample i and i + 1."""
+    """A recorded motion, as displacement and rotation relative to the first sample, in torso axes. t_s: (N,), starts at
+    0. displacement_m: (N, 3). turn: (N, 4), with continuous signs. gap: (N - 1,), true if the tracker lost the hand
+    between samples i and i + 1."""
 
     name: str
     t_s: np.ndarray
@@ -66,13 +67,14 @@ def read(path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class HandMotion:
-    """The hand's motion from 0 to duration_s. It starts at begin_s; without a recording the hand stays at rest."""
+    """The hand's motion in a run from 0 to duration_s. The hand starts to move at begin_s. Without a recording it stays
+    at rest."""
 
     recording: Recording | None
     position_scale: float
     rotation_scale: float
     begin_s: float
-    rest_s: float  # rest after the motion; without a recording, after begin_s
+    rest_s: float  # duration of the rest after the motion, or after begin_s if there is no recording
 
     @property
     def end_s(self) -> float:
@@ -83,8 +85,8 @@ class HandMotion:
         return self.end_s + self.rest_s
 
     def displacement(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement in m (N, 3) and rotation (N, 4) since the beginning, interpolated linearly in position and along
-        the great circle in rotation."""
+        """Returns the displacement in m (N, 3) and the rotation (N, 4) relative to the beginning. Positions are
+        interpolated linearly, and rotations along the great circle."""
         if self.recording is None:
             return np.zeros((len(t_s), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(t_s), 1))
         r = self.recording
@@ -98,7 +100,7 @@ class HandMotion:
         return self.position_scale * moved_m, scaled
 
     def visible(self, t_s: np.ndarray) -> np.ndarray:
-        """(N,), false within a gap."""
+        """Returns whether the tracker sees the hand at these times (N,); false within gaps."""
         if self.recording is None:
             return np.ones(len(t_s), bool)
         r = self.recording

@@ -1,4 +1,4 @@
-"""The results of a campaign as tables and as JSON."""
+"""Formats the results of a campaign as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ HEADINGS = ("RMS mm", "max mm", "RMS deg", "delay ms", "m/s2", "% lim.", "rest u
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:
-    """The mean of each figure over the recordings of the setting, without those that do not have it (a hand at rest has
-    no delay)."""
+    """Returns the mean of each figure over those recordings of the setting for which the figure exists. For example, a
+    hand at rest has no delay."""
     names = [name for fold in judge.folds(setting) for name in fold]
     means = {}
     for figure in FIGURES:
@@ -32,7 +32,7 @@ def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: S
 
 
 def rows(judge: Judge, conditions: Sequence[Condition], has_peers: bool) -> list[dict]:
-    """All rows of the table: loop, setting, condition, follower, and their means."""
+    """Returns all rows of the table, each with loop, setting, condition, follower and the means."""
     groups = [(plan.LOOP, plan.TELEOP, condition, plan.FIRMWARE) for condition in conditions]
     groups += [(plan.LOOP, setting, plan.FAST, plan.FIRMWARE) for setting in plan.SETTINGS[1:]]
     ode = (plan.FORMER, plan.DEFAULT)
@@ -88,7 +88,7 @@ def criteria_table(criteria: Sequence[Criterion]) -> Table:
 
 
 def without_nan(value):
-    """The value with None instead of NaN, which JSON does not have."""
+    """Returns the value with NaN replaced by None, because JSON has no NaN."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -97,7 +97,7 @@ def without_nan(value):
 
 
 def wrong_latency_lines(judge: Judge) -> list[str]:
-    """The effect of a wrong announced tracker latency on the default, one line per condition."""
+    """Returns a line per condition with the effect of a wrong announced tracker latency on the default law."""
     lines = []
     for condition in plan.WRONG:
         right, wrong = (
@@ -112,7 +112,7 @@ def wrong_latency_lines(judge: Judge) -> list[str]:
 
 
 def cases(results: Results) -> list[dict]:
-    """Each case with its figures."""
+    """Returns all cases with their figures."""
     names = ("loop", "follower", "condition", "setting", "recording", "seed")
     return [
         {**dict(zip(names, key[1:], strict=True)), **value}

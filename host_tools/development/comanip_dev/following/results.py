@@ -1,4 +1,4 @@
-"""Stores results in one file, from which an interrupted campaign continues."""
+"""Stores results in one file, so that an interrupted campaign can continue."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOT_MEASURING = ("__main__.py", "criteria.py", "one.py", "report.py", "results.p
 
 
 def case_key(loop: str, follower: str, condition: Condition, setting: Setting, recording: str | None, seed: int) -> Key:
-    """recording None: the hand is at rest."""
+    """Returns the key of a case. recording: None if the hand is at rest."""
     return ("case", loop, follower, condition.label, setting.label, recording or "at rest", f"seed {seed}")
 
 
@@ -26,8 +26,8 @@ def scene_key(setting: Setting, recording: str) -> Key:
 
 
 def fingerprint(*files: Path) -> str:
-    """A digest of everything that a result depends on: the compiled core, these tools, and further files. Results with
-    a different digest are not used."""
+    """Returns a digest of everything on which a result depends: the compiled core, these tools and further files.
+    Stored results with a different digest are not used."""
     core, here = Path(comanip.__file__).parent, Path(__file__).parent
     digest = hashlib.sha256()
     tools = [path for path in here.glob("*.py") if path.name not in NOT_MEASURING]

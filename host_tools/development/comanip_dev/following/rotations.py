@@ -1,4 +1,4 @@
-"""Unit quaternions [w x y z] in double precision, with any leading dimensions."""
+"""Functions for unit quaternions [w x y z] in double precision, with any leading dimensions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Hamilton product of (..., 4) and (..., 4)."""
+    """Returns the Hamilton product of (..., 4) and (..., 4)."""
     aw, ax, ay, az = (a[..., i] for i in range(4))
     bw, bx, by, bz = (b[..., i] for i in range(4))
     return np.stack(
@@ -25,7 +25,7 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The cross product. numpy.cross() is several times slower."""
+    """Returns the cross product. It is several times faster than numpy.cross()."""
     ax, ay, az = (a[..., i] for i in range(3))
     bx, by, bz = (b[..., i] for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
@@ -38,26 +38,27 @@ def rotate(rotation: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def from_vector(vector_rad: np.ndarray) -> np.ndarray:
-    """Quaternions (..., 4) from rotation vectors (..., 3)."""
+    """Converts rotation vectors (..., 3) to quaternions (..., 4)."""
     half = 0.5 * np.asarray(vector_rad)
     angle = np.linalg.norm(half, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle), half * np.sinc(angle / np.pi)], axis=-1)
 
 
 def to_vector(rotation: np.ndarray) -> np.ndarray:
-    """Rotation vectors (..., 3) with angles from 0 to 2 pi. A quaternion of opposite sign rotates the other way."""
+    """Converts quaternions to rotation vectors (..., 3) with angles from 0 to 2 pi. A quaternion of opposite sign
+    results in a rotation the other way round."""
     sine = np.linalg.norm(rotation[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, rotation[..., :1])
     return rotation[..., 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)
 
 
 def continuous(rotation: np.ndarray) -> np.ndarray:
-    """(N, 4) with signs such that each quaternion is closest to the previous one."""
+    """Chooses the signs of quaternions (N, 4) such that each is as close as possible to the previous one."""
     flips = np.sum(rotation[1:] * rotation[:-1], axis=1) < 0.0
     sign = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
     return rotation * sign[:, None]
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The angle in rad, 0 to pi, for quaternions of either sign."""
+    """Returns the angle between two rotations in rad, 0 to pi, for quaternions of either sign."""
     return 2.0 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0.0, 1.0))

@@ -1,6 +1,6 @@
-"""Follower by Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target States",
-RSS 2021), as it is used with many arms: inverse kinematics of each sample gives the target joint positions, and Ruckig
-computes the time-optimal trajectory to them from the present reference."""
+"""A follower that uses Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
+States", RSS 2021), in the same way as many arms do. The target joint positions are computed by inverse kinematics for
+each sample, and Ruckig computes the time-optimal trajectory to them from the present reference."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from comanip_dev.following.loop import TICK_S
 from comanip_dev.following.peer_loop import Velocities
 from comanip_dev.following.posture_path import posture_path
 
-JERK_MAX_RADPS3 = 10000.0  # the default of the arm's description
-GAIN_PER_S = 35.0  # from the reference to the measured joints, as in our control law
+JERK_MAX_RADPS3 = 10000.0  # default in an arm's description
+GAIN_PER_S = 35.0  # feedback gain on reference minus measured joint positions, as in our control law
 
 
 def velocities(velocity_share: float):
-    """velocity_share: share of the samples' difference quotient that is used as the target's velocity. 0: the target is
-    treated as at rest."""
+    """Returns a function that creates the follower. velocity_share: share of the samples' difference quotient that is
+    used as the target's velocity. With 0 the target is treated as being at rest."""
 
     def make(
         arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray

@@ -19,8 +19,8 @@ BISECTIONS = 8
 def largest_scale(
     arm: ArmModel, task: str, start_rad: np.ndarray, recording: Recording, rotation_scale: float
 ) -> float:
-    """The largest scale of positions such that, at this and at all smaller scales, every target of the motion is in
-    reach within the joint limits."""
+    """Returns the largest position scale up to which every target of the motion can be reached within the joint limits,
+    at this and at all smaller scales."""
     start_m, start_rotation = arm.hand(start_rad[None])
     at_s = np.linspace(0.0, recording.duration_s, POINTS)
     displacement_m, turn = HandMotion(recording, 1.0, rotation_scale, 0.0, 0.0).displacement(at_s)

@@ -1,9 +1,9 @@
-"""Algorithm 1 in double precision: the end effector's target for each displacement and rotation of the person's hand,
-both in torso axes.
+"""Implements Algorithm 1 in double precision. Computes the end effector's target for each displacement and rotation of
+the person's hand, both in torso axes.
 
-Let the end effector start at (r_0, p_0), and q_task = (r_k, t_k). The virtual hand starts at (r_0 r_inv, p_0) and moves
-by the rotation and the displacement of the person's hand. The target's rotation is r = r_virtual conj(r_k), its
-position p_virtual - R(r) t_k. Mirrored tasks add twice the forward displacement to the z component of t_k.
+Let the end effector start at (r_0, p_0), and let q_task = (r_k, t_k). The virtual hand starts at (r_0 r_inv, p_0) and
+moves by the rotation and the displacement of the person's hand. The target's rotation is r = r_virtual conj(r_k), and
+its position is p_virtual - R(r) t_k. Mirrored tasks add twice the forward displacement to the z component of t_k.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def _quaternion(q) -> np.ndarray:
 def targets(
     task: str, start_m: np.ndarray, start_rotation: np.ndarray, displacement_m: np.ndarray, turn: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """start_m (3,), start_rotation (4,): the end effector's start pose. displacement_m (N, 3), turn (N, 4): motion of
-    the person's hand. Returns positions (N, 3) and rotations (N, 4)."""
+    """Returns the targets' positions (N, 3) and rotations (N, 4). start_m (3,), start_rotation (4,): start pose of the
+    end effector. displacement_m (N, 3), turn (N, 4): motion of the person's hand."""
     definition = lib.task_table[TASKS[task]]
     relation = rotations.conjugate(_quaternion(definition.q_task))
     virtual = rotations.multiply(start_rotation, _quaternion(definition.q_inv))

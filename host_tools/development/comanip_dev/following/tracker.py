@@ -1,4 +1,5 @@
-"""Models a tracker with a rate, a latency and noise: computes the samples in HandPose frames from a hand's motion."""
+"""Models a tracker with a rate, a latency and noise. Computes the samples in its HandPose frames from a hand's
+motion."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from comanip_dev.following import rotations
 from comanip_dev.following.recorded_hand import HandMotion
 
 TRANSPORT_S = 150e-6  # from the queueing of a sample to the end of its frame, as on the simulated bus
-# The ratio of the simulator's tracker: 0.02 degrees at 0.05 mm.
+# The same ratio as in the simulator's tracker: 0.02 degrees at 0.05 mm.
 NOISE_RAD_PER_M = np.radians(0.02) / 0.05e-3
 MOUNT_M = np.array([0.3, 1.5, 0.2])
 MOUNT_ROTATION = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
@@ -23,7 +24,7 @@ HAND_START_ROTATION = rotations.multiply(
 
 @dataclass(frozen=True)
 class Tracker:
-    """announced_error_s: the latency in TrackerStatus minus the true latency."""
+    """A tracker. announced_error_s: latency in TrackerStatus minus the true latency."""
 
     rate_hz: float
     latency_s: float
@@ -43,7 +44,8 @@ class Tracker:
 
 @dataclass(frozen=True)
 class Samples:
-    """measured_us, received_us (N,); position_m (N, 3), rotation (N, 4) in the tracker's frame; valid (N,)."""
+    """The tracker's samples: measured_us (N,), received_us (N,), position_m (N, 3), rotation (N, 4) and valid (N,).
+    Positions and rotations are in the tracker's frame."""
 
     measured_us: np.ndarray
     received_us: np.ndarray
@@ -53,7 +55,8 @@ class Samples:
 
 
 def _noise(tracker: Tracker, motion: HandMotion, count: int) -> np.ndarray:
-    """(count, 6), standard normal. The numbers depend on the recording and the seed, not on noise and latency."""
+    """Returns standard normal random numbers (count, 6), which depend on the recording and the seed but not on noise
+    and latency."""
     name = motion.recording.name if motion.recording else "rest"
     return np.random.default_rng([tracker.seed, zlib.crc32(name.encode())]).standard_normal((count, 6))
 

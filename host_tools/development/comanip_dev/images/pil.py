@@ -1,8 +1,8 @@
-"""Processor in the loop: runs the firmware's image in QEMU, in lockstep with the simulator over a serial line.
+"""Processor in the loop: runs a firmware image in QEMU, in lockstep with the simulator over a serial line.
 
-``python -m comanip_dev.images.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). EMULATOR: the
-command that emulates the board. Exit status: the simulator's; 2 for wrong use or without an emulator. QEMU executes the
-processor's instructions; it shows neither cycles nor times.
+``python -m comanip_dev.images.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). EMULATOR is
+the command that emulates the board. Exit status: that of the simulator, or 2 for wrong use or a missing emulator. QEMU
+executes the processor's instructions but does not model cycles or times.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-# One instruction takes 2 ns of the board's time, which stops while the board waits. The watchdog therefore does not
-# expire on a busy machine.
+# One instruction takes 2 ns of the board's time, which stops while the board waits for the simulator. The watchdog
+# therefore does not expire on a busy machine.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 START_S = 10
 EXIT_WRONG_USE = 2
@@ -30,7 +30,8 @@ def complain(text: str) -> int:
 
 
 def run(program: list[str]) -> int:
-    """Runs the program. Returns its exit status. Terminates it when this process is interrupted or terminated."""
+    """Runs the program and returns its exit status. Terminates the program when this process is interrupted or
+    terminated."""
     process = subprocess.Popen(program)
     try:
         return process.wait()

@@ -1,4 +1,4 @@
-"""Reports flash and RAM of the images per module, and compares them with a budget (``make size``).
+"""Reports the flash and RAM used by each module of the images, and compares them with a budget (``make size``).
 
 ``python -m comanip_dev.images.size_report BUDGET.toml REPORT.json [--update] IMAGE=MAP...``. The sizes are read from
 the linker's maps, after the removal of unused functions. Sizes that exceed their budget are printed. ``--update``
@@ -31,7 +31,7 @@ HEAD = """\
 
 @dataclass
 class Size:
-    """Sizes of the sections in bytes."""
+    """The sizes of the sections in bytes."""
 
     text: int = 0
     data: int = 0
@@ -49,7 +49,7 @@ class Image:
 
 
 def module_of(file: str, build: str) -> str:
-    """The module of an object file, such as firmware/controller; a library counts as one module."""
+    """Returns the module to which an object file belongs, such as firmware/controller. A library is one module."""
     library = re.fullmatch(r".*/(lib\w+)\.a\(.*\)", file)
     if library:
         return library[1]
@@ -57,12 +57,14 @@ def module_of(file: str, build: str) -> str:
 
 
 def joined_lines(text: str) -> list[str]:
-    """The lines of the map. If a name is too long for its column, the row's second line is joined to it."""
+    """Returns the lines of the map. If a name is too long for its column, the linker wraps the row; such lines are
+    joined again."""
     return re.sub(r"^( \.\S+)\n +(?=0x)", r"\1 ", text, flags=re.MULTILINE).splitlines()
 
 
 def read_map(path: Path) -> Image:
-    """The size of each module, from the map BUILD/IMAGE/comanip.map, which is in the folder of the objects."""
+    """Reads the size of each module from the map BUILD/IMAGE/comanip.map, which must be in the folder of the
+    objects."""
     text = path.read_text()
     image, kind = Image(), None
     parts: list[tuple[str, int, int, str]] = []  # kind, address, bytes, module
@@ -78,7 +80,7 @@ def read_map(path: Path) -> Image:
             parts.append((kind, int(part[1], 16), int(part[2], 16), module))
     parts = sorted(part for part in parts if part[2] > 0)
     for (kind, address, size_bytes, module), following in zip(parts, [*parts[1:], None]):
-        # The map lists merged constants with every module that uses them; they are stored in the first only.
+        # The map lists merged constants for every module that uses them, but only the first one contains them.
         room = following[1] - address if following and following[0] == kind else size_bytes
         image.add(module, kind, min(size_bytes, room))
     image.modules = {name: size for name, size in sorted(image.modules.items()) if size != Size()}
@@ -93,7 +95,7 @@ def read_budget(path: Path) -> dict[str, dict]:
 
 
 def budgeted(image: Image) -> dict[str, Size]:
-    """The total and the modules that have a budget: all but padding, which depends on all sizes."""
+    """Returns the sizes that have a budget: the total and all modules except padding, which depends on all sizes."""
     return {"total": image.total, **{name: size for name, size in image.modules.items() if name != PADDING}}
 
 
@@ -106,7 +108,7 @@ def write_budget(path: Path, images: dict[str, Image]) -> None:
 
 
 def excesses(images: dict[str, Image], budget: dict[str, dict]) -> list[str]:
-    """One line for each size that exceeds its budget, and for each module without a budget."""
+    """Returns a line for each size that exceeds its budget, and for each module without a budget."""
     lines = []
     for name, image in images.items():
         for module, size in budgeted(image).items():
@@ -124,7 +126,7 @@ def excesses(images: dict[str, Image], budget: dict[str, dict]) -> list[str]:
 # ---- output
 
 
-WIDTH = 180  # wide enough for all names
+WIDTH = 180  # columns, enough for all names
 
 
 def show(images: dict[str, Image], console: Console) -> None:

@@ -1,10 +1,11 @@
 """Computes the worst-case stack depth of the images (``make stack``).
 
-``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...``. Call graph and frame sizes come
-from the compiler (-fcallgraph-info=su); those of library functions are read from the disassembly. BUDGET.toml lists the
-targets of calls through pointers; an unlisted call is an error, as is recursion. The worst case of a stack is the sum
-of the deepest calls of its parts, each of which may interrupt the previous one, plus the registers that the processor
-saves. Exit status: 1 over budget or unbounded, 2 wrong use.
+``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...``. The compiler provides the call
+graph and the frame sizes (-fcallgraph-info=su); for library functions they are read from the disassembly. BUDGET.toml
+lists the targets of calls through pointers. Unlisted calls through pointers and recursion are errors. BUDGET.toml also
+lists the parts of each stack, for example interrupts and faults, each of which may interrupt the previous part. The
+worst case is the sum of the deepest calls of all parts, plus the registers that the processor saves. Exit status: 1
+over budget or unbounded, 2 wrong use.
 """
 
 from __future__ import annotations
@@ -31,18 +32,18 @@ INDIRECT = "__indirect_call"
 
 
 class UnboundedError(Exception):
-    """The stack depth has no bound that can be computed from the call graph."""
+    """No bound of the stack depth can be computed from the call graph."""
 
 
 @dataclass
 class Graph:
-    """A call graph. Static functions are named FILE:NAME. frame: bytes on the stack."""
+    """A call graph. Static functions are named FILE:NAME. frame: bytes on the stack, by function."""
 
     frame: dict[str, int] = field(default_factory=dict)
     calls: dict[str, set[str]] = field(default_factory=dict)
 
     def depth(self, function: str, path: tuple[str, ...] = ()) -> tuple[int, tuple[str, ...]]:
-        """(bytes, functions on the deepest path). UnboundedError for recursion."""
+        """Returns the depth in bytes and the functions on the deepest path. Raises UnboundedError for recursion."""
         if function in path:
             raise UnboundedError(f"recursion: {' -> '.join([*path[path.index(function) :], function])}")
         deepest, way = 0, ()
@@ -70,7 +71,8 @@ def read_call_graphs(folder: Path, graph: Graph) -> None:
 
 
 def registers(kind: str, names: str) -> int:
-    """The number of bytes that a push stores. Register ranges are expanded; FPU registers s have 4 bytes, d 8."""
+    """Returns the number of bytes that a push instruction stores. Expands ranges of registers. FPU registers have 4
+    bytes (s) or 8 bytes (d)."""
     count = 0
     for name in names.split(","):
         bounds = [int(n) for n in re.findall(r"(?<=[rsd])\d+", name)]
@@ -79,7 +81,7 @@ def registers(kind: str, names: str) -> int:
 
 
 def read_disassembly(listing: str, graph: Graph) -> None:
-    """Adds the functions that are not in the compiler's call graph."""
+    """Adds the functions of the disassembly that are not in the compiler's call graph."""
     function = None
     known = {plain(name) for name in graph.frame}
     for line in listing.splitlines():
@@ -101,7 +103,7 @@ def read_disassembly(listing: str, graph: Graph) -> None:
 
 
 def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
-    """Resolves calls through pointers and by plain names. A function that is not found was inlined or removed."""
+    """Resolves calls through pointers and by plain names. Functions that are not found were inlined or removed."""
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:
@@ -125,7 +127,7 @@ def image_graph(folder: Path, objdump: str, indirect: dict[str, list[str]]) -> G
 
 
 def worst_case(graph: Graph, rules: dict) -> dict:
-    """The worst case of one stack. rules: the stack's table in the budget."""
+    """Returns the worst case of one stack. rules: table of this stack in the budget."""
     parts = []
     for entries in rules["parts"]:
         missing = set(entries) - {plain(name) for name in graph.frame}

@@ -1,14 +1,14 @@
-"""Generates the functions that split the CAN FD frame of a message into frames of classic CAN and join them again.
+"""Generates the functions that split the CAN FD frame of a message into classic CAN frames and join them again.
 
-They work on raw integers, as the DBC describes them. ``comanip_classic.inc`` has split_X() and join_X() for each
-message and a table of them; firmware/protocol/can_classic.c includes it. The parts of a message are the Classic*
-messages whose attribute PartOf names it, in the order of the DBC. Name and scale of a part's signal determine what it
-carries:
+The functions work on raw integers as described by the DBC. ``comanip_classic.inc``, which is included by
+firmware/protocol/can_classic.c, contains split_X() and join_X() for each message and a table of these functions. The
+parts of a message are the Classic* messages whose attribute PartOf names the message, in the order of the DBC. The name
+and scale of a signal in a part determine what the signal carries:
 
-- a signal of the message with the same scale, or with a scale coarser by an integer factor: the value is rounded, and
-  refused if it is out of range;
+- the name of a signal of the message, with the same scale or a scale coarser by an integer factor: the value of that
+  signal, rounded, and refused if it is out of range;
 - ``BASE_a``, ``_b``, ``_c``, ``_largest``: the message's quaternion BASE in smallest-three code (rotation_code.h);
-- ``NAME_low`` and ``NAME_high``: the low and high bits of the message's NAME or NAME_us, without the bits above.
+- ``NAME_low`` and ``NAME_high``: the low and high bits of the message's NAME or NAME_us; higher bits are dropped.
 
 A signal that no part carries is 0 after joining. If a vector or quaternion with a validity flag does not fit, its
 values and the flag are sent as 0. If any other value does not fit, split_X() returns false.
@@ -41,7 +41,8 @@ _HALF = re.compile(r"(\w+)_(low|high)")
 
 
 def parts_of(messages: list[Message]) -> dict[str, list[Message]]:
-    """The parts of each message, by the message's name. SystemExit if a Classic* message is not part of a message."""
+    """Returns the parts of each message, by the name of the message. Raises SystemExit if a Classic* message is not a
+    part of any message."""
     names = {message.name for message in messages if not message.name.startswith(CLASSIC)}
     found: dict[str, list[Message]] = {}
     for message in messages:
@@ -172,7 +173,7 @@ class Codec:
         needs_coarse = any("coarsen(" in line for line in self.split)
         structs = [f"struct comanip_{snake(part)}_t" for part in self.parts]
         names = [snake(part).removeprefix("classic_") for part in self.parts]
-        # Flags depend on values before and after them, so they are written last.
+        # Flags are written last, because they depend on values before and after them.
         late = [
             line
             for line in self.split
@@ -205,7 +206,7 @@ class Codec:
         ] if count else []  # fmt: skip
 
     def _governed(self, line: str, flag: str) -> bool:
-        """True if the line writes a part's member of a vector or quaternion to which this flag belongs."""
+        """Returns True if the line writes a component of the vector or quaternion to which this flag belongs."""
         match = re.match(r"    part_(\d+)\.(\w+) = ", line)
         if not match:
             return False
@@ -217,7 +218,7 @@ class Codec:
 
 
 class JointCodec(Codec):
-    """The codec of a message that has arrays only and whose part i carries the values of joint i."""
+    """The codec of a message that consists of arrays only, with the values of joint i in part i."""
 
     def functions(self) -> list[str]:
         name, part = codec_name(self.message), self.parts[0]

@@ -1,9 +1,9 @@
 """Generates C structs for messages in SI units, and the functions that pack them into CAN FD frames and unpack them.
 
-``comanip_messages.h`` has an enumeration for each value table with the attribute EnumType, a struct for each message,
-and the functions ``X_pack(message, frame)`` and ``X_unpack(frame, message)``. ``comanip_messages.inc`` has their
-bodies; firmware/protocol/messages.c includes it. Messages NAME0..NAME7 with equal layouts share one struct; their
-functions take the joint's number. signals.py determines which signals form one member.
+``comanip_messages.h`` contains an enumeration for each value table with the attribute EnumType, a struct for each
+message, and the functions ``X_pack(message, frame)`` and ``X_unpack(frame, message)``. ``comanip_messages.inc``, which
+is included by firmware/protocol/messages.c, contains their bodies. Messages NAME0..NAME7 with equal layouts share one
+struct, and their functions take the joint's number. signals.py determines which signals form one member.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ COLUMNS = 120
 
 
 def wrapped(text: str, indent: str = "") -> list[str]:
-    """The text as a C comment within 120 columns."""
+    """Formats the text as a C comment within 120 columns."""
     lines = textwrap.wrap(text, COLUMNS - len(indent) - 6)
     return [f"{indent}{'/* ' if i == 0 else ' * '}{line}" for i, line in enumerate(lines[:-1])] + [
         f"{indent}{'/* ' if len(lines) == 1 else ' * '}{lines[-1]} */"
@@ -48,18 +48,18 @@ def wrapped(text: str, indent: str = "") -> list[str]:
 
 
 def family(message: Message) -> str | None:
-    """The common name of messages that share one codec (JointState for JointState0..7), or None."""
+    """Returns the common name of the messages that share one codec (JointState for JointState0..7), or None."""
     match = re.fullmatch(r"(\w*\D)\d", message.name)
     return match[1] if match else None
 
 
 def leads(message: Message) -> bool:
-    """True for the message that represents its codec: one without a family, or the first of its family."""
+    """Returns True for a message that is the only one, or the first one, with its codec."""
     return family(message) is None or message.name.endswith("0")
 
 
 def codec_name(message: Message) -> str:
-    """The name of a message's codec, such as hand_pose or joint_state."""
+    """Returns the name of a message's codec, such as hand_pose or joint_state."""
     return re.sub(r"\d$", "", snake(message))
 
 
@@ -67,7 +67,8 @@ def codec_name(message: Message) -> str:
 
 
 def enumeration(signal: Signal) -> tuple[str, str, bool] | None:
-    """(type, prefix of the values, whether the member has this type), or None if the signal has no enumeration."""
+    """Returns (type, prefix of the values, whether the member has this type), or None if the signal has no
+    enumeration."""
     words = str(attribute(signal, "EnumType", "")).split()
     if not words:
         return None
@@ -137,7 +138,7 @@ def members(found: Layout) -> list[str]:
 
 
 def pack_value(message: Message, signal: Signal, value: str, fits: str) -> list[str]:
-    """The statements that write a C value to the raw struct."""
+    """Returns the statements that write a C value to the raw struct."""
     raw = f"raw.{lower(signal)}"
     kind = scalar_type(signal)
     if kind == "float" and not signal.is_float:
@@ -176,7 +177,8 @@ def raw_array(group: Group) -> str:
 
 
 def pack_scaled_arrays(message: Message, groups: list[Group]) -> list[str]:
-    """Packs all scaled arrays in one loop over the joints. comanip_dev.codegen checks that the scales are equal."""
+    """Returns the statements that pack all scaled arrays in one loop over the joints. comanip_dev.codegen checks that
+    the scales are equal."""
     if not groups:
         return []
     return [
@@ -287,7 +289,7 @@ def signature_unpack(message: Message) -> str:
 
 
 def with_codec(messages: list[Message]) -> list[Message]:
-    """One message for each codec of CAN FD."""
+    """Returns one message for each codec of CAN FD."""
     return [message for message in messages if not message.name.startswith(CLASSIC) and leads(message)]
 
 

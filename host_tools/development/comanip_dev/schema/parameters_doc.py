@@ -21,7 +21,7 @@ is refused and changes nothing.
 
 
 def markdown(parameters: Iterable[Parameter]) -> str:
-    """The whole text: a table for each group, in the order of the numbers."""
+    """Returns the whole document, with a table for each group, in the order of the parameters' numbers."""
     groups: dict[str, list[Parameter]] = {}
     for parameter in parameters:
         groups.setdefault(parameter.group, []).append(parameter)

@@ -1,8 +1,8 @@
 """Checks that every frame has a reader: ``python -m comanip_dev.schema.readers`` (``make check``).
 
-The compiler checks the frames for the firmware: each must have a function (firmware/controller_inputs.c). A frame for
-another node counts as read if sim/ calls its X_unpack(), or if a tool in host_tools/comanip names the message or its
-frame kind.
+For frames that the firmware receives, the compiler does this check, because each must have a function in
+firmware/controller_inputs.c. A frame for another node counts as read if sim/ calls its X_unpack(), or if a tool in
+host_tools/comanip mentions the name of the message or of its frame kind.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def _text(folder: Path, *suffixes: str) -> str:
 
 
 def without_reader(messages: Sequence[Message], simulator: str, tools: str) -> Iterable[str]:
-    """Yields the names of messages without a reader. simulator, tools: the text of their sources."""
+    """Yields the names of messages without a reader. simulator, tools: text of the sources of simulator and tools."""
     for message in with_codec(messages):
         name = family(message) or message.name
         kind = f"FRAME_{snake(message).upper()}"

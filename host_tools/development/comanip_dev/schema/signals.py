@@ -1,15 +1,16 @@
 """Determines which signals of the DBC form one member of a message's C struct.
 
-The rules, by name:
+The names of the signals determine the member:
 
-``NAME_0_UNIT`` .. ``NAME_7_UNIT``     an array, NAME_UNIT[8]: one element for each joint
-``BASE_x_m``, ``_y_m``, ``_z_m``       a vector3_t, BASE_m; ``x_m y_m z_m`` is position_m
-``BASE_w``, ``_x``, ``_y``, ``_z``     a quaternion_t, BASE; ``qw qx qy qz`` is rotation
-``BASE_x_m`` .. and ``BASE_qw`` ..     both together a pose_t, BASE
-``valid`` or ``BASE_valid``            true if the vector and the quaternion of BASE are valid
+``NAME_0_UNIT`` .. ``NAME_7_UNIT``     an array NAME_UNIT[8] with one element for each joint
+``BASE_x_m``, ``_y_m``, ``_z_m``       a vector3_t BASE_m; for ``x_m y_m z_m`` it is position_m
+``BASE_w``, ``_x``, ``_y``, ``_z``     a quaternion_t BASE; for ``qw qx qy qz`` it is rotation
+``BASE_x_m`` .. and ``BASE_qw`` ..     a pose_t BASE
+``valid`` or ``BASE_valid``            a flag that is true if the vector and the quaternion of BASE are valid
 
-The attribute EnumType of a signal, "TYPE PREFIX", declares an enumeration of its value table. With "TYPE PREFIX number"
-the member is an integer instead, because the signal may carry numbers that this firmware does not know.
+The attribute EnumType of a signal, "TYPE PREFIX", declares an enumeration for its value table. With "TYPE PREFIX
+number" the enumeration is declared, but the member is an integer, because the signal may carry numbers that this
+firmware does not know.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from cantools.database.can.c_source import camel_to_snake_case
 from cantools.database.can.message import Message
 from cantools.database.can.signal import Signal
 
-CLASSIC = "Classic"  # prefix of the names of the frames for classic CAN
+CLASSIC = "Classic"  # prefix of the names of classic CAN frames
 JOINTS = 8
 AXES, QUATERNION = "xyz", "wxyz"
 _JOINT = re.compile(r"_(\d)(?=_|$)")
@@ -33,12 +34,12 @@ def attribute(owner: Message | Signal, name: str, default=0):
 
 
 def is_header(signal: Signal) -> bool:
-    """True for a signal of the end-to-end header."""
+    """Returns True for a signal of the end-to-end header."""
     return signal.name.startswith("e2e_")
 
 
 def payload(message: Message) -> list[Signal]:
-    """The signals without those of the end-to-end header."""
+    """Returns the signals except those of the end-to-end header."""
     return [signal for signal in message.signals if not is_header(signal)]
 
 
@@ -49,13 +50,13 @@ def raw_limits(signal: Signal) -> tuple[int, int]:
 
 
 def integer_bits(signal: Signal, largest: int | None = None) -> int:
-    """The width of the smallest C integer for the signal's raw value, or for `largest` if given."""
+    """Returns the width of the smallest C integer that can hold the signal's raw value, or `largest` if given."""
     bits = signal.length if largest is None else largest.bit_length()
     return next(width for width in (8, 16, 32, 64) if width >= bits)
 
 
 def raw_type(signal: Signal) -> str:
-    """The type of the signal in cantools' struct."""
+    """Returns the type of the signal in cantools' struct."""
     return f"{'int' if signal.is_signed else 'uint'}{integer_bits(signal)}_t"
 
 
@@ -76,19 +77,19 @@ class Group:
 
 @dataclass
 class Layout:
-    """A message: its groups in the order of the signals."""
+    """The layout of a message. groups: in the order of the signals."""
 
     message: Message
     groups: list[Group] = field(default_factory=list)
 
     @property
     def poses(self) -> set[str]:
-        """The named bases that have both a vector and a quaternion."""
+        """The bases that have a name and both a vector and a quaternion."""
         bases = {kind: {g.base for g in self.groups if g.kind == kind} for kind in ("vector", "quaternion")}
         return {base for base in bases["vector"] & bases["quaternion"] if base}
 
     def access(self, group: Group) -> str:
-        """The C expression for the member: `rotation`, or `target.rotation` in a pose."""
+        """Returns the C expression for the member, such as `rotation`, or `target.rotation` in a pose."""
         if group.base not in self.poses:
             return group.member
         return f"{group.base}.{'translation_m' if group.kind == 'vector' else 'rotation'}"
@@ -102,13 +103,14 @@ def _vector_base(names: set[str], name: str) -> str | None:
 
 
 def _quaternion_prefix(names: set[str], name: str) -> str | None:
-    """`q` of qw, `target_q` of target_qw, `q_task_` of q_task_w."""
+    """Returns the prefix of a quaternion's signals, given that of w: `q` for qw, `target_q` for target_qw, `q_task_`
+    for q_task_w. Returns None if the signal is not part of a quaternion."""
     prefix = name[:-1]
     return prefix if name.endswith("w") and all(prefix + axis in names for axis in QUATERNION) else None
 
 
 def layout(message: Message) -> Layout:
-    """The layout of a message. SystemExit if an array does not have one element for each joint."""
+    """Returns the layout of a message. Raises SystemExit if an array does not have one element for each joint."""
     signals = {signal.name: signal for signal in payload(message)}
     found, taken = Layout(message), set()
     for name, signal in signals.items():
@@ -142,11 +144,11 @@ def snake(message: Message) -> str:
 
 
 def constant(message: Message, signal: Signal) -> str:
-    """The name of the signal's constants in comanip_schema.h, without COMANIP_ and without the suffix (_PER_UNIT,
-    ...)."""
+    """Returns the name of the signal's constants in comanip_schema.h, without the prefix COMANIP_ and the suffix
+    (_PER_UNIT, ...)."""
     return f"{snake(message)}_{signal.name}".upper()
 
 
 def lower(signal: Signal) -> str:
-    """The name of the signal in cantools' struct."""
+    """Returns the name of the signal in cantools' struct."""
     return camel_to_snake_case(signal.name)

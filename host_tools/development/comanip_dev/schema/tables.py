@@ -1,7 +1,7 @@
 """Generates C headers from parameters.toml and tasks.toml, and updates the rows of comanip.dbc that repeat them.
 
-``comanip_parameters.h``: parameter_id_t, and COMANIP_PARAMETERS, one X-macro row for each parameter.
-``comanip_tasks.h``: COMANIP_TASKS, one X-macro row for each built-in task.
+``comanip_parameters.h``: parameter_id_t, and COMANIP_PARAMETERS with an X-macro row for each parameter.
+``comanip_tasks.h``: COMANIP_TASKS with an X-macro row for each built-in task.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from comanip_dev.schema.messages import GENERATED
 
 
 def number(value: float) -> str:
-    """A float literal, which the compiler rounds to float32."""
+    """Returns a float literal, which the compiler rounds to float32."""
     return f"{value!r}f"
 
 
 def parameters_header(parameters: Sequence[Parameter]) -> str:
-    """The header. A vector has one enumerator, the number of its first component; the comment begins with their
-    count."""
+    """Returns the header for parameters. A vector has one enumerator, which is the number of its first component; its
+    comment begins with the number of components."""
     first: dict[str, list[Parameter]] = {}
     for parameter in parameters:
         first.setdefault(parameter.vector, []).append(parameter)
@@ -77,13 +77,13 @@ def _value_table(names: dict[int, str]) -> str:
 
 
 def _with_table(text: str, signal: str, names: dict[int, str]) -> str:
-    """The DBC with these value tables for all signals of this name, and with the range that follows."""
+    """Returns the DBC with this value table, and the range that results from it, in all signals of this name."""
     text = re.sub(rf"^(VAL_ \d+ {signal}) .*;$", lambda m: f"{m[1]} {_value_table(names)} ;", text, flags=re.MULTILINE)
     return re.sub(rf"^( SG_ {signal} : \S+ \(1,0\)) \[0\|\d+\]", rf"\1 [0|{max(names)}]", text, flags=re.MULTILINE)
 
 
 def dbc_with_tables(text: str, parameters: Sequence[Parameter], tasks: Sequence[Task]) -> str:
-    """The DBC with the names and ranges of these parameters and tasks."""
+    """Returns the DBC with the names and ranges of these parameters and tasks."""
     text = _with_table(text, "parameter", {p.number: p.name for p in parameters})
     text = _with_table(text, "task", {CUSTOM_NUMBER: CUSTOM_NAME, **{t.number: t.name for t in tasks}})
     low, high = min(p.minimum for p in parameters), max(p.maximum for p in parameters)
