@@ -41,7 +41,7 @@ int bus_attach(bus_t *self, bus_handler_t handler, void *context);
 /* Adds a listener, which receives every frame before the nodes do and cannot send. At most BUS_MAX_NODES. */
 void bus_listen(bus_t *self, bus_handler_t handler, void *context);
 
-/* Queues a copy of the frame, to be sent at ready_ns at the earliest, and not before the current bus time. Each node
+/* Queues a copy of the frame, to be sent no earlier than ready_ns and no earlier than the current bus time. Each node
  * sends its lowest id first, and frames with equal ids in the order of the calls. Returns false if the node's queue is
  * full; the frame is then dropped and counted. The id must fit in 11 bits, and the length must be one that a DLC can
  * encode. */
@@ -51,8 +51,8 @@ bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns)
  * call. */
 void bus_run_until(bus_t *self, int64_t time_ns);
 
-/* Returns the reading, at time 0, of the clock that stamps the log; modulo 2^32 us, it is also the reading of the
- * firmware's clock. Returns 0 in virtual time. */
+/* Returns what the clock that stamps the log reads at time 0. Modulo 2^32 us, this is also what the firmware's clock
+ * reads then. Returns 0 in virtual time. */
 int64_t bus_epoch_ns(const bus_t *self);
 
 bus_statistics_t bus_statistics(const bus_t *self);

@@ -61,8 +61,8 @@ int64_t bus_epoch_ns(const bus_t *self) {
     return self->start_unix_ns / self->pace.slow;
 }
 
-/* Records how late the run is, and sets its clock back if it is more than SET_BACK_NS late. Called before the tick that
- * ends at time_ns. */
+/* Records how late the run is, and sets its clock back if the run is more than SET_BACK_NS late. Called before the tick
+ * that ends at time_ns. */
 static void note_lateness(bus_t *self, int64_t time_ns) {
     (void)pace_find_step(&self->pace);
     const int64_t late_ns = now_ns(self) - time_ns;
@@ -98,7 +98,7 @@ static void count_load(bus_t *self, const can_frame_t *frame, int64_t end_ns) {
     const int64_t window = end_ns / LOAD_WINDOW_NS;
     self->statistics.frames++;
     if (duration_ns < 0) {
-        return; /* a frame of another device, with a length that CAN FD does not allow */
+        return; /* a frame from another device, with a length that CAN FD does not allow */
     }
     self->window_busy_ns = window == self->window ? self->window_busy_ns + duration_ns : duration_ns;
     self->window = window;

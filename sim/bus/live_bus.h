@@ -18,7 +18,7 @@
 typedef struct {
     uint32_t slow;
     uint64_t overruns;   /* ticks that ended more than one tick late */
-    int64_t late_max_ns; /* largest lateness, by the run's clock */
+    int64_t late_max_ns; /* largest lateness, measured on the run's clock */
     int64_t set_back_ns; /* total by which the run's clock was set back */
 } live_bus_timing_t;
 
@@ -27,7 +27,7 @@ typedef struct {
 bus_t *live_bus_create(const char *program, const char *can, can_profile_t profile, uint32_t slow, char error[],
                        size_t error_size);
 
-/* Waits for a frame with this id. It becomes the first frame of the run, in tick 0. Returns false if interrupted. */
+/* Waits for a frame with this id, which becomes the first frame of the run, in tick 0. Returns false if interrupted. */
 bool live_bus_start(bus_t *self, uint16_t id, const volatile sig_atomic_t *interrupted);
 
 live_bus_timing_t live_bus_timing(const bus_t *self);

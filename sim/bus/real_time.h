@@ -1,5 +1,5 @@
-/* Keeps simulated time from running ahead of real time: a listener on the bus that, after each frame, waits until the
- * frame's end time has come in wall time. */
+/* A bus listener that keeps simulated time from running ahead of real time. After each frame, it waits until the wall
+ * clock reaches the frame's end time. */
 #ifndef COMANIP_SIM_REAL_TIME_H
 #define COMANIP_SIM_REAL_TIME_H
 

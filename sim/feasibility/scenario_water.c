@@ -5,7 +5,7 @@
 #include "../scene/scene.h"
 #include "scenario_geometry.h"
 
-#define PACKING_MAX 0.64 /* ratio of the volumes of the spheres and the cup, for random close packing */
+#define PACKING_MAX 0.64 /* volume of the spheres divided by that of the cup, for random close packing */
 
 static bool check_volume(const scenario_t *self, char error[], size_t error_size) {
     const double r = self->water.particle_radius_m, radius_m = self->cup.radius_m;

@@ -11,7 +11,7 @@ typedef struct {
     double begin_s, duration_s;
 } hand_path_t;
 
-/* Prepares a move. bow_m NULL: a straight line. duration_s 0: the hand is at `to` at once. */
+/* Prepares a move. If bow_m is NULL, the path is straight. If duration_s is 0, the hand is at `to` at once. */
 void hand_path_init(hand_path_t *self, const rigid_pose_t *from, const rigid_pose_t *to, const double bow_m[3],
                     double begin_s, double duration_s);
 

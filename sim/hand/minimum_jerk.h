@@ -7,9 +7,9 @@
  * it. */
 double minimum_jerk_share(double x);
 
-/* Duration and angle of a crank turn. The speed rises to one turn per turn_s over the first half turn and falls over
- * the last half turn. A motion of less than one turn accelerates over its first half and decelerates over its second.
- * `turns` is signed. */
+/* Return the duration of a crank turn and the angle turned after a time. The speed rises to one turn per turn_s over
+ * the first half turn and falls over the last half turn. A motion of less than one turn accelerates over its first half
+ * and decelerates over its second. `turns` is signed. */
 double smooth_turn_duration_s(double turns, double turn_s);
 double smooth_turn_angle_rad(double turns, double turn_s, double time_s);
 

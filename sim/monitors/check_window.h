@@ -1,5 +1,5 @@
-/* The time window in which a scenario's check is measured, rounded to the nearest ticks. Each limit is a time of the
- * run or relative to the first occurrence of an event. */
+/* The time window in which a scenario's check is measured, rounded to the nearest ticks. Each limit of the window is a
+ * time since the start of the run or since the first occurrence of an event. */
 #ifndef COMANIP_SIM_CHECK_WINDOW_H
 #define COMANIP_SIM_CHECK_WINDOW_H
 
@@ -19,12 +19,12 @@ typedef struct {
     double first_s, last_s; /* times of the first and the last of these ticks */
 } check_window_t;
 
-/* Returns true if the window contains this tick. Called once per tick, in order. events: as they are at the end of the
+/* Returns true if the window contains this tick. Called once per tick, in order. events: their state at the end of the
  * tick.
  *
  * Without `from`, a window begins with the first tick in cooperation. Without `until`, it covers only ticks in
- * cooperation or hold, so it ends when the operator stops the arm. If the measure is one of the whole run, a missing
- * limit is the start or the end of the run. */
+ * cooperation or hold, so it ends when the operator stops the arm. If the measure applies to the whole run, a missing
+ * limit defaults to the start or the end of the run. */
 bool check_window_contains(check_window_t *self, const scenario_check_t *check, double t_s, control_mode_t mode,
                            const events_t *events);
 

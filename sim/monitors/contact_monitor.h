@@ -1,5 +1,5 @@
-/* Records, over the whole run, the smallest clearances and the forces at the people's hands and in the gripper while
- * these hold an object. */
+/* Records, over the whole run, the smallest clearances, and the forces at each hand and in the gripper while it holds
+ * an object. */
 #ifndef COMANIP_SIM_CONTACT_MONITOR_H
 #define COMANIP_SIM_CONTACT_MONITOR_H
 
@@ -11,7 +11,7 @@
 typedef struct {
     double least_m; /* smallest clearance; infinite: never measured */
     int pair;       /* index for proximity_pair_name(); -1: none */
-    double t_s;     /* time at which it was first measured */
+    double t_s;     /* time at which least_m was first measured */
 } least_clearance_t;
 
 typedef struct {

@@ -80,7 +80,7 @@ double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower) {
     if (best == 0 || best == DELAY_COUNT - 1) {
         return (double)NAN;
     }
-    /* interpolates between the delays of the grid: the minimum of the parabola through three points */
+    /* Interpolate between the delays of the grid by the minimum of the parabola through three points. */
     const double before = self->residual_m2[best - 1][follower], at = self->residual_m2[best][follower];
     const double after = self->residual_m2[best + 1][follower];
     const double bend = before - 2.0 * at + after;

@@ -25,10 +25,11 @@ typedef struct {
     double turn[3][3];       /* R */
 } delay_hand_t;
 
+/* Sums over the current interval. */
 typedef struct {
-    double turn[3][3]; /* sums over the interval: R, the fitted vectors, the same rotated by R^T, and their squares */
+    double turn[3][3]; /* R */
     struct {
-        double fitted_m[3], rotated_m[3], square_m2;
+        double fitted_m[3], rotated_m[3], square_m2; /* fitted vector, this vector rotated by R^T, its square */
     } follower[DELAY_FOLLOWERS];
 } delay_sums_t;
 

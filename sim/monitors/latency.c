@@ -59,8 +59,8 @@ static bool moves(latency_t *self, uint64_t tick) {
     return moved_m > LATENCY_MOVES_MPS * LATENCY_MEAN_TICKS * TICK_S;
 }
 
-/* Adds the tick of -DELAY_FIRST_TICKS ago, because a follower may be ahead of the hand. Skips it unless all hand poses
- * that it is compared with belong to the current interval. */
+/* Adds the tick that was -DELAY_FIRST_TICKS ticks ago, because a follower may be ahead of the hand. Skips it unless all
+ * hand poses that it is compared with belong to the current interval. */
 static void add_sample(latency_t *self) {
     const uint64_t tick = self->ticks - EARLY_TICKS;
     if (self->ticks < self->stretch_from + DELAY_LAST_TICKS + EARLY_TICKS ||

@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     latency_tick_t past[LATENCY_PAST_TICKS]; /* ring buffer, indexed by tick number */
     uint64_t ticks;
-    uint64_t stretch_from; /* the tick of the last change of the cooperation */
+    uint64_t stretch_from; /* tick at which the cooperation last changed */
     int64_t settled_ns;
     int64_t target_ns; /* time of the last target received */
     double forward_m;  /* x position of the hand at stretch_from, the origin of mirroring */
@@ -36,7 +36,7 @@ typedef struct {
 /* Mean latencies [ms]; NaN: not measured. tracker + bus + estimate + law + command + drive = end_to_end. */
 typedef struct {
     double tracker, bus, estimate, law, command, drive, end_to_end;
-    double moved_s; /* duration over which end_to_end was measured; if below LATENCY_NEEDED_S, it is NaN */
+    double moved_s; /* duration of the measured motion; below LATENCY_NEEDED_S, end_to_end is NaN */
 } latency_ms_t;
 
 void latency_init(latency_t *self);

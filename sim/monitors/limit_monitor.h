@@ -15,7 +15,7 @@ typedef struct {
     bool has_last;
     int64_t last_ns;
     double last_velocity_radps[ROBOT_JOINTS];
-    double last_interval_s;                        /* time between the last two commands; 0: there were fewer */
+    double last_interval_s;                        /* time between the last two commands; 0: fewer than two so far */
     double last_acceleration_radps2[ROBOT_JOINTS]; /* mean acceleration in that interval */
     uint64_t violations; /* violated limits, each joint and kind counted separately, and undecodable frames */
     char first[120];     /* text of the first violation; "": none */

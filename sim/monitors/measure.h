@@ -19,8 +19,8 @@ bool measure_compares_with_begin(measure_t measure);
 /* Returns true if the measure applies only to the built-in motion, not to a recording. */
 bool measure_is_of_built_in_motion(measure_t measure);
 
-/* Returns true for measures of objects and water, because these may also fall before the start command or after the
- * stop. Their window is the whole run unless the check names another. */
+/* Returns true if the measure's window is the whole run unless the check names another. This applies to measures of
+ * objects and water, because objects and water may also fall before the start command or after the stop. */
 bool measure_is_of_whole_run(measure_t measure);
 
 #endif

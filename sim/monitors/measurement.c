@@ -14,7 +14,7 @@ static double tilt_deg(const rigid_pose_t *pose, const double axis[3]) {
     return atan2(hypot(tilted[0], tilted[1]), tilted[2]) / ROBOT_RAD_PER_DEG;
 }
 
-/* Returns the tilt of that axis of the end effector that pointed up at the start. */
+/* Returns the tilt of the end effector axis that pointed up at the start. */
 static double hand_tilt_deg(const rigid_pose_t *start, const rigid_pose_t *now) {
     const double up[3] = {0.0, 0.0, 1.0};
     const double from_torso[4] = {start->rotation[0], -start->rotation[1], -start->rotation[2], -start->rotation[3]};

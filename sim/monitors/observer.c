@@ -63,7 +63,8 @@ static void on_define(observer_t *self, const can_frame_t *frame) {
     self->defined_blend_s = (double)define.blend_s;
 }
 
-/* A start restarts the blend of the selected task, a clutch continues it, a latch ends it. */
+/* Handles an acknowledged command. A start restarts the blend of the selected task, a clutch continues it, and a latch
+ * ends it. */
 static void on_ack(observer_t *self, const can_frame_t *frame, int64_t end_ns) {
     command_ack_t ack;
     command_ack_unpack(frame, &ack);

@@ -50,7 +50,7 @@ typedef struct {
     uint64_t ticks;
     uint32_t target_ticks; /* number of ticks for which a target is valid */
     uint32_t target_ticks_left;
-    double defined_blend_s, blend_s; /* blend time of the last TaskDefine; of the task selected last */
+    double defined_blend_s, blend_s; /* blend times of the last TaskDefine and of the task selected last */
     int64_t settled_ns; /* end of the blend of the last accepted command; until then the target moves by itself */
     float parameter[PARAMETER_COUNT]; /* current values; defaults until a ParameterValue arrives */
     mode_change_t *modes;

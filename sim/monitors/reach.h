@@ -7,7 +7,7 @@
 
 #include "../robot/robot_model.h"
 
-/* A position is in reach if some posture within the limits is this close. */
+/* A position is in reach if, in some posture within the limits, the end effector is this close to it. */
 #define REACH_TOLERANCE_M 0.001
 
 #define REACH_GRID 6 /* angles per joint, including the joint limits */
@@ -29,8 +29,9 @@ void reach_init(reach_t *self);
  * descent ends as soon as the distance is below REACH_TOLERANCE_M / 10. */
 double reach_distance_m(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]);
 
-/* Returns true if that distance is at most REACH_TOLERANCE_M. Searches only if the last result does not already decide
- * this: if the target moves by s metres, the smallest distance changes by at most s. */
+/* Returns true if the result of reach_distance_m() is at most REACH_TOLERANCE_M. Searches only if the last search does
+ * not already decide the answer, since the smallest distance changes by at most s metres if the target moves by s
+ * metres. */
 bool reach_contains(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]);
 
 #endif

@@ -3,7 +3,7 @@
  * A still phase is a period of cooperation in which nothing moves the target: the person's desired hand pose is
  * constant, the hand in ODE stays there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), no hand or gripper grips
  * or releases an object, and the blend of the last command has ended. In each phase of at least REST_PHASE_S, the
- * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. This leaves the arm at
+ * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. The arm therefore has at
  * least 1.5 s to come to rest, and an oscillation of 0.5 Hz or more reaches its full speed within one second. */
 #ifndef COMANIP_SIM_REST_MONITOR_H
 #define COMANIP_SIM_REST_MONITOR_H
@@ -19,7 +19,7 @@
 #define REST_HAND_M 0.002 /* over 2.5 s, this causes joint speeds of at most about 6 mrad/s */
 #define REST_HAND_RAD (0.5 * ROBOT_RAD_PER_DEG)
 #define REST_BLOCK_TICKS 100 /* averaging time of the hand, about one period of tremor */
-#define REST_UNSTILL_S 1.0   /* a hand that moved within this time before the end of the phase was disturbed */
+#define REST_UNSTILL_S 1.0   /* a hand that moved within this time before the phase ended counts as disturbed */
 
 typedef struct {
     int64_t commanded_ns; /* time since which person and operator have commanded no motion */
@@ -35,10 +35,10 @@ typedef struct {
     float speed_radps[REST_WINDOW_TICKS]; /* ring buffer: highest joint speed in each tick; 0: no command */
     uint64_t ticks;
     double phase_s;         /* duration of the current phase */
-    double longest_s;       /* longest of all phases, including the current one */
+    double longest_s;       /* longest phase so far, including the current one */
     bool measured;          /* a phase was long enough */
     bool disturbed;         /* the person held still for REST_PHASE_S, but the hand moved until the end */
-    double speed_radps_max; /* largest of all measured phases */
+    double speed_radps_max; /* largest speed of all measured phases */
 } rest_monitor_t;
 
 void rest_monitor_init(rest_monitor_t *self);

@@ -1,14 +1,13 @@
 /* Measures what the checks of a scenario need, in every tick of each check's window (check_window.h). The inputs are
  * the record of the tick (bus, and end effector in ODE), the state of the scene, and the events. measure_t in
  * scenario.h defines the measures. Details:
- *
  * - Displacement, way, turn, turns and water_poured are relative to the first tick of the window. Like held and
  *   water_caught, they take the value of the last tick. water_caught is a share of all particles that left the cup and
  *   did not fall back into it.
  * - For flow_while_moving, a hand counts as moving if its mean velocity over the last 0.2 s exceeds 5 mm/s. Tremor can
- *   be as fast, but averages out.
- * - drops counts each OBJECT.dropped (held by nobody for 20 ms, see scene.h), and each robot.lost or PERSON.lost of the
- *   holder of the object. An object that slips out and then falls counts twice.
+ *   reach this speed, but averages out.
+ * - drops counts each OBJECT.dropped (held by nobody for 20 ms, see scene.h), and each robot.lost or PERSON.lost that
+ *   the holder of the object raises. An object that slips out and then falls counts twice.
  * - carried_for is the total time in which both robot and person hold the object.
  * - Forces are magnitudes, measured in ticks in which the person holds the object.
  * - settled_position and following_rms are not measured if less than half of the window's ticks have a target. */
@@ -41,7 +40,7 @@ typedef struct {
 /* The scenario must outlive the monitor. */
 void scenario_monitor_init(scenario_monitor_t *self, const scenario_t *scenario);
 
-/* Adds a finished tick. tick, state: as they were at its start. events: as they are at its end. */
+/* Adds a finished tick. tick, state: at the start of the tick. events: at its end. */
 void scenario_monitor_sample(scenario_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                              const events_t *events, double motion_scale);
 

@@ -1,13 +1,13 @@
-/* Measures how well the end effector in ODE follows the target of Algorithm 1: statistics over all ticks in cooperation
- * and over those in which the arm could follow. Both poses are taken at the same instant. */
+/* Measures how well the end effector in ODE follows the target of Algorithm 1: statistics over all ticks in
+ * cooperation, and over the ticks in which the arm could follow. Both poses are taken at the same instant. */
 #ifndef COMANIP_SIM_TRACKING_H
 #define COMANIP_SIM_TRACKING_H
 
 #include "observer.h"
 #include "reach.h"
 
-#define TRACKING_SETTLE_S 0.2   /* time after a joint was at a limit that does not count as followable */
-#define TRACKING_LOOK_AHEAD 50  /* number of ticks before a limit that do not count as followable */
+#define TRACKING_SETTLE_S 0.2   /* motion within this time after a joint leaves a limit does not count as followable */
+#define TRACKING_LOOK_AHEAD 50  /* motion within this number of ticks before a limit does not count as followable */
 #define TRACKING_MEAN_TICKS 20  /* averaging time of a joint's commanded speed */
 #define TRACKING_STOP_S 0.02    /* a joint that needs longer to stop cannot follow changes of the hand's motion */
 #define TRACKING_REACH_TICKS 10 /* period of the reach search */
@@ -45,8 +45,8 @@ void tracking_init(tracking_t *self);
 /* Adds a finished tick. parameter: current values (PARAMETER_COUNT). */
 void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]);
 
-/* Returns true if, as far as is known in this tick, the arm could follow: the target is in reach and settled, and no
- * joint was recently at a limit. */
+/* Returns true if, as far as is known in this tick, the arm could follow, because the target is in reach and settled
+ * and no joint was recently at a limit. */
 bool tracking_is_followable(const tracking_t *self, const tick_record_t *tick);
 
 double tracking_rms_position_mm(const tracking_sums_t *sums);

@@ -6,7 +6,7 @@
 #include "../bus/endpoint.h"
 
 #define PULSES_PER_RAD (ROBOT_PULSES_PER_DEGREE / ROBOT_RAD_PER_DEG)
-#define VELOCITY_WINDOW 8 /* samples per velocity estimate: 10 mrad/s resolution */
+#define VELOCITY_WINDOW 8 /* samples per velocity estimate, for a resolution of 10 mrad/s */
 #define TEMPERATURE_DEGC 35
 #define NS_PER_S 1e9
 

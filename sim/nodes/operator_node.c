@@ -21,12 +21,12 @@
 struct operator_node {
     endpoint_t endpoint;
     events_t *events;
-    operator_step_t *steps; /* the script, then CLOSING_STEPS */
+    operator_step_t *steps; /* the script's steps, then CLOSING_STEPS more */
     size_t script_count;
     size_t current;
     int64_t ready_ns;   /* end of the previous step */
     bool stops;         /* the script has ended or was stopped */
-    int send_count;     /* how often the current step's frame was sent */
+    int send_count;     /* how many times the current step's frame was sent */
     int64_t due_ns;     /* when the current step became due; valid if `begun` */
     int64_t timeout_ns; /* when to send again */
     bool begun;
@@ -37,7 +37,7 @@ struct operator_node {
     bool latched;
     task_form_t custom_form;      /* of the last task that was defined */
     char refusal[REFUSAL_BYTES];  /* "": none */
-    int64_t refusal_ns, named_ns; /* when it arrived, and when its last parameter arrived */
+    int64_t refusal_ns, named_ns; /* times at which the refusal and its last parameter arrived */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
 };
@@ -106,7 +106,7 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* If a refusal has arrived, appends to it a parameter that makes the parameter set unstable. */
+/* If a refusal has arrived, appends to its text a parameter that makes the parameter set unstable. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {
@@ -257,7 +257,7 @@ static bool is_due(const operator_node_t *self, size_t index, int64_t until_ns, 
     return *due_ns < until_ns;
 }
 
-/* If the current step gives way and only the next one is due, swaps the two. */
+/* If the current step gives way and only the next step is due, swaps the two steps. */
 static void choose_step(operator_node_t *self, int64_t until_ns) {
     const size_t next = self->current + 1;
     int64_t due_ns;

@@ -29,7 +29,7 @@ typedef struct {
     operator_action_t action;
     step_start_t start;  /* a step also waits for the end of the previous one */
     bool in_cooperation; /* the step waits until the arm cooperates */
-    bool gives_way;      /* if the next step is due first, it goes first */
+    bool gives_way;      /* if the next step is due earlier, that step goes first */
     int done_event;      /* raised when the step is acknowledged; EVENT_NONE: none */
     uint8_t parameter;   /* OPERATOR_WRITE_PARAMETER */
     float value;

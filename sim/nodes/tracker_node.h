@@ -32,8 +32,8 @@ typedef struct {
 
 typedef struct tracker_node tracker_node_t;
 
-/* Sets the defaults: 250 Hz, 4 ms latency, noise of 0.05 mm and 0.02 degrees, mounted on the robot's left as in (9), no
- * dropouts. */
+/* Sets the defaults: 250 Hz, 4 ms latency, noise of 0.05 mm and 0.02 degrees, mounted on the robot's left as in the
+ * paper's equation (9), no dropouts. */
 void tracker_options_set_defaults(tracker_options_t *options);
 
 /* Returns false if an option is outside the ranges above; `error` then holds one line that names it, its value and

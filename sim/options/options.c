@@ -77,7 +77,7 @@ static const struct option option_table[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* Options that take one number: the member of options_t that the option sets, and the factor from the option's unit to
+/* Options that take one number, each with the member of options_t that it sets and the factor from the option's unit to
  * the member's unit. */
 static const struct {
     int option;
@@ -102,7 +102,7 @@ static bool wrong(char error[], const char *option, const char *value, const cha
     return false;
 }
 
-/* Appends a name to a comma-separated list, truncated to fit. */
+/* Appends a name to a comma-separated list, truncating it if it does not fit. */
 static void append_name(char text[], size_t size, const char *name) {
     const size_t used = strlen(text);
     (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);

@@ -95,8 +95,9 @@ __attribute__((format(printf, 2, 3))) static void set_rest_not_measured(checks_t
     va_end(arguments);
 }
 
-/* If the check cannot be measured, stores the reason. The check fails if the hand was moved while its person held it
- * still; otherwise an arm that oscillates and drags the hand along would escape the check. */
+/* Adds the check that the arm comes to rest or, if this cannot be measured, stores the reason. The check fails if the
+ * hand moved although the person held it still; otherwise an arm that oscillates and drags the hand along would escape
+ * the check. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
@@ -123,8 +124,8 @@ static void add_rest(checks_t *self, const world_t *world) {
 
 /* ---- tracking of the target */
 
-/* For a recorded hand or a task that the operator defines, the share of followable motion is not known in advance, so
- * only the error is checked, and only if there was enough followable motion. */
+/* Checks only the error, and only if there was enough followable motion. The share of followable motion is not checked,
+ * because it is not known in advance for a recorded hand or for a task that the operator defines. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
     if (is_enough) {
         add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),
@@ -134,7 +135,7 @@ static void add_tracking_of_any_motion(checks_t *self, const world_t *world, boo
     }
 }
 
-/* limit 0: not checked in this scenario. */
+/* Adds a check, unless its limit is 0, which means that the scenario does not use it. */
 static void add_tracking_check(checks_t *self, const world_t *world, const char *name, double value, double limit,
                                bool is_lower_bound, const char *unit, bool is_judgeable) {
     if (!(limit > 0.0)) {
@@ -151,7 +152,8 @@ static void add_tracking_check(checks_t *self, const world_t *world, const char 
     }
 }
 
-/* The minimum share prevents a controller that keeps the arm at its limits from passing unchecked. */
+/* Also requires a minimum share of followable motion, so that a controller that keeps the arm at its limits cannot pass
+ * unchecked. */
 static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
     const scenario_t *scenario = world->scenario;
     const tracking_t *tracking = &world->tracking;

@@ -22,11 +22,11 @@ typedef struct {
 typedef struct {
     check_t check[CHECKS_MAX];
     size_t count;
-    size_t left_out_by_end;       /* number left out: their window is beyond the end of a shortened run */
-    size_t left_out_by_clutch;    /* number left out: the operator took a new reference within their window */
-    size_t left_out_by_trace;     /* number left out: they need the target, but the trace is switched off */
-    size_t left_out_by_recording; /* number left out: they apply only to the built-in motion */
-    size_t left_out_by_define;    /* number left out: they apply only to the scenario's own task */
+    size_t left_out_by_end;       /* checks left out because the shortened run ended before their window did */
+    size_t left_out_by_clutch;    /* checks left out because the operator took a new reference within their window */
+    size_t left_out_by_trace;     /* checks left out because they need the target, but the trace is switched off */
+    size_t left_out_by_recording; /* checks left out because they apply only to the built-in motion */
+    size_t left_out_by_define;    /* checks left out because they apply only to the scenario's own task */
     char rest_not_measured[200];  /* why comes_to_rest was not measured; "" if it was */
     bool tracking_not_judged;     /* the arm could follow the target for too short a time */
     bool pass;                    /* all checks passed, and the run was completed */
@@ -36,7 +36,7 @@ typedef struct {
 /* Fills all members but `reason`. */
 void checks_evaluate(checks_t *self, const world_t *world);
 
-/* Returns false if no TickTrace frame was received; only these carry the target. */
+/* Returns false if no TickTrace frame was received, because no other frame carries the target. */
 bool checks_tracking_measured(const world_t *world);
 
 #endif

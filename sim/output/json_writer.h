@@ -12,7 +12,7 @@ typedef struct {
     bool has_member; /* the open object or list has a member */
 } json_writer_t;
 
-/* key NULL: an element of a list. */
+/* If key is NULL, begins an element of a list. */
 void json_begin(json_writer_t *self, const char *key, char bracket);
 void json_end(json_writer_t *self, char bracket);
 void json_text(json_writer_t *self, const char *key, const char *value);
@@ -20,7 +20,7 @@ void json_unsigned(json_writer_t *self, const char *key, uint64_t value);
 void json_bool(json_writer_t *self, const char *key, bool value);
 void json_null(json_writer_t *self, const char *key);
 
-/* Writes null for a value that is not finite, which JSON cannot represent. */
+/* Writes null for an infinite value or NaN, which JSON cannot represent. */
 void json_number(json_writer_t *self, const char *key, double value);
 
 #endif

@@ -13,7 +13,7 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
 /* Returns PASS or FAIL, in colour on a terminal unless NO_COLOR is set. */
 const char *report_verdict(bool pass);
 
-/* Prints the progress, on a terminal as one line that is overwritten, otherwise as a few lines per run. Called once per
+/* Prints the progress: on a terminal, one line that is overwritten; otherwise, a few lines per run. Called once per
  * tick. */
 void report_progress(const world_t *world);
 

@@ -19,7 +19,7 @@ typedef struct {
 
 typedef enum { APPROACH_MOVES, APPROACH_THERE, APPROACH_FAILED } approach_status_t;
 
-/* Begins the first move from the hand pose `aim` at begin_s. robot_gain is that of person_program_step(). */
+/* Begins the first move from the hand pose `aim` at begin_s. robot_gain: as in person_program_step(). */
 void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robot_gain[3], double begin_s);
 
 /* Once the current move is over, compares the point with its goal, sets miss_m to the remaining distance, and begins a

@@ -30,7 +30,7 @@ struct person_program {
     size_t current;
     double ready_s;        /* end of the previous step */
     bool begun;            /* the current step has begun */
-    double begin_s, end_s; /* of the current step; only a timed step's end is known in advance */
+    double begin_s, end_s; /* begin and end of the current step; the end is known in advance only for a timed step */
     rigid_pose_t aim;      /* desired pose of the hand, without tremor */
     hand_path_t path;
     approach_t approach;

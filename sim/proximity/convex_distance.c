@@ -31,7 +31,7 @@ static double separation_m(const search_t *self) {
 }
 
 /* Returns true if the shapes intersect when one of them is inflated by the margin, that is, if no direction separates
- * them. If GJK ends without finding such a direction, the shapes touch within its rounding. */
+ * them. If GJK ends without finding such a direction, the shapes touch to within rounding error. */
 static bool intersects(search_t *self, double margin_m) {
     self->first.margin_mm = MM_PER_M * margin_m;
     return ccdGJKIntersect(&self->first, &self->second, &self->ccd) != 0 || separation_m(self) < margin_m;

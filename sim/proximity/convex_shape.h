@@ -17,7 +17,7 @@ typedef struct {
     double length_m, radius_m;
     const double (*points)[3]; /* in the shape's frame; SHAPE_HULL */
     int point_count;
-    double bounding_radius_m; /* of the sphere about the frame's origin; set by convex_shape_finish() */
+    double bounding_radius_m; /* radius of the sphere about the frame's origin; set by convex_shape_finish() */
     rigid_pose_t pose;        /* pose of the shape's frame, in torso axes */
 } convex_shape_t;
 

@@ -24,7 +24,7 @@ static void hull_support(const convex_shape_t *shape, const double direction[3],
 }
 
 /* Finds the farthest point of the shape's core in a direction, both in the shape's frame. The core of a capsule is its
- * line. */
+ * centre line. */
 static void core_support(const convex_shape_t *shape, const double direction[3], double point_m[3]) {
     double length = 0.0, share = 0.0;
     switch (shape->kind) {

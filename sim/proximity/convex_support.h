@@ -1,6 +1,6 @@
 /* Support functions of convex shapes for libccd: the farthest point in a direction. Lengths are in mm, because libccd
- * compares products of lengths with fixed thresholds (2e-16), which are too coarse for lengths in metres of the size of
- * a hand. */
+ * compares products of lengths with fixed thresholds (2e-16), which are too coarse for hand-sized shapes measured in
+ * metres. */
 #ifndef COMANIP_SIM_CONVEX_SUPPORT_H
 #define COMANIP_SIM_CONVEX_SUPPORT_H
 

@@ -1,5 +1,5 @@
-/* Measures the smallest clearances in each tick: between people and robot outside intended contact, and between the arm
- * and the rest of the robot. Like a light curtain, it is a sensor outside the robot; it sends its results to the
+/* Measures the smallest clearances in each tick: between people and robot except for intended contact, and between the
+ * arm and the rest of the robot. Like a light curtain, this sensor is outside the robot. It sends its results to the
  * operator over the bus. */
 #ifndef COMANIP_SIM_PROXIMITY_H
 #define COMANIP_SIM_PROXIMITY_H
@@ -19,7 +19,7 @@ typedef struct {
 /* The two parts of a pair. */
 typedef struct {
     int person;         /* index in the scenario; -1 for two parts of the robot */
-    person_part_t part; /* of the person */
+    person_part_t part; /* the person's part */
     robot_part_t robot; /* the robot's part; for two robot parts, the one of the arm or its load */
     robot_part_t body;  /* for two robot parts, the other one */
 } proximity_pair_t;
@@ -35,7 +35,7 @@ void proximity_destroy(proximity_t *self);
 /* Measures the clearances at this instant. The error of each is at most CONVEX_DISTANCE_ERROR_M. */
 measured_clearance_t proximity_measure(proximity_t *self);
 
-/* For example "person.forearm - robot.forearm"; "" for -1. */
+/* Returns the name of a pair, for example "person.forearm - robot.forearm"; "" for -1. */
 const char *proximity_pair_name(const proximity_t *self, int pair);
 
 #endif

@@ -1,6 +1,7 @@
-/* Right arm of the Fujitsu HOAP-3 from its instruction manual (tables 6.1-2 and 6.4-1): modified DH (Craig), masses,
- * stops, torques, encoders. The plant and the monitors share this model, which is in double precision. The firmware has
- * its own table in another convention, so that the two check each other. Torso frame: x forward, y left, z up. */
+/* The right arm of the Fujitsu HOAP-3, as specified in its instruction manual (tables 6.1-2 and 6.4-1): modified DH
+ * parameters (Craig), masses, stops, torques and encoders. The plant and the monitors share this model, which is in
+ * double precision. The firmware uses a separate table in a different convention, so that the two can be checked
+ * against each other. Torso frame: x forward, y left, z up. */
 #ifndef COMANIP_SIM_ROBOT_MODEL_H
 #define COMANIP_SIM_ROBOT_MODEL_H
 

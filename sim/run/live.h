@@ -1,4 +1,5 @@
-/* Options for watching a run, by pacing it to real time and by publishing it on a hub. Neither changes the run. */
+/* Options for watching a run, by pacing it to real time and by publishing it on a hub. Neither changes the results of
+ * the run. */
 #ifndef COMANIP_SIM_LIVE_H
 #define COMANIP_SIM_LIVE_H
 

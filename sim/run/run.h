@@ -16,10 +16,10 @@ typedef struct {
     void (*run)(world_t *world, const volatile sig_atomic_t *interrupted);
 } run_mode_t;
 
-/* Does the work of main() in each of these programs. Returns the exit status. */
+/* Does the work of main() in each program that runs a scenario. Returns the exit status. */
 int run_main(const run_mode_t *mode, int argc, char *argv[]);
 
-/* Prints an error in one line. Returns the exit status for wrong use. */
+/* Prints an error on one line. Returns the exit status for incorrect usage. */
 int run_print_error(const char *program, const char *error);
 
 #endif

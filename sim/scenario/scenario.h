@@ -20,8 +20,8 @@
 #define SCENARIO_MAX_OBJECTS 8
 #define SCENARIO_MAX_POINTS 4
 #define SCENARIO_MAX_PEOPLE 2
-#define SCENARIO_MAX_STEPS 40  /* in a person's program or the operator's script */
-#define SCENARIO_MAX_AWAITED 3 /* events that a step waits for */
+#define SCENARIO_MAX_STEPS 40  /* steps in a person's program or the operator's script */
+#define SCENARIO_MAX_AWAITED 3 /* number of events that one step can wait for */
 #define SCENARIO_MAX_CHECKS 24
 
 typedef char scenario_name_t[SCENARIO_NAME_BYTES];
@@ -40,7 +40,7 @@ typedef struct {
 typedef struct {
     int particles; /* 0 if the scenario has no water */
     double particle_radius_m;
-    double density_kgpm3; /* of a particle */
+    double density_kgpm3; /* density of a particle */
 } water_t;
 
 typedef enum {
@@ -56,17 +56,17 @@ typedef enum {
 
 typedef struct {
     scenario_name_t name;
-    double along_m; /* position on the axis of a rod or of a crank's handle, from its centre */
+    double along_m; /* position on the axis of a rod or of a crank's handle, from the axis's centre */
 } object_point_t;
 
 typedef struct {
     scenario_name_t name;
     object_kind_t kind;
-    rigid_pose_t pose;       /* of the centre at the start; for a crank, of the hinge, with the handle at +x */
-    double length_m;         /* of a rod, or of a crank's handle */
-    double radius_m;         /* of a rod, or from a crank's hinge to the axis of its handle */
-    double size_m[3];        /* stand */
-    double mass_kg;          /* of a rod, or of a crank's handle with its arm */
+    rigid_pose_t pose;       /* start pose of the centre; for a crank, of the hinge, with the handle at +x */
+    double length_m;         /* length of a rod, or of a crank's handle */
+    double radius_m;         /* radius of a rod, or distance from a crank's hinge to the axis of its handle */
+    double size_m[3];        /* size of a stand */
+    double mass_kg;          /* mass of a rod, or of a crank's handle with its arm */
     double damping_Nmspprad; /* crank: viscous friction */
     double friction_Nm;      /* crank: dry friction */
     grip_kind_t robot_grip, person_grip;
@@ -82,7 +82,7 @@ typedef struct {
     double offset_m[3];                    /* its centre in the frame of the end effector */
     double stroke_s;                       /* time from open to closed */
     double capture_m;                      /* the closing jaws grip an axis within this distance of the centre */
-    double stiffness_Npm, damping_Nspm;    /* of the pads, along each axis */
+    double stiffness_Npm, damping_Nspm;    /* stiffness and damping of the pads, along each axis */
     double force_limit_N, torque_limit_Nm; /* above either limit the object slips out */
 } gripper_t;
 
@@ -107,8 +107,8 @@ typedef struct {
     double at_s;                       /* earliest begin; 0 if not restricted */
     int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all of them */
     size_t awaited_count;
-    double delay_s;    /* after the last of these events, or after the previous step if there are none */
-    double patience_s; /* timeout for these events, after which the run fails; 0 for no timeout */
+    double delay_s;    /* delay after the last awaited event, or after the previous step if no event is awaited */
+    double patience_s; /* timeout for the awaited events, after which the run fails; 0 for no timeout */
 } step_start_t;
 
 /* ---- people */
@@ -131,7 +131,7 @@ typedef struct {
     double duration_s;                   /* rest, move, reach, guide; turn: of one revolution */
     double displacement_m[3];            /* move: from the start */
     double rotation_vector_rad[3];       /* move: from the start orientation, torso axes */
-    bool from_here;                      /* move: both are relative to the end of the previous step, not to the start */
+    bool from_here;                      /* move: displacement and rotation are relative to the end of the last step */
     point_t what, to;                    /* guide: both; reach: to */
     double offset_m[3];                  /* reach, guide: added to `to` */
     double tolerance_m;                  /* reach, guide: short corrections follow until the point is this close */
@@ -149,12 +149,12 @@ typedef struct {
 typedef struct {
     scenario_name_t name;
     bool tracked;       /* wears the tracker's marker; exactly one person does */
-    rigid_pose_t start; /* of the hand, whose frame is like the robot's: z forward along the forearm, x up; palm down */
+    rigid_pose_t start; /* start pose of the hand, palm down; its frame has z forward along the forearm and x up */
     double grip_m[3];   /* grip point in the frame of the hand */
     double elbow_m[3];  /* fixed; the forearm points to it */
     double mass_kg; /* effective mass of hand and forearm at the hand; its radius of gyration is PERSON_GYRATION_M */
-    double stiffness_Npm, damping_ratio; /* of the arm, against forces at the hand */
-    double stiffness_Nmprad;             /* of the wrist */
+    double stiffness_Npm, damping_ratio; /* resistance of the arm to forces at the hand */
+    double stiffness_Nmprad;             /* stiffness of the wrist */
     double grip_force_limit_N;
     double tremor_mm; /* RMS, all axes combined */
     cup_t cup;
@@ -202,13 +202,13 @@ typedef enum {
     MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
     MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` minus expected_deg */
     MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */
-    MEASURE_WATER_CAUGHT,      /* %, share of these that are in the person's cup at the end */
+    MEASURE_WATER_CAUGHT,      /* %, share of the poured particles that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
-    MEASURE_DROPS,             /* how often the object was held by nobody after its first grip, or slipped */
+    MEASURE_DROPS,             /* number of times the object slipped, or was held by nobody after its first grip */
     MEASURE_HELD,              /* 1 if only the named person holds the object at the end */
     MEASURE_FORCE_RMS,         /* N, at the person's hand while it holds the object, from ODE's joint */
     MEASURE_FORCE_PEAK,
-    MEASURE_TURNS,          /* of the crank */
+    MEASURE_TURNS,          /* turns of the crank */
     MEASURE_CARRIED_FOR,    /* s, time for which robot and person held the object together */
     MEASURE_CLEARANCE,      /* mm, smallest distance between person and robot, except for intended contact */
     MEASURE_SELF_CLEARANCE, /* mm, smallest distance between the arm and the rest of the robot */
@@ -230,14 +230,15 @@ typedef struct {
     double expected_deg;
     size_t object, person;
     double limit;
-    bool is_lower_bound; /* true for at least the limit, false for at most */
+    bool is_lower_bound; /* true: the value must be at least the limit; false: at most */
 } scenario_check_t;
 
-/* Ranges in which the seed varies a scenario, uniformly from minus to plus the value. */
+/* Ranges in which the seed varies a scenario. Each quantity changes by a uniform random amount between minus and plus
+ * the value. */
 typedef struct {
     double start_m;          /* start position of the tracked person's hand, per axis */
-    double move_m;           /* end of each move, per axis; moves to the same position still end at the same one */
-    double object_m[3];      /* position of the objects, which are all shifted alike */
+    double move_m;           /* end of each move, per axis; moves to the same position still share one end */
+    double object_m[3];      /* position of the objects; all are shifted by the same amount */
     double duration_percent; /* duration of each step that has one */
 } variation_t;
 
@@ -269,7 +270,7 @@ typedef struct {
     events_t events; /* all events that can happen; none has happened yet */
 } scenario_t;
 
-#define SCENARIO_STOP_BEFORE_END_S 0.5 /* from the operator's stop to the end of the run */
+#define SCENARIO_STOP_BEFORE_END_S 0.5 /* time from the operator's stop to the end of the run */
 
 /* Varies start, moves, object positions and durations as the seed determines, within the ranges of `variation`. Seed 0
  * changes nothing. */

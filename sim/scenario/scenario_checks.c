@@ -4,7 +4,7 @@
 
 #include "scenario_sections.h"
 
-/* In the order of measure_t. */
+/* The order must match measure_t. */
 static const char *const measures[] = {
     "settled_position",
     "following_rms",

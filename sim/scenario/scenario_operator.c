@@ -2,7 +2,7 @@
 #include "scenario_sections.h"
 #include "yaml_choice.h"
 
-/* In the order of actions[]. */
+/* The order must match actions[]. */
 enum { DO_SELECT, DO_START, DO_LATCH, DO_CLUTCH, DO_STOP, DO_GRIPPER };
 
 static const char *const actions[] = {"select", "start", "latch", "clutch", "stop", "gripper", NULL};

@@ -9,7 +9,7 @@
 #define MOVE_MAX_M 1.5
 #define LONGEST_STEP_S 2e-3 /* largest physics step that --physics-step-us accepts */
 
-/* In the order of person_action_t. */
+/* The order must match person_action_t. */
 static const char *const actions[] = {"rest", "move", "reach", "guide", "play", "grip", "release", "turn", NULL};
 
 /* Keys of each action, in the order of actions[]. */

@@ -1,5 +1,5 @@
-/* Reads the sections of a scenario file, one function for each. Names are read first (scenario_names.c), so that any
- * section may refer to any other, in any order. */
+/* Reads the sections of a scenario file. Each section has its own function. Names are read first (scenario_names.c), so
+ * that any section may refer to any other, in any order. */
 #ifndef COMANIP_SIM_SCENARIO_SECTIONS_H
 #define COMANIP_SIM_SCENARIO_SECTIONS_H
 
@@ -22,7 +22,7 @@ void scenario_read_checks(yaml_reader_t *yaml, scenario_t *self);
 void scenario_read_cup(yaml_reader_t *yaml, yaml_node_t *map, cup_t *cup);
 void scenario_read_pose(yaml_reader_t *yaml, yaml_node_t *map, rigid_pose_t *pose); /* position_m, rotation */
 
-/* at_s, after, delay_s, patience_s. */
+/* Reads at_s, after, delay_s and patience_s. */
 void scenario_read_start(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, step_start_t *start);
 
 /* Resolve a name (scenario_references.c). Each returns the index, or 0 after an error. */

@@ -1,4 +1,4 @@
-/* Varies a scenario by the seed. */
+/* Varies a scenario as the seed determines. */
 #include <stdio.h>
 #include <string.h>
 

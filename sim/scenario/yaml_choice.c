@@ -6,8 +6,8 @@
 #define WORD_BYTES 64
 #define LIST_BYTES 1200
 #define SHORT_LIST_BYTES 60
-#define SIMILAR_SHARE 3   /* two words are similar if at most 1 / SIMILAR_SHARE of the letters differ, */
-#define SIMILAR_LETTERS 2 /* or at most this many letters */
+#define SIMILAR_SHARE 3   /* two words are similar if at most 1 / SIMILAR_SHARE of the letters differ */
+#define SIMILAR_LETTERS 2 /* or if at most SIMILAR_LETTERS letters differ */
 
 int yaml_choice(const char *word, const char *const words[]) {
     for (int i = 0; words[i] != NULL; i++) {

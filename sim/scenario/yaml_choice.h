@@ -9,7 +9,7 @@
 int yaml_choice(const char *word, const char *const words[]);
 
 /* Reports "expected one of the WHAT a, b, c; did you mean b?". what: the kind of the words, for example "keys". If
- * there is a similar word, a long list is replaced by its length. */
+ * there is a similar word, the message states the length of a long list instead of the list itself. */
 void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const words[]);
 
 /* Rejects a node that is not a mapping and keys that are not in the NULL-terminated list. Accepts NULL. */

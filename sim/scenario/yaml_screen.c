@@ -30,7 +30,7 @@ static size_t plain_bytes(const yaml_char_t *text, size_t length) {
     return length;
 }
 
-/* mark is shown before the value: "&" for an anchor, "*" for an alias, otherwise "". */
+/* Rejects the value. mark is shown before it: "&" for an anchor, "*" for an alias, otherwise "". */
 static bool refuse(const screen_t *self, const yaml_event_t *event, const char *mark, const yaml_char_t *value,
                    const char *expected) {
     size_t shown = plain_bytes(value, strnlen((const char *)value, SHOWN_BYTES));

@@ -27,7 +27,7 @@ void arm_plant_release(arm_plant_t *self, int joint);
 double arm_plant_position_rad(const arm_plant_t *self, int joint);
 double arm_plant_velocity_radps(const arm_plant_t *self, int joint);
 
-/* Returns the torque of motor and stop together about the joint's axis during the last step. */
+/* Returns the combined torque of motor and stop about the joint's axis during the last step. */
 double arm_plant_torque_Nm(const arm_plant_t *self, int joint);
 
 /* Computes the pose of the end effector in the torso frame from ODE's bodies. The quaternion's sign is continuous over

@@ -75,7 +75,7 @@ static bool touch_around(profile_t on_line, double half_wall_m, profile_t centre
 }
 
 /* Returns true if a sphere certainly does not touch the shell. This test is quick, because it needs no square root, and
- * it settles the case of most particles, which are well inside or outside the cup. */
+ * it is sufficient for most particles, which are well inside or outside the cup. */
 static bool is_clear(const cup_t *self, double square, double z, double radius_m) {
     const double room_m = self->radius_m - radius_m;
     const double outer_m = self->radius_m + self->wall_m + radius_m;
@@ -107,7 +107,7 @@ int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_
     return count;
 }
 
-/* Fills one layer with as many points as fit, at most `count`. Returns their number. */
+/* Fills one layer with at most `count` points. Returns how many of them fit. */
 static int fill_layer(double room_m, double spacing_m, double turn_rad, double height_m, int count,
                       double point_m[][3]) {
     const int reach = 2 * (int)ceil(room_m / spacing_m);

@@ -1,6 +1,7 @@
-/* The wall of a cup, as particles touch it. Its centre line runs along the bottom to the corner and up to the rim.
- * Rotated about the cup's axis and thickened, it becomes a rounded shell. The shell lies outside the inner surface, so
- * that the inner radius and height are those of the cup. Points are in the cup's frame unless stated otherwise. */
+/* The wall of a cup that particles can touch. Its centre line runs along the bottom to the corner and up to the rim.
+ * Rotating this line about the cup's axis and thickening it produces a rounded shell. The shell lies outside the inner
+ * surface, so that the inner radius and height are those of the cup. Points are in the cup's frame unless stated
+ * otherwise. */
 #ifndef COMANIP_SIM_CUP_H
 #define COMANIP_SIM_CUP_H
 
@@ -34,16 +35,16 @@ void cup_rotate_to_world(const placed_cup_t *self, const double direction[3], do
  * within the shell or the sphere is wider than the cup. */
 int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_contact_t contact[CUP_MAX_CONTACTS]);
 
-/* Computes where to put the centres of `count` spheres: layer upon layer from the bottom of the cup, above the rim if
- * necessary. Returns the height of the last layer, or 0 if the cup is too narrow for a single sphere. */
+/* Computes positions for the centres of `count` spheres, layer upon layer from the bottom of the cup, and above the rim
+ * if necessary. Returns the height of the last layer, or 0 if the cup is too narrow for a single sphere. */
 double cup_lattice(const cup_t *self, double radius_m, int count, double point_m[][3]);
 
 /* Returns true if the centre of a particle is in the cup's inner cylinder. */
 bool cup_contains(const cup_t *self, const double centre_m[3]);
 
 /* Returns true if a particle that was in the cup has left it, that is, if it is outside the wall and below the rim, or
- * farther from the inner cylinder than its diameter plus the wall. Until then it may lie on the heap or on the rim, and
- * may fall back. */
+ * farther from the inner cylinder than its diameter plus the wall thickness. Until then it may lie on the heap or on
+ * the rim, and may fall back. */
 bool cup_is_left_by(const cup_t *self, const double centre_m[3], double radius_m);
 
 #endif

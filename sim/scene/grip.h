@@ -1,7 +1,8 @@
-/* A grip, from which the object slips above a load limit. It is a ball or fixed joint of ODE between the hand and the
- * object, at the point of the object's axis nearest to the hand. The robot's pads act as springs, made from ERP and CFM
- * of ODE's joint, which is integrated implicitly and is therefore stable for any stiffness. A fixed grip does not yield
- * in rotation. A person's compliance is that of the arm (hand_body.h). */
+/* A grip that the object slips out of when the load exceeds a limit. It is an ODE ball or fixed joint between the hand
+ * and the object, at the point of the object's axis nearest to the hand. The robot's pads act as springs, which are
+ * modelled by the ERP and CFM of the ODE joint. The joint is integrated implicitly and is therefore stable for any
+ * stiffness. A fixed grip does not yield in rotation. A person's grip is rigid, but the person's arm is compliant
+ * (hand_body.h). */
 #ifndef COMANIP_SIM_GRIP_H
 #define COMANIP_SIM_GRIP_H
 
@@ -10,7 +11,7 @@
 
 #include "objects.h"
 
-#define GRIP_LOAD_TIME_S 0.005 /* time constant of the load, so that a shock of one step does not open a hand */
+#define GRIP_LOAD_TIME_S 0.005 /* time constant of the load filter, so that a one-step shock does not open a hand */
 
 typedef struct {
     double stiffness_Npm, damping_Nspm; /* 0 for a rigid grip */
@@ -25,7 +26,7 @@ typedef struct {
     grip_kind_t kind;
     dReal point_m[3]; /* grip point in the frame of the hand's body */
     dJointFeedback feedback;
-    double load_N, load_Nm; /* smoothed */
+    double load_N, load_Nm; /* smoothed load */
 } grip_t;
 
 /* Closes the grip on objects[object]. self must not move in memory while the grip is closed. point_m: grip point of the

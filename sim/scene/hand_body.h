@@ -16,7 +16,7 @@ struct dxWorld;
 
 typedef struct {
     struct dxBody *body;
-    double mass_kg, inertia_kgm2; /* of a homogeneous ball with 60 mm radius of gyration */
+    double mass_kg, inertia_kgm2; /* inertia of a homogeneous ball with 60 mm radius of gyration */
     double stiffness_Npm, damping_Nspm;
     double stiffness_Nmprad, damping_Nmspprad;
     rigid_pose_t aim;                              /* desired pose at the end of the last step */

@@ -1,4 +1,4 @@
-/* The objects that people and robot handle, as rigid bodies: rods, cranks, and the stands that rods lie on. */
+/* Rigid bodies of the objects that people and robot handle: rods, cranks, and the stands that rods lie on. */
 #ifndef COMANIP_SIM_OBJECTS_H
 #define COMANIP_SIM_OBJECTS_H
 
@@ -14,24 +14,25 @@ struct dxWorld;
 typedef struct {
     const object_t *data;
     struct dxBody *body;    /* NULL for a stand */
-    struct dxJoint *hinge;  /* of a crank */
+    struct dxJoint *hinge;  /* hinge of a crank */
     double hinge_angle_rad; /* unwrapped, 0 at the start */
     double last_angle_rad;  /* as ODE reports it, from -pi to pi */
 } scene_object_t;
 
 void scene_object_init(scene_object_t *self, struct dxWorld *world, const object_t *data);
 
-/* Damps the spin of a rod, and adds the last rotation of a crank to its angle. Call it before each step. */
+/* Damps the spin of a rod, and adds a crank's rotation in the last step to the crank's angle. Call it before each
+ * step. */
 void scene_object_prepare(scene_object_t *self);
 
 /* Computes the pose of the centre of a rod or a stand, or of a crank's hinge with its current rotation. */
 void scene_object_pose(const scene_object_t *self, rigid_pose_t *pose);
 
-/* Computes the position of the point at along_m from the centre of the axis by which the object is held, which is the
- * axis of a rod or of a crank's handle. */
+/* Computes the position of the point at offset along_m from the centre of the axis by which the object is held. This
+ * is the axis of a rod or of a crank's handle. */
 void scene_object_point(const scene_object_t *self, double along_m, double position_m[3]);
 
-/* Finds the point of this axis that is nearest to `position_m`, and returns its distance. */
+/* Finds the point nearest to `position_m` on the axis by which the object is held, and returns its distance. */
 double scene_object_nearest(const scene_object_t *self, const double position_m[3], double nearest_m[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* Contacts of the particles: where they overlap each other and the cups' walls. */
+/* Finds the contacts of the particles with each other and with the cups' walls. */
 #ifndef COMANIP_SIM_PARTICLE_CONTACTS_H
 #define COMANIP_SIM_PARTICLE_CONTACTS_H
 
@@ -9,20 +9,20 @@ typedef struct {
     int one;               /* a particle's index */
     int other;             /* a particle's index below `one`, or the wall's index */
     double normal[3];      /* unit, from `other` into `one` */
-    double depth_m;        /* of the overlap, > 0 */
-    double wall_speed_mps; /* of the wall along the normal; 0 between particles */
-    double impulse_Ns;     /* on `one` along the normal, >= 0; written by the solver */
+    double depth_m;        /* depth of the overlap, > 0 */
+    double wall_speed_mps; /* speed of the wall along the normal; 0 between particles */
+    double impulse_Ns;     /* impulse on `one` along the normal, >= 0; written by the solver */
 } particle_contact_t;
 
 /* An entry of the list of particles, which is sorted along x. */
 typedef struct {
     double position_m[3];
     double radius_m;
-    int particle; /* its index */
+    int particle; /* the particle's index */
 } particle_along_x_t;
 
 /* Finds the contacts between particles. sorted[] lists the *sorted_count particles that are not spilt, in the order
- * that the last call left. For the first call any order will do, and only `particle` needs to be set. Removes particles
+ * left by the last call. For the first call any order will do, and only `particle` needs to be set. Removes particles
  * spilt since the last call. Returns the number of contacts, at most one per pair. */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]);

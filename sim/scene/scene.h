@@ -1,6 +1,6 @@
 /* The physical scene in ODE: the robot's arm with gripper and cup, the people's hands, and the objects. ODE computes
  * all forces except those of the water. The scene's parts are in arm_plant.h, hand_body.h, grip.h, objects.h, support.h
- * and water.h. Its commands come from the drives, the gripper node and the people's programs.
+ * and water.h. The drives, the gripper node and the people's programs command the scene.
  *
  * Arm, hands and objects form one system, which ODE's exact solver (dWorldStep) solves. The water is a second system:
  * the cups act on the water, but the water does not act on the cups. The same commands always produce bit-identical
@@ -38,7 +38,7 @@ void scene_robot_cup(const scene_t *self, rigid_pose_t *cup);
 
 /* ---- people */
 
-/* Sets the desired pose of the hand at the end of the next step. The desired velocity follows from the difference from
+/* Sets the desired pose of the hand at the end of the next step. The desired velocity is computed from the change since
  * the last call. Without external forces the hand reaches this pose exactly; forces deflect it against the arm's
  * stiffness. Call it before each scene_step(). */
 void scene_aim_hand(scene_t *self, size_t person, const rigid_pose_t *hand);

@@ -4,18 +4,18 @@
 #include <ode/ode.h>
 
 #define FRICTION 0.6
-/* Stiffness and damping of each contact, as of rubber pads: a rod of 0.1 kg sinks in by about 0.01 mm and does not
- * bounce. */
+/* Stiffness and damping of each contact, similar to those of rubber pads. A rod of 0.1 kg sinks in by about 0.01 mm and
+ * does not bounce. */
 #define CONTACT_NPM 2e4
 #define CONTACT_NSPM 20.0
-/* A contact creeps by 1 mm/s per N of friction. The four contacts of a rod in a groove have more directions than the
- * rod has degrees of freedom. Without creep the friction forces would be undetermined, and ODE's LCP solver would
+/* A contact creeps at 1 mm/s per N of friction. The four contacts of a rod in a groove constrain more directions than
+ * the rod has degrees of freedom. Without creep the friction forces would be undetermined, and ODE's LCP solver would
  * fail. */
 #define CONTACT_SLIP_MPNS 1e-3
 #define GROOVE_DEPTH_M 0.01 /* a rod that is deeper than this below its start position has left the groove */
-#define GROOVE_SLOPE 0.70710678118654752440 /* of the sides of the V: 45 degrees */
+#define GROOVE_SLOPE 0.70710678118654752440 /* sine and cosine of the 45-degree slope of the V's sides */
 
-/* Where contacts are added, and the length of the step that they are for. */
+/* World and group to which contacts are added, and length of the step in which they act. */
 typedef struct {
     dWorldID world;
     dJointGroupID group;

@@ -1,5 +1,5 @@
-/* What a rod lies on when nobody holds it: the ground, or a stand with a V groove that fits the rod's start pose. The
- * contacts are elastic, have Coulomb friction, and are solved by ODE. */
+/* Supports that a rod lies on when nobody holds it: the ground, or a stand with a V groove that fits the rod's start
+ * pose. The contacts are elastic, have Coulomb friction, and are solved by ODE. */
 #ifndef COMANIP_SIM_SUPPORT_H
 #define COMANIP_SIM_SUPPORT_H
 

@@ -1,8 +1,8 @@
-/* Water as frictionless particles: they collide with each other and with the cups (cup.h), feel gravity, come to rest
- * where they reach the ground, and do not act on the cups. Their sizes differ by up to 20 %, because particles of equal
- * size settle into layers that do not flow. They still behave like beads rather than a liquid: a heap has a slope of
- * about 15 degrees, and the rim holds back particles by up to their diameter, so that less leaves a tilted cup than
- * with a liquid. */
+/* Water, modelled as frictionless particles. They collide with each other and with the cups (cup.h), fall under
+ * gravity, come to rest where they reach the ground, and do not act on the cups. Their radii differ from the mean by up
+ * to 20 %, because particles of equal size settle into layers that do not flow. They still behave like beads rather
+ * than a liquid: a heap has a slope of about 15 degrees, and the rim holds back particles by up to their diameter, so
+ * less leaves a tilted cup than would with a liquid. */
 #ifndef COMANIP_SIM_WATER_H
 #define COMANIP_SIM_WATER_H
 
@@ -10,8 +10,9 @@
 
 #define WATER_MAX_CUPS 2
 
-/* Each particle is counted in exactly one of the first three members. It is in a cup from the time its centre enters
- * the inner cylinder until it has left (cup_is_left_by). On the heap and on the rim it still counts as inside. */
+/* Each particle is counted in exactly one of the first three members. It counts as in a cup from the time its centre
+ * enters the inner cylinder until cup_is_left_by() returns true. On the heap and on the rim it still counts as
+ * inside. */
 typedef struct {
     int in_robot_cup;   /* cup 0 */
     int in_person_cup;  /* cup 1 */
@@ -21,8 +22,8 @@ typedef struct {
 
 typedef struct water_body water_body_t;
 
-/* There must be at least one particle; particle_radius_m is the mean radius. All particles start in cups[0], where they
- * have settled. cups[1] may be absent (present = false). pose: of the cups, in torso axes. ground_z_m: height of the
+/* There must be at least one particle; particle_radius_m is the mean radius. All particles start in cups[0], already
+ * settled. cups[1] may be absent (present = false). pose: poses of the cups, in torso axes. ground_z_m: height of the
  * ground. Returns NULL if out of memory or if the particles do not fit. */
 water_body_t *water_create(const water_t *water, const cup_t cups[WATER_MAX_CUPS],
                            const rigid_pose_t pose[WATER_MAX_CUPS], double ground_z_m);

@@ -32,7 +32,7 @@
 #include "../scene/scene.h"
 
 #define WORLD_TICK_NS 1000000
-#define WORLD_TEXT_BYTES 900 /* the operator's failure and the note about the tracker */
+#define WORLD_TEXT_BYTES 900 /* fits the operator's failure and the note about the tracker */
 
 typedef struct world world_t;
 
@@ -41,7 +41,7 @@ struct world {
     const scenario_t *scenario; /* already varied by the seed */
     events_t events;
     int64_t now_ns;
-    int64_t end_ns;     /* an upper limit until all scripts are done */
+    int64_t end_ns;     /* end of the run; only an upper limit until all scripts are done */
     double stop_s;      /* when the operator's stop became due; negative until then */
     bool has_fixed_end; /* --duration: the run continues to its end, even if all scripts are done */
     bool is_shortened;  /* ends before the scenario's duration_s; unfinished scripts then do not fail the run */
@@ -50,10 +50,10 @@ struct world {
 
     scene_t *scene;
     person_program_t *program[SCENARIO_MAX_PEOPLE];
-    hand_history_t *hand_history; /* of the tracked person */
+    hand_history_t *hand_history; /* poses of the tracked person's hand */
     proximity_t *proximity;
     measured_clearance_t clearance;
-    physical_state_t state; /* of the scene, at now_ns */
+    physical_state_t state; /* state of the scene at now_ns */
 
     bus_t *bus;
     drive_node_t *drives;
@@ -64,7 +64,7 @@ struct world {
 
     observer_t observer;
     tracking_t tracking;
-    largest_scale_t largest_scale; /* of the recording on the command line */
+    largest_scale_t largest_scale; /* for the recording on the command line */
     rest_monitor_t rest;
     latency_t latency;
     latency_ms_t latency_ms; /* valid after the run */
