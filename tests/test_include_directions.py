@@ -1,5 +1,5 @@
-"""Include directions: the source tree obeys them, the checker reads the same includes as the compiler, and every kind
-of violation is detected."""
+"""The source tree obeys the include directions. The checker reads the same includes as the compiler, and detects every
+kind of violation."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_the_tree_follows_its_directions(tree):
 
 
 def test_the_table_allows_no_circle():
-    """Each row of the table names only rows above it."""
+    """A row of the table may name only rows above it, so the table allows no include cycle."""
     above = []
     for row, may_use in check.MAY_USE.items():
         for name in may_use:
@@ -102,7 +102,7 @@ def test_an_include_against_the_direction_is_one_line(tree, file, include, targe
     status, lines = checked(tree)
     assert status == 1
     assert lines[0].startswith(f"{file}:{line}: includes {target}; {wrong}")
-    assert all("in a circle" in other for other in lines[1:])  # some of the violations also close a circle
+    assert all("in a circle" in other for other in lines[1:])  # some of the violations also create an include cycle
 
 
 def test_files_in_a_circle_are_named(tree):

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 ARM = core.Arm.named("hoap3_right")
 N = ARM.joint_count
 TICK_S = 1e-3
-RESOLUTION_RADPS = 1e-3  # of the velocity in JointCmd
+RESOLUTION_RADPS = 1e-3  # resolution of the velocity in JointCmd
 
 any_velocity = st.one_of(
     st.floats(-10, 10),
@@ -33,7 +33,7 @@ DEFAULT_JERK = 10_000.0
 
 
 def arm_of(jerk: float) -> core.Arm:
-    """Returns an arm with HOAP-3's ranges and speeds, and with this jerk limit."""
+    """Returns an arm with HOAP-3's ranges and speeds, and with the given jerk limit."""
     ranges = (ARM.position_min_rad, ARM.position_max_rad, ARM.velocity_max_radps)
     return core.Arm(
         np.repeat(IDENTITY, N, 0), np.repeat(Z_AXIS, N, 0), *ranges, jerk_max_radps3=np.full(N, jerk, np.float32)
@@ -133,7 +133,7 @@ def test_no_limit_is_ever_exceeded(start, commanded, delay_ticks, acceleration, 
 
 LONGEST_HOLD = {"a tick": 1, "some ticks": 30, "until it is there": 500}
 LAG_AS_DELAY = (
-    1.42  # sqrt(2): with a first-order lag the joint has v lag + a lag^2 left, with a delay v delay + a delay^2 / 2
+    1.42  # sqrt(2): a first-order lag leaves v lag + a lag^2 to travel, a delay leaves v delay + a delay^2 / 2
 )
 
 
@@ -143,8 +143,8 @@ LAG_AS_DELAY = (
        lag_s=st.one_of(st.just(0.0), st.floats(1e-3, 1e-2)),
        acceleration=accelerations, jerk=jerks)  # fmt: skip
 def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag_s, acceleration, jerk):
-    """At full speed in either direction for random times, mostly outwards, and with a feedforward velocity as well, no
-    limit is exceeded."""
+    """No limit is exceeded when the joints are driven at full speed in either direction for random times, mostly
+    outwards, and with a feedforward velocity as well."""
     rng = np.random.default_rng(seed)
     start = position_at(rng.random(N) ** 3 if seed % 2 else 1 - rng.random(N) ** 3)
     delay_s = delay_ticks * tick_s + LAG_AS_DELAY * lag_s
@@ -165,8 +165,8 @@ def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, commanded=commands)
 def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
-    """From any state, mostly at full acceleration, the joints stop within v/a + 2.5 a/j and two ticks, where a and j
-    are rounded down to whole steps of the resolution. The brakes may close only then."""
+    """The joints stop from any state, mostly from full acceleration, within v/a + 2.5 a/j and two ticks, where a and j
+    are rounded down to whole steps of the resolution. The brakes may close only after the stop."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, jerk, tick_s=tick_s, approach_gain_per_s=0.0)
     change_max = math.floor(acceleration * tick_s / RESOLUTION_RADPS + 1e-3)
     second_max = math.floor(jerk * tick_s**2 / RESOLUTION_RADPS + 1e-3)
@@ -206,7 +206,7 @@ def test_commands_are_whole_multiples_of_the_bus_resolution(start, demanded, acc
 @pytest.mark.parametrize("acceleration", [1.0, 1.5, 5.0, 25.0, 70.0])
 def test_any_demanded_speed_is_reached_and_left_again(acceleration):
     """The demanded speed is reached within the time that acceleration and jerk allow, both in whole steps of the
-    resolution. Rounding loses no part of it."""
+    resolution. No part of the speed is lost to rounding."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, approach_gain_per_s=0.0)
     target = np.array([0.4, -0.3, 0.2, -0.1])
     steps_a_tick = math.floor(acceleration * TICK_S / RESOLUTION_RADPS + 1e-6)
@@ -280,7 +280,8 @@ def test_a_sum_that_overflows_brakes():
 @pytest.mark.parametrize("way_rad", [0.001, 0.05, 0.5, 1.2])
 def test_a_proportional_law_arrives_without_overshoot(gain, overshoot_rad, delay_ticks, way_rad):
     """With a demand of K times the distance, a joint brakes in time although the control law does not know the limits.
-    At a gain of 100/s it overshoots by up to 2 mrad, because it enters the linear range while still accelerating."""
+    At a gain of 100/s the joint overshoots by up to 2 mrad, because it enters the linear range while still
+    accelerating."""
     drives = Drives(position_at([0.5] * N), delay_ticks, command_delay_s=0.002, approach_gain_per_s=gain)
     start = drives.position_rad.copy()
     goal = start + way_rad * np.array([1, -1, 1, -1]) * [1, 0.5, 0.7, 0.3]

@@ -1,5 +1,5 @@
-"""The latency in summary.json agrees with numpy's on the trace, is correct for motions of known delay, and follows
-changes of the tracker."""
+"""The latency in summary.json agrees with the one that numpy computes from the trace, is correct for motions of known
+delay, and follows changes of the tracker."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def latency(tmp_path, *arguments, scenario="teleop") -> dict:
 
 
 def delay_of_trace_ms(file) -> float:
-    """Returns the delay at which the difference between the robot's path and the person's varies least. Only for
+    """Returns the delay at which the difference between the robot's path and the person's varies least. Valid only for
     `teleop`, in which the target is the path of the hand."""
     trace = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding=None)
     person, hand = (np.array([trace[f"{who}_{axis}_m"] for axis in "xyz"]) for who in ("person", "hand"))
@@ -47,7 +47,7 @@ def test_end_to_end_latency_matches_numpy_on_the_trace(tmp_path):
 
 
 def test_one_law_has_equal_latency_in_every_task(tmp_path):
-    """Lever arms and rotated or mirrored hands add no delay."""
+    """Lever arms and rotated or mirrored hands add no delay, so the latency of one law is the same in every task."""
     found = [latency(tmp_path / name, scenario=name)["end_to_end_ms"] for name in SCENARIOS]
     assert max(found) - min(found) < 6, found
 
@@ -108,7 +108,7 @@ def test_a_known_delay_is_found(rng, delay_ms):
     in two intervals with different constants."""
 
     def hand(t_s):
-        """Returns positions (N, 3) and rotations (N, 3, 3) at these times."""
+        """Returns positions (N, 3) and rotations (N, 3, 3) at the given times."""
         position_m = 0.05 * np.stack([np.sin(3 * t_s), np.sin(4 * t_s + 1), np.sin(5 * t_s + 2)], axis=-1)
         turns = np.stack([0.3 * np.sin(2 * t_s), 0.2 * np.cos(3 * t_s), np.full_like(t_s, 0.1)], axis=-1)
         return position_m, Rotation.from_rotvec(turns).as_matrix()

@@ -42,14 +42,14 @@ def test_a_ramp_at_the_limits_is_not_a_violation():
     watch = Watch()
     for velocity in ramp(4.7):
         assert watch.command([velocity] * 4) == 0
-    # one frame was lost: twice the time, so twice the change
+    # one frame was lost, so twice the time has passed and twice the change is allowed
     assert watch.command([velocity - 0.015] * 4, ticks=2) == 0
     assert watch.command([velocity - 0.015 - 0.02] * 4) == 0
 
 
 def test_each_frame_of_a_fourfold_tick():
-    """With frames every 4 ms, as on classic CAN, one tick suffices to reach the acceleration limit from rest, and to
-    return."""
+    """With frames every 4 ms, as on classic CAN, one tick suffices for the acceleration to rise from zero to its limit,
+    and one to fall back."""
     watch = Watch()
     for velocity in (0, 0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.24, 0.14):
         assert watch.command([velocity] * 4, ticks=4) == 0
@@ -69,8 +69,8 @@ def test_jerk(joint, first, then, violations):
 
 
 def test_jerk_after_lost_frames():
-    """After two lost frames only the mean of three changes is known: here 18.3 mrad/s, of 10, 20 and 25 mrad/s from
-    rest. The next change may differ from it by 10 (3 + 1) / 2 mrad/s."""
+    """After two lost frames, only the mean of the last three velocity changes is known. Here it is 18.3 mrad/s, the
+    mean of 10, 20 and 25 mrad/s. The next change may differ from the mean by 10 (3 + 1) / 2 mrad/s."""
     for velocity, violations in ((0.055 + 0.025, 0), (0.055 - 0.001, 0), (0.055 - 0.002, 4)):
         watch = Watch()
         watch.command()

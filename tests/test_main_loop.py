@@ -9,8 +9,8 @@ import pytest
 from simulation import REPOSITORY
 
 PLACES = 15  # capacity of the smallest receive queue, see hal/slcan/slcan_link.h
-# Frames arrive in three of the 4 ms of a tick on classic CAN, this many in each, once every 40 ms. These 18 frames are
-# more than the queue holds, but fewer than queue and inbox hold together.
+# A tick of classic CAN lasts 4 ms. In one tick of every ten, this many frames arrive in each of three milliseconds. The
+# 18 frames are more than the queue holds, but fewer than queue and inbox hold together.
 FRAMES_A_MS = 6
 
 HAL = """

@@ -1,4 +1,4 @@
-"""`make` as a user types it: `make help`, and `make sim` with the options that it passes to the simulator."""
+"""`make` works as a user types it: `make help`, and `make sim` with the options that it passes to the simulator."""
 
 from __future__ import annotations
 

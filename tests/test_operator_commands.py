@@ -109,7 +109,7 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
     def end_when_repeated() -> None:
         wait_until(lambda: len(live.received) >= 3, "three requests")
-        stored.extend(live.bench.stored)  # a request that is still under way when the save ends starts another save
+        stored.extend(live.bench.stored)  # a request still on its way when the save ends starts another save
         live.bench.store_until = 0
 
     ending = threading.Thread(target=end_when_repeated)
@@ -121,7 +121,8 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
 
 def test_a_value_that_reads_back_differently_is_reported(live, comanip, monkeypatch):
-    """A value that reads back differently is reported; here it differs as if another client had overwritten it."""
+    """A value that reads back differently is reported. In this test the value differs as if another client had
+    overwritten it."""
     from comanip.bus.operator_client import OperatorClient
 
     monkeypatch.setattr(OperatorClient, "read", lambda self, name: 0.75)

@@ -21,7 +21,7 @@ def python(code: str, path: Path | None = None, **environment: str) -> subproces
 
 
 def without(*names: str) -> str:
-    """Returns Python code that makes these modules impossible to import."""
+    """Returns Python code that makes the named modules impossible to import."""
     return f"import sys; sys.modules.update(dict.fromkeys({names!r})); "
 
 
@@ -36,7 +36,7 @@ def clone(tmp_path_factory) -> Path:
 
 
 def install(clone: Path, target: Path, **environment: str) -> Path:
-    """Installs the package like pip and pipx, but offline: its requirements come from this environment."""
+    """Installs the package as pip and pipx do, but offline, so that its requirements come from this environment."""
     command = [
         PYTHON,
         "-m",

@@ -177,8 +177,8 @@ def is_complete(file: Path, *scales: float) -> bool:
 
 @pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, len(record(DEFAULTS)) - 1])
 def test_killed_during_the_write(hub, file, bytes_written):
-    """The kernel kills the process (RLIMIT_FSIZE) after this number of bytes. The next firmware boots and saves
-    normally."""
+    """The kernel kills the process (RLIMIT_FSIZE) after it has written this number of bytes. The next firmware boots
+    and saves normally."""
     file.write_bytes(with_scale(0.5))
     with firmware(hub, "--parameters", file) as (process, client):
         client.write("motion_scale", 0.25)

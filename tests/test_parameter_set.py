@@ -1,4 +1,4 @@
-"""Sets of parameters: which are refused, how refusals are reported, and that every refused set would indeed be too
+"""Tests which sets of parameters are refused, how refusals are reported, and that every refused set would indeed be too
 fast."""
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def test_the_defaults_and_all_slower_gains_are_accepted(tick_s):
 
 
 def test_gains_are_refused_by_the_loops_delay():
-    """Gains and a loop delay that are unstable together are refused. Only the responsible parameters are named: a gain
-    alone, a delay with the default gains, or one of each."""
+    """Gains and a loop delay that are unstable together are refused. Only the responsible parameters are named: either
+    a gain alone, or a delay with the default gains, or one of each."""
     delay = lib.PARAMETER_COMMAND_DELAY_S
     assert check(LAW_4 | {3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
     assert check(LAW_4 | TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))
@@ -158,7 +158,7 @@ def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_correcte
     ("profile", "parameters", "others"),
     [
         ("fd", {"command_delay_s": 0.02, "following_gain_per_s": 60}, {}),
-        # k T exceeds 0.8 for each gain
+        # for each gain k, the product k T exceeds 0.8
         ("classic", {"prediction": 0, "command_delay_s": 0.02, "gain_x_per_s": 100, "gain_dual_y_per_s": 90},
          {f"gain_{axis}_per_s": 35 for axis in ("w", "y", "z", "dual_w", "dual_x", "dual_z")}),
     ],

@@ -119,8 +119,8 @@ def test_missing_parameters_get_defaults_and_unknown_numbers_are_skipped(rng):
 
 
 def test_the_former_format_is_read(rng):
-    """Records of firmware with 38 to 43 parameters, which contain the values in the order of their numbers, are
-    read."""
+    """Firmware still reads the records of firmware with 38 to 43 parameters, which contain the values in the order of
+    their numbers."""
     values = random_values(rng)
     for count in FORMER_COUNTS:
         expected = [*values[:count], *DEFAULTS[count:]]
@@ -137,7 +137,7 @@ def test_the_former_format_is_read(rng):
 
 
 def test_the_bytes_of_a_record_that_the_firmware_with_38_parameters_wrote_are_read():
-    """In this record gain_w_per_s is 11 and speed_fraction 0.25; all other parameters have their defaults."""
+    """The record contains a gain_w_per_s of 11, a speed_fraction of 0.25, and the defaults of all other parameters."""
     found = decode(OF_38_PARAMETERS)
     assert found == [*struct.unpack_from("<38f", OF_38_PARAMETERS, 8), *DEFAULTS[38:]]
     assert (found[lib.PARAMETER_GAIN_PER_S], found[lib.PARAMETER_SPEED_FRACTION]) == (11, 0.25)

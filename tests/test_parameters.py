@@ -110,7 +110,7 @@ def test_view_of_the_joint_limits(parameters):
     assert config.approach_gain_per_s == 77  # the gain of control law (4)
     for plan in list(config.plan)[
         :4
-    ]:  # prepared step sizes: 12 rad/s^2 for 1 ms, the resolution of 1 mrad/s, and 10,000 rad/s^3 for 1 ms twice
+    ]:  # prepared step sizes in units of 1 mrad/s: 12 rad/s^2 over 1 ms, and 10,000 rad/s^3 over 1 ms squared
         assert (plan.change_max_steps, plan.jerk_steps) == (12, 10)
 
 

@@ -1,5 +1,5 @@
-"""Interaction of particles in one step: contacts agree with those of all pairs in numpy, impulses with the exact
-solution of the step's problem (scipy) and with statics."""
+"""Particles interact correctly in one step: contacts agree with those that numpy finds among all pairs, and impulses
+agree with statics and with the exact solution of the step's problem (scipy)."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def contacts_of_all_pairs(position_m, radius_m, spilt):
 
 @pytest.mark.parametrize("way_m", [1e-4, 1e-3, 1e-2])
 def test_contacts_match_those_of_all_pairs(rng, way_m):
-    """The contacts of a crowd match those of all pairs while it moves by small and large steps and some particles
-    spill."""
+    """The contacts of a crowd match those of all pairs while the crowd moves by small and large steps and some
+    particles spill."""
     count = 60
     radius_m, mass_kg = sizes(rng, count)
     particles = Particles(rng.uniform(-0.02, 0.02, (count, 3)), radius_m, mass_kg)
@@ -107,8 +107,8 @@ def test_contacts_match_those_of_all_pairs(rng, way_m):
 
 
 def test_wall_contacts_have_the_speed_of_the_wall():
-    """For a particle in the corner of a cup that moves and turns, the wall's speed is that of the touched points, v + w
-    x r, along the normals."""
+    """For a particle in the corner of a cup that moves and turns, the wall's speed along each normal is that of the
+    touched point, v + w x r."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", {"present": True, "radius_m": 0.03, "height_m": 0.04, "wall_m": 0.002})
     velocity, turn = np.array([0.2, -0.1, 0.3]), np.array([0.5, -0.4, 0.0])
@@ -160,7 +160,7 @@ def test_impulses_solve_the_soft_contacts_exactly(rng):
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
     j, per_kg = jacobian(particles, contacts), np.repeat(1 / particles.mass_kg, 3)
-    # For one particle of mean mass on a wall, p = (c depth - v) / (1/m + s).
+    # For one particle of mean mass on a wall, the impulse is p = (c depth - v) / (1/m + s).
     single = Particles([[0, 0, 0]], [4e-3], [MASS_KG])
     one = Solver(single)
 
@@ -224,8 +224,8 @@ def test_separating_contacts_get_no_impulse():
 
 
 def test_an_interrupted_contact_starts_from_zero():
-    """After an interruption, the solver returns the same bits as one that has never seen the contact, and other bits
-    than one that continues from the previous step."""
+    """After an interruption, the solver returns the same bits as one that has never seen the contact. They differ from
+    those of a solver that continues from the previous step."""
 
     def impulse(*steps):
         particles = Particles([[0, 0, 7e-3], [0, 0, 0]], [4e-3] * 2, [MASS_KG] * 2)

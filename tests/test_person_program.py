@@ -29,7 +29,8 @@ def wxyz(rotation: Rotation) -> list[float]:
 
 class Person:
     """A scenario with a pipe (object 0, with its point "end" 0.2 m along its axis), a crank (object 1), and a person
-    with the given program steps: dicts of person_step_t that give `action` and `awaited` events by name."""
+    with the given program steps. The steps are dicts of person_step_t fields, with `action` and `awaited` events given
+    by name."""
 
     def __init__(self, *steps, recording=None, axes=None, tremor_mm=0.0, seed=1, recorded=()):
         self.scenario = ffi.new("scenario_t *", {"name": b"test", "person_count": 2, "object_count": 2})
@@ -131,8 +132,8 @@ GRIPPER = {"kind": lib.POINT_ROBOT_GRIPPER}
 
 @pytest.mark.parametrize("step_s", [0.0005, 0.001, 0.002])
 def test_moves_are_minimum_jerk_for_any_step_size(step_s):
-    """The first move begins at the start, the second when the first ends, even between two steps. Both have a
-    minimum-jerk profile for any step size."""
+    """The first move begins at the start, and the second when the first ends, even if that is between two steps. Both
+    have a minimum-jerk profile for any step size."""
     turn, turn_on = Rotation.from_rotvec([0.5, 0.2, -0.4]), Rotation.from_rotvec([-0.3, 0.9, 0.1])
     person = Person(
         {
@@ -156,7 +157,7 @@ def test_moves_are_minimum_jerk_for_any_step_size(step_s):
     begins_s, durations_s = (0, 0.4015, 1.1), (0.4015, 0.5, 0.3)
     shares = [share((t - begin) / duration) for begin, duration in zip(begins_s, durations_s, strict=True)]
     expected_m = START_M + sum(s[:, None] * way for s, way in zip(shares, ways_m, strict=True))
-    # Only in the step in which one move ends and the next begins, the position may be off, by the small displacement 10
+    # The position may be off only in the step in which one move ends and the next begins, by the small displacement 10
     # x^3 at the start of a move.
     np.testing.assert_allclose(position_m, expected_m, atol=10 * (step_s / 0.5) ** 3 * 0.1 + 1e-12)
     np.testing.assert_allclose(position_m[t > 0.41], expected_m[t > 0.41], atol=1e-12)
@@ -170,7 +171,7 @@ def test_moves_are_minimum_jerk_for_any_step_size(step_s):
 
 
 def test_a_move_turns_in_the_shorter_direction():
-    """A turn by 3.6 rad about an axis is made as a turn by 2 pi - 3.6 in the other direction."""
+    """The person turns by 3.6 rad about an axis by turning by 2 pi - 3.6 rad in the other direction."""
     axis = np.array([0.6, 0.0, 0.8])
     person = Person({"action": "move", "duration_s": 1.0, "rotation_vector_rad": (3.6 * axis).tolist()})
     t, _, rotation = person.run(1.0)
@@ -194,7 +195,7 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
             person.raise_event("robot.holds")
 
     t, position_m, _ = person.run(1.3, before=before)
-    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the third event came earlier and is not waited for
+    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the third event came earlier, so nobody waits
     expected_m = START_M[0] + 0.1 * sum(share((t - begin) / 0.1) for begin in begins_s)
     np.testing.assert_allclose(position_m[:, 0], expected_m, atol=1e-12)
     assert person.done
@@ -229,8 +230,8 @@ def test_empty_program_is_done_at_once():
 
 
 def test_reach_corrects_for_a_sagging_arm():
-    """The first move follows an arc of the given height. Corrections of 0.4 s by the remaining distance follow until
-    the hand is close enough."""
+    """The first move follows an arc of the given height. Corrections follow, each of 0.4 s and by the remaining
+    distance, until the hand is close enough."""
     reach = {"action": "reach", "to": PIPE_END, "offset_m": [0, 0, 0.03], "duration_s": 1.0, "lift_m": 0.05}
     person = Person({**reach, "tolerance_m": 0.001, "name": "there"})
     goal_m = PIPE_END_M + [0, 0, 0.03]
@@ -314,7 +315,7 @@ def test_guide_moves_the_hand_until_the_robot_arrives(follows):
     assert person.time_of("ann.there") == pytest.approx(1.15 + 2 * 0.55, abs=0.0011)
 
 
-FALLING = [  # a step, and what the failure says that it brings where
+FALLING = [  # program step, and the part of the failure message that says what is brought where
     ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001},
      "the robot's gripper to pipe.end"),
     ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001},
@@ -446,7 +447,7 @@ def test_recorded_steps_play_the_recording_from_here(tmp_path):
     played = np.clip(t - 0.5, 0, 1.3)
     expected_m = START_M + np.outer(share(t / 0.5), [0, 0, 0.1]) + np.outer(0.5 * played, [0, 1, 0])
     np.testing.assert_allclose(position_m, expected_m, atol=1e-9)
-    hidden_ms = set(np.flatnonzero(hidden))  # before step n, the hand is where it was at n ms
+    hidden_ms = set(np.flatnonzero(hidden))  # before step n, the hand is at its position at n ms
     assert hidden_ms | {900, 1100} == set(range(900, 1101)), "rounding decides the ends of the gap"
     assert person.time_of("ann.done") == pytest.approx(1.9)
     description = ffi.string(lib.person_program_description(person.program)).decode()

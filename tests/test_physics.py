@@ -218,7 +218,7 @@ def test_two_hands_on_one_rod_act_and_react():
 
 
 def test_internal_forces_do_not_change_the_momentum():
-    """A limp arm (no stiffness) holds a rod by its end, and the hand is pushed once. Hand and rod together keep
+    """A limp arm (no stiffness) holds a rod by its end, and the hand is pushed once. Hand and rod together keep the
     momentum and angular momentum of the push while the rod turns in the hand."""
     # push_mps: the speed that the push would give a hand without a rod
     hand_kg, rod_kg, push_mps = 1.5, 0.5, np.array([0.0, 0.3, 0.4])
@@ -233,12 +233,12 @@ def test_internal_forces_do_not_change_the_momentum():
         for step in range(1, 1001):
             scene.aim(0, origin + push_mps * scene.step_s * step)
             scene.step()
-            # velocities as ODE uses them: it moves a body by velocity times step
+            # velocities from displacements, because ODE moves a body by velocity times step
             v_hand = (scene.hand()[0] - hand) / scene.step_s
             v_rod = (scene.thing()[0] - middle) / scene.step_s
             spin = np.cross(direction, scene.thing()[1].apply([0, 0, 1])) / scene.step_s
             assert np.allclose(hand_kg * v_hand + rod_kg * v_rod, hand_kg * push_mps, atol=1e-9)
-            # moments about the hand's initial position, through which the push went
+            # moments about the hand's initial position, where the push was applied
             moment = np.cross(hand - origin, hand_kg * v_hand) + np.cross(middle - origin, rod_kg * v_rod)
             assert np.abs(moment + across_kgm2 * spin).max() < 0.002 * rod_kg * 0.13 * 0.5
             hand, middle, direction = scene.hand()[0], scene.thing()[0], scene.thing()[1].apply([0, 0, 1])
@@ -296,7 +296,7 @@ def test_persons_work_on_the_crank_equals_the_friction_losses():
 
 
 def spin_down(rate_radps: float, duration_s: float, **fields) -> np.ndarray:
-    """Returns the angles (N,), one per ms, of a crank that is released at this rate without gravity."""
+    """Returns the angles (N,), one per ms, of a crank that is released without gravity at the given rate."""
     person = {"start": (list(handle(0)), [1, 0, 0, 0]), "stiffness_Npm": 800.0}
     with Scene([person], [crank(**fields)]) as scene:
         scene.set_gravity(0.0)
@@ -342,7 +342,7 @@ def test_loose_crank_swings_as_a_pendulum():
     def motion(_, s):
         return [s[1], torque / CRANK_INERTIA * np.cos(s[0])]
 
-    t = 1e-3 * np.arange(3000)  # the number of turns lags by one step
+    t = 1e-3 * np.arange(3000)  # the turn count lags by one step
     expected = solve_ivp(motion, (0, 3.0), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-9).y[0]
     assert np.ptp(expected) > 3.1
     assert np.abs(np.array(angles) - expected).max() < 0.05

@@ -1,5 +1,5 @@
-"""Processor in the loop: the image in QEMU, stepped by the simulator, produces the same run as the firmware on the
-host, byte for byte. These tests run for a few seconds only; `make pil` runs whole scenarios."""
+"""Tests processor-in-the-loop runs: the image in QEMU, stepped by the simulator, must produce the same run as the
+firmware on the host, byte for byte. These tests run for a few seconds only; `make pil` runs whole scenarios."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ def elf(image) -> Path:
 
 
 def test_the_run_equals_the_hosts_byte_for_byte(image, elf, tmp_path):
-    """The run goes from boot into cooperation: the hand moves, the arm follows, and the operator stops it."""
+    """The runs are equal from boot into cooperation, in which the hand moves, the arm follows, and the operator stops
+    the arm."""
     options = ["--scenario", experiment("teleop"), "--duration", 2, "--quiet"]
     done = pil(" ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "pil", *options)
     host = run(tmp_path / "host", *options[:-1])
@@ -83,8 +84,8 @@ def test_an_image_that_panics_ends_the_run_with_its_message(image, elf, tmp_path
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_all_processes(elf, image, tmp_path, number):
-    """A signal ends the process group, which includes emulator and simulator. The files of the run up to then are
-    written."""
+    """A signal ends the process group, which includes emulator and simulator. The files written by then contain the run
+    up to the signal."""
     command = [
         sys.executable,
         "-m",

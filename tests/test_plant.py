@@ -101,7 +101,7 @@ def test_holding_torque_balances_gravity(sim, rng):
 
 
 def test_torque_of_a_velocity_step_is_inertia_times_it(sim, rng):
-    """From rest, the torque is M(q) dv / dt plus that of gravity."""
+    """From rest, a velocity step dv needs the torque M(q) dv / dt in addition to the torque of gravity."""
     for _ in range(20):
         q, velocity = hoap3.random_posture(rng), rng.uniform(-0.03, 0.03, 4)
         with plant_at(sim, q) as (plant, step):
@@ -247,7 +247,7 @@ def test_watchdog_brakes_and_is_reported(sim, drives):
     for _ in range(10):
         drives.tick()
         errors.append(drives.states.get(0, {}).get("error"))
-    assert errors.index(1) in (3, 4)  # after 3 ms, and the state is sent in the next tick
+    assert errors.index(1) in (3, 4)  # the watchdog acts after 3 ms, and the state is sent in the next tick
     assert set(errors[errors.index(1) :]) == {1} and drives.states[3]["mode"] == 0
     assert sim[1].arm_plant_velocity_radps(drives.plant, 0) == pytest.approx(0.0, abs=1e-6)
     drives.tick([0.1, 0, 0, 0])

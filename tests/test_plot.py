@@ -1,5 +1,5 @@
-"""Pictures of a run: they show the right data, are complete, and missing data is reported in one line. The references
-are closed forms, scipy and the simulator's scenario files."""
+"""Pictures of a run are complete and show the right data, and missing data is reported in one line. The references are
+closed forms, scipy and the simulator's scenario files."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Faults injected into the port are reported in PortStatus frames, by `comanip monitor` and in summary.json: in the
-simulator, with a test loop around the firmware, and in the Linux process. test_target.py checks the counts of the
-images."""
+"""Faults injected into the port are reported in PortStatus frames, by `comanip monitor` and in summary.json. They are
+injected in the simulator, with a test loop around the firmware, and in the Linux process. test_target.py checks the
+counts of the images."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_frames_that_the_bus_refused_or_that_were_lost_are_in_the_frame(injected
     assert len(reported) == 20
     refused = [status["refused_frames"] for status in reported]
     assert refused[0] == 0 and refused[-1] == 12 and refused == sorted(refused)
-    lost = summary_of(injected)["bus"]["dropped"]  # the bus model itself refused none
+    lost = summary_of(injected)["bus"]["dropped"]  # the bus model itself dropped no frame
     assert reported[-1]["lost_frames"] == lost > 0
 
 
@@ -211,7 +211,7 @@ def alone(tmp_path):
 
 
 def wait_status(bus: Bus, condition, what: str) -> dict:
-    """Waits for the first PortStatus from here on that meets the condition, and returns it."""
+    """Waits for the first PortStatus from now on that meets the condition, and returns it."""
     start, found = len(bus.frames), []
 
     def is_there() -> bool:
@@ -269,5 +269,5 @@ def test_a_late_tick(alone):
         process.wait(0.02 * bus.slow)
     process.send_signal(signal.SIGCONT)
     status = wait_status(bus, lambda s: s["missed_ticks"] >= before["missed_ticks"] + 10, "ticks missed")
-    # the tick in which the process was paused, unless it was asleep
+    # the longest tick is the one in which the process was paused, unless it was asleep at that moment
     assert 0 < status["longest_tick_us"] != UNKNOWN

@@ -128,8 +128,8 @@ def test_both_velocities_match_the_equations(rng, written_out):
 
 @pytest.mark.parametrize("written_out", [False, True])
 def test_it_descends_the_potential_given_in_its_header(rng, written_out):
-    """N u = -K grad V, with grad V from differences of V and N positive definite: V never grows, which is why the arm
-    comes to rest."""
+    """N u = -K grad V, with grad V from differences of V and N positive definite. Therefore V never grows, which is why
+    the arm comes to rest."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
         gradient = np.array(
@@ -167,8 +167,8 @@ def test_either_sign_of_the_target_is_the_same_pose(rng, written_out):
 
 @pytest.mark.parametrize("written_out", [False, True])
 def test_a_doubly_singular_posture_gives_a_bounded_velocity(written_out):
-    """With the arm fully stretched and the end effector on the first joint's axis, only one of three directions is
-    left, and the velocity is bounded."""
+    """The velocity is bounded when the arm is fully stretched and the end effector lies on the first joint's axis, so
+    that only one of three directions is left."""
     for q in (
         [0.3, 0.0, 0.0, 0.0],
         [0.3, -1.6580, 0.0, 0.0],

@@ -1,4 +1,4 @@
-"""posture_change through controller_step(): in a dead end, joints at their limits keep the arm from a target that
+"""Tests posture_change through controller_step(). In a dead end, joints at their limits keep the arm from a target that
 another posture reaches."""
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def reported(bench: Bench) -> bool | None:
 
 
 def carry(bench: Bench, way_m, duration_s: float = MOVE_S) -> list[int]:
-    """Moves the hand by way_m with minimum jerk. Returns the phase in each tick."""
+    """Moves the hand by `way_m` with minimum jerk. Returns the phase in each tick."""
     s = np.arange(1, round(duration_s / TICK_S) + 1) * TICK_S / duration_s
     steps = np.diff(s**3 * (10 - 15 * s + 6 * s**2), prepend=0.0)
     phases = []
@@ -96,7 +96,8 @@ def at_rest(bench: Bench) -> bool:
 
 @pytest.mark.parametrize("dead_end", DEAD_ENDS)
 def test_a_dead_end_is_left(dead_end):
-    """The arm leaves a dead end within its speed limits, reports this on the bus meanwhile, and then rests."""
+    """The arm leaves a dead end within its speed limits, reports the posture change on the bus meanwhile, and then
+    rests."""
     bench = started(dead_end[0])
     carry(bench, dead_end[1])
     fastest_radps, fastest_mps, reported_when = 0.0, 0.0, set()
@@ -113,7 +114,7 @@ def test_a_dead_end_is_left(dead_end):
             reported_when.add((phases[-1] == lib.POSTURE_CHANGING, reported(bench)))
     assert reported_when == {(False, False), (True, True)}
     assert 0.5 * JOINT_RADPS < fastest_radps <= JOINT_RADPS + 1e-3
-    assert fastest_mps < 1.03 * HAND_MPS  # the joint limits add their own lag, because they limit the jerk
+    assert fastest_mps < 1.03 * HAND_MPS  # the jerk limit of the joints adds a lag
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_CHANGED
     assert error_m(bench) < 1e-3
     assert (bench.velocity_radps == 0).all()
@@ -245,8 +246,8 @@ def test_not_when_stretched_towards_a_target_out_of_reach():
 
 
 def test_out_of_reach_one_search_and_the_arm_stays():
-    """If no posture reaches the target, one search is made and the arm stays. A hand that trembles or moves to and fro
-    starts no new search; a move of 20 mm does."""
+    """If no posture reaches the target, one search is made and the arm stays where it is. A hand that trembles or moves
+    to and fro starts no new search, but a move of 20 mm does."""
     bench = started((90, -5, 0, -90))
     phases = carry(bench, [0, 0.5, 0.3]) + wait(bench, 2.0)
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_LEFT and lib.POSTURE_CHANGING not in phases

@@ -23,7 +23,7 @@ POSTURE_DEG = (90, 0, 0, -90)  # upper arm down, forearm forward along x; end ef
 HAND = np.array([0.136, -0.111, 0.014])
 ROBOT = 2  # index of the robot among the holders
 WRIST_M = 0.06  # from the hand's origin back to the wrist
-# a hand that points back at the robot, with its x axis, along which its thickness lies, along the world's z axis
+# a hand that points back at the robot; its x axis, the direction of its thickness, points along the world's z axis
 FACING = Rotation.from_euler("y", -90, degrees=True)
 
 
@@ -81,7 +81,7 @@ class Scene:
         return ffi.gc(lib.proximity_create(self.scenario, self.scene), lib.proximity_destroy)
 
     def measure(self, proximity=None) -> tuple[float, str, float, str]:
-        """Returns clearance and pair name, first between person and robot, then of the robot with itself."""
+        """Returns clearance and pair name, first for person and robot, then for the robot with itself."""
         proximity = proximity or self.proximity()
         found = lib.proximity_measure(proximity)
         names = [
@@ -98,8 +98,8 @@ FROM_THE_RIGHT = Rotation.from_matrix([[0, -1, 0], [0, 0, 1], [-1, 0, 0]])  # po
 
 @pytest.mark.parametrize("height_m", [0.0, 0.0004, 0.003, 0.01])
 def test_flat_hand_above_the_forearm(height_m):
-    """The forearm is a rod of 20 mm radius, and the open hand is 30 mm thick. The hand points to the right, its elbow
-    is above."""
+    """The forearm is a rod of 20 mm radius, and the open hand is 30 mm thick. The hand points to the right, with its
+    elbow above."""
     scene = Scene()
     hand_m = np.array([0.08, -0.111, HAND[2] + 0.020 + 0.015 + height_m])
     to_the_right = Rotation.from_matrix([[0, 1, 0], [0, 0, -1], [-1, 0, 0]])  # x down, y forward, z to the right
@@ -113,8 +113,8 @@ def test_flat_hand_above_the_forearm(height_m):
 @pytest.mark.parametrize(
     ("hand_m", "rotation", "clearance_m", "part"),
     [
-        # finger tips, 0.12 m in front of the hand's origin, towards the gripper, whose box ends 55 mm in front of the
-        # end effector
+        # finger tips, 0.12 m in front of the hand's origin, point at the gripper, whose box extends 55 mm in front of
+        # the end effector
         (HAND + [0.055 + 0.12 + 0.03, 0, 0], FACING, 0.03, "gripper"),
         # from the left towards the torso, which is 150 mm wide
         ([-0.035, 0.075 + 0.12 + 0.05, 0.1], Rotation.from_euler("x", 90, degrees=True), 0.05, "torso"),
@@ -136,8 +136,8 @@ def test_finger_tips_in_front_of_each_part(hand_m, rotation, clearance_m, part):
 
 @pytest.mark.parametrize("degrees", [(90, -5, 0, -90), (60, -40, 20, -70), (20, -80, -50, -20), (-60, -10, 80, -110)])
 def test_arm_parts_follow_the_kinematics(degrees):
-    """A person's hand holds a crumb, 2 mm wide and long, beside the middle of either link. The clearance follows the
-    arm."""
+    """A person's hand holds a crumb, 2 mm wide and long, beside the middle of each link in turn. The clearance follows
+    the arm."""
     scene = Scene()
     scene.set_posture(degrees)
     link = hoap3.frames(np.radians(degrees))
@@ -189,8 +189,8 @@ def test_cups_count_as_solid():
     ]  # 2 m in front of the hand, so that no other part of the person is close
     at = np.array([0.3, -0.6, 0.3])
     scene.set_pose(scene.scene.robot_cup, at)
-    # side by side, with the outer surfaces 10 mm apart; then one above the other, with the bottom 2 mm below the frame
-    # and the rim 80 mm above it
+    # First side by side, with the outer surfaces 10 mm apart. Then one above the other, with the bottom 2 mm below the
+    # frame and the rim 80 mm above it.
     for offset, clearance_m in (([0.064 + 0.01, 0, 0], 0.01), ([0, 0, 0.08 + 0.002 + 0.005], 0.005)):
         scene.set_hand(at + offset - [0, 0, 2], Rotation.identity())
         found_m, pair, *_ = scene.measure()
@@ -225,7 +225,7 @@ def test_a_rod_that_the_person_will_take_may_touch_hand_and_forearm():
             assert (found_m, pair) == (pytest.approx(0.22 - 0.045 - 0.055, abs=ERROR_M), "person.hand - robot.gripper")
         else:
             assert (found_m, pair) == (0.0, "person.hand - robot.held")
-        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # no other person may touch it
+        scene.set_hand(HAND + [0.22, 0, 0], person=1)  # the other person may never touch the rod
         assert scene.measure()[0] == 0.0 and scene.measure()[1].endswith(".hand - robot.held")
 
 
@@ -241,7 +241,7 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
         scene.hold(ROBOT, rod, robot_holds)
         scene.hold(0, rod, person_holds)
         assert scene.measure(proximity)[:2] == (expected_m, "person.hand - robot.gripper")
-    # A rod that only the person holds may not hit the torso.
+    # A rod that only the person holds must not hit the torso.
     scene.set_hand((0.5, 0.3, 0.1))
     scene.set_pose(scene.scene.object[rod], (0.015 + 0.1 + 0.02, 0, 0.1), Rotation.from_euler("y", 90, degrees=True))
     assert scene.measure(proximity)[:2] == (pytest.approx(0.02, abs=ERROR_M), "person.held - robot.torso")
@@ -252,7 +252,7 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
 
 def test_forearm_beside_the_torso():
     """The forearm is 111 mm from the torso's middle plane and has a radius of 20 mm. The torso extends to 75 mm, and
-    the elbow is at the height of the torso."""
+    the elbow is level with the torso."""
     assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
 
 
@@ -392,7 +392,7 @@ def test_clearance_every_4_ms(dbc):
         lib.proximity_node_step(node, clearance, tick * MS, (tick + 1) * MS)
         lib.bus_run_until(bus.bus, (tick + 1) * MS)
     assert [name for _, name, _, _ in bus.received] == ["Clearance"] * 25
-    lib.proximity_node_step(node, reported[0], 100 * MS, 112 * MS)  # everything that becomes due in a longer step
+    lib.proximity_node_step(node, reported[0], 100 * MS, 112 * MS)  # a longer step sends everything due within it
     lib.bus_run_until(bus.bus, 112 * MS)
     assert len(bus.received) == 28
     reported += [reported[0]] * 12

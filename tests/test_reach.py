@@ -1,5 +1,5 @@
-"""Reach of the arm against brute force: the positions of actual postures are in reach, and no sampled posture comes
-closer than the search."""
+"""The reach of the arm agrees with brute force: the positions of actual postures are in reach, and no sampled posture
+comes closer than the search."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_no_sampled_posture_is_better(sim, rng, brute_force):
 
 
 def test_shortcut_along_a_path_changes_no_answer(sim, rng):
-    """The searches that reach_contains() skips along a path in and out of reach change none of its answers."""
+    """Along a path in and out of reach, reach_contains() skips searches without changing any answer."""
     walking, fresh = Search(sim), Search(sim)
     target, velocity, answers = np.array([0.1, -0.15, 0.0]), np.zeros(3), set()
     for _ in range(4000):

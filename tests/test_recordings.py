@@ -1,5 +1,5 @@
-"""Recorded hand motions: reading the CSV file, resampling (against scipy), gaps, axes, and one clear line for each
-defect."""
+"""Recorded hand motions: reading the CSV file, resampling (against scipy), gaps, axes, and a clear one-line message for
+each defect."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_first_and_last_pose_are_held(tmp_path, rng):
 
 def test_gap_is_an_interval_above_one_and_a_half_medians(tmp_path):
     """Intervals longer than 1.5 medians are gaps, in which no pose is valid. Both ends of a gap are valid."""
-    # of the intervals, 14 is below and 16 above 1.5 times 10
+    # The median interval is 10 ms. Of the intervals, 14 ms is below 1.5 times the median, and 16 ms is above.
     times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000
     still = Rotation.identity(len(times_s))
     motion = open_recording(write(tmp_path / "a.csv", times_s, times_s[:, None] * [1, 0, 0], still))
@@ -247,9 +247,9 @@ def test_files_that_cannot_be_read(tmp_path):
 
 
 def test_playback_repeats_the_recorded_motion(tmp_path, rng):
-    """Playback may start from another pose than the recording, and may be scaled. The hand in this recording makes
-    nearly a full turn about a tilted axis and is played at half the angle, past pi, where its rotation vector would
-    jump."""
+    """Playback may start from a different pose than the recording, and may be scaled. The hand in this recording makes
+    nearly a full turn about a tilted axis, and is played at half the angle. The recorded angle exceeds pi, where its
+    rotation vector would jump."""
     times_s = np.arange(201) / 100
     positions_m = np.cumsum(rng.normal(scale=0.001, size=(201, 3)), axis=0)
     turns = Rotation.from_rotvec(np.outer(2.2 * np.pi * times_s / 2, [0.6, 0.0, 0.8])) * Rotation.random(rng=rng)

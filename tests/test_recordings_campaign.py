@@ -1,6 +1,6 @@
-"""Every recorded hand motion runs through the simulator, and the bus traffic is checked in numpy: the robot stays
-within the manual's limits at raw resolution; it holds for each gap in the recording, in time, and at no other moment;
-all numbers are finite; and a second run repeats the first byte for byte."""
+"""Every recorded hand motion runs through the simulator, and the bus traffic is checked in numpy. At raw resolution,
+the robot stays within the manual's limits. It goes into hold in time at each gap in the recording, and at no other
+moment. All numbers are finite, and a second run repeats the first byte for byte."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ JOINTS = 4
 RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # one degree inside the stops given in the manual
 VELOCITY_MAX_RAW = 4760  # mrad/s
 VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
-JERK_STEP_RAW = 10  # 10,000 rad/s^3: how much that change may differ from tick to tick
+JERK_STEP_RAW = 10  # 10,000 rad/s^3: allowed difference of two successive velocity steps
 # how far the measured position may exceed the usable range: a hundredth of the distance to the stop
 OVERSHOOT_RAD = 5 / PULSES_PER_RAD
 
@@ -87,8 +87,8 @@ def assert_limits(frames: dict) -> None:
 
 
 def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) -> np.ndarray:
-    """Returns which bus samples must carry a pose. At the edges of a gap, where rounding decides, it copies what was
-    logged."""
+    """Returns which bus samples must carry a pose. At the edges of a gap, where rounding decides, returns the logged
+    validity."""
     t_s = np.loadtxt(recording, delimiter=",", skiprows=1, usecols=0)
     t_s -= t_s[0]
     interval_s = np.diff(t_s)
@@ -104,7 +104,7 @@ def bus_validity(recording: Path, measured_s: np.ndarray, logged: np.ndarray) ->
 
 @dataclass(frozen=True)
 class Hold:
-    last_pose_s: float  # time of measurement
+    last_pose_s: float  # time at which the pose was measured
     next_pose_s: float
 
 
@@ -173,7 +173,7 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
     assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes with less than the limit"
     at_rest = np.flatnonzero(~speed.any(axis=1))
     if len(at_rest) > 60:
-        # after 50 ms in which the drives settle
+        # after the first 50 ms, in which the drives settle
         position = measured_positions_rad(frames)[first + at_rest[0] + 50 : end - 1]
         assert np.ptp(position, axis=0).max() < 1.5 / PULSES_PER_RAD
 
@@ -261,7 +261,8 @@ def test_recording(tmp_path, scenario, recording):
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_built_in_motion(tmp_path, scenario):
-    """A built-in motion stays within the limits. The same seed repeats the run, another seed produces another run."""
+    """A built-in motion stays within the limits. The same seed repeats the run, and a different seed produces a
+    different run."""
     first = run(tmp_path / "first", "--scenario", scenario, "--seed", 7).require_pass()
     assert_equal_runs(first, run(tmp_path / "second", "--scenario", scenario, "--seed", 7).require_pass())
     other = run(tmp_path / "other", "--scenario", scenario, "--seed", 8).require_pass()

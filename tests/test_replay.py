@@ -1,6 +1,6 @@
 """`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped it, and the first
-difference is reported. The logs come from the simulator and from a bench around the core; this file adds the
-defects."""
+difference is reported. The logs come from the simulator and from a bench around the core, and the tests of this file
+insert the defects."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class RecordingBench(Bench):
         self.log += [Frame(at_us + 100, frame_id, data) for frame_id, data in sent]
 
     def lose(self, ticks: int) -> None:
-        """Runs ticks in which the firmware is paused and misses the frames on the bus."""
+        """Runs ticks during which the firmware is paused and misses the frames on the bus."""
         for _ in range(ticks):
             self.now_us += 1000
             self.ticks += 1
@@ -236,7 +236,8 @@ def test_a_restarted_firmware():
 
 
 def stored_parameters(rng: np.random.Generator):
-    """Returns parameters other than the defaults, except `trace` and those that would leave no time to cooperate."""
+    """Returns parameters that differ from the defaults, except `trace` and those that would leave no time to
+    cooperate."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
     # as a fraction of the distance from the default to the maximum
@@ -298,7 +299,7 @@ def test_saves_end_with_the_recorded_result(result, rng):
     bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
     assert (
         bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED
-    )  # a single first request: of several at boot, a replay is certain only of the last
+    )  # only one first request: if there are several at boot, the replay can be certain only of the last one
     bench.store_result = result
     for bench.store_ticks in (1, 2, 7, 40):
         sequence = bench.store_ticks
@@ -358,7 +359,7 @@ def test_at_recorded_pace(tmp_path, short):
 # ---- differences
 
 
-LATEST_FRAMES = 2000  # within 0.3 s the firmware has read each frame and reported it
+LATEST_FRAMES = 2000  # frames replayed after a defect; within 0.3 s the firmware reads and reports each frame
 
 
 def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
@@ -368,7 +369,7 @@ def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:
 
 
 def test_one_flipped_bit_is_reported_at_its_frame(eventful, rng):
-    """A flipped bit in a frame of any id, and in any part of it, is reported at that frame."""
+    """A flipped bit is reported at its frame, whatever the frame's id and whichever bit of its data is flipped."""
     places = {frame_id: [i for i, frame in enumerate(eventful) if frame.frame_id == frame_id] for frame_id in NAME}
     tried = 0
     for frame_id, where in places.items():

@@ -23,9 +23,9 @@ def stream(name: str, identifier: int, length: int, period: int, **more: object)
 
 
 def test_the_example_in_which_the_earlier_analysis_was_wrong():
-    """In the counterexample of Davis et al. 2007, three frames of 125 bits are sent at 125 kbit/s. The latest is C's
-    second instance, which takes 3.5 ms; the analysis of 1994 considered only the first, which takes 3 ms. The model
-    reproduces both."""
+    """In the counterexample of Davis et al. 2007, three frames of 125 bits are sent at 125 kbit/s. The longest response
+    time is that of C's second instance, 3.5 ms. The analysis of 1994 considered only the first instance, which takes 3
+    ms. The model reproduces both."""
     streams = [stream("A", 1, MS, 2_500_000), stream("B", 2, MS, 3_500_000), stream("C", 3, MS, 3_500_000)]
     found = analyse(streams, bit_ns=8_000)
     assert {name: response.queued_ns / MS for name, response in found.items()} == {"A": 2.0, "B": 3.0, "C": 3.5}
@@ -61,7 +61,7 @@ def releases(streams, phases, until: int, jitter):
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(stream_sets(jitter=False))
 def test_the_lowest_priority_reaches_its_bound_exactly(streams):
-    """Nothing blocks the lowest priority, so its worst case is that all frames are queued at once."""
+    """Nothing blocks the lowest priority, so its worst case occurs when all frames are queued at once."""
     lowest = streams[-1]
     played = PriorityBus(streams).play(list(releases(streams, [0] * len(streams), 3000, lambda _: 0)))
     longest = max(frame.end - frame.queued for frame in played if frame.stream is lowest)
@@ -95,7 +95,7 @@ def answered_sets(draw):
     delay = draw(st.integers(0, 25))
     batch, answers, others = draw(st.integers(1, 3)), draw(st.integers(1, 4)), draw(st.integers(0, 3))
     asking = draw(st.integers(0, batch - 1))
-    between = draw(st.booleans())  # whether one of the others has a priority between those of the answers
+    between = draw(st.booleans())  # whether one of the other streams has a priority between those of the answers
     lengths = draw(st.lists(st.integers(5, 40), min_size=batch + answers, max_size=batch + answers))
     tick = int(sum(lengths) / draw(st.floats(0.3, 0.95))) + computing
     streams = []
@@ -116,8 +116,8 @@ def answered_sets(draw):
 
 
 def answered_releases(tick, computing, streams, chance: random.Random):
-    """Yields the batch of each tick at one instant. A frame with twice the period comes at random in even or in odd
-    ticks."""
+    """Yields the batch of each tick at one instant. A frame with twice the period comes at random in the even or in the
+    odd ticks."""
     odd = {item.name: chance.randrange(2) for item in streams}
     for number, event in enumerate(range(0, 30 * tick, tick)):
         at = event + chance.choice([0, computing, chance.randint(0, computing)])

@@ -1,4 +1,4 @@
-"""`make rest`: its cases and its arithmetic, and that its checks fail for the former law, which oscillates."""
+"""Tests the cases and the arithmetic of `make rest`, and that its checks fail for the former law, which oscillates."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ BUILD = Path(os.environ.get("COMANIP_SANITISED", REPOSITORY / "build"))
 
 @pytest.fixture(scope="module", autouse=True)
 def loop() -> rest_loop.Loop:
-    # so that the library is never that of an older firmware
+    # Rebuilds the library, so that it never comes from an older firmware.
     built = make(str(BUILD.relative_to(REPOSITORY) / "rest" / "loop.so"))
     assert built.returncode == 0, built.stderr
     return rest_loop.Loop(BUILD)
@@ -139,7 +139,7 @@ def test_oscillating_and_creeping_are_told_apart(peak_radps, sign_changes, expec
 
 
 def test_the_checks_and_their_limits():
-    """Each check passes for cases at rest, and fails if one case too many is bad."""
+    """Each check passes if all cases are at rest, and fails if one more case is bad than it tolerates."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
     for count, bad, failed in (
@@ -167,8 +167,9 @@ def test_the_drive_is_a_dead_time_and_a_lag(loop):
 
 
 def test_a_reversal_counts_only_between_speeds_above_rest(tmp_path):
-    """Two windows of a trace: in the first, 0.03 and -0.03 alternate, with 0.01 of the opposite sign in between, and
-    each reversal counts. In the second, 0.019 and -0.019 alternate, and none counts."""
+    """In the first window of the trace, the velocity alternates between 0.03 and -0.03, with 0.01 of the opposite sign
+    in between, and each reversal counts once. In the second window, it alternates between 0.019 and -0.019, and no
+    reversal counts."""
     case = rest_cases.random_case("choice", 0)
     case["end_s"] = (2.0, 4.0)
     rates = np.zeros(4300)
@@ -190,7 +191,7 @@ def test_a_reversal_counts_only_between_speeds_above_rest(tmp_path):
 
 
 def test_all_pairs_are_counted(loop):
-    """The pairs combine both ends of each parameter and of each of six groups, without those that would set a parameter
+    """The pairs combine both ends of each parameter and of each of six groups, except pairs that would set a parameter
     twice."""
     n = len(loop.names)
     assert {end.name: len(end.parameters) for end in rest_pairs.ends(loop) if len(end.parameters) > 1} == {
@@ -240,8 +241,8 @@ def test_a_refused_set_is_not_run(loop):
 
 
 def test_the_simulator_runs_the_same_case(loop, tmp_path):
-    """In a short motion within reach, the simulator, with drives like ODE's, has the same target, and the joints reach
-    the same posture."""
+    """In a short motion within reach, the simulator and the loop have the same target, and their joints reach the same
+    posture. The loop's drives behave like ODE's."""
     case = rest_cases.random_case("choice", 0)
     case["start_rad"], case["way_m"], case["turn_rad"] = (
         np.radians([60, -30, -10, -80]),
@@ -275,8 +276,8 @@ def test_the_checks_fail_on_the_former_law(tmp_path):
 
 
 def test_the_present_law_rests_in_a_small_campaign(tmp_path):
-    """`make rest` runs 5,000 cases. With the few of this test, only creeping at 8 s is tolerated, and the positions,
-    which miss the required 95 %."""
+    """`make rest` runs 5,000 cases, and this test only a few. All figures are zero, except that 2.5 % of the cases may
+    creep at 8 s, and that 90 % of the positions suffice instead of the required 95 %."""
     _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
     values = {check["name"]: check["value"] for check in report["checks"]}
     assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025

@@ -1,5 +1,5 @@
-"""The folders of the Python packages use only those they may use, the installed package contains no developer tools,
-and former names are not used."""
+"""The folders of the Python packages import only from permitted folders, the installed package contains no developer
+tools, and former names are not used."""
 
 from __future__ import annotations
 

@@ -246,7 +246,7 @@ WRONG = [
     ("operator:\n", "operater: 1\noperator:\n", "", "operater", "did you mean operator?"),
 ]  # fmt: skip
 
-# Missing keys: the replacement, the first line of its mapping afterwards, the path, and the missing key.
+# Missing keys: the replacement, the first line of the changed mapping, the path, and the missing key.
 MISSING = [
     ("radius_m: 0.01, ", "", "pipe: {", "objects.pipe", "radius_m"),
     ("position_m: [0.6, 0.2, 0.2]", "tremor_mm: 0", "tremor_mm: 0", "people.helper", "position_m"),
@@ -264,7 +264,7 @@ MISSING = [
     ("name: scene", "tracking: {}", "tracking: {}", "the scenario", "name"),
 ]  # fmt: skip
 
-# Files that are malformed as a whole: the text, the line reported, and words of the answer.
+# Files that are malformed as a whole: the text, the line reported, and part of the error message.
 SPOILT = {
     "empty": ("", 1, "the file is empty"),
     "comment": ("# nothing\n", 1, "the file is empty"),
@@ -437,7 +437,7 @@ def test_any_damage_is_accepted_or_refused_with_one_line(tmp_path, data):
 
 
 def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
-    """Returns the reader's message about the scene with these changes, or "" if it is accepted."""
+    """Returns the reader's message about the scene with the given changes, or "" if the scene is accepted."""
     text = SCENE
     for old, new in changes:
         text, _ = changed(old, new, text)
@@ -460,7 +460,7 @@ def test_an_object_inside_another(tmp_path):
 
 
 # The end effector is at (0.136, -0.121, 0.014) m and points forward, with its cup 50 mm above it. The person's hand
-# points backward, and its cup is 100 mm in front of it, open towards the robot.
+# points backward, with its cup 100 mm in front of it, open towards the robot.
 OVERLAPS = [
     ("[0.5, 0.5, 0]", "[0.45, -0.5, 0.03]", "objects.winch.position_m", "winch", "pipe"),
     ("[0.5, -0.5, 0.03]", "[0.15, -0.12, 0.07]", "objects.pipe.position_m", "pipe", "the robot's cup"),
@@ -574,8 +574,8 @@ def test_people_start_near_the_torso(tmp_path):
 
 
 def test_water_fits_its_cup(tmp_path):
-    """Spheres fill at most 64 % of the volume (random close packing). Even fewer may pile up and fall over the rim, and
-    all fall out of a cup that is upside down."""
+    """The spheres may fill at most 64 % of the cup's volume (random close packing). Even a smaller amount may pile up
+    and fall over the rim, and everything falls out of a cup that is upside down."""
     most = math.floor(0.64 * math.pi * 0.03**2 * 0.03 / (4 / 3 * math.pi * 0.005**3))
     text = refusal_of(tmp_path, ("particles: 10", f"particles: {most + 1}"))
     assert f"water.particles '{most + 1}': expected at most {most}," in text
@@ -591,7 +591,7 @@ def test_water_fits_its_cup(tmp_path):
 
 
 def varied(scene: object, seed: int) -> object:
-    """Returns a copy of the scenario with the variation of this seed."""
+    """Returns a copy of the scenario with the variation of the given seed."""
     copy = ffi.new("scenario_t *", scene[0])
     lib.scenario_vary(copy, seed)
     return copy

@@ -1,4 +1,4 @@
-"""The monitors on synthetic ticks agree with numpy: each measure of a scenario's checks, its window and missing
+"""The monitors agree with numpy on synthetic ticks: each measure of a scenario's checks, its window and missing
 measurements, forces and clearances of a run, and the scene's state with its columns in the trace."""
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def wxyz(rotation: Rotation) -> list[float]:
 
 
 class Watch:
-    """A scenario monitor with these checks, for a scenario with two people, two rods and a crank."""
+    """A scenario monitor with the given checks, for a scenario with two people, two rods and a crank."""
 
     def __init__(self, *checks: Check, motion_scale: float = 1.0):
         self.motion_scale = motion_scale
@@ -178,8 +178,8 @@ def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
 
 
 def test_aim_uses_the_mean_position(rng):
-    """Unlike the relation, the aim is not relative to the window's start. An error that averages to zero is no aiming
-    error."""
+    """Unlike the relation, the aim is not relative to the window's start. An error that averages to zero is not an
+    aiming error."""
     robot, person, expected_m = random_walk(rng, 400), random_walk(rng, 400), (0.1, -0.2, 0.3)
     watch = Watch(Check("aim", 0.1, 0.3, expected_m=expected_m), motion_scale=0.5)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -234,8 +234,8 @@ def test_displacement_counts_from_the_start_command():
 
 
 def test_tilt_of_the_initially_vertical_axis(rng):
-    """A rotation about a horizontal axis tilts by its angle, one about the vertical axis does not tilt. The smallest
-    tilt in the window counts."""
+    """A rotation about a horizontal axis tilts by its angle, whereas one about the vertical axis does not tilt. The
+    smallest tilt in the window counts."""
     start = Rotation.random(random_state=7)
     angles_deg = rng.uniform(5, 175, 60)
     heading = rng.uniform(0, 2 * np.pi, 60)
@@ -284,7 +284,7 @@ def test_nothing_poured_counts_as_nothing_caught():
 
 @pytest.mark.parametrize(("speed_mps", "expected"), [(0.0045, 0), (0.0055, 12)])
 def test_flow_while_moving(speed_mps, expected):
-    """The hand also trembles by 0.1 mm at 9 Hz, which is as fast as 5 mm/s but is no motion."""
+    """The hand also trembles by 0.1 mm at 9 Hz, which is as fast as 5 mm/s but does not count as motion."""
     t_s = TICK_S * np.arange(1000)
     person = np.full((1000, 3), 0.5)
     person[:, 1] += speed_mps * t_s
@@ -301,7 +301,8 @@ BOTH, ALONE, OTHER = ((PERSON, 0), (ROBOT, 0)), ((PERSON, 0),), ((ROBOT, 1),)
 
 
 def test_each_drop_of_the_object_counts_in_its_window():
-    """Each drop is counted in the windows that contain it. The scene decides what is a drop (see test_scene.py)."""
+    """Each drop is counted in the windows that contain it. The scene decides what counts as a drop (see
+    test_scene.py)."""
     watch = Watch(Check("drops"), Check("drops", object=1), Check("drops", object=2), Check("drops", until=0.009))
     watch.sample(
         *[Tick()] * 5, Tick(raises=("object0.dropped",)), *[Tick()] * 5, Tick(raises=("object0.dropped",)), Tick()
@@ -312,8 +313,8 @@ def test_each_drop_of_the_object_counts_in_its_window():
 
 
 def test_an_object_that_slips_is_lost_by_its_holder():
-    """robot.lost counts as a drop of object 1, which the robot held, whether it is raised in the last tick that shows
-    the grip or in the next."""
+    """robot.lost counts as a drop of object 1, which the robot held. It counts whether it is raised in the last tick
+    that shows the grip or in the next one."""
     held = Tick(holds=(*ALONE, *OTHER))
     watch = Watch(Check("drops", object=0), Check("drops", object=1))
     watch.sample(held, Tick(holds=held.holds, raises=("robot.lost",)), Tick(holds=ALONE))
@@ -393,7 +394,7 @@ def test_least_clearances(rng):
 
 
 def peak_ticks(count=100, mode=COOPERATING, **at):
-    """Returns ticks in which the person's force is as many newtons as the tick's number, so the peak shows the last
+    """Returns ticks in which the person's force in newtons equals the tick's number, so that the peak shows the last
     tick of a window."""
     raises = {tick: (name,) for name, tick in at.items()}
     names = {"latched": "operator.latched", "done": "person.done"}

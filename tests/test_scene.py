@@ -127,7 +127,7 @@ def test_two_people_share_a_rods_weight_by_the_lever_rule():
     with Scene(people, [rod_at(HAND_M)]) as scene:
         assert scene.grip(0) and scene.grip(1)
         scene.step(8000)
-        # Unequal sag tilts the rod by 0.2 degrees, which changes lever arms and heights only to second order.
+        # The unequal sag tilts the rod by 0.2 degrees, which changes lever arms and heights only to second order.
         assert scene.hand_force(0)[2] == pytest.approx(-WEIGHT_N * b / (a + b), rel=1e-3)
         assert scene.hand_force(1)[2] == pytest.approx(-WEIGHT_N * a / (a + b), rel=1e-3)
 
@@ -247,7 +247,7 @@ def test_robots_fixed_grip_slips_at_its_torque_limit():
 
 
 def test_a_shock_of_one_step_does_not_open_the_jaws():
-    """A sudden tug by the hand exceeds the force limit by far, but only for a step or two, not for the 5 ms that open
+    """A sudden tug by the hand far exceeds the force limit, but lasts only a step or two, less than the 5 ms that open
     the jaws."""
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True)
@@ -318,8 +318,8 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
 @pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
 def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
     """With a friction coefficient of 0.6, the two sides of a V of 90 degrees resist sliding with 0.6 sqrt(2) times the
-    force that presses the rod into it, and with less while the rod settles, as lateral friction carries part of the
-    weight. A rod that is held creeps by 1 mm/s per N at each of its four contacts."""
+    force that presses the rod into the V. They resist with less while the rod settles, because lateral friction carries
+    part of the weight. A rod that is held creeps by 1 mm/s per N at each of its four contacts."""
     slope = Rotation.from_euler("x", slope_deg, degrees=True)
     rod, stand = rod_on_stand(HAND_M)
     stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))

@@ -49,7 +49,7 @@ def test_a_complete_script_has_all_its_checks(tmp_path, scenario):
     assert "left out" not in done.summary["reason"]
 
 
-@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the whole second at the spot, or all but a tenth of it
+@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # covers the whole second at the spot, or 0.9 s of it
 def test_check_that_could_not_be_measured_fails(tmp_path, gap_s):
     """In hold there is no target at which the arm could settle, so the check fails."""
     gap = ("--gap", f"2.4:{gap_s}")
@@ -95,7 +95,7 @@ def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
 
 @pytest.mark.parametrize(("gain", "pass_"), [(2, False), (100, True)])
 def test_followable_share_does_not_depend_on_the_gain(tmp_path, gain, pass_):
-    """A slow law misses the target, but no gain changes how much of the run is judged."""
+    """A slow law misses the target, but the gain does not change how much of the run is judged."""
     axes = [f"gain_{part}{axis}_per_s" for part in ("", "dual_") for axis in "wxyz"]
     changed = checks(
         run(
@@ -127,7 +127,7 @@ def test_an_unjudged_recording_is_reported(tmp_path):
 
 
 def moving_hand(folder: Path, *way_m: np.ndarray) -> Path:
-    """Writes a recording of 5 s at 100 Hz with these displacements along x, y and z."""
+    """Writes a recording of 5 s at 100 Hz with the given displacements along x, y and z."""
     path = folder / "hand.csv"
     rows = zip(np.arange(500) / 100, *np.broadcast_arrays(*way_m), strict=True)
     path.write_text(recording_csv(*(f"{t:.2f},{x:.4f},{y:.4f},{z:.4f},1,0,0,0" for t, x, y, z in rows)))
@@ -135,13 +135,13 @@ def moving_hand(folder: Path, *way_m: np.ndarray) -> Path:
 
 
 T_S = np.arange(500) / 100
-AWAY_AND_STAYING = (1.5 * np.clip(T_S, 0, 1), 0, 0)  # five times the arm's reach
+AWAY_AND_STAYING = (1.5 * np.clip(T_S, 0, 1), 0, 0)  # moves away by five times the arm's reach
 ROUND_A_LOOP = (0.8 - 0.8 * np.cos(2.5 * T_S), 0.5 * np.sin(2.5 * T_S), 0.6 * np.sin(5 * T_S))
 
 
 @pytest.mark.parametrize(("way_m", "scale"), [(AWAY_AND_STAYING, 1), (AWAY_AND_STAYING, 0.08), (ROUND_A_LOOP, 1)])
 def test_recording_out_of_reach_reports_the_largest_scale_in_reach(tmp_path, way_m, scale):
-    """At the reported scale the target is always in reach; at the next larger two-digit scale it is not."""
+    """At the reported scale the target is always in reach, and at the next larger two-digit scale it is not."""
     recording = moving_hand(tmp_path, *way_m)
 
     def scaled(by: float) -> Run:

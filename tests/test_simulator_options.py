@@ -94,8 +94,8 @@ def test_gap_is_at_the_requested_time(tmp_path):
 
 
 def test_dropout_is_a_probability(tmp_path):
-    """The share of lost samples is within five standard deviations of the probability, and each seed has other
-    losses."""
+    """The share of lost samples is within five standard deviations of the probability, and each seed loses different
+    samples."""
     drawn = [poses_of(run(tmp_path / str(seed), "--dropout", 0.1, "--seed", seed))[1] for seed in (1, 2)]
     for valid in drawn:
         assert np.mean(~valid) == pytest.approx(0.1, abs=5 * np.sqrt(0.1 * 0.9 / len(valid)))
@@ -139,7 +139,7 @@ def test_motion_does_not_depend_on_the_trackers_position(tmp_path, scenario):
         assert np.abs(np.sum(hand[:, 3:] * hands[0][:, 3:], axis=1)).min() > np.cos(0.5 * np.radians(0.1))
 
 
-# without prediction, which would compensate for the latency
+# runs without prediction, which would compensate for the latency
 def test_latency_delays_the_motion_and_nothing_else(tmp_path):
     early, late = (
         hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--param", "prediction=0", "--latency-ms", ms))

@@ -57,7 +57,7 @@ def test_functions_are_counted_in_their_module(maps):
 
 
 def test_the_image_fits_a_small_cortex_m4f(maps):
-    """The image fits into 64 KiB of flash and 16 KiB of RAM, which includes both stacks."""
+    """The image fits into 64 KiB of flash and 16 KiB of RAM, including both stacks."""
     total = size_report.read_map(maps["cortex-m4f"]).total
     assert total.text + total.data <= 64 * 1024
     assert total.data + total.bss <= 16 * 1024

@@ -1,5 +1,5 @@
-"""SLCAN of the targets (hal/slcan) agrees with python-can's implementation and with the grammar of the dialect, also at
-its limits."""
+"""The SLCAN code of the targets (hal/slcan) agrees with python-can's implementation and with the grammar of the
+dialect, also at its limits."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TX_BYTES = 1023
 def link_declarations() -> str:
     """Returns the declarations with atomics replaced by their plain types."""
     text = declarations([REPOSITORY / "hal/slcan/slcan_link.h"], "-D_Atomic=")
-    # because cffi does not evaluate array sizes
+    # evaluated here, because cffi does not evaluate array sizes
     text = re.sub(r"\[\(([^\]]*)\)\]", lambda size: f"[{eval(size[1])}]", text)
     return re.sub(r"\b(\d+)u\b", r"\1", text)
 

@@ -1,4 +1,5 @@
-"""`make stack`: its bound is correct for constructed call graphs, and covers the stack use of an image in QEMU."""
+"""The bound reported by `make stack` is correct for constructed call graphs, and covers the stack use of an image in
+QEMU."""
 
 from __future__ import annotations
 
@@ -95,7 +96,8 @@ def symbol(image: str, folder: Path, name: str) -> int:
 
 @pytest.mark.parametrize("image", TESTED)
 def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
-    """The RAM starts as zeros, so every byte that is not zero was used."""
+    """The image uses no more stack than the bound. RAM is zero at the start, so every byte that is not zero was
+    used."""
     if shutil.which(IMAGES[image].emulator[0]) is None:
         pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0

@@ -1,4 +1,4 @@
-"""The stand's groove carries a rod along the stand's length, but no further."""
+"""The groove carries a rod along the stand's length, but no further."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def lead(scene: Scene, places_m) -> None:
 
 
 def test_no_groove_beyond_the_stand():
-    """When the rod is raised, moved along its axis past the stand and lowered, the hand carries its whole weight."""
+    """When the rod is raised, moved along its axis past the stand and lowered again, the hand carries the rod's whole
+    weight."""
     with Scene([HOLDER], on_stand()) as scene:
         scene.step(300)
         assert scene.grip()
@@ -41,7 +42,8 @@ def test_no_groove_beyond_the_stand():
 
 @pytest.mark.parametrize(("shift_m", "falls"), [(0.03, False), (0.05, True)])
 def test_a_rod_tips_over_the_stands_edge(shift_m, falls):
-    """The rod is released with its middle 10 mm before the edge of the stand, or 10 mm past it."""
+    """The rod is released with its middle 10 mm inside the stand's edge, or 10 mm past it, and falls only in the second
+    case."""
     with Scene([HOLDER], on_stand()) as scene:
         scene.step(100)
         assert scene.grip()

@@ -1,6 +1,7 @@
 """The results of the five experiments do not depend on whether ODE's time step is 0.5, 1 or 2 ms. The controller's tick
-remains 1 ms. At 2 ms nothing moves in every other tick, so paths are compared every 2 ms. The number of particles that
-leave the glass varies as it does between seeds, because grains are chaotic, but they are caught in every case."""
+remains 1 ms. With steps of 2 ms, nothing moves in every other tick, so paths are compared every 2 ms. Because grains
+are chaotic, the number of particles that leave the glass varies as much as between seeds, but in every case the
+particles are caught."""
 
 from __future__ import annotations
 
@@ -22,8 +23,9 @@ DEFAULT_US = 1000
 FINEST_US = STEPS_US[0]
 HANDS = (("hand_x_m", "hand_y_m", "hand_z_m"), ("person_x_m", "person_y_m", "person_z_m"))
 JOINTS = ("q0_rad", "q1_rad", "q2_rad", "q3_rad")
-# Allowed distance from the path at the finest step, in m. People and operator wait for events, so at 2 ms a grip comes
-# up to 2 ms later and holds the pipe tenths of a millimetre away. This exceeds the error of the integration itself.
+# Allowed distance from the path at the finest step, in m. People and operator wait for events, so with steps of 2 ms a
+# grip closes up to 2 ms later, at a point of the pipe tenths of a millimetre away. This offset exceeds the error of the
+# integration itself.
 LARGEST_M = {1000: 0.5e-3, 2000: 1.0e-3}
 LARGEST_RAD = {1000: 0.01, 2000: 0.02}  # norm over the four joints
 
@@ -62,7 +64,7 @@ def test_events_happen_at_the_same_times(runs):
 
 
 def paths(done: Run, columns: tuple[str, ...]) -> np.ndarray:
-    """Returns these columns of the trace every 2 ms, (N, len(columns))."""
+    """Returns the given columns of the trace every 2 ms, (N, len(columns))."""
     with done.trace.open() as file:
         names = file.readline().strip().split(",")
         return np.loadtxt(file, delimiter=",", usecols=[names.index(name) for name in columns])[::2]

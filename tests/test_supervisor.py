@@ -1,4 +1,4 @@
-"""Modes and reasons: every transition listed in the header is possible, and no other."""
+"""Every transition of mode and reason that the header lists is possible, and no other."""
 
 from __future__ import annotations
 

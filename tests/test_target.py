@@ -1,7 +1,7 @@
 """The images for microcontrollers: what is linked into them, and what they do in an emulator.
 
-QEMU counts instructions instead of measuring time (-icount), so a second is one of the emulated machine, however busy
-the host is. These tests show that start-up code, drivers and firmware work. They cannot show cycles, jitter or
+QEMU counts instructions instead of measuring time (-icount), so a second is a second of the emulated machine, however
+busy the host is. These tests show that start-up code, drivers and firmware work. They cannot show cycles, jitter or
 electrical behaviour."""
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from slcan_oracle import StockSlcan
 # 500 million instructions per second, because the software floating point of rv32imac needs more than 125 million for 1
 # kHz.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
-# Address and bit at which QEMU's monitor sees the drives' enable line. The RISC-V machine has none.
+# Address and bit at which QEMU's monitor sees the drives' enable line. The RISC-V machine has no such line.
 DRIVE_ENABLE = {
     "cortex-m3": (0x40028000, 0),
     "cortex-m4f": (0x40028000, 0),
@@ -163,8 +163,8 @@ def until_prompt(connection: socket.socket) -> str:
 
 
 def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monitor: str = "") -> tuple[str, str]:
-    """Boots the image and sends it the commands. Once done(output) holds, returns the output, and what QEMU's monitor
-    printed."""
+    """Boots the image and sends it the commands. Waits until done(output) holds, and returns the output and what QEMU's
+    monitor printed."""
     if shutil.which(IMAGES[image].emulator[0]) is None:
         pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     serial, console, monitor_socket = folder / "serial", folder / "commands", folder / "monitor"
@@ -200,8 +200,8 @@ def run(image: str, elf: Path, folder: Path, done, commands: bytes = b"", monito
 
 
 def decoded(dbc, text: str) -> list[tuple[str, dict]]:
-    """Decodes every line into a message, SLCAN with python-can and the frame with cantools, and checks its protection
-    with autosar-e2e."""
+    """Decodes every line into a message: SLCAN with python-can and the frame with cantools. Checks the protection with
+    autosar-e2e."""
     stock = StockSlcan()
     messages, counters = [], {}
     for line in text.split("\r")[:-1]:
@@ -221,7 +221,7 @@ def decoded(dbc, text: str) -> list[tuple[str, dict]]:
 
 @pytest.fixture(scope="module")
 def first_second(tmp_path_factory):
-    """Returns what an image sends up to its 1000th JointCmd, which is in the 1000th tick."""
+    """Returns what an image sends up to its 1000th JointCmd, which it sends in the 1000th tick."""
     sent = {}
 
     def boot(image: str, elf: Path) -> str:
@@ -254,7 +254,8 @@ def test_boot_announcement(first_second, image, elf, dbc):
 
 
 def test_all_images_send_the_same_bytes(first_second, target_build):
-    """Except PortStatus, which holds the duration of a tick on this processor."""
+    """All images send the same bytes, except in PortStatus, which contains the duration of a tick on the given
+    processor."""
     sent = {image: first_second(image, target_build / image / "comanip.elf") for image in TESTED}
     streams = {image: re.sub(r"b330[^\r]*\r", "", text) for image, text in sent.items()}
     assert all(len(streams[image]) < len(sent[image]) for image in TESTED)
@@ -342,8 +343,8 @@ PLANTED = """
 
 
 def planted(image: str, folder: Path, statement: str) -> Path:
-    """Builds an image of the port in which the firmware is replaced by a loop that sends its time, and executes this
-    statement at 50 ms."""
+    """Builds an image of the port in which the firmware is replaced by a loop that sends the time, and that executes
+    the given statement at 50 ms."""
     source = folder / "planted.c"
     source.write_text(PLANTED.replace("STATEMENT", statement).replace("HERE", str(REPOSITORY)))
     built = make(f"target-{image}", "CORE_SOURCES=", f"TARGET_MAIN={source}", f"TARGET_BUILD={folder}/build")
@@ -356,7 +357,7 @@ def ticks_us(text: str) -> list[int]:
 
 
 def busy(milliseconds: int) -> str:
-    """Returns a statement that spins this long: two instructions of 2 ns each per round."""
+    """Returns a statement that spins for this time, in rounds of two instructions of 2 ns each."""
     return f"spin({milliseconds * 250_000}ul)"
 
 
@@ -429,7 +430,8 @@ PORT_FAULTS = """
 
 
 def test_the_port_counts_its_faults(image, target_build, tmp_path):
-    """The port counts the faults of 200 frames and 8 ms in one tick, and of two malformed lines."""
+    """The port counts its faults after a tick in which 200 frames are sent and 8 ms pass, and after two malformed
+    lines."""
     elf = planted(image, tmp_path, PORT_FAULTS)
     text, _ = run(
         image, elf, tmp_path, lambda t: re.search("b1249.*\r", t) is not None, b"garbage\rb2019" + b"0" * 5 + b"\r"
@@ -443,7 +445,7 @@ def test_the_port_counts_its_faults(image, target_build, tmp_path):
     assert lost == 2
     resumed = 50000 + 1000 * (missed + 1)
     assert resumed in (57000, 58000, 59000) and 8000 <= longest_us < 9500
-    assert bus_off == 65535  # not known to this port
+    assert bus_off == 65535  # unknown to this port
 
 
 def test_ticks_missed_are_not_made_up_for(image, target_build, tmp_path):

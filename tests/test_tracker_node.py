@@ -22,8 +22,8 @@ def rotation(wxyz) -> Rotation:
 
 
 def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), start_s=0.5, start=(0.2, -0.1, 0.1)):
-    """Returns a motion for play(), a move of 1 s: a function that sets the pose at a time and returns True, because the
-    tracker always sees the hand."""
+    """Returns a motion for play(): a function that sets the pose at a time during a move of 1 s. It returns True,
+    because the tracker always sees the hand."""
     path = ffi.new("hand_path_t *")
     turn = Rotation.from_rotvec(turn_rad).as_quat(scalar_first=True).tolist()
     first = ffi.new("rigid_pose_t *", {"position_m": start, "rotation": [1, 0, 0, 0]})
@@ -50,8 +50,8 @@ def quiet(**changes):
 
 
 def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
-    """Returns poses, statuses and statistics of a run, each frame with its end on the bus in ns. The hand's pose is
-    known for each tick that has started."""
+    """Returns poses, statuses and statistics of a run. Each frame is paired with the time in ns at which it ends on the
+    bus. The hand's pose is known for each tick that has started."""
     frames = []
 
     @ffi.callback("bus_handler_t")
@@ -105,7 +105,8 @@ def test_marker_is_measured_in_the_mounted_trackers_frame(dbc):
 
 
 def test_default_mount_is_the_papers(dbc):
-    """In equation (9), q_Tv^E = q(x, -pi/2) rotates the tracker's axes back to the torso's."""
+    """The default mount is that of equation (9), in which q_Tv^E = q(x, -pi/2) rotates the tracker's axes back to the
+    torso's."""
     poses, *_ = play(dbc, legs(), quiet(), duration_s=2)
     position_m, _ = vectors(poses)
     moved_m = Rotation.from_euler("x", 90, degrees=True).apply(position_m[-1] - position_m[0])
@@ -142,7 +143,7 @@ def test_hand_out_of_sight_is_invalid(dbc):
     poses, *_ = play(dbc, motion, quiet())
     invalid_us = [pose["t_us"] for _, pose in poses if not pose["valid"]]
     assert invalid_us == list(range(908_000, 1_094_000, 4000))
-    # at a period of 6.25 ms, samples fall between ticks, and one hidden neighbour is enough
+    # at a period of 6.25 ms, samples fall between ticks, and are invalid if the hand is hidden in one neighbouring tick
     between, *_ = play(dbc, motion, quiet(rate_hz=160, latency_s=0.01))
     invalid_us = [pose["t_us"] for _, pose in between if not pose["valid"]]
     assert invalid_us == [t for t in range(0, 1_990_000, 6250) if 906_000 < t < 1_094_000]
@@ -198,8 +199,8 @@ def test_dropouts_have_their_rate_and_change_no_other_sample(dbc):
 
 
 def test_out_of_range_is_invalid_and_counted(dbc):
-    """A position is sent as 24 bits in micrometres, so it is at most 8.388607 m. Samples beyond that are invalid and
-    counted."""
+    """A position is sent as 24 bits in micrometres, so it is at most 8.388607 m. Samples beyond that range are invalid
+    and counted."""
     motion = legs(displacement_m=(20, 0, 0), turn_rad=(0, 0, 0), start=(0, 0, 0), start_s=0)
     poses, status, statistics = play(dbc, motion, quiet(mount_translation_m=[0, 0, 0]))
     x = np.clip(np.arange(len(poses)) / 250, 0, 1)

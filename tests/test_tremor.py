@@ -81,7 +81,7 @@ def rest_rms_mm(path: Path) -> np.ndarray:
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="the recordings are not available")
 def test_default_is_within_the_range_of_recorded_hands():
-    """The hands were recorded nearly at rest with markers, so their numbers include the measurement noise."""
+    """The hands were recorded nearly at rest with markers, so the recorded amplitudes include the measurement noise."""
     rms_mm = {name: rest_rms_mm(RECORDINGS / f"{name}.csv") for name in HANDS}
     for name, values in rms_mm.items():
         low, middle, high = values.min(), np.median(values), values.max()

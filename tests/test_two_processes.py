@@ -1,5 +1,5 @@
-"""Firmware and plant, as two processes on one bus, cooperate as they do in the simulator. They lose contact and find
-each other again, but move only after an explicit re-arm."""
+"""Firmware and plant, as two processes on one bus, cooperate as they do in the simulator. After they lose contact, they
+find each other again, but the arm moves only after an explicit re-arm."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def begin(bus: Bus, scenario: str, *options: object) -> tuple[subprocess.Popen, 
 
 
 def cooperate(bus: Bus) -> None:
-    """Waits until the arm cooperates and moves. A start that a busy machine has spoilt is repeated."""
+    """Waits until the arm cooperates and moves. Repeats a start that failed because the machine is busy."""
     bus.wait_mode("ready", "fault", start=len(bus.frames))
     while True:
         rearm(bus)
@@ -93,7 +93,7 @@ def rearm(bus: Bus) -> None:
 
 
 def require_standstill(bus: Bus, start: int) -> None:
-    """Checks that from there on the brakes are closed and no joint turns by more than the encoder's noise."""
+    """Checks that, from frame `start` on, the brakes are closed and no joint turns by more than the encoder's noise."""
     for joint in range(JOINTS):
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         assert states
@@ -197,8 +197,8 @@ def test_the_plants_log_replays_byte_for_byte(together):
 
 
 def test_firmware_paused(either_bus, waving):
-    """When the firmware is paused, the drives brake on their own. When it resumes, it reports the cause and moves
-    nothing."""
+    """When the firmware is paused, the drives brake on their own. When the firmware resumes, it reports the cause and
+    moves nothing."""
     bus = either_bus
     _, firmware = begin(bus, waving, "--duration", 110)
     cooperate(bus)
@@ -254,7 +254,7 @@ def test_plant_killed_and_started_again(either_bus, waving):
     plant.kill()
     plant.wait()
     require_stop_of_the_commands(bus, start)
-    # the fault remains while the clock of the new tracker is learnt
+    # the fault remains while the firmware learns the clock of the new tracker
     assert {mode for mode, _ in bus.statuses_for(1.2)} == {"fault"}
     bus.plant("--scenario", waving, "--duration", 110, name="plant_again")
     bus.wait(lambda: is_answered(bus), "the drives answer again")
@@ -292,7 +292,7 @@ def require_brake_after_timeout(bus: Bus, start: int) -> None:
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         late = [state for state in states if str(state["error"]) == "command_timeout"]
         assert len(late) > 1
-        # the first one still reports the mode before the timeout
+        # the first of these states still reports the mode before the timeout
         assert {str(state["mode"]) for state in late[1:]} == {"brake"}
 
 
@@ -371,7 +371,7 @@ def test_a_hub_in_a_folder_that_others_may_write_to_is_not_trusted(tmp_path, pro
 
 
 def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
-    """A test firmware that stops looping is linked to the port: its process ends and reports why."""
+    """When a test firmware that stops looping is linked to the port, its process ends and reports why."""
     main = tmp_path / "hanging.c"
     main.write_text(
         '#include "hal/hal.h"\n#include "firmware/main.h"\n'

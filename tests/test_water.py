@@ -91,8 +91,8 @@ def pour(water, degrees, direction_rad=0.0, tilt_s=2.0, hold_s=1.0, step_s=TICK_
 
 
 def shell_distance(cup, points) -> np.ndarray:
-    """Returns the distance of each point from the shell's surface, (n,), by 40000 samples of the shell's centre line in
-    the half-plane of the point."""
+    """Returns the distance of each point from the shell's surface, (n,), computed from 40000 samples of the shell's
+    centre line in the half-plane of the point."""
     half = cup["wall_m"] / 2
     outer = cup["radius_m"] + half
     t = np.linspace(0.0, 1.0, 20000)
@@ -105,7 +105,7 @@ def shell_distance(cup, points) -> np.ndarray:
 
 def test_contacts_with_the_cups_shell():
     """The deepest contact matches the sampled distance. Each contact point lies on the shell, and its normal points
-    from there to the particle's centre."""
+    from the contact point to the particle's centre."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     points = np.random.default_rng(1).uniform([-0.035, -0.035, -0.012], [0.035, 0.035, 0.055], (250, 3))
@@ -125,8 +125,8 @@ def test_contacts_with_the_cups_shell():
 
 
 def test_inner_size_matches_the_cup():
-    """A sphere 0.1 mm away from wall and bottom touches neither. Moved into the corner by 0.2 mm, it touches both with
-    a depth of 0.1 mm."""
+    """A sphere that is 0.1 mm away from wall and bottom touches neither. After it is moved into the corner by 0.2 mm,
+    it touches both with a depth of 0.1 mm."""
     ffi, lib = water_binding.load()
     cup, contact = ffi.new("cup_t *", CUP), ffi.new("cup_contact_t[2]")
     assert lib.cup_touch(cup, [0.0199, 0.0, 0.0051], RADIUS_M, contact) == 0
@@ -145,8 +145,8 @@ def test_inner_size_matches_the_cup():
     ],
 )  # fmt: skip
 def test_particle_inside_and_left(rho_mm, z_mm, inside, left):
-    """Above the rim or below the bottom, a particle has left the cup once it is 12 mm away: its diameter plus the
-    wall's thickness."""
+    """A particle above the rim or below the bottom has left the cup once it is 12 mm away, which is its diameter plus
+    the wall's thickness."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", CUP)
     for angle in (0.0, 2.0, 4.0):
@@ -264,7 +264,7 @@ def test_nothing_leaks_from_a_shaken_cup():
 
 
 def test_walls_carry_the_particles():
-    """The bottom lifts all particles when the cup rises at 0.5 m/s, a speed that it reaches within 50 ms."""
+    """The bottom lifts all particles when the cup rises and reaches 0.5 m/s within 50 ms."""
     with water_in(CUP, 60) as water:
         for i in range(1, 401):
             t = i * TICK_S
@@ -281,7 +281,8 @@ def test_walls_carry_the_particles():
 
 @functools.cache
 def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
-    """Returns the share of a liquid, filled to fill_m, that stays in a tilted cylinder: the part below the lip."""
+    """Returns the share of a liquid, filled to fill_m, that stays in a tilted cylinder, which is the part below the
+    lip."""
     rho, angle = np.meshgrid(np.linspace(0, radius_m, 400), np.linspace(0, 2 * np.pi, 360, endpoint=False))
     x = rho * np.cos(angle)
     t = np.radians(degrees)
@@ -292,8 +293,8 @@ def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
 
 
 def require_kept_as_a_liquid(water, cup, degrees, fill_m):
-    """Checks that the cup keeps at least as much as it would of a liquid filled to fill_m, and at most as much as it
-    would if the surface were 15 degrees steep and the rim a particle's diameter higher. Tolerance: six particles."""
+    """Checks that the cup keeps at least as much as it would keep of a liquid filled to fill_m, and at most as much as
+    if the surface were 15 degrees steep and the rim a particle's diameter higher. Tolerance: six particles."""
     radius_m, height_m = cup["radius_m"], cup["height_m"]
     kept = water.counts().in_robot_cup / water.count
     least = liquid_left(radius_m, height_m, fill_m, degrees)
@@ -363,7 +364,8 @@ def test_step_size_does_not_matter():
 def test_poured_into_a_wider_cup(direction):
     """All particles that leave the bowl land in a cup whose rim is 30 mm below the lip and whose axis is 16 mm beyond
     it."""
-    # distance of the bowl's lip from its frame at 39 degrees; the frame does not move, so the lip sinks to -0.0065
+    # horizontal distance of the bowl's lip from its frame at 39 degrees; the frame does not move, so the lip sinks to
+    # 6.5 mm below it
     lip_m = 0.0398
     beyond = (lip_m + 0.016) * np.array([np.cos(direction), np.sin(direction)])
     glass_m = [*(START_M[:2] + beyond), START_M[2] - 0.0065 - 0.030 - GLASS["height_m"]]

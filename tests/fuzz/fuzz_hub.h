@@ -8,7 +8,8 @@
 #include "../../host_tools/hub/hub.h"
 
 /* Splits the data into parts, sends each from the client, reads all answers, checks each frame that the listener
- * receives, and ends the hub. The byte before each part selects its length, mostly 16 or 72, the lengths of frames. */
+ * receives, and ends the hub. The byte before each part selects its length, mostly 16 or 72, which are the lengths
+ * of frames. */
 void fuzz_hub(const endpoint_t *endpoint, int socket_type, const uint8_t *data, size_t size);
 
 #endif

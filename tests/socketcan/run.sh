@@ -1,8 +1,8 @@
 #!/bin/sh
 # Tests firmware and plant on the kernel's SocketCAN, even if this machine's kernel has none: boots user-mode Linux from
 # the running file system and runs init.sh there. Usage: tests/socketcan/run.sh PYTHON [arguments for pytest]
-# Exit status: 0 if the tests passed or were skipped, for a reason that is printed; 1 if they failed, or if they were
-# skipped although REQUIRED=1.
+# Exit status: 0 if the tests passed or were skipped (the reason is printed); 1 if they failed, or were skipped although
+# REQUIRED=1.
 set -eu
 repository=$(cd "$(dirname "$0")/../.." && pwd)
 packages="user-mode-linux busybox-static iproute2 can-utils"
@@ -30,7 +30,7 @@ if ! is_complete; then
         skip "apt-get cannot install $packages on $(dpkg --print-architecture); user-mode-linux is for amd64 and i386"
 fi
 
-# The kernel's command line must not contain spaces.
+# The folder's path is part of the kernel's command line, so it must not contain spaces.
 folder=$(mktemp -d /tmp/comanip-socketcan.XXXXXX)
 trap 'rm -rf "$folder"' EXIT
 ln -s "$repository" "$folder/repository"

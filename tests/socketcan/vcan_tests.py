@@ -69,8 +69,8 @@ def wait_for_listeners(interface: str, count: int) -> None:
 
 @contextlib.contextmanager
 def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
-    """Runs cansniffer, and yields its screen output, which grows meanwhile. The version in can-utils 2020 supports
-    classic frames only."""
+    """Runs cansniffer and yields its screen output, which grows while cansniffer runs. The version in can-utils 2020
+    supports classic frames only."""
     master, slave = pty.openpty()
     others = listeners(interface)
     sniffer = subprocess.Popen(["cansniffer", interface], stdin=slave, stdout=slave, stderr=slave)
@@ -108,8 +108,8 @@ def wait_until_written(*files: Path) -> None:
 
 
 def record_run(bus: Bus, *logger_options: str) -> int:
-    """Runs plant and firmware while candump and python-can's logger listen, from before the firmware boots until after
-    the plant has ended. Returns the exit status of the plant."""
+    """Runs plant and firmware while candump and python-can's logger listen. Both start before the firmware boots and
+    end after the plant. Returns the exit status of the plant."""
     others = listeners(bus.interface)
     with open(bus.folder / "candump.log", "w") as log:
         candump = subprocess.Popen(["candump", "-L", bus.interface], stdout=log)
@@ -143,8 +143,8 @@ def session(tmp_path_factory) -> Path:
 
 
 def test_candump_and_the_plants_log_are_the_same(session):
-    """candump and the plant's log have the same frames in the same order, and the same time stamps of the kernel, which
-    the log scales to the slowed clock."""
+    """candump's log and the plant's log contain the same frames in the same order. The kernel's time stamps are the
+    same in both, except that the plant's log scales them to the slowed clock."""
     dumped, logged = read_log(session / "candump.log"), read_log(session / "plant" / "bus.log")
     assert len(logged) > 15_000
     assert payload(dumped)[: len(logged)] == payload(logged)
@@ -186,7 +186,8 @@ def test_candumps_log_replays_byte_for_byte(session):
 
 
 def test_canplayer_plays_it_again(session):
-    """canplayer sends the log to a second bus at the recorded pace, and candump receives the same frames there."""
+    """canplayer sends the log to a second bus at the recorded pace, and candump receives the same frames on that
+    bus."""
     part = (session / "candump.log").read_text().splitlines(keepends=True)[:2000]
     recorded, again = session / "part.log", session / "again.log"
     recorded.write_text("".join(part))
@@ -288,8 +289,8 @@ def test_an_interface_that_goes_down_and_comes_back(alone):
 
 
 def test_the_systems_clock_is_set(tmp_path):
-    """When the system's clock is set back by 1000 s, the firmware's clock continues, and poses do not appear 1000 s
-    old."""
+    """When the system's clock is set back by 1000 s, the firmware's clock continues, and poses are not considered 1000
+    s old."""
     step_s = 1000
     with Bus(tmp_path) as bus:
         begin(bus, str(PLAIN), "--duration", 20)
