@@ -11,7 +11,7 @@
 
 #include "controller_state.h"
 
-/* ik and its arm must outlive the controller. */
+/* Initialises the controller. `ik` and its arm must outlive it. */
 void controller_init(controller_t *self, const arm_ik_t *ik, can_profile_t profile);
 
 /* Replaces the default parameters; call it before the first step. result: the result to report in the boot
@@ -21,9 +21,9 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
 /* Runs one tick.
  *
  * now_us: the time, monotonic modulo 2^32, one tick after the previous call.
- * inbox: the frames received since then, oldest first; they are reassembled in place. A frame that arrived while the
- * inbox was being filled has a time stamp after now_us, and is treated as received at now_us.
- * outbox: the sink receives the frames to send, in order; the other members are set. */
+ * inbox: the frames received since the previous call, oldest first; they are reassembled in place. A frame that arrived
+ * while the inbox was being filled has a time stamp after now_us, and is treated as received at now_us.
+ * outbox: the sink receives the frames to send, in order; the call sets the other members. */
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox);
 
 #endif

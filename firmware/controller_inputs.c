@@ -53,8 +53,8 @@ static void take_parameter_access(controller_t *self, const received_t *received
     note_request(self, received);
 }
 
-/* Calls the handler for the frame's kind. If the DBC lists a frame as received by the firmware and it has no handler
- * here, this does not compile. */
+/* Calls the handler for the frame's kind. Compilation fails if the DBC lists a frame as received by the firmware but
+ * there is no handler for it here. */
 static void take(controller_t *self, const received_t *received) {
     switch (received->kind) {
 #define TAKE(NAME, name)                                                                                               \

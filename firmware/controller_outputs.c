@@ -123,7 +123,7 @@ void controller_publish(controller_t *self, uint32_t now_us, const port_status_t
     const uint32_t since_heartbeat_ms = phase_ms(self, FRAME_FIRMWARE_HEARTBEAT);
     if (since_heartbeat_ms == 0u) {
         send_heartbeat(self, outbox);
-    } else if (since_heartbeat_ms == self->tick_ms) { /* the heartbeat's period; a tick later, to spread the load */
+    } else if (since_heartbeat_ms == self->tick_ms) { /* one tick after the heartbeat, to spread the load */
         send_port_status(self, port, outbox);
     }
 }

@@ -13,7 +13,7 @@ void controller_apply_parameters(controller_t *self);
  * RESULT_ACCEPTED. */
 result_t controller_require_stable(controller_t *self, uint8_t sequence);
 
-/* Reports the next of those parameters; call it once per tick. */
+/* Reports the next of the parameters involved in a refusal, if any is left; call it once per tick. */
 void controller_report_unstable(controller_t *self, controller_outbox_t *outbox);
 
 /* Handles and answers a request to read, write or save. A save is answered by controller_finish_save() when it has

@@ -21,7 +21,8 @@
 /* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and either the identity, or two ParameterValue
  * frames and PortStatus. */
 #define CONTROLLER_CYCLIC_FRAMES 19
-/* For each received frame, an answer and the announcement of a parameter before it; also the outcome of a save. */
+/* The cyclic frames; for each received frame, an answer preceded by the announcement of a parameter; and the outcome of
+ * a save. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
 typedef struct {
@@ -86,7 +87,7 @@ typedef struct {
     bool demand_deferred;                    /* because of that change, the demand was deferred to the next tick */
     float feedback_radps[ARM_MAX_JOINTS];    /* velocities that correct the pose error */
     float feedforward_radps[ARM_MAX_JOINTS]; /* velocities that follow the target's own motion; 0 without prediction */
-    bool catching_up; /* the target was out of reach or too fast, and has not been reached since */
+    bool catching_up; /* the target was out of reach or too fast, and the end effector has not caught up yet */
     posture_change_t posture_change;
     joint_limits_t limits;
     bool moving; /* the last JointCmd was in velocity mode */

@@ -19,7 +19,7 @@ void hal_init(void);
 can_profile_t hal_can_profile(void);
 
 /* Sleeps until the next tick of 1 kHz and returns the tick's time in *now_us, monotonic modulo 2^32 us. Missed ticks
- * are skipped, not caught up. Returns false if the platform is shutting down, which only a simulation or a process
+ * are skipped, not caught up. Returns false if the platform is shutting down, as only a simulation or a process
  * does. */
 bool hal_wait_tick(uint32_t *now_us);
 
@@ -30,7 +30,7 @@ bool hal_can_receive(can_frame_t *frame);
 /* Queues a frame without blocking. If the queue is full, drops and counts the frame, and returns false. */
 bool hal_can_send(const can_frame_t *frame);
 
-/* Reports the port's faults since hal_init() as counts, and which of these counts the port cannot know. */
+/* Reports the port's fault counts since hal_init(), and marks those that the port cannot know. */
 void hal_port_status(port_status_t *status);
 
 /* Must be called once per tick. If it is not called for 10 ms, the platform cuts the drives' power. */

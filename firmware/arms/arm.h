@@ -24,7 +24,7 @@ typedef struct {
     float jerk_max_radps3;    /* 1,000 (one step of the bus's resolution per 1 ms tick) to 1e6 */
 } arm_joint_t;
 
-/* Has the contract of arm_forward_kinematics(). */
+/* A function with the same contract as arm_forward_kinematics(). */
 typedef pose_t arm_kinematics_t(const arm_t *arm, const float position_rad[]);
 
 struct arm {
@@ -55,9 +55,9 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian);
 
-/* Returns half a column of the geometric Jacobian as a dual quaternion. The end effector's dual quaternion times this
- * one is the joint's column of the analytic 8 x n Jacobian, d(vec8 end effector) / d(position), for that sign of the
- * end effector's dual quaternion. */
+/* Returns half a column of the geometric Jacobian as a dual quaternion. Multiplied from the left by the end effector's
+ * dual quaternion x, it yields the joint's column of the analytic 8 x n Jacobian, d(vec8 x) / d(position). The sign of
+ * the column is that chosen for x. */
 dual_quaternion_t arm_half_twist(vector3_t angular, vector3_t linear_m);
 
 #endif

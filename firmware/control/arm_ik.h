@@ -1,5 +1,5 @@
-/* An arm with its inverse kinematics: either functions that `make arms` generated for this arm (arms/), or those for
- * any arm. */
+/* An arm and its inverse kinematics, which are either functions that `make arms` generated for this arm (arms/) or
+ * functions that work for any arm. */
 #ifndef COMANIP_ARM_IK_H
 #define COMANIP_ARM_IK_H
 

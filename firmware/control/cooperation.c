@@ -9,7 +9,8 @@ __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion
 /* ---- the loop's constants
  *
  * Let q_H^E = (r, t) with the start (r_0, t_0), c = conj(q_Tv^E) the tracker's rotation, s the scale, q_Hv0^H0 = (r_v,
- * t_v), and p_0 the virtual hand's translation at the start. The lines up to (7) then yield a virtual hand with
+ * t_v), and p_0 the virtual hand's translation at the start. Algorithm 1 up to equation (7) then yields a virtual hand
+ * with
  *
  *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0).
  *
@@ -151,7 +152,7 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
 
 /* ---- the loop */
 
-/* Sets the target. r: its rotation. */
+/* Sets the target. r: the target's rotation. */
 static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_t r) {
     const cooperation_loop_t *loop = &self->loop;
     const float (*carry)[3] = loop->carry;
@@ -213,7 +214,7 @@ static vector3_t carried(const float carry[3][3], vector3_t v) {
     };
 }
 
-/* This is the derivative of set_target(): the target rotates with the hand, about the virtual hand. */
+/* Computes the derivative of set_target(): the target rotates with the hand, about the virtual hand. */
 twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand) {
     const float (*carry)[3] = (const float (*)[3])self->loop.carry;
     const vector3_t virtual_hand_mps = carried(carry, hand->velocity_mps);

@@ -42,27 +42,28 @@ typedef struct {
     pose_t target;                /* the latest target, in the torso frame */
 } cooperation_t;
 
-/* Initialises Algorithm 1. hand: q_H^E. robot: q_R^T. A blend to the task starts from the current relation of the
- * two. */
+/* Initialises Algorithm 1. hand: q_H^E. robot: q_R^T. A blend to the task starts from the current relation between hand
+ * and robot. */
 void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task, pose_t hand,
                        pose_t robot);
 
-/* Selects another task, keeps the start poses and releases a latch. The caller must then restart the `blend` of
+/* Selects another task, keeps the start poses and releases any latch. The caller must then restart the `blend` of
  * cooperation_update() at 0. */
 void cooperation_select(cooperation_t *self, const task_t *task);
 
-/* Takes a new reference (clutch): from now on, displacements are relative to `hand` and `robot`. The task continues
+/* Takes a new reference (clutch). From then on, displacements are relative to `hand` and `robot`. The task continues
  * with the relation that currently applies (at `blend`, or latched), so that the next target is `robot`. */
 void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float blend);
 
-/* Section V-B.3, at grasp: latches the current q_task (the commanded relation), which then remains constant. */
+/* Latches the current q_task (the commanded relation), which then remains constant, as at the grasp in section
+ * V-B.3. */
 void cooperation_latch(cooperation_t *self);
 
 /* Latches the measured relation conj(q_Rm) q_Hm. robot: q_Rm, which becomes the target. */
 void cooperation_latch_measured(cooperation_t *self, pose_t robot);
 
 /* Runs one pass of Algorithm 1's loop, which computes self->target, q_R^Tv = q_Hv^Tv conj(q_task), in the torso frame.
- * blend: 0..1, interpolates q_task from `blend_from` to that of the task; 1 in the paper. */
+ * blend: interpolates q_task from `blend_from` (0) to the q_task of the task (1); always 1 in the paper. */
 void cooperation_update(cooperation_t *self, const pose_t *hand, float blend);
 
 /* Returns the twist of the target of the last cooperation_update(), given the hand's twist in the tracker frame.

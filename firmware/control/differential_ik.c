@@ -5,8 +5,8 @@
  * unit vectors and levers are short, the rotation's weight matters most. Outside these bounds, which were found by
  * measurement (tests/test_differential_ik.py), differential_ik_general() is used, because it refines the solution. */
 #define DAMPING_MIN 1e-5f                 /* relative to the largest weight */
-#define ROTATION_WEIGHT_MAX 1.0f          /* the rotation's weight is at most this, */
-#define ROTATION_TO_TRANSLATION_MAX 0.25f /* or at most this share of the translation's weight */
+#define ROTATION_WEIGHT_MAX 1.0f          /* the rotation's weight must be at most this, */
+#define ROTATION_TO_TRANSLATION_MAX 0.25f /* or at most this multiple of the translation's weight */
 #define TRACE_DAMPING_MIN 1e-6f           /* relative to the trace of J^T W J; checked in each tick */
 
 static bool is_isotropic(const float diagonal[8]) {

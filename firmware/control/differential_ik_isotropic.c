@@ -3,7 +3,7 @@
 
 #include "../maths/ldlt.h"
 
-/* Equation (4) without vec8, for the case that K and W each have one value for rotation and one for translation.
+/* Equation (4) without vec8, for the case in which K and W each have one value for rotation and one for translation.
  *
  * Multiplying error and Jacobian by a unit quaternion, from the left or the right, is an orthogonal map of each half of
  * vec8. It commutes with such K and W, so it changes neither J^T W J nor J^T W K e. Let x = r + eps 1/2 t r be the end

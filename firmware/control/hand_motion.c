@@ -48,7 +48,7 @@ static quaternion_t turn_between(quaternion_t a, quaternion_t b) {
     return quaternion_align(quaternion_multiply(a, quaternion_conjugate(b)), quaternion_identity);
 }
 
-/* Returns the time after a sample at which a gap begins. */
+/* Returns the time from a sample to the start of a gap, should no further sample arrive. */
 static float awaited_s(const hand_motion_t *self) {
     return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_GRACE_S;
 }

@@ -37,7 +37,7 @@ typedef struct {
     float interval_s;               /* running mean of the interval between samples */
 } hand_motion_t;
 
-/* Initialises to the identity at rest, without any sample. */
+/* Initialises the estimate to the identity pose at rest, with no sample taken yet. */
 void hand_motion_init(hand_motion_t *self);
 
 /* Call this when the tracker is lost and its clock is unknown. The hand is then at rest in its last pose, and the next

@@ -1,5 +1,5 @@
-/* The person's hand: computes its pose and the pose's age in each tick, from frames that arrive at the tracker's
- * rate. */
+/* Computes the pose of the person's hand and the age of that pose in each tick, from frames that arrive at the
+ * tracker's rate. */
 #ifndef COMANIP_HAND_TRACKER_H
 #define COMANIP_HAND_TRACKER_H
 

@@ -122,7 +122,8 @@ void joint_limits_init(joint_limits_t *self) {
     *self = (joint_limits_t){0};
 }
 
-/* Returns the factor on the feedback velocities with which each joint stops within its remaining distance. */
+/* Returns the factor by which the feedback velocities are scaled, so that each joint can stop within its remaining
+ * distance. */
 static float approach_scale(const joint_limits_plan_t plan[], int joint_count, const float feedback_radps[]) {
     float scale = 1.0f; /* common to all joints */
     for (int i = 0; i < joint_count; i++) {
@@ -135,7 +136,8 @@ static float approach_scale(const joint_limits_plan_t plan[], int joint_count, c
     return scale;
 }
 
-/* Returns the greatest distance that a joint moves while a change that increases its speed decreases to 0. */
+/* Returns the greatest distance that a joint moves while its acceleration decreases to 0. change_steps: the
+ * acceleration, as the increase of the speed per tick. */
 static float ramp_way(const joint_limits_config_t *config, const joint_limits_plan_t *plan, float speed_radps,
                       int32_t change_steps) {
     const float change = (float)change_steps;

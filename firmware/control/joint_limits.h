@@ -9,13 +9,13 @@
  *   speed     All joints are scaled by the same factor to keep within their speed limits, so that the end effector
  *             keeps its direction.
  *   range     Towards a limit at distance d, the speed is at most
- *             sqrt(2 a d + (a^2/2j)^2) - a^2/j - a (command_delay_s + tick_s). Of a^2/j, one half allows for the growth
- *             of the deceleration, the other for the lag of the velocity behind this speed.
+ *             sqrt(2 a d + (a^2/2j)^2) - a^2/j - a (command_delay_s + tick_s). One half of a^2/j allows for the
+ *             growth of the deceleration, the other for the lag of the velocity behind this speed.
  *   change    The velocity changes per tick by at most the acceleration limit times tick_s, and this change differs
  *             from that of the last tick by at most the jerk limit times tick_s^2. The change decreases to 0 in time,
  *             so that the velocity does not overshoot the value allowed by the rules above.
  *
- * From every reachable state, a joint whose demand is 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where a is the
+ * From every reachable state, a joint with a demand of 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where a is the
  * acceleration limit. */
 #ifndef COMANIP_JOINT_LIMITS_H
 #define COMANIP_JOINT_LIMITS_H
@@ -27,14 +27,14 @@
 /* Braking is planned with this share of the acceleration limit. The rest absorbs rounding and encoder noise. */
 #define JOINT_LIMITS_BRAKING_RESERVE 0.9f
 
-/* A joint is treated as at its limit from this distance before its stopping speed becomes 0; any closer, it would only
- * creep. */
+/* A joint is treated as being at its limit as soon as it is this close to the point at which its stopping speed becomes
+ * 0. From there on, it would only creep. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
 /* Constants of a joint, derived from the config and the arm. */
 typedef struct {
     int32_t change_max_steps;  /* largest change of the velocity per tick */
-    int32_t jerk_steps;        /* largest difference between that change and the last tick's, >= 1 */
+    int32_t jerk_steps;        /* largest difference between the changes in two successive ticks, >= 1 */
     float ramp_ticks_per_step; /* number of ticks in which a change of one step decreases to 0 */
     float speed_max_radps;
     float braking_radps2; /* a, the deceleration used for planning */

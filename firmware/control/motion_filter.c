@@ -56,8 +56,8 @@ static float clamp(float x, float min, float max) {
 }
 
 /* Returns x^(1/8) of a normal number, within 0.4 %. Without a floating-point unit, three square roots would cost twice
- * as much. The bits approximate a logarithm, so an eighth of them yields a guess within 4 %; one Newton step
- * follows. */
+ * as much. The bits of a float approximate its logarithm, so an eighth of them yields a guess within 4 %; one Newton
+ * step follows. */
 static float eighth_root(float x) {
     const uint32_t guess_bits = (float_bits(x) >> 3) + 0x378B6000u;
     float guess;
@@ -71,7 +71,8 @@ static vector3_t shorten(vector3_t v, float length_max) {
     return float_is_below(length_max * length_max, square) ? vector3_scale(v, length_max / __builtin_sqrtf(square)) : v;
 }
 
-/* If the noise is white, the innovations are white too, and their variance is noise / kept^3. */
+/* Updates the measured noise. If the noise is white, the innovations are white too, and their variance is noise /
+ * kept^3. */
 static void measure_noise(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
                           float interval_s, float kept) {
     const vector3_t change = vector3_add(innovation, vector3_scale(self->innovation, -1.0f));

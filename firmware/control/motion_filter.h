@@ -4,8 +4,8 @@
  * that no tracker needs tuning:
  *
  *   noise   is measured by the second differences of the innovations, on which motion has little influence.
- *   trend   is the mean of the innovations over the memory. While the filter follows the motion, its size is that of
- *           the noise; it is larger if the motion is too fast for the memory.
+ *   trend   is the mean of the innovations over the memory. While the filter follows the motion, the trend is as
+ *           large as the noise; it is larger if the motion is too fast for the memory.
  *   memory  shortens at once if the trend exceeds the noise, in inverse proportion to the trend's square; otherwise it
  *           grows with the time constant MOTION_FILTER_SETTLE_S. */
 #ifndef COMANIP_MOTION_FILTER_H
@@ -43,10 +43,10 @@ typedef struct {
     float memory_s;
 } motion_filter_t;
 
-/* Initialises to rest, with the typical noise. */
+/* Initialises the estimates to rest, with the typical noise. */
 void motion_filter_init(motion_filter_t *self, const motion_filter_scale_t *scale);
 
-/* Resets to rest, but keeps the measured noise. */
+/* Resets the estimates to rest, but keeps the measured noise. */
 void motion_filter_restart(motion_filter_t *self);
 
 /* A point in time after the newest sample; several filters can share it. The motion is extrapolated with constant
@@ -62,7 +62,7 @@ static inline motion_filter_ahead_t motion_filter_ahead(float ahead_s) {
     return (motion_filter_ahead_t){ahead_s, accelerated_s, accelerated_s * (ahead_s - 0.5f * accelerated_s)};
 }
 
-/* Return the displacement from the newest sample to that time, and the velocity at that time. */
+/* Return the displacement from the newest sample to `then`, and the velocity at `then`. */
 static inline vector3_t motion_filter_displacement(const motion_filter_t *self, const motion_filter_ahead_t *then) {
     return vector3_add(vector3_scale(self->velocity, then->ahead_s), vector3_scale(self->acceleration, then->curve_s2));
 }

@@ -34,7 +34,7 @@ typedef struct {
     float xx, xy, xz, yy, yz, zz;
 } symmetric_t;
 
-/* A - I. */
+/* Returns A - I. */
 static symmetric_t task_damping(const arm_jacobian_t *jacobian, int joint_count) {
     symmetric_t m = {POSITION_PRIORITY_TASK_FLOOR_M2, 0.0f, 0.0f,
                      POSITION_PRIORITY_TASK_FLOOR_M2, 0.0f, POSITION_PRIORITY_TASK_FLOOR_M2};

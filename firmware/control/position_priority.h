@@ -7,8 +7,8 @@
  *
  * - p: the position error [m];
  * - v: the vector part of the error's quaternion, so that 2 v is nearly the rotation vector;
- * - x_i: how deep joint i is in the margin of POSITION_PRIORITY_MARGIN_RAD before a limit;
- * - k: the stiffness of that margin, which grows with the orientation error (its derivative is neglected);
+ * - x_i: how far joint i has entered the margin of POSITION_PRIORITY_MARGIN_RAD before a limit;
+ * - k: the stiffness of that margin, which grows with the orientation error (the derivative of k is neglected);
  * - h(p) = p^2, continued linearly beyond POSITION_PRIORITY_ERROR_MAX_M: an error longer than that is shortened to that
  *   length.
  *
@@ -20,15 +20,15 @@
  *
  * M is positive definite, so V decreases while k is constant and the target is at rest, and the arm comes to rest.
  *
- * - w is small enough to change the position by at most a few tenths of a millimetre.
+ * - w is so small that it changes the position by at most a few tenths of a millimetre.
  * - The margin keeps an unreachable orientation from driving joints to their limits, where the position would be lost.
  *   A reachable orientation is reached.
  * - A = I + damping (J_p J_p^T)^-1 damps only the motion of the position. Near a singularity, it prevents the
  *   amplification of noise and tremor without slowing down the orientation.
  * - D is a small damping plus a share of the terms of V's Hessian that J_p^T J_p (Gauss-Newton) omits. The share is a
- *   diagonal matrix with the elements
- *   sum_j |(a_min(i,j) x e) . m_max(i,j)|, Gershgorin's bound, with the joints' axes a and moments m. It keeps the
- *   loop's rate at K when the arm is stretched out towards a target out of reach. */
+ *   diagonal matrix with the elements sum_j |(a_min(i,j) x e) . m_max(i,j)|, Gershgorin's bound, where a and m are the
+ *   joints' axes and moments. It keeps the loop's rate at K when the arm is stretched out towards a target out of
+ *   reach. */
 #ifndef COMANIP_POSITION_PRIORITY_H
 #define COMANIP_POSITION_PRIORITY_H
 
@@ -46,7 +46,7 @@ typedef struct {
     const float *position_rad;  /* joint_count angles */
     const pose_t *target;       /* in the torso frame; either sign */
     const twist_t *motion;      /* the target's twist, in the torso frame */
-    joints_at_limit_t at_limit; /* joints that the sum of feedback and feedforward must not drive beyond their limits */
+    joints_at_limit_t at_limit; /* feedback plus feedforward must not drive these joints beyond their limits */
 } position_priority_request_t;
 
 /* Solves the equations for any arm; arm_ik_position_priority() uses the code generated for the arm, if there is any.

@@ -1,4 +1,4 @@
-/* Terms of the equations of position_priority.h, shared by the form for any arm and the code generated for one arm. */
+/* Terms of the equations of position_priority.h, shared by the code for any arm and the code generated for one arm. */
 #ifndef COMANIP_POSITION_PRIORITY_TERMS_H
 #define COMANIP_POSITION_PRIORITY_TERMS_H
 
@@ -40,8 +40,8 @@ static inline float position_priority_stiffness(float turn_rad2) {
 }
 
 /* Returns the factor by which the cofactors of J_p J_p^T + floor I must be multiplied to obtain A - I. The determinant
- * is at least floor^2 times the largest eigenvalue. If two directions are singular, rounding may reduce it, so it is
- * bounded from below. */
+ * is at least floor^2 times the largest eigenvalue. If two directions are singular, rounding may make the computed
+ * determinant smaller, so a lower bound is applied. */
 static inline float position_priority_task_scale(float determinant, float trace) {
     const float least =
         trace * (POSITION_PRIORITY_TASK_FLOOR_M2 * POSITION_PRIORITY_TASK_FLOOR_M2 / 3.0f + 1e-9f * trace);
@@ -59,7 +59,8 @@ typedef struct {
     float feedback[ARM_MAX_JOINTS], feedforward[ARM_MAX_JOINTS]; /* right-hand sides */
 } position_priority_equations_t;
 
-/* Solves and overwrites the equations. The sum of the two solutions drives no joint that is at a limit beyond it. */
+/* Solves and overwrites the equations. The sum of the two solutions never drives a joint beyond a limit that it has
+ * reached. */
 void position_priority_solve(position_priority_equations_t *equations, int joint_count, joints_at_limit_t at_limit,
                              float feedback_radps[], float feedforward_radps[]);
 

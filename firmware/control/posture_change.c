@@ -7,15 +7,15 @@
 #define STILL_M 5e-3f    /* a watched target that moves less than this is at rest */
 #define PROGRESS_M 1e-3f /* if the distance from the target changes by more than this, the end effector is not stuck */
 
-#define SEED_JOINTS 4 /* any further joint starts at the same side of its range as one of these, in order */
+#define SEED_JOINTS 4 /* joint i starts on the same side of its range as joint i % SEED_JOINTS */
 #define SEEDS (1 << SEED_JOINTS)
 #define STEPS 40 /* number of steps per candidate */
 #define MET_M 5e-4f
-#define ORIENTATION_SHARE 0.1f /* share of the orientation weight: enough to select by, but affects the position less */
+#define ORIENTATION_SHARE 0.1f /* share of the orientation weight; it ranks postures, with less effect on position */
 
 #define ARRIVED_RAD 1e-3f
 #define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther than this from the posture, */
-#define STANDS_M 1e-3f   /* or if the target moves farther than this */
+#define STANDS_M 1e-3f   /* or if the target moves farther than this from where it was */
 
 static bool is_away(const posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(self->target_m, -1.0f));

@@ -1,5 +1,5 @@
 /* Changes the arm's posture when joint limits keep the end effector from a target that another posture reaches, for
- * example with the elbow on its other side. Differential inverse kinematics does not find that posture, because the
+ * example with the elbow on the other side. Differential inverse kinematics does not find that posture, because the
  * path to it initially leads away from the target. The phases are:
  *
  *   watched   The initial phase, in which inverse kinematics moves the arm. The search begins once the end effector has
@@ -41,10 +41,10 @@ typedef struct {
     float candidate_rad[ARM_MAX_JOINTS];
     uint8_t seed, steps;               /* number of the current candidate, and its steps so far */
     float nearest_rad[ARM_MAX_JOINTS]; /* the nearest of the candidates that reached the target */
-    float way_rad;                     /* largest joint displacement to `nearest_rad`; FLT_MAX: there is none */
+    float way_rad;                     /* largest joint displacement to `nearest_rad`; FLT_MAX if there is none */
 } posture_change_t;
 
-/* The inverse kinematics and limits in use. Of a request, the functions below use all members except the target's
+/* The inverse kinematics and limits in use. The functions below use all members of a request except the target's
  * motion. */
 typedef struct {
     const arm_ik_t *ik;

@@ -26,8 +26,8 @@ void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs);
 /* Changes from ready to cooperating. */
 result_t supervisor_start(supervisor_t *self);
 
-/* Changes from cooperating or hold to ready, and from fault to idle if the cause of the fault is gone. Idle and ready
- * remain. */
+/* Changes from cooperating or hold to ready, and from fault to idle if the cause of the fault is gone. Does not change
+ * the modes idle and ready. */
 result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
 
 /* Returns true in mode cooperating or hold. */

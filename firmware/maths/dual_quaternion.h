@@ -4,8 +4,8 @@
  * * t * r with rotation r and translation t [m] (equation (2)); its 8 floats are stored as [rw rx ry rz dw dx dy dz],
  * the paper's vec8. x and -x represent the same pose.
  *
- * All functions take and return values, and accept any input; a NaN in the input yields a NaN in the result. If the
- * inputs are unit, the result is unit within rounding; only the functions that say so normalise it. */
+ * All functions take and return structs by value, and accept any input; a NaN in the input yields a NaN in the result.
+ * If the inputs are unit, the result is unit within rounding; only the functions that say so normalise it. */
 #ifndef COMANIP_DUAL_QUATERNION_H
 #define COMANIP_DUAL_QUATERNION_H
 

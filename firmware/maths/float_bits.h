@@ -1,5 +1,5 @@
-/* Float predicates that work on bit patterns. Without a floating-point unit, a float comparison is a function call, and
- * these are not. */
+/* Float predicates that work on bit patterns. Without a floating-point unit, a float comparison is a function call,
+ * whereas these predicates are a few integer instructions. */
 #ifndef COMANIP_FLOAT_BITS_H
 #define COMANIP_FLOAT_BITS_H
 

@@ -7,7 +7,7 @@
 #define LDLT_MAX_ROWS 8
 
 typedef struct {
-    float matrix[LDLT_MAX_ROWS][LDLT_MAX_ROWS]; /* the matrix, with its diagonal; below it L, once factorised */
+    float matrix[LDLT_MAX_ROWS][LDLT_MAX_ROWS]; /* the matrix on and above the diagonal; L below it, once factorised */
     float inverse_pivot[LDLT_MAX_ROWS];         /* 1 / D */
 } ldlt_t;
 

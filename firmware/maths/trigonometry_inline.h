@@ -30,7 +30,7 @@ static inline sine_cosine_t sine_cosine_small(float angle_rad) {
     return (sine_cosine_t){sine * (z * angle_rad) + angle_rad, cosine * (z * z) + (1.0f - 0.5f * z)};
 }
 
-/* Computes both for angles beyond +-pi/2. */
+/* Computes sine and cosine for angles beyond +-pi/2. */
 sine_cosine_t sine_cosine_reduced(float angle_rad);
 
 static inline sine_cosine_t sine_cosine_inline(float angle_rad) {

@@ -31,7 +31,7 @@ typedef struct {
 } transport_pending_t;
 
 #ifdef CAN_FD_ONLY
-#define TRANSPORT_MULTIPART_KINDS 1 /* none is needed, but C does not allow empty arrays */
+#define TRANSPORT_MULTIPART_KINDS 1 /* no kind has several parts on CAN FD, but C does not allow empty arrays */
 #else
 #define TRANSPORT_MULTIPART_KINDS COMANIP_MULTIPART_COUNT /* number of kinds with several parts on classic CAN */
 #endif

@@ -30,8 +30,8 @@ uint32_t clock_us(void) {
     } while (tick != tick_us || pending != ((SCB_INTERRUPT_STATE & SCB_INTERRUPT_STATE_SYSTICK_PENDING) != 0));
     /* SysTick requests its interrupt when it reaches 0, and reloads one cycle later. */
     uint32_t cycles = value == 0 ? 0 : CYCLES_PER_TICK - value;
-    /* Interrupts do not preempt each other, so the caller may be an interrupt that runs before the pending tick
-     * interrupt. */
+    /* Interrupts do not preempt each other, so the caller may be an interrupt handler that runs before that of the
+     * pending tick. */
     return tick + (pending ? CLOCK_TICK_US : 0u) + cycles / CYCLES_PER_US;
 }
 

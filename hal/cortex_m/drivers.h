@@ -13,7 +13,7 @@ void clock_start(void);
 
 /* Defined in stack_guard.c. After this call, an overflow of the thread's stack causes a fault. */
 void stack_guard_start(void);
-bool stack_overflowed(void); /* for handlers: the thread has overflowed its stack, or is about to */
+bool stack_overflowed(void); /* for fault handlers: the thread's stack has overflowed or is about to */
 
 /* Defined in startup.c: the handler of exceptions that the board does not have. */
 void unexpected_handler(void);

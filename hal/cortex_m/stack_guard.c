@@ -27,7 +27,7 @@ void stack_guard_start(void) {
 bool stack_overflowed(void) {
 #if defined(__ARM_ARCH_8M_MAIN__)
     if ((SCB_FAULT_STATUS & SCB_FAULT_STATUS_STACK_OVERFLOW) != 0) {
-        return true; /* the stack pointer has not been changed */
+        return true; /* the stack pointer was left unchanged, so the check below would miss the overflow */
     }
 #endif
     uint32_t thread_stack;

@@ -25,8 +25,8 @@ typedef struct {
 void reset_handler(void);
 _Noreturn void thread(void);
 
-/* Switches to the thread's stack, since the other one is for exceptions. It is naked, because it must not use the stack
- * that it leaves. */
+/* Switches to the thread's stack, since the main stack is for exceptions. The function is naked, because it must not
+ * use the main stack itself. */
 __attribute__((naked)) void reset_handler(void) {
     __asm__ volatile("ldr r0, =link_thread_stack_top\n\t"
                      "msr psp, r0\n\t"
@@ -57,7 +57,7 @@ _Noreturn void thread(void) {
     hal_panic("the firmware's loop ended");
 }
 
-/* kind: the fault that the processor detected first. */
+/* Reports a fault. kind: the fault that the processor detected first. */
 static _Noreturn void fault(const char *kind) {
     hal_panic(stack_overflowed() ? "stack overflow" : kind);
 }

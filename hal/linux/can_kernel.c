@@ -60,7 +60,7 @@ static bool set_options(int fd, const can_selection_t *selection) {
     const unsigned stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                             SOF_TIMESTAMPING_RAW_HARDWARE;
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)) {
-        (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as much as an ordinary user may have */
+        (void)set(fd, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER_BYTES); /* as large as an unprivileged process may set it */
     }
     return set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) && set_filters(fd, selection) &&
            set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, selection->own) &&

@@ -47,8 +47,8 @@ bool can_socket_receive(can_socket_t *self, can_frame_t *frame, can_reception_t 
 /* Sends a frame. If that is impossible, drops and counts the frame, and returns false. */
 bool can_socket_send(can_socket_t *self, const can_frame_t *frame);
 
-/* Fills in the faults of the bus. A hub itself reports neither error states nor lost frames. These remain unknown until
- * another node's error frame arrives through the hub, and from then on count only error frames. */
+/* Fills in the faults of the bus. A hub itself reports neither error states nor lost frames. Both remain unknown until
+ * an error frame from another node arrives through the hub; from then on, they are derived from error frames only. */
 void can_socket_status(const can_socket_t *self, port_status_t *status);
 
 void can_socket_close(can_socket_t *self);

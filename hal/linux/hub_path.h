@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #define HUB_PATH_BYTES 108          /* as in struct sockaddr_un */
-#define HUB_SOURCE_SUFFIX ".source" /* suffix of the socket for clients that may send, if all others may only listen */
+#define HUB_SOURCE_SUFFIX ".source" /* suffix of the senders' socket, if other clients may only listen */
 #define HUB_LOCK_SUFFIX ".lock"
 
 /* Checks that the name consists of at most 15 letters, digits, '_' and '-', like an interface's name. */

@@ -20,7 +20,7 @@ typedef struct {
     int64_t tick_ns;    /* Unix time of the last tick, a multiple of the tick's length */
     uint64_t overruns;  /* ticks skipped because the loop was late */
     bool in_tick;       /* the loop is between a tick and the wait for the next */
-    int64_t longest_ns; /* longest time from a tick to the next wait, by the loop's clock */
+    int64_t longest_ns; /* longest time from a tick to the following wait, by the loop's clock */
 } pace_t;
 
 void pace_init(pace_t *self, uint32_t slow);
@@ -28,13 +28,13 @@ void pace_init(pace_t *self, uint32_t slow);
 /* Sleeps until the next tick; skips and counts missed ticks. Returns false if a signal arrived. */
 bool pace_wait_tick(pace_t *self);
 
-/* Returns the current wall time, without steps of the system's clock since the start. */
+/* Returns the current wall time, ignoring any steps of the system clock since the start. */
 int64_t pace_now_unix_ns(const pace_t *self);
 
-/* Returns a kernel time stamp without steps of the system's clock since the start. */
+/* Corrects a kernel time stamp for any steps of the system clock since the start, and returns it. */
 int64_t pace_stamp_unix_ns(const pace_t *self, int64_t stamp_unix_ns);
 
-/* Returns true once for each time that the system's clock was set. */
+/* Returns true once after each step of the system clock. */
 bool pace_find_step(pace_t *self);
 
 /* Returns the loop's clock at this Unix time, modulo 2^32. */

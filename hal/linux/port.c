@@ -82,9 +82,9 @@ static void report_clock(void) {
 bool hal_wait_tick(uint32_t *now_us) {
     bool waiting = true;
     while (stopped == 0 && waiting) {
-        waiting = !pace_wait_tick(&port.pace); /* a signal that does not end the process: wait again */
+        waiting = !pace_wait_tick(&port.pace); /* wait again after a signal that does not end the process */
     }
-    port.ticks += !waiting; /* a wait that a signal ended is not a tick */
+    port.ticks += !waiting; /* a wait ended by a signal does not count as a tick */
     report_clock();
     *now_us = pace_clock_us(&port.pace, port.pace.tick_ns);
     return stopped == 0;

@@ -1,4 +1,4 @@
-/* Options of both programs that run on a live bus: which bus, and how fast time passes. */
+/* Options of both programs that run on a live bus: the bus, and how fast time passes. */
 #ifndef COMANIP_RUN_OPTIONS_H
 #define COMANIP_RUN_OPTIONS_H
 

@@ -17,7 +17,7 @@ static int own_priority;
 static void *watch(void *unused) {
     (void)unused;
     const struct sched_param parameters = {.sched_priority = own_priority};
-    (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); /* if permitted, like the loop's */
+    (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); /* if permitted, as for the loop */
     unsigned last = atomic_load(&feeds);
     int hungry_looks = 0;
     for (;;) {
@@ -43,6 +43,6 @@ void watchdog_start(int64_t look_ns, int priority) {
 
 void watchdog_feed(void) {
     if (atomic_fetch_add(&feeds, 1) == UINT32_MAX) {
-        (void)atomic_fetch_add(&feeds, 1); /* 0 means that it has not been fed yet */
+        (void)atomic_fetch_add(&feeds, 1); /* skips 0, which means that the watchdog has not been fed yet */
     }
 }

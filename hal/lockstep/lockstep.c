@@ -4,7 +4,7 @@
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 
-#define QUEUE_FRAMES 32 /* the maximum of two ticks */
+#define QUEUE_FRAMES 32 /* the most that two ticks can bring */
 
 static struct {
     can_frame_t frame[QUEUE_FRAMES]; /* ring */

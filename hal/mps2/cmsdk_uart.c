@@ -57,7 +57,7 @@ void uart_tx_handler(void) {
 
 void serial_start_transmission(void) {
     /* The UART interrupts when a byte has been sent. Since no byte precedes the first one, software triggers that
-     * interrupt. This way, the link's bytes also have only one consumer. */
+     * interrupt. The interrupt handler is thus also the only consumer of the link's bytes. */
     NVIC_SET_PENDING(BOARD_UART_TX_INTERRUPT) = NVIC_BIT(BOARD_UART_TX_INTERRUPT);
 }
 

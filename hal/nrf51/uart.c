@@ -68,7 +68,7 @@ void uart_handler(void) {
 }
 
 void serial_start_transmission(void) {
-    /* The interrupt does the sending, so that the link's bytes have only one consumer. */
+    /* Only the interrupt handler sends, so that the link's bytes have a single consumer. */
     NVIC_SET_PENDING(BOARD_UART_INTERRUPT) = NVIC_BIT(BOARD_UART_INTERRUPT);
 }
 

@@ -1,8 +1,8 @@
 /* The HAL on QEMU's virt machine. The UART carries CAN (hal/slcan).
  *
  * Since the machine has no watchdog, the tick's interrupt checks that the firmware's loop runs. Unlike a watchdog, this
- * check detects a hang only while interrupts are on. Nor does the machine have an output that could cut the drives'
- * power. A panic stops the commands, and each drive then brakes when its own timeout (3 ms) expires. */
+ * check detects a hang only while interrupts are on. The machine also has no output that could cut the drives' power. A
+ * panic stops the commands, and each drive then brakes when its own timeout (3 ms) expires. */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"

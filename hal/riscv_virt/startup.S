@@ -16,7 +16,7 @@ reset_handler:
     la t0, trap_entry
     csrw mtvec, t0
     la t0, link_trap_stack_top
-    csrw mscratch, t0 /* holds the stack pointer of whichever is not running: thread or trap */
+    csrw mscratch, t0 /* holds the trap's stack pointer while the thread runs, and vice versa */
 #ifdef __riscv_flen
     li t0, MSTATUS_FLOATING_POINT
     csrs mstatus, t0

@@ -17,7 +17,7 @@
 /* Defined by the linker script. */
 extern uint32_t link_thread_stack_end[];
 
-/* kind: the fault that the processor detected first. */
+/* Reports a fault. kind: the fault that the processor detected first. */
 static _Noreturn void fault(const char *kind, uintptr_t thread_stack) {
     hal_panic(thread_stack < (uintptr_t)link_thread_stack_end ? "stack overflow" : kind);
 }

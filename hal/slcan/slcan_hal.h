@@ -11,7 +11,7 @@ extern slcan_link_t slcan_hal_link;
 /* Provided by the port: makes the transmit interrupt take the bytes that are waiting in the link. */
 void serial_start_transmission(void);
 
-/* Provided by the port: sleeps until the next interrupt, which is at the latest that of the tick. */
+/* Provided by the port: sleeps until the next interrupt, at the latest that of the tick. */
 void serial_wait(void);
 
 /* Provided by the port, for hal/lockstep: returns the last argument of hal_enable_drives(). */

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-# The includes allowed to a folder, or to one of its files, in addition to the folder itself. Entries refer only to
+# The includes allowed for a folder, or for one of its files, in addition to the folder itself. Entries refer only to
 # earlier ones, so that there can be no cycle. A port that is not listed is a board, and may use what BOARD lists.
 MAY_USE = {
     "firmware/maths": [],
@@ -81,7 +81,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.M
 
 
 class Include(NamedTuple):
-    """An include of `target` in `file`, both relative to ROOT; the name of a header in <> is kept as written."""
+    """An include of `target` in `file`, both relative to ROOT; the name of a header in <> is stored as written."""
 
     file: str
     line: int

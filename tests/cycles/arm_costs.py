@@ -1,10 +1,10 @@
 """Computes the instruction cycles of Cortex-M4F, M3 and M0+ from ARM's tables.
 
-The sources are Cortex-M4 Technical Reference Manual (ARM DDI 0439), tables 3-1 and 7-1; Cortex-M3's (ARM DDI 0337),
-table 3-1, which differs only in multiplications; and Cortex-M0+'s (ARM DDI 0484), table 3-1, with the single-cycle
-multiplier. Where a table gives a range, its upper end is used: 3 for a pipeline refill, 12 for a division. Two
-neighbouring loads are assumed not to overlap. Flash wait states are not included. The results have never been checked
-on silicon.
+The sources are the Technical Reference Manuals of Cortex-M4 (ARM DDI 0439), tables 3-1 and 7-1; of Cortex-M3 (ARM DDI
+0337), table 3-1, which differs from that of Cortex-M4 only in multiplications; and of Cortex-M0+ (ARM DDI 0484), table
+3-1, with the single-cycle multiplier. Where a table gives a range, its upper end is used: 3 for a pipeline refill, 12
+for a division. Two neighbouring loads are assumed not to overlap. Flash wait states are not included. The results have
+never been checked on silicon.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-# Extra cycles of a taken branch, if not REFILL.
+# Extra cycles of a taken branch, where they differ from REFILL.
 TAKEN = {"cortex-m0plus": 1}
 REFILL = 3  # P: "1 to 3, depending on the alignment and width of the target"
 CONDITIONS = "(?:eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)"
@@ -62,8 +62,8 @@ def cycles_m0plus(instruction: Instruction) -> int:
 
 
 def own_cycles(instruction: Instruction, image: str) -> int:
-    """Returns the cycles without the extra ones of a taken conditional branch, and without waiting for the previous
-    result."""
+    """Returns the instruction's cycles, excluding the extra cycles of a taken conditional branch and any wait for the
+    previous result."""
     if image == "cortex-m0plus":
         return cycles_m0plus(instruction)
     name = re.sub(r"\.(n|w)$", "", instruction.name)

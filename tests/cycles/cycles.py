@@ -53,7 +53,7 @@ STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
 TIMEOUT_S = 900  # an image that panics does not end
 STATE = 3  # as in records.h
-NOTHING = 0  # as in program.c, like the keys of QUANTITIES
+NOTHING = 0  # as in program.c, as are the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
               7: "tick_blend",
@@ -77,8 +77,8 @@ COSTS = struct.Struct("<II")
 
 
 def recorded(folder: Path, *options: str) -> bytes:
-    """Records equally many ticks of three scenarios, enough to count the control law at least STATES times, although
-    the robot does not cooperate in all of them."""
+    """Records the same number of ticks from each of three scenarios, enough to count the control law at least STATES
+    times, although the robot does not cooperate in every tick."""
     parts = []
     for scenario in ("pour", "teleop", "mirror"):
         out = folder / "runs" / "-".join([scenario, *options])

@@ -11,7 +11,7 @@
 #define TICK_S 1e-3
 #define PULSE_RAD (PI / 180.0 / 209.0)
 #define HAND_PERIOD_TICKS 4
-#define SELECT_TICK 60 /* by now, frames of all drives and of the tracker have been received */
+#define SELECT_TICK 60 /* by this tick, all drives and the tracker have sent frames */
 #define START_TICK (SELECT_TICK + 1)
 #define MOVE_TICK (START_TICK + 100)
 #define DELAY_TICKS 8 /* greater than the longest dead time */

@@ -32,8 +32,8 @@ typedef struct {
     int interrupted[REST_WINDOWS];   /* number of a window's ticks without cooperation */
     double peak_radps[REST_WINDOWS][REST_JOINTS]; /* largest commanded speed in a window */
     int sign_changes[REST_WINDOWS]
-                    [REST_JOINTS]; /* sign changes of the commanded velocity above REST_CREEP_RADPS. Below it, one
-                                      encoder pulse times the gain keeps changing the sign at rest */
+                    [REST_JOINTS]; /* sign changes of the commanded velocity above REST_CREEP_RADPS. Slower velocities
+                                      are ignored, because single encoder pulses keep changing their sign at rest */
     double position_rad[REST_WINDOWS][REST_JOINTS];   /* joint positions at a window's end */
     double velocity_radps[REST_WINDOWS][REST_JOINTS]; /* last commanded velocity in the window */
     double target[7];                                 /* at the end: rotation w x y z, translation x y z [m] */

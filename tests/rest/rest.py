@@ -118,8 +118,8 @@ class Campaign:
 
 
 def position_cause(left_m: float) -> str:
-    """Returns the cause of a remaining error. `left_m`: the error that remains after descending by position alone from
-    there."""
+    """Returns the cause of a remaining error. `left_m`: the error that remains after a further descent by position
+    alone."""
     return (
         "a local minimum of the distance"
         if left_m >= WITHIN_M

@@ -1,5 +1,6 @@
-"""Computes HOAP-3's right arm in double precision, from the manual's table and independently of the firmware: the end
-effector's position, the positions that it can reach, and the shape of the position error around a posture."""
+"""Computes the geometry of HOAP-3's right arm in double precision, from the manual's table and independently of the
+firmware: the end effector's position, the positions that it can reach, and the shape of the position error around a
+posture."""
 
 from __future__ import annotations
 
@@ -25,9 +26,9 @@ def hand_m(q: np.ndarray) -> np.ndarray:
 
 
 def reaching(position_m: np.ndarray) -> np.ndarray:
-    """Returns postures (n, 4) within the joint limits that bring the end effector to the position: at most one per 0.1
-    degree of torsion and per side, and none if the position is out of reach. The elbow angle follows from the distance,
-    and the first two joints follow from each torsion angle."""
+    """Returns postures (n, 4) within the joint limits that bring the end effector to the position. There is at most one
+    per 0.1 degree of torsion and per side, and none if the position is out of reach. The elbow angle follows from the
+    distance, and the first two joints follow from each torsion angle."""
     w = np.asarray(position_m, float) - SHOULDER_M
     cosine = (w @ w - UPPER_M**2 - FORE_M**2) / (2 * UPPER_M * FORE_M)
     if abs(cosine) > 1:
@@ -64,7 +65,7 @@ class Valley:
     reachable: bool
 
 
-AT_LIMIT_RAD = 5e-3  # how close the joint limits let a joint come to its limit
+AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as at it, because the firmware stops joints short of limits
 
 
 def jacobian_m(q: np.ndarray) -> np.ndarray:

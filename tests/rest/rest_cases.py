@@ -46,12 +46,13 @@ def in_torso_axes(vector: np.ndarray) -> np.ndarray:
 
 
 def target_m(case: np.ndarray) -> np.ndarray:
-    """Returns where task teleop brings the end effector at the end: its start plus the person's displacement."""
+    """Returns the position to which task teleop finally brings the end effector: its start position plus the hand's
+    displacement."""
     return arm.hand_m(case["start_rad"]) + in_torso_axes(case["way_m"])
 
 
 def reachable_cases(seeds: str, count: int) -> np.ndarray:
-    """Returns the first `count` further cases that have a reachable target position. They last 8 s."""
+    """Returns the first `count` cases of a separate series, all with a reachable target position. They last 8 s."""
     further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
     return np.array(
         list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE
@@ -59,7 +60,7 @@ def reachable_cases(seeds: str, count: int) -> np.ndarray:
 
 
 def pair_cases(seeds: str, count: int, travel_s: float) -> np.ndarray:
-    """Returns cases for sets of parameters: they have the simulator's drives and last longer by `travel_s`."""
+    """Returns cases for checking sets of parameters. They have the simulator's drives and last longer by `travel_s`."""
     end_s = END_S[0] + travel_s
     cases = np.array([random_case(seeds, PAIRS_FIRST + number, (end_s, end_s)) for number in range(count)], CASE)
     cases["lag_s"], cases["dead_time_s"] = 3e-3, 0.0

@@ -18,7 +18,7 @@ def moves(outcomes: np.ndarray, window: int) -> np.ndarray:
 
 
 def oscillates(outcomes: np.ndarray, window: int) -> np.ndarray:
-    """Returns in which cases the commanded velocity of such a joint changes its sign more than twice."""
+    """Returns in which cases the commanded velocity of a joint faster than CREEP_RADPS changes sign more than twice."""
     fast = outcomes["peak_radps"][:, window] > CREEP_RADPS
     return (fast & (outcomes["sign_changes"][:, window] > SIGN_CHANGES)).any(axis=1)
 

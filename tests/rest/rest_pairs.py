@@ -73,7 +73,7 @@ def speed_radps(parameters: dict[str, float]) -> float:
 
 def travel_s(parameters: dict[str, float]) -> float:
     """Returns the time for all joints to cross their ranges one after the other at the allowed speed, in excess of the
-    time at full speed, which 8 s allow for."""
+    time at full speed, which is already included in the 8 s."""
     way_rad = float(np.ptp(arm.RANGE_RAD, axis=1).sum())
     return way_rad / speed_radps(parameters) - way_rad / SPEED_RADPS
 
