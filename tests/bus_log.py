@@ -39,8 +39,8 @@ class Frames:
 
 
 def read(path: Path) -> dict[str, Frames]:
-    """Returns the frames by message name. Raises an exception on an unknown id and on a line that is not in the format
-    of candump -L."""
+    """Returns the frames, grouped by message name. Raises an exception on an unknown id or a line that is not in
+    candump -L format."""
     times: dict[int, list[str]] = {}
     payloads: dict[int, list[str]] = {}
     last = ""

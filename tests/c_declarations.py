@@ -12,7 +12,7 @@ GENERATED = Path(__file__).resolve().parents[1] / "build" / "generated"
 
 
 def declarations(headers: Iterable[Path], *options: str) -> str:
-    """Returns the declarations in the headers, preprocessed with these options."""
+    """Preprocesses the headers with the given options and returns their declarations."""
     with tempfile.TemporaryDirectory() as folder:
         return preprocessed(
             "".join(f'#include "{header}"\n' for header in headers), Path(folder), f"-I{GENERATED}", "-P", *options

@@ -1,8 +1,8 @@
-"""Compiles C sources into Python libraries for the tests; see ``load()``. Compiles with the product's warnings, treated
-as errors, and with the undefined-behaviour sanitiser, which ends the process at the first fault. Needs build/generated,
+"""Compiles C sources into Python libraries for the tests; see ``load()``. The product's warnings are enabled and
+treated as errors, and the undefined-behaviour sanitiser ends the process at the first fault. Needs build/generated,
 which ``make build`` writes.
 
-Each source is compiled only once for all libraries and test processes, and is recompiled when the source, a header or
+Each source is compiled only once for all libraries and test processes. It is recompiled when the source, a header or
 the command changes.
 """
 
@@ -59,14 +59,14 @@ def _made(target: Path, key: str, command: list[str]) -> str:
             unfinished = target.with_suffix(".unfinished")
             _run([*command, "-o", str(unfinished)])
             stamp.unlink(missing_ok=True)
-            unfinished.replace(target)  # a process that has the old library open keeps using it
+            unfinished.replace(target)  # a process that has already loaded the old library keeps using it
             stamp.write_text(key)
     return key
 
 
 def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, str]]:
-    """Compiles the sources, all of which must be in the repository. Returns the object file and key of each; a key
-    identifies the contents of the source and headers and the command."""
+    """Compiles the sources, all of which must be in the repository. Returns the object file and the key of each source.
+    The key is a digest of the source, the headers and the command."""
     kind = hashlib.sha256("\0".join(compile_).encode()).hexdigest()[:8]
 
     def compiled(source: Path) -> tuple[Path, str]:
@@ -81,9 +81,9 @@ def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, st
 def load(
     name: str, declared: str, sources: Iterable[Path], *options: str, libraries: Iterable[str] = ()
 ) -> tuple[cffi.FFI, object]:
-    """Compiles and links the sources and returns ``ffi, lib``. declared: the C declarations that are made visible to
-    Python through cffi. options: compiler options to add to COMPILE. libraries: names of libraries to link in addition
-    to libm, as for the linker's -l. Raises RuntimeError with the compiler's output if a command fails."""
+    """Compiles and links the sources and returns ``ffi, lib``. declared: the C declarations that cffi makes visible to
+    Python. options: compiler options to add to COMPILE. libraries: libraries to link in addition to libm, named as for
+    the linker's -l. Raises RuntimeError with the compiler's output if a command fails."""
     ffi = cffi.FFI()
     ffi.cdef(declared)
     compile_ = [*COMPILE, *options]

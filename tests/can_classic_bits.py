@@ -1,5 +1,5 @@
-"""Constructs a classic CAN data frame bit by bit, as ISO 11898-1 defines it. Tests compare simulated durations and
-computed worst cases with the result. The CRC is crccheck's CRC-15/CAN; bits are stuffed in a list."""
+"""Constructs a classic CAN data frame bit by bit, as ISO 11898-1 defines it, as a reference for simulated durations and
+computed worst cases. The CRC is crccheck's CRC-15/CAN."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ def unstuffed(identifier: int, data: bytes) -> list[int]:
 
 
 def stuffed(sent: list[int]) -> list[int]:
-    """Inserts the complement after every five equal bits. Stuff bits count too, as do the last five bits."""
+    """Inserts the complement after every five equal bits. Stuff bits count towards the next run, and a run that ends
+    with the last bit is stuffed too."""
     wire, last, run = [], None, 0
     for bit in sent:
         wire.append(bit)

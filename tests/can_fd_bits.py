@@ -1,5 +1,5 @@
-"""Constructs a CAN FD frame bit by bit, as ISO 11898-1 defines it, at 1/5 Mbit/s. Tests compare the simulated bus's
-durations and loads with the result."""
+"""Constructs a CAN FD frame bit by bit, as ISO 11898-1 defines it, at 1/5 Mbit/s, as a reference for the durations and
+loads of the simulated bus."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Runs controller_step() on a test bench with ideal drives that follow each command at once, a tracker and an operator.
-All of them communicate with the controller only by frames."""
+"""Runs controller_step() on a test bench with ideal drives, which follow each command at once, a tracker and an
+operator. They communicate with the controller only through frames."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # equa
 class Bench:
     """A controller with simulated drives, tracker and operator.
 
-    position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None for no tracker
-    frames. prediction: None selects Bench.prediction. It is off by default, so that the hand may jump and control law
-    (4) follows it. store_result: the result that the port reports store_ticks after a save has started. stored: the
-    values of each save.
+    position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None to send no tracker
+    frames. prediction: whether prediction is on; None selects Bench.prediction. Prediction is off by default, so that a
+    test may let the hand jump and control law (4) follows it. store_result: the result that the port reports
+    store_ticks after a save has started. stored: the values of each save.
     """
 
     prediction = False
@@ -145,8 +145,8 @@ class Bench:
         self._receive_broken(frame)
 
     def receive_broken_between_others(self) -> None:
-        """Sends a Clearance with a flipped bit in the next tick. Clearance is not meant for the firmware, but a port
-        without filters passes it on."""
+        """Sends a Clearance with a flipped bit in the next tick. The firmware does not use Clearance, but a port
+        without receive filters passes it on."""
         frame = ffi.new("can_frame_t *")
         assert lib.clearance_pack(ffi.new("clearance_t *"), frame) == lib.PROTOCOL_OK
         self._receive_broken(frame)
@@ -192,14 +192,14 @@ class Bench:
     # ---- frames from the controller
 
     def answer(self) -> int:
-        """Returns the result in the CommandAck or ParameterValue with the last request's sequence number; there must be
-        exactly one."""
+        """Returns the result in the one CommandAck or ParameterValue that carries the last request's sequence
+        number."""
         results = self.answers()
         assert len(results) == 1, f"expected one answer, got {results}"
         return results[0]
 
     def answers(self) -> list[int]:
-        """Returns the results that were sent in this tick with the last request's sequence number."""
+        """Returns the results in all answers of this tick that carry the last request's sequence number."""
         results = []
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
@@ -233,7 +233,7 @@ class Bench:
 
     @property
     def trace(self):
-        """This tick's tick_trace_t, or None if none was sent."""
+        """Returns this tick's tick_trace_t, or None if none was sent."""
         for i in range(self.outbox.count):
             frame = ffi.addressof(self.outbox.frame[i])
             if frame.id == FRAME_ID["TICK_TRACE"]:
@@ -244,7 +244,8 @@ class Bench:
 
     @property
     def target(self) -> np.ndarray | None:
-        """The target (8,) in this tick's TickTrace, or None if the frame marks it as invalid or there is no frame."""
+        """Returns the target (8,) in this tick's TickTrace, or None if no TickTrace was sent or it marks the target as
+        invalid."""
         trace = self.trace
         if trace is None or not trace.target_valid:
             return None

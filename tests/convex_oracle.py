@@ -1,6 +1,6 @@
 """Computes distances and overlaps of many convex shapes at once in numpy, written independently of the C sources.
-Boxes, capsules and cylinders: by projection, with a lower and an upper bound. Points: by least squares. Overlap: by
-facets."""
+Distances of boxes, capsules and cylinders are computed by projection, with a lower and an upper bound; distances of
+point sets by least squares; overlaps from the facets of a hull."""
 
 from __future__ import annotations
 
@@ -55,10 +55,11 @@ class Shapes:
 
 
 def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray, np.ndarray]:
-    """Returns lower and upper bounds (n,), in m, of the distances. The upper bound is the distance of two points, one
-    in each shape; the lower bound comes from a plane between the shapes.
+    """Returns lower and upper bounds (n,), in m, of the distances. The upper bound is the distance between two points,
+    one in each shape; the lower bound comes from a plane between the shapes.
 
-    The points approach each other by projected gradient steps with Nesterov momentum, restarted every 100 steps.
+    The two points are moved towards each other by projected gradient steps with Nesterov momentum, restarted every 100
+    steps.
     """
     x, y = a.position_m, b.position_m
     x_before, y_before, t = x, y, 1.0
@@ -83,9 +84,9 @@ def distance_bracket(a: Shapes, b: Shapes, steps: int = 600) -> tuple[np.ndarray
 def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
     """Returns the distance between the convex hulls of points (n, 3) and (m, 3).
 
-    Uses least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23). The shortest
-    n with n . w >= 1 for all differences w of points is the normal of the widest slab between the hulls, and 1 / |n| is
-    the slab's width.
+    Uses least distance programming (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter 23). Let w be the
+    differences between points of the two sets. The shortest n with n . w >= 1 for all w is the normal of the widest
+    slab between the hulls, and 1 / |n| is the slab's width.
     """
     differences = (a[:, None] - b[None]).reshape(-1, 3)
     rows = np.vstack([differences.T, np.ones(len(differences))])

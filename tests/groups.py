@@ -1,7 +1,7 @@
-"""Defines which tests `make test` runs one after the other on a single worker, and why.
+"""Defines which test files `make test` runs one after the other on the same worker, and why.
 
-The tests of one file always run on a single worker. The longest groups start first, so that all workers finish at about
-the same time.
+All tests of one file run on the same worker. The longest groups start first, so that all workers finish at about the
+same time.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Group:
-    """A group of test files. files: the file names without `test_` and `.py`."""
+    """A group of test files. `files` holds the file names without `test_` and `.py`."""
 
     name: str
     files: tuple[str, ...]
@@ -45,7 +45,7 @@ def group_of(test: str) -> str:
 
 
 def position_of(test: str) -> int:
-    """Returns the position of a test in the queue."""
+    """Returns the position of a test in the run order."""
     file = test.partition("::")[0]
     return _FILES.index(file) if file in _FILES else len(_FILES)
 

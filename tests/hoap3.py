@@ -1,5 +1,5 @@
-"""Models HOAP-3's right arm in numpy, from the modified DH table of the manual and independently of the C sources: the
-kinematics, the gravity torques and the inertia matrix of the simulated bodies (a 50 mm cube and rods of 40 mm
+"""Models HOAP-3's right arm in numpy, independently of the C sources, from the modified DH table in the manual. Covers
+the kinematics, and the gravity torques and inertia matrix of the simulated bodies (a 50 mm cube and rods of 40 mm
 diameter)."""
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ def inertias(q: np.ndarray) -> list[np.ndarray]:
 
 
 def _velocity_maps(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns two arrays (4 bodies, 3, 4 joints), which map joint velocities to the velocities of the bodies' centres
-    and to their angular velocities."""
+    """Returns two arrays (4 bodies, 3, 4 joints). The first maps joint velocities to the velocities of the bodies'
+    centres, the second to the bodies' angular velocities."""
     link, centre = frames(q), centres_of_mass(q)
     linear, angular = np.zeros((4, 3, 4)), np.zeros((4, 3, 4))
     for body in range(4):
@@ -109,7 +109,7 @@ def random_posture(rng: np.random.Generator, margin_deg: float = 2.0) -> np.ndar
 
 
 def hands(q: np.ndarray) -> np.ndarray:
-    """Returns the end effector positions (N, 3) of many postures (N, 4)."""
+    """Returns the end effector positions (N, 3) in postures (N, 4)."""
     chain = np.broadcast_to(np.eye(4), (len(q), 4, 4))
     for joint, (alpha, a, d, offset) in enumerate(MODIFIED_DH):
         angle = np.radians(offset) + (q[:, joint - 2] if joint >= 2 else np.zeros(len(q)))

@@ -1,4 +1,4 @@
-"""Provides a hub for one test, raw SocketCAN packets, and a way to run the listening tools of users, each in its own
+"""Provides a hub for a single test, raw SocketCAN packets, and a way to run users' listening tools, each in its own
 process."""
 
 from __future__ import annotations
@@ -52,13 +52,14 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
 
 
 def everything_in(file) -> str:
-    """Returns the contents of a file without moving its offset, which the writing process shares."""
+    """Returns the contents of a file without moving its offset, because the process that writes the file shares the
+    offset."""
     return os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0).decode(errors="replace")
 
 
 class Hub:
-    """A running hub. `environment` lets the tools find it; `port` is the TCP port of its socketcand, or None if that is
-    off."""
+    """A running hub. `environment` lets the tools find it; `port` is the TCP port of the hub's socketcand, or None if
+    socketcand is off."""
 
     def __init__(self, *arguments: str, bus: str = "vcan0", folder: Path | None = None):
         # a short name, because a socket path is limited to 107 bytes
@@ -89,8 +90,8 @@ class Hub:
         return client
 
     def clients(self) -> int:
-        """Returns the number of connections to the hub's Unix socket in the kernel's list. Accepted sockets have its
-        path and are in the state "connected" (03)."""
+        """Returns how many connections to the hub's Unix socket the kernel lists. An accepted connection is listed with
+        the path of the hub's socket and the state "connected" (03)."""
         lines = Path("/proc/net/unix").read_text().splitlines()
         return sum(line.endswith(f" {self.path}") and line.split()[5] == "03" for line in lines)
 

@@ -19,7 +19,7 @@ LONGEST_WAIT_S = 30.0
 
 
 def listen(path: str, ready, results) -> None:
-    """Counts frames until one is out of order. A negative number marks the end."""
+    """Counts frames until one is out of order or has a negative number, which marks the end."""
     client = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     client.connect(path)
     client.settimeout(LONGEST_WAIT_S)
@@ -38,7 +38,7 @@ def listen(path: str, ready, results) -> None:
 
 
 def send(client: socket.socket, rate: int, seconds: int) -> float:
-    """Sends the frames and returns how long it took."""
+    """Sends the frames. Returns how long that took, in s."""
     start_s, sent = time.monotonic(), 0
     while sent < rate * seconds:
         due = min(int((time.monotonic() - start_s) * rate), rate * seconds)

@@ -1,5 +1,5 @@
-"""Simulates the ideal loop: dqrobotics' kinematics in double precision, and drives that follow each command at once,
-without a bus or an encoder. It was written from the paper and from the description of the limits in the C headers."""
+"""Simulates an ideal control loop without bus or encoder, with dqrobotics' kinematics in double precision and drives
+that follow each command at once. Written from the paper and from the description of the limits in the C headers."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the decele
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
 # distance from the limit at which the stopping speed is 0
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # the change per tick that can be ramped down to 0 within 0, 1, 2... ticks
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # the change per tick that can be ramped down within 0, 1, 2... ticks
 RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # the total velocity change of each of these ramps
 
 
 def limited(demanded, last, last_change, q, gain, acceleration=25.0):
-    """Applies the limits of joint_limits.h: approach speed, common scaling to the speed limit, stopping distance,
-    acceleration, jerk.
+    """Applies the limits of joint_limits.h: approach speed, common scaling to the speed limits, stopping distance,
+    acceleration and jerk.
 
-    Returns the change of velocity.
+    Returns the limited change of velocity.
     """
     speed = np.abs(demanded)
     a = BRAKING_RESERVE * acceleration
@@ -57,8 +57,8 @@ def law(jacobian, hand, target, gain, weight, damping):
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
-    """Evaluates control law (4) for only the joints that are free to move as demanded, as joints_at_limit_find()
-    does."""
+    """Evaluates control law (4) without the joints that a limit keeps from moving as demanded, as
+    joints_at_limit_find() does."""
     free = np.ones(len(q), bool)
     above, below = JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD, q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD
     while True:
@@ -72,8 +72,8 @@ def law_with_blocked_joints(jacobian, hand, target, q, *settings):
 
 
 def run(targets: np.ndarray, cooperating: np.ndarray, q0: np.ndarray) -> np.ndarray:
-    """Runs the loop over targets (N, 8), one per tick. The arm brakes in the ticks in which cooperating (N,) is false.
-    Returns the end effector pose (N, 8) at each tick, before that tick's command takes effect."""
+    """Runs the loop over targets (N, 8), one per tick. The arm brakes in every tick for which cooperating (N,) is
+    false. Returns the end effector pose (N, 8) at each tick, before the command of that tick takes effect."""
     arm = oracle.hoap3()
     q, v, change = q0.astype(float).copy(), np.zeros(len(q0)), np.zeros(len(q0))
     hands = np.empty((len(targets), 8))

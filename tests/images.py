@@ -1,4 +1,4 @@
-"""The target images, as listed by `make images`, which reads them from each port's images.mk."""
+"""Provides the target images, as listed by `make images`, which reads each port's images.mk."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ MAKE_LOCK = REPOSITORY / "build" / "tests" / "make.lock"
 
 @dataclass(frozen=True)
 class Image:
-    """A target image. `prefix`: the prefix of the compiler's name; `specs`: the compiler's specs file for the libc;
-    `cpu`: compiler options for the core."""
+    """A target image. `prefix` is the prefix of the compiler's name, `specs` its specs file for the libc, and `cpu` its
+    options for the processor core."""
 
     name: str
     board: str
@@ -32,15 +32,15 @@ class Image:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
-    """Runs make. Runs in the build folder take turns, across all test processes; runs in a test's own folder may
-    overlap."""
+    """Runs make. Runs in the build folder take turns, across all test processes, whereas runs in a test's own folder
+    may overlap."""
     elsewhere = any(argument.startswith("TARGET_BUILD=") for argument in arguments)
     with contextlib.nullcontext() if elsewhere else lock(MAKE_LOCK):
         return _make(*arguments)
 
 
 def _make(*arguments: str) -> subprocess.CompletedProcess:
-    # Drop the variables of the make that runs the tests. Its job server is not open to this process, and make would
+    # Drop the variables of the make that runs the tests. Its job server is not available to this process, so make would
     # print a warning.
     environment = {
         name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")

@@ -1,6 +1,6 @@
-"""Runs firmware and plant as two processes on one bus. This is the kernel's CAN interface named by COMANIP_TEST_CAN, if
-it exists (as in tests/socketcan), and otherwise the test's own hub. The test reads and writes SocketCAN structures
-itself and decodes with cantools; it uses none of the code under test."""
+"""Runs firmware and plant as two processes on one bus. The bus is the kernel's CAN interface named by COMANIP_TEST_CAN,
+if it exists (as in tests/socketcan), and otherwise the test's own hub. The test reads and writes SocketCAN structures
+itself and decodes frames with cantools, so it uses none of the code under test."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
 SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # time scale; the test machine has no real-time guarantees
-ATTEMPTS = 3  # per run, as a busy machine may pause one of the processes and spoil it
+ATTEMPTS = 3  # per run, as a busy machine may pause one of the processes and spoil the run
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
 CANFD_BRS = 1
@@ -68,8 +68,8 @@ def is_authentic(frame: Seen) -> bool | None:
 
 
 class Bus:
-    """A bus for the processes, with a tap that records it. As a context manager, it stops everything started on it when
-    the context ends."""
+    """A bus for the processes, with a tap that records all frames. Used as a context manager, it stops every process it
+    started when the context ends."""
 
     def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd", interface: str = INTERFACE):
         self.folder, self.slow, self.profile, self.interface = folder, slow, profile, interface
@@ -162,7 +162,8 @@ class Bus:
     # ---- frames
 
     def message(self, name: str):
-        """Returns the DBC message that carries this one on the bus; if it is split on classic CAN, the last part."""
+        """Returns the DBC message that carries the message `name` on the bus. If classic CAN splits the message,
+        returns the last part."""
         if self.profile == "fd" or name == "FirmwareHeartbeat":
             return DBC.get_message_by_name(name)
         return DBC.get_message_by_name("Classic" + {"HandPose": "HandRotation"}.get(name, name))
@@ -197,11 +198,11 @@ class Bus:
         return "", ""
 
     def wait_mode(self, *modes: str, start: int = 0) -> None:
-        """Waits until the latest status is one of these modes and was received after `start`."""
+        """Waits until the latest status reports one of the given modes and was received after `start`."""
         self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
 
     def statuses_for(self, duration_s: float) -> list[tuple[str, str]]:
-        """Returns mode and reason from each FirmwareStatus of the next `duration_s`."""
+        """Returns mode and reason from each FirmwareStatus received in the next `duration_s` seconds."""
         start, count = len(self.frames), round(1000 * duration_s / self.message("FirmwareStatus").cycle_time)
         self.wait(lambda: len(self.since(start, "FirmwareStatus")) >= count, f"{count} FirmwareStatus frames")
         output = [frame.decode() for frame in self.since(start, "FirmwareStatus")]

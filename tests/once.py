@@ -1,4 +1,5 @@
-"""A lock for work that concurrent test processes must do only once: the first process does it while the others wait."""
+"""Provides a lock for work that concurrent test processes must do only once. The first process does the work while the
+others wait."""
 
 from __future__ import annotations
 
@@ -10,8 +11,8 @@ from pathlib import Path
 
 @contextlib.contextmanager
 def lock(path: Path) -> Iterator[None]:
-    """Acquires a lock that one thread of one process can hold at a time. It is released when its holder ends, even by a
-    crash."""
+    """Acquires a lock that only one thread of one process can hold at a time. The lock is released when the holder
+    ends, even in a crash."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)

@@ -1,5 +1,5 @@
-"""Double-precision references for the firmware, written independently of its code: the paper's equations, in numpy (for
-arrays) and in dqrobotics (literally), and HOAP-3's right arm from Fujitsu's manual.
+"""Provides double-precision references for the firmware, written independently of its code: the paper's equations, both
+in numpy for arrays and literally in dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
 
 Quaternions are (..., 4) in the order w x y z, dual quaternions (..., 8), as in the paper.
 """
@@ -15,7 +15,8 @@ from dqrobotics.robot_modeling import DQ_SerialManipulatorDH, DQ_SerialManipulat
 
 
 def quaternion_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Multiplies quaternions by components: for a single product, numpy's cross product takes ten times as long."""
+    """Multiplies quaternions component by component, because numpy's cross product takes ten times as long for a single
+    product."""
     aw, ax, ay, az = (a[..., i] for i in range(4))
     bw, bx, by, bz = (b[..., i] for i in range(4))
     w = aw * bw - (ax * bx + ay * by + az * bz)
@@ -106,8 +107,8 @@ def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def law(
     jacobian: np.ndarray, hand: np.ndarray, target: np.ndarray, gain, weight, damping: float, error_frame: str
 ) -> np.ndarray:
-    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. Of the target's two signs, the one nearer to the
-    end effector is used."""
+    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. Uses the sign of the target that is nearer to the
+    end effector."""
     gain, weight = np.broadcast_to(gain, 8).astype(float), np.broadcast_to(weight, 8).astype(float)
     sign = np.where((target[:, :4] * hand[:, :4]).sum(1, keepdims=True) < 0, -1.0, 1.0)
     target = sign * target
@@ -166,8 +167,8 @@ def hoap3() -> DQ_SerialManipulatorDH:
 
 
 def hoap3_from_manual(q: np.ndarray) -> np.ndarray:
-    """Returns the end effector pose from the manual's modified DH table; its two fixed rows are joints that stay at
-    0."""
+    """Returns the end effector pose from the manual's modified DH table. The table's two fixed rows are treated as
+    joints that stay at 0."""
     chain = DQ_SerialManipulatorMDH(np.vstack([HOAP3_MDH, np.zeros(6)]))
     frame4 = chain.fkm(np.concatenate([[0, 0], np.asarray(q, float)]))
     hand = dq(pose([1.0, 0, 0, 0], [0, 0.171, 0])) * dq(rotation([1, 0, 0], -np.pi / 2))
@@ -181,8 +182,8 @@ def evaluate(arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, np.ndarray]:
-    """Returns a standard DH chain as fixed transforms (n, 8), each followed by a rotation about z, and the transform to
-    the effector that follows the last one."""
+    """Converts a standard DH chain. Returns fixed transforms (n, 8), each of which precedes a joint's rotation about z,
+    and the transform from the last joint to the end effector."""
     one = np.array([1, 0, 0, 0, 0, 0, 0, 0.0])
     before, fixed = one if base is None else base, []
     for theta_i, d_i, a_i, alpha_i in zip(theta, d, a, alpha):
@@ -194,8 +195,9 @@ def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, 
 def chain_kinematics(
     fixed: np.ndarray, axis: np.ndarray, effector: np.ndarray, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the end effector poses (N, 8) and Jacobians (N, 8, n) of an arm given in the form that core.Arm takes. By
-    the product rule, column i is the chain with the i-th rotation replaced by its derivative."""
+    """Returns the end effector poses (N, 8) and Jacobians (N, 8, n) of an arm, which is described by the arguments of
+    core.Arm. By the product rule, column i of the Jacobian is the chain in which the i-th rotation is replaced by its
+    derivative."""
     count, n = q.shape
     turn = np.zeros((n, count, 8))
     slope = np.zeros((n, count, 8))
@@ -226,8 +228,8 @@ EQUATION_9 = rotation([1, 0, 0], -np.pi / 2)
 
 
 class Algorithm1:
-    """The paper's Algorithm 1, line by line, using dqrobotics' own decompositional product; motion scale 1, no
-    offset."""
+    """The paper's Algorithm 1, line by line, with motion scale 1 and no offset. Uses dqrobotics' own decompositional
+    product."""
 
     def __init__(self, task: str, hand: np.ndarray, robot: np.ndarray, tracker_rotation: np.ndarray = EQUATION_9):
         self.task = task

@@ -1,5 +1,5 @@
-"""``make pil-matrix``: runs whole scenarios with each target image in the loop, in QEMU, and compares them with runs of
-the host's firmware.
+"""``make pil-matrix``: runs whole scenarios with each target image in the loop, in QEMU, and compares their logs with
+runs of the firmware on the host.
 
 Usage: ``pil_matrix.py BUILD``. The bus logs, including the joint commands, must be equal byte for byte. Prints a line
 for each finished run and writes BUILD/reports/pil.json. Exit status 1 if any log differs. Takes about an hour on two
@@ -30,8 +30,8 @@ def elf_of(image: str) -> Path:
 
 
 def run(folder: Path, scenario: str, image: str | None) -> bytes:
-    """Returns the bus log of a run with the image, or with the host's firmware if `image` is None. Returns an empty log
-    if the run failed."""
+    """Returns the bus log of a run with the image, or with the firmware on the host if `image` is None. Returns an
+    empty log if the run failed."""
     out = folder / scenario / (image or "host")
     options = ["--scenario", scenario, "--quiet", "--out", str(out)]
     command = (

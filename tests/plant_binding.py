@@ -14,7 +14,7 @@ MODULES = (
     "sim/scene/water",
 )  # fmt: skip
 
-# ODE functions for forces and energies of bodies, for which the product has no functions.
+# ODE functions for the forces and energies of bodies, for which the product provides no functions.
 ODE = """
 struct dxBody; struct dxWorld; struct dxJointGroup;
 const double *dBodyGetPosition(struct dxBody *);

@@ -1,6 +1,6 @@
-"""Models a non-preemptive fixed-priority bus as discrete events in integer time, as the reference for response times.
-The model is independent of the response-time analysis. Frames are queued at given times, and answers a fixed delay
-after the frame that they answer."""
+"""Models a bus with fixed priorities and without preemption as discrete events in integer time. It is the reference for
+response times and independent of the response-time analysis. Frames are queued at given times. An answer is queued a
+fixed delay after the end of the frame that it answers."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class PriorityBus:
     played: list[Played] = field(default_factory=list)
 
     def play(self, releases: Sequence[tuple[int, int, Stream]]) -> list[Played]:
-        """Plays `releases`, each of which is (event, queueing time, stream). At the end of each frame the lowest queued
-        id starts; of equal ids, the one that was queued first."""
+        """Plays `releases`, each of which is (event, queueing time, stream). When a frame ends, the queued frame with
+        the lowest id starts. If ids are equal, the frame that was queued first starts."""
         coming = [(queued, number, event, stream) for number, (event, queued, stream) in enumerate(releases)]
         heapq.heapify(coming)
         number, now = len(coming), 0

@@ -1,5 +1,5 @@
-"""Builds the reader of scenario files and the checks that a scene is physically possible, with ODE and libccd: ``ffi,
-lib = load()``."""
+"""Builds the reader of scenario files and the checks of whether a scene is physically possible, with ODE and libccd:
+``ffi, lib = load()``."""
 
 from __future__ import annotations
 

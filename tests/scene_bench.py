@@ -1,5 +1,5 @@
-"""Builds a physical scene for a test: an arm that holds still, people, rods, stands and cranks, without a bus or
-files."""
+"""Builds a physical scene for a test, without a bus or files: an arm that holds still, people, rods, stands and
+cranks."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ START_DEG = (90, -5, 0, -90)
 
 
 class Scene:
-    """A physical scene. People and objects are dicts whose keys are the fields in scenario.h; lists and strings are
-    converted."""
+    """A physical scene. People and objects are dicts with the field names of scenario.h as keys. Lists and strings are
+    converted to C."""
 
     def __init__(self, people=(), objects=(), start_deg=START_DEG, gripper=None, step_s=1e-3):
         self.step_s, self.now_s = step_s, 0.0
@@ -87,7 +87,7 @@ class Scene:
         return lib.scene_close_hand(self.scene, person, thing)
 
     def times(self, event: str) -> int:
-        """Returns how many times the event was raised."""
+        """Returns how many times the event has occurred."""
         return self.events.event[lib.events_find(self.events, event.encode())].times
 
     def first_s(self, event: str) -> float:

@@ -1,4 +1,4 @@
-"""The simulated bus with recording nodes and a listener, for use from Python."""
+"""Provides the simulated bus, with recording nodes and a listener, to tests in Python."""
 
 from __future__ import annotations
 

@@ -19,9 +19,9 @@ SCENARIOS = ("pour", "teleop", "mirror")  # in tests/scenarios: the tasks withou
 EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # in sim/scenarios
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
-PATIENCE_S = 600  # wall time; an idle machine needs a hundredth of it, but a busy one may be slow
-# Parameter writes, then select, start, clutch, latch and stop. A tracker gap and lost samples cause holds, and the
-# tracker's clock wraps.
+PATIENCE_S = 600  # wall time; an idle machine needs a hundredth of this, but a busy one may be slow
+# Writes parameters, then commands select, start, clutch, latch and stop. A tracker gap and lost samples cause holds,
+# and the tracker's clock wraps.
 WRITTEN = {"task_blend_s": 0.5, "motion_scale": 0.75}
 EVENTFUL = (
     "--scenario", "mirror", "--duration", "13", "--clutch", "7", "--gap", "4:0.2", "--dropout", "0.02",
@@ -62,9 +62,9 @@ def _refuse_constant(text: str) -> None:
 
 
 def _plain(arguments: list[str]) -> list[str]:
-    """Replaces one of SCENARIOS after ``--scenario`` by its file in tests/scenarios. These files contain plain hand
-    motions without objects, so that a test involves only the bus and the tracking. ``experiment()`` returns the files
-    of the experiments."""
+    """Replaces a name from SCENARIOS after ``--scenario`` by its file in tests/scenarios. Those files contain plain
+    hand motions without objects, so that a test involves only the bus and the tracking. The files of the experiments
+    are returned by ``experiment()``."""
     places = [i + 1 for i, argument in enumerate(arguments[:-1]) if argument == "--scenario"]
     for place in places:
         if arguments[place] in SCENARIOS:
@@ -73,7 +73,7 @@ def _plain(arguments: list[str]) -> list[str]:
 
 
 def experiment(name: str) -> Path:
-    """Returns the file of one of the EXPERIMENTS."""
+    """Returns the scenario file of one of EXPERIMENTS."""
     return REPOSITORY / "sim" / "scenarios" / f"{name}.yaml"
 
 
@@ -114,8 +114,8 @@ def _content(argument: str) -> bytes:
 
 
 def shared(*arguments: object) -> Run:
-    """Does the same as run(), for tests that only read what the run wrote. A run with the same program, command and
-    files is made only once per session, for all tests and workers."""
+    """Does the same as run(), for tests that only read the files the run wrote. Each combination of program, command
+    and files runs only once per session, for all tests and workers."""
     command = _plain([str(argument) for argument in arguments])
     digest = hashlib.sha256(_simulator_hash())
     for argument in command:
@@ -134,5 +134,5 @@ def modes(run_: Run) -> list[tuple[str, str]]:
 
 
 def recording_csv(*rows: str) -> str:
-    """Returns the text of a recording with these rows."""
+    """Returns the text of a recording with the given rows."""
     return "\n".join([RECORDING_HEADER, *rows]) + "\n"

@@ -1,7 +1,8 @@
-"""Builds parts of the simulator as a Python library: the modules under test and the modules that they need.
+"""Builds the simulator modules under test, with the modules they need, as a Python library.
 
-A module is named like ``sim/bus/bus``. Its header is declared and its object linked. The linker takes all other objects
-from an archive of the whole simulator, unless a stand-in (a source in tests/) defines their functions.
+A module under test is named like ``sim/bus/bus``. Its header is declared to Python and its object is linked. The linker
+takes all other objects from an archive of the whole simulator, unless a stand-in (a source in tests/) defines their
+functions.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from c_declarations import declarations
 from c_library import COMPILE, CORE, OPTIMISED, REPOSITORY, objects
 
 COMMAND = [*COMPILE, *OPTIMISED]
-# All sources except the programs and what is specific to one of them: a real bus, and the choice of where the firmware
-# runs.
+# All sources except the programs and the modules used by only one of them: the real bus, and the choice of where the
+# firmware runs.
 SOURCES = [
     *(file for file in sorted(REPOSITORY.glob("sim/*/*.c")) if file.parent.name not in ("programs", "port")),
     *(REPOSITORY / name for name in ("hal/common/frame_time.c", "hal/linux/hub_path.c")),
@@ -33,8 +34,8 @@ def _run(command: Iterable[object]) -> None:
 
 
 def link(library: Path, modules: Iterable[str], libraries: Iterable[str] = ()) -> None:
-    """Links the modules with what they need from the archive and the libraries ("ode", "ccd", ...). Raises RuntimeError
-    if something is missing."""
+    """Links the modules with the objects they need from the archive and with the libraries ("ode", "ccd", ...). Raises
+    RuntimeError if something is missing."""
     named = [file for module in modules if (file := REPOSITORY / f"{module}.c").is_file()]  # some have only a header
     named, rest = ([part for part, _ in objects(sources, COMMAND)] for sources in (named, SOURCES))
     archive = library.with_suffix(".a")

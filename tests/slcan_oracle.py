@@ -1,4 +1,5 @@
-"""An independent implementation of SLCAN: python-can's bus without its serial port, and a grammar of the dialect."""
+"""Provides an independent implementation of SLCAN: python-can's bus without its serial port, and a grammar of the
+dialect."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ class _Port:
 
 
 class StockSlcan(slcanBus):
-    """python-can's slcan bus on a port that only stores the bytes."""
+    """python-can's slcan bus, on a stand-in serial port that only stores the bytes."""
 
     def __init__(self) -> None:
         self.serialPortOrig = _Port()

@@ -108,7 +108,7 @@ def test_any_arm_of_n_joints(rng, n):
 
 @pytest.mark.parametrize("n", [3, 8])
 def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
-    """Column i equals (hand(q + h) - hand(q - h)) / 2h, including its sign."""
+    """Column i of the Jacobian equals (hand(q + h) - hand(q - h)) / 2h, including its sign."""
     fixed, effector = oracle.random_poses(rng, n, 0.2), oracle.random_poses(rng, 1, 0.2)[0]
     arm = make_arm(fixed, np.tile([0, 1, 0], (n, 1)), effector)
     q = random_joints(rng, 200, n, 8.0)
@@ -122,7 +122,7 @@ def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
 
 
 def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
-    """|P| = 1 and P . D = 0 hold along every motion, so to first order each column preserves both."""
+    """Every pose satisfies |P| = 1 and P . D = 0, and each column of the Jacobian preserves both to first order."""
     q = random_joints(rng, COUNT, 4)
     hand, jacobian = core.forward_kinematics(HOAP3, q).astype(float), core.pose_jacobian(HOAP3, q).astype(float)
     assert np.abs(np.linalg.norm(hand[:, :4], axis=1) - 1).max() < 1e-6

@@ -1,5 +1,5 @@
-"""Checks the C code that `make arms` generates for a single arm, i.e. its kinematics and control law (4), against numpy
-in double precision and against the control law for any arm."""
+"""Checks the C code that `make arms` generates for a particular arm, i.e. the arm's kinematics and control law (4),
+against numpy in double precision and against the control law for any arm."""
 
 from __future__ import annotations
 
@@ -119,7 +119,8 @@ def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, 
 
 
 def test_a_target_far_out_of_reach_uses_the_general_law(arm, inputs):
-    """If the damping is too small relative to J^T W J, the result is bit-identical to that of the general law."""
+    """If the damping is too small relative to J^T W J, the generated law returns the bit-identical result of the
+    general law."""
     configuration = config(weight=(0.01, 100.0), damping=1e-3)
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
@@ -190,7 +191,7 @@ def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarr
 
 
 def write_description(path, rows, effector) -> None:
-    """Writes an arm description. Each row is a joint's (alpha_deg, a_m, d_m, theta_deg)."""
+    """Writes an arm description. Each row describes a joint by (alpha_deg, a_m, d_m, theta_deg)."""
     frames = [(*row, True) for row in rows] + [(*effector, False)]
     lines = [f'name = "{path.stem}"', "id = 1", "velocity_max_radps = 3.0"]
     for alpha, a, d, theta, is_joint in frames:
@@ -265,11 +266,11 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             )
             found = np.array([solve(for_this_arm, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
-            # the bound is wider because the rounding of J^T W J grows with the square of the reach: 2 m, against 0.3 m
-            # for HOAP-3
+            # the bound is wider because the rounding error of J^T W J grows with the square of the reach, which is 2 m
+            # here and 0.3 m for HOAP-3
             bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (np.abs(found - expected).max(axis=1) / scale).max() < bound
-            # at limits, the result matches the general law, which is tested against double precision above
+            # for joints at their limits, compare with the general law, which is tested against double precision above
             for pair in zip(q, targets, strict=True):
                 lower, upper = (int(x) for x in rng.integers(0, 2**n, 2))
                 written, general = (
@@ -297,7 +298,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
 
 
 def test_generated_code_compiles_for_any_arm(rng, tmp_path):
-    """The generated code has no unused variables, even if right angles and zero lengths remove many terms."""
+    """The generated code has no unused variables, even if right angles and zero lengths eliminate many terms."""
     flags = [
         "-std=c11",
         *INCLUDES,
@@ -313,7 +314,7 @@ def test_generated_code_compiles_for_any_arm(rng, tmp_path):
     written = []
     rows_of = [
         [(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]
-    ]  # the generated code for these once had unused variables
+    ]  # the generated code for these arms once had unused variables
     for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
         rows_of.append(
             [
@@ -392,8 +393,8 @@ def test_a_joints_jerk_limit_overrides_the_arms(tmp_path):
 
 
 def test_a_description_is_modified_dh(tmp_path):
-    """The torso-to-joint transform of a single row equals Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), computed with
-    numpy."""
+    """The torso-to-joint transform of a one-row description equals Rot_x(alpha) Trans(a, 0, d) Rot_z(theta), computed
+    with numpy."""
     arm = described(
         tmp_path, GOOD.replace("alpha_deg = 90.0", "alpha_deg = 30.0\na_m = 0.2\nd_m = 0.3\ntheta_deg = 40.0")
     )

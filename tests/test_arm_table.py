@@ -1,4 +1,5 @@
-"""Checks that arm_check() names each value outside the ranges in arm.h and accepts values at the ends of the ranges."""
+"""Checks that arm_check() names any value that is outside its range in arm.h, and accepts the end values of each
+range."""
 
 from __future__ import annotations
 

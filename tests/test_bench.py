@@ -43,7 +43,7 @@ def test_heap_allocations_are_reported():
 
 
 def test_a_ratio_is_the_median_of_the_rounds_ratios():
-    """A round in which both contenders take twice as long does not change the ratio."""
+    """The ratio does not change if both contenders take twice as long in one round."""
     times = {bench.OURS[0]: [10.0, 20.0, 10.0], "KDL, wdls": [200.0, 400.0, 260.0]}
     assert bench.times_ours(times, "KDL, wdls") == 20.0
 
@@ -58,8 +58,8 @@ def test_lines_are_gathered_by_contender():
 
 @pytest.mark.parametrize("n", bench.ARMS)
 def test_the_constants_for_the_peers_are_algorithm_1(n, tmp_path):
-    """contender.hpp's closed form agrees with the paper's lines, evaluated with dqrobotics' own decompositional
-    product."""
+    """The closed form in contender.hpp agrees with the paper's Algorithm 1, evaluated line by line with dqrobotics' own
+    decompositional product."""
     case = bench.make_case(n, tmp_path, np.random.default_rng(0))
     lines = [list(map(float, line.split())) for line in case.model.read_text().splitlines()[1 + n + 1 :]]
     left, right, relation = np.array(lines[0]), np.array(lines[1]), np.array(lines[2])

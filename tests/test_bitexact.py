@@ -30,7 +30,7 @@ def test_all_builds_send_the_same_bytes(folder):
 
 
 def test_different_arithmetic_is_detected(folder):
-    """A compiler that is allowed to reorder sums produces a difference."""
+    """A build whose compiler may reorder sums produces different bytes."""
     if not (folder / "input.bin").exists():
         bitexact.make_input(folder, smoke=True)
     reference = bitexact.host_output(folder, "gcc", "-O2")

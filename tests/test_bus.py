@@ -12,7 +12,7 @@ import pytest
 from can_fd_bits import LENGTHS, bits, frame_duration_ns
 from sim_bus import Bus, ffi, lib, make_frame
 
-# Worst-case durations by the usual bound, which assumes one stuff bit per four bits in both phases.
+# Upper bounds of the frame durations. The usual bound assumes one stuff bit per four bits in both phases.
 WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 
@@ -39,12 +39,12 @@ def test_frame_time_equals_bitwise_construction(rng):
 
 @pytest.mark.parametrize("length", WORST_CASE_US)
 def test_worst_frame_is_close_to_the_bound(length):
-    """The worst frame is shorter than the bound only by one nominal stuff bit, which IDE, FDF, res and BRS rule out,
-    and up to one stuff bit at the end of the data."""
+    """The longest frame is shorter than the bound by only one nominal stuff bit, which IDE, FDF, res and BRS rule out,
+    and by up to one stuff bit at the end of the data."""
     sent = [0, *bits(0x078, 11), 0, 0, 1, 0, 1, 0, *bits(LENGTHS.index(length), 4)]
     run = next(i for i in range(1, 6) if sent[-1 - i] != sent[-1])
     last, data_bits = sent[-1], []
-    for _ in range(8 * length):  # repeat the last bit, which gives a stuff bit after every four
+    for _ in range(8 * length):  # repeat the last bit, so that every four bits cause a stuff bit
         if run == 5:
             last, run = 1 - last, 1
         data_bits.append(last)
@@ -63,7 +63,8 @@ def test_impossible_frames_have_no_duration(identifier, length):
 
 
 def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, int]]:
-    """Models the bus for a list of (node, id, data, ready). At the end of each frame the lowest ready id starts."""
+    """Models the bus for a list of (node, id, data, ready). When a frame ends, the ready frame with the lowest id
+    starts."""
     earliest = {}
     waiting = []
     for order, (node, identifier, data, ready_ns) in enumerate(traffic):
@@ -122,8 +123,8 @@ def test_frame_on_the_wire_ends_in_the_next_call():
 
 @pytest.mark.parametrize("before", [0x200, None])
 def test_nothing_starts_exactly_at_the_end_of_a_call(before):
-    """A frame that becomes ready exactly at the end of a call still takes part in the arbitration, whether the wire was
-    busy or idle."""
+    """A frame that becomes ready exactly when a call ends still takes part in arbitration in the next call, whether the
+    wire was busy or idle."""
     bus = Bus(2)
     time_ns = frame_duration_ns(0x200, bytes(8))
     if before is not None:

@@ -30,7 +30,7 @@ def test_the_parameters_document_is_current():
 
 
 def test_every_frame_and_signal_is_there():
-    """Ids, lengths, periods and start bits parsed from the document equal those that cantools reads from the DBC."""
+    """The document lists the same ids, lengths, periods and start bits as cantools reads from the DBC."""
     text = BUS_MD.read_text()
     rows = re.findall(
         r"^\| (0x\w+)(?:\.\.(0x\w+))? \| \[\w+(?:\.\.\d)?\]\(#\w+\) \| (\d+) \| ([\w ]+) \|", text, re.MULTILINE
@@ -93,7 +93,7 @@ def test_traffic_is_within_the_ranges(tmp_path):
 
 
 def test_parameters_are_within_the_range_of_their_frames():
-    """The parameter ranges listed in the simulator's help fit the frame's range."""
+    """The parameter ranges listed in the simulator's help fit into the signal range of the parameter frames."""
     help_text = subprocess.run([SIMULATOR, "--help"], capture_output=True, text=True, check=True).stdout
     limits = np.array(re.findall(r"^ +\w+ +(\S+) to (\S+?)(?: [^,]+)?, \S+$", help_text, re.MULTILINE), float)
     message = DBC.get_message_by_name("ParameterValue")

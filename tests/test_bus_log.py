@@ -92,7 +92,7 @@ def test_python_can_reads_the_same_frames(short):
 
 
 def test_bulk_decoder_agrees_with_cantools(frames, decoded):
-    """The decoder that the other tests use decodes the same raw values as cantools."""
+    """The bulk decoder, which the other tests use, decodes the same raw values as cantools."""
     for frame_id, sent in by_id(frames).items():
         message = DBC.get_message_by_frame_id(frame_id)
         for i in np.linspace(0, len(sent) - 1, 50).astype(int):
@@ -220,8 +220,8 @@ def test_each_parameter_write_is_answered_with_the_value_in_force(frames):
 
 
 def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
-    """Returns, for each id, the counter of the last frame that the firmware had read by this tick, or None if it had
-    read none. The bits of `received` have the same order as the counter signals."""
+    """Returns, by id, the counter of the last frame that the firmware read up to this tick, or None if it has read no
+    such frame. The bits of `received` are in the same order as the counter signals."""
     trace = DBC.get_message_by_name("TickTrace")
     signals = trace.decode(frame.data, decode_choices=False)
     received = {
@@ -237,7 +237,7 @@ def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
 
 
 def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[LoggedFrame]:
-    """Removes the frames that this tick read from the front of the queue and returns them, in bus order."""
+    """Removes from the queue the frames that the firmware read in this tick, and returns them in bus order."""
     taken = []
     while counters != traced:
         assert queue, f"the trace refers to frames that are not in the log: {traced}"
@@ -248,8 +248,8 @@ def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """Replays the firmware from the log alone. Returns the frames that it sends, by id, and how many frames it was fed.
-    The port counts in each tick are those of the next PortStatus."""
+    """Replays the firmware from the log alone. Returns the frames that the firmware sends, by id, and how many frames
+    it was fed. In each tick, the port counts are taken from the next PortStatus."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}

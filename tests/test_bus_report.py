@@ -1,5 +1,5 @@
-"""Checks the report of loads and response times: its figures against the DBC, its marks for late frames, and its
-file."""
+"""Checks the report of bus loads and response times: the figures against the DBC, the marks for late frames, and the
+file it writes."""
 
 from __future__ import annotations
 
@@ -47,7 +47,8 @@ def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
 
 @pytest.mark.parametrize("joints", JOINTS)
 def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
-    """The cyclic load equals the sum over the longest frames of the DBC, whose durations are constructed bit by bit."""
+    """The cyclic load equals the sum over the DBC's frames at their maximum length, with durations constructed bit by
+    bit."""
     share = 0.0
     for message in FD_MESSAGES:
         if message.cycle_time and not (message.name.startswith("JointState") and int(message.name[-1]) >= joints):
@@ -100,8 +101,8 @@ def test_late_frames_are_named(written):
 
 
 def test_the_last_of_four_joint_states_by_hand(by_profile):
-    """The response time is the sum of 50 us of computing, the longest frame of lower priority, and one of each frame of
-    higher priority. Only the longer of the operator's two acknowledgements counts."""
+    """The response time is the sum of 50 us of computing time, the longest frame of lower priority, and one instance of
+    each frame of higher priority. Only the longer of the operator's two acknowledgements counts."""
     before = ["TaskDefine", "FirmwareStatus", "ParameterValue", "JointCmd", "TickTrace", "Clearance", "HandPose"]
     total_ns = 50_000
     for name in [*before, *(f"JointState{joint}" for joint in range(4))]:

@@ -1,5 +1,5 @@
-"""Checks the simulated bus against the computed worst cases: arbitration under contention, response times in worst
-cases that the tests construct, and response times in the logs of the five experiments."""
+"""Checks the simulated bus against the computed worst cases: arbitration under contention, response times in
+constructed worst cases, and response times in the logs of the five experiments."""
 
 from __future__ import annotations
 
@@ -74,9 +74,9 @@ def test_arbitration_under_contention(traffic):
 
 
 def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
-    """Returns the frame's response time on the simulated bus, measured from when it was queued and from when the
-    firmware's frames were queued. The longest frame of lower priority has just started when all frames of higher
-    priority are queued."""
+    """Returns the frame's response time on the simulated bus twice: measured from when the frame was queued, and from
+    when the firmware's frames were queued. All frames of higher priority are queued just after the longest frame of
+    lower priority has started."""
     node = {
         name: number
         for number, name in enumerate(("Firmware", "Drives", "Tracker", "Operator", "Gripper", "Proximity"))
@@ -120,8 +120,8 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """Joint states that arrive in time take exactly as long as the bound, less the nanosecond by which the lower frame
-    starts first."""
+    """A joint state that arrives in time takes exactly as long as the bound, less the nanosecond by which the frame of
+    lower priority starts earlier."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
@@ -143,8 +143,9 @@ def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.randoms(use_true_random=False), st.sampled_from([4, 8]))
 def test_random_phases_stay_within_the_bound(chance, joints):
-    """Runs 100 ms of traffic. All cyclic frames have their maximum length, and each sender has its own phase. The
-    operator sends requests at the minimum interval, and the firmware computes for 0 to 50 us."""
+    """No response time exceeds its bound in 100 ms of traffic in which all cyclic frames have their maximum length,
+    each sender has a random phase, the operator sends requests at the minimum interval, and the firmware computes for 0
+    to 50 us."""
     frames = {item.name: item for item in fd_frames(joints)}
     found = analyse(streams(list(frames.values()), RATES), RATES.nominal_ns)
     until_ns = 100 * MS_NS
@@ -198,7 +199,8 @@ def test_random_phases_stay_within_the_bound(chance, joints):
 
 @dataclass(frozen=True)
 class Profile:
-    """A bus profile. `prefix`: the prefix of its message names. `sync`: the message that the drives answer."""
+    """A bus profile. `prefix` is the prefix of the profile's message names, `sync` the message that the drives
+    answer."""
 
     name: str
     prefix: str
@@ -236,8 +238,8 @@ class Log:
         return (times_ns - MS_NS) // tick_ns * tick_ns + MS_NS
 
     def queued_ns(self, name: str) -> np.ndarray | None:
-        """Returns when each frame of this name was queued. For cyclic frames this follows from their number, for
-        answers from the frame that they answer. Returns None for requests, because the log does not show when the
+        """Returns when each frame with this name was queued. The time of a cyclic frame follows from its number, and
+        that of an answer from the frame it answers. Returns None for requests, because the log does not show when the
         operator queued them."""
         count, plain = np.arange(len(self.frames[name])), self.profile.plain(name)
         if plain.startswith("JointState"):
@@ -273,8 +275,8 @@ BOOT_NS = 100 * MS_NS  # at a tick rate of 1 kHz
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
     """The bounds are not overly pessimistic: the longest response of each control frame is a fair share of its bound
-    (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never meet others stay far below their bound,
-    because the phases in the simulator are fixed."""
+    (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never compete with others stay far below their
+    bound, because the phases in the simulator are fixed."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)

@@ -1,5 +1,5 @@
-"""Checks `comanip calibrate`: the tracker's rotation from three moves against scipy's align_vectors, and its error
-estimate against the actual errors."""
+"""Checks `comanip calibrate`: the tracker's rotation, found from three moves, against scipy's align_vectors, and the
+estimated error against the actual errors."""
 
 from __future__ import annotations
 
@@ -38,8 +38,7 @@ AXES = np.eye(3)
 def path(
     rng, turn: Rotation, directions=AXES, length_m=0.25, noise_m=0.0005, bow_m=0.0
 ) -> list[tuple[float, np.ndarray]]:
-    """Returns the path of a person's hand in the tracker's frame, which alternates between four rests and three
-    moves."""
+    """Returns the path of a person's hand in the tracker's frame, with three moves between four rests."""
     samples, here, t_s = [], np.array([0.3, 0.1, 0.9]), 0.0
     for direction in [None, *directions]:
         if direction is not None:
@@ -97,8 +96,8 @@ def test_half_a_turn(axis, less):
 
 
 def test_reported_standard_error_matches_the_actual_errors(rng):
-    """Over many calibrations, the actual errors about the least certain axis are as large as the reported standard
-    error."""
+    """Over many calibrations, the reported standard error matches the spread of the actual errors about the least
+    certain axis."""
     sigma_rad = np.radians(2)
     reported, actual = [], []
     for turn in Rotation.random(600, random_state=5):

@@ -15,7 +15,7 @@ from e2e import p05
 
 HEADER = ("e2e_crc", "e2e_counter")
 XYZ = r"(?P<member>t_task|q_task|q_inv)_(?P<part>[wxyz])(?P<unit>_m)?"
-# C members whose names differ from their signals'.
+# C members that are named differently from their signals.
 RENAMED = {
     "hand_pose_t": {f"{c}_m": f"position_m.{c}" for c in "xyz"} | {f"q{c}": f"rotation.{c}" for c in "wxyz"},
 }
@@ -37,7 +37,7 @@ MESSAGES = {  # DBC name: C type of the message, base name of its pack and unpac
 
 
 class Codec:
-    """A message as the DBC describes it and as the firmware packs it."""
+    """A message, with its DBC description and the firmware's pack and unpack functions."""
 
     def __init__(self, dbc, name: str):
         self.dbc_message = dbc.get_message_by_name(name)
@@ -97,7 +97,7 @@ class Codec:
 
 
 def is_close(a: float, b: float, resolution: float) -> bool:
-    """Returns whether two numbers agree within the resolution and float32's rounding of the value itself."""
+    """Returns whether two numbers agree within the resolution plus the float32 rounding error of the value."""
     return abs(a - b) <= resolution + 1.3e-7 * abs(b)
 
 
@@ -330,7 +330,7 @@ def test_enumerations_match_the_dbc(dbc, prefix, message, signal):
 
 
 def test_clearance_names_the_two_halves_of_the_robot_alike(dbc):
-    """arm_part and body_part number the same parts as robot_part, so that a single enumeration serves all three
+    """arm_part and body_part use the same numbers as robot_part, so that a single enumeration serves all three
     signals."""
     signal = dbc.get_message_by_name("Clearance").get_signal_by_name
     robot, arm, body = (

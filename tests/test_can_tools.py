@@ -1,6 +1,6 @@
 """Checks unmodified standard tools on a hub: can-utils and python-can's socketcan interface with the shim, and
-python-can and cantools through socketcand. They show what the simulator logged, and listening does not change the
-run."""
+python-can and cantools through socketcand. The tools show the frames that the simulator logged, and listening does not
+change the run."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from e2e import p05
 from hub import CAN_EFF_FLAG, PATIENCE_S, SCRIPTS, WITH_CAN, Hub, Tool, classic, fd, running, tool, wait_until
 from simulation import SIMULATOR, Run, run
 
-# The run has 14,000 frames. This is less than the hub queues for a slow listener, so no listener is dropped, however
-# slow the machine is.
+# The run has 14,000 frames. The hub queues more than that for a slow listener, so no listener is dropped, however slow
+# the machine is.
 PLAIN = Path(__file__).parent / "scenarios" / "teleop_moves.yaml"  # the file that run() uses for "teleop"
 SCENARIO = ("--scenario", "teleop", "--duration", 2)
 LOG_LINE = re.compile(r"\(\d+\.\d+\) \w+ ([0-9A-F]+)#(#1)?([0-9A-F]*)(?: [RT])?")
@@ -66,8 +66,8 @@ class Listened:
 
 @pytest.fixture(scope="module")
 def with_listeners(tmp_path_factory) -> Listened:
-    """Runs the simulator with the listening tools on its hub, and with two more clients: one never reads and the other
-    tries to send."""
+    """Runs the simulator with the listening tools on its hub, and with two more clients, one that never reads and one
+    that tries to send."""
     python_can = (
         "import can\n"
         "with can.Bus('vcan0', interface='socketcan', fd=True, local_loopback=True) as bus:\n"
@@ -145,7 +145,7 @@ def test_python_can_receives_the_run_through_socketcand(with_listeners):
 
 
 def test_the_run_starts_and_stops_its_own_hub(tmp_path, without_listeners):
-    # Use a separate folder, so that no other test uses this hub.
+    # The separate folder keeps other tests from using this hub.
     with running() as elsewhere:
         environment = {**elsewhere.environment, "COMANIP_HUB_DIR": str(tmp_path / "hubs")}
         finished = run(tmp_path / "out", *SCENARIO, "--hub", "vcan0", environment=environment, quiet=False)
@@ -308,7 +308,7 @@ def test_socketcan_receives_its_own_frames_only_on_request(hub):
 FILTERS = [
     (0x123, 0x7FF), (0x20000100, 0x7F0), (0x80000123, 0x9FFFFFFF), (0x123, 0x1FFFFFFF), (0, 0),
     (0x40000000, 0x40000000),
-    (0x1123, 0x80001FFF),  # compared as an 11-bit id, so the two bits above do not count
+    (0x1123, 0x80001FFF),  # compared as 11-bit ids, so the two higher bits are ignored
 ]  # fmt: skip
 SENT = [0x000, 0x100, 0x10F, 0x110, 0x123, 0x124, 0x7FF, 0x80000123, 0x80000100, 0x9FFFFFFF, 0x40000123, 0xC0000123]
 

@@ -1,5 +1,5 @@
-"""Checks messages on classic CAN, split and reassembled by the C core, against cantools (contents of the frames), the
-package autosar-e2e (Profile 2) and numpy (rotations). Expected values never come from the sender."""
+"""Checks messages on classic CAN, which the C core splits and reassembles, against cantools (contents of the frames),
+the package autosar-e2e (Profile 2) and numpy (rotations). No expected value comes from the sender under test."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ JOINTS = 4
 POSE_PERIOD_US = 8000
 POSITION_STEP_M, TORQUE_STEP_NM = 1e-4, 0.2
 # The three smaller components have 15 bits each and are off by up to half a step. The largest component is computed
-# from them and is off by up to three half steps (when all four are 1/2). With a quaternion error dq, the angle error is
-# 2 |dq|.
+# from the other three and is off by up to three half steps (when all four are 1/2). A quaternion error dq causes an
+# angle error of 2 |dq|.
 ROTATION_ERROR_DEG = math.degrees(2 * math.sqrt(3 + 9) * 0.5 * math.sqrt(0.5) / 16383) * 1.001
 STAMP_STEP_US, STAMP_PERIOD_US = 1024, 262_144
 
@@ -53,7 +53,8 @@ class Receiver:
         return lib.transport_receive(self.state, copy, self.kind), copy
 
     def message(self, frames: list):
-        """Feeds the frames and returns the message, which must complete with the last frame and not earlier."""
+        """Feeds the frames and returns the message. Checks that the message completes with the last frame and not
+        earlier."""
         *before, last = [self.take(frame) for frame in frames]
         assert [status for status, _ in before] == [lib.PROTOCOL_INCOMPLETE] * len(before)
         assert last[0] == lib.PROTOCOL_OK
@@ -77,7 +78,7 @@ def decoded(frame) -> dict:
 
 
 def quaternion_of(signals: dict, prefix: str) -> np.ndarray:
-    """Returns the quaternion of a smallest-three encoding. Its largest component is not negative and makes the norm
+    """Decodes a smallest-three quaternion. The largest component is non-negative and is chosen so that the norm is
     1."""
     smaller = [signals[f"{prefix}_{letter}"] for letter in "abc"]
     largest = math.sqrt(max(0.0, 1.0 - sum(c * c for c in smaller)))
@@ -159,7 +160,7 @@ def random_value(signal, rng):
 
 
 def random_messages(rng):
-    """Yields one message of each kind: the DBC's message, its signals, and the CAN FD frame without protection."""
+    """Yields one message of each kind, as its DBC message, its signals, and its CAN FD frame without protection."""
     for message in FD_MESSAGES:
         values = {signal.name: random_value(signal, rng) for signal in message.signals}
         values |= {name: 0 for name in values if name.startswith("e2e")}
@@ -174,8 +175,8 @@ def random_messages(rng):
 
 
 def signals_of(parts: list) -> dict:
-    """Returns the signals of all parts. Those of JointCmd get their names on CAN FD, which contain the joint's
-    number."""
+    """Returns the signals of all parts. Signals of JointCmd are renamed as on CAN FD, where the name contains the
+    joint's number."""
     found = {}
     for part in parts:
         joint = named(part).removeprefix("ClassicJointCmd")
@@ -192,14 +193,14 @@ def resolution(message, signal) -> float:
 
 
 IDENTITY = ("FirmwareIdentity", "build_hash")
-NOT_CARRIED = {  # values that are changed or dropped; what is sent instead has its own tests
+NOT_CARRIED = {  # values that are changed or dropped; other tests check what is sent instead
     IDENTITY, ("HandPose", "t_us"), *((f"JointState{j}", "temperature_degC") for j in range(8))
 }  # fmt: skip
 
 
 def test_cantools_decodes_what_is_sent(rng):
-    """cantools decodes every signal of every message to within its resolution, in whichever frame the signal is
-    sent."""
+    """cantools decodes every signal of every message to within the signal's resolution, whichever frame carries the
+    signal."""
     sender = Sender(joints=8)
     for _ in range(100):
         for message, values, frame in random_messages(rng):
@@ -315,8 +316,8 @@ def test_any_flipped_bit_is_refused():
 
 @pytest.mark.parametrize("last", [0, 7, 15])
 def test_the_counter(last):
-    """Profile 2 refuses a repeated counter and a step above the limit. The limit is far below the counter's range of
-    16."""
+    """Profile 2 refuses a repeated counter, and a counter that advances by more than the limit, which is far below the
+    counter's range of 16."""
     for step in range(16):
         sender, receiver = Sender(), Receiver()
         state = ffi.new("joint_state_t *")
@@ -344,7 +345,7 @@ def test_event_frames_are_accepted_after_any_loss():
 
 
 def sample(number: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns a pose whose position and rotation both encode its number."""
+    """Returns a pose that encodes its number in both the position and the rotation."""
     angle = 1e-3 * (number % 3000)
     return np.array([1e-3 * (number % 3000) - 1.5, 0, 0]), np.array([math.cos(angle / 2), math.sin(angle / 2), 0, 0])
 
@@ -355,8 +356,8 @@ def number_of(position: np.ndarray, rotation: np.ndarray) -> tuple[int, int]:
 
 @pytest.mark.parametrize("lost", [0.0, 0.05, 0.3, 0.6, 0.9])
 def test_parts_of_different_poses_are_never_mixed(rng, lost):
-    """When parts are lost at random, singly and in long runs, both parts of each received pose belong to the same
-    sample."""
+    """Both parts of each received pose belong to the same sample, even if parts are lost at random, singly and in long
+    runs."""
     sender, receiver = Sender(), Receiver()
     used = 0
     for number in range(3000):
@@ -390,7 +391,8 @@ def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
     "name", ["HandPose", "JointCmd", "TickTrace", "TaskDefine", "TrackerStatus", "FirmwareIdentity"]
 )
 def test_long_messages_need_all_their_parts(rng, name):
-    """With a part missing, nothing is received. The next message completes again, with its parts in any order."""
+    """If a part is missing, the message is not received. The next message is received again, with its parts in any
+    order."""
     for message, _, frame in random_messages(rng):
         if message.name != name:
             continue
@@ -458,8 +460,8 @@ def stamps(times_us, delays_us) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize("start_us", [0, 2**31 - 300_000, 2**32 - 400_000])
 def test_the_stamp_is_restored_to_its_step(rng, start_us):
-    """Through gaps of any length and across the wrap of the clock, all stamps have the same error as the first one, to
-    within a step."""
+    """All stamps have the same error as the first one, to within a step, after gaps of any length and when the clock
+    wraps."""
     gaps_us = rng.choice([8000, 8000, 8000, 16_000, 100_000, 1_000_000, 30_000_000], 300)
     times_us = start_us + np.cumsum(gaps_us)
     pairs = stamps(map(int, times_us), map(int, rng.integers(4000, 60_000, 300)))
@@ -469,7 +471,7 @@ def test_the_stamp_is_restored_to_its_step(rng, start_us):
 
 
 def test_a_delay_up_to_131_ms_shows_and_a_longer_one_does_not():
-    """The receiver sees delays up to the limit stated in docs/bus.md; beyond it, a delay appears shorter than it
+    """The receiver sees the true delay up to the limit stated in docs/bus.md. A longer delay appears shorter than it
     was."""
     for delay_us in range(0, 300_000, 5000):
         (_, first), (true, found) = stamps([0, 8000], [4000, 4000 + delay_us])

@@ -1,5 +1,5 @@
-"""Checks the same firmware on classic CAN, in lockstep with the simulated world and with 250 Hz control, observed only
-on the bus."""
+"""Checks the firmware on classic CAN with 250 Hz control, in lockstep with the simulated world. The firmware is
+observed only through the bus."""
 
 from __future__ import annotations
 
@@ -96,8 +96,8 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
 
 
 def test_frames_last_as_long_as_their_bits(frames):
-    """No two frames overlap. Each frame ends later than the previous one by at least its own stuffed length, and by
-    exactly that length if the two are back to back."""
+    """No two frames overlap. The time between the ends of two successive frames is at least the stuffed length of the
+    second, and exactly that length if the frames are back to back."""
     ends_us = np.array([frame.t_us for frame in frames])
     durations_us = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames]) / 1000
     waits_us = np.diff(ends_us) - durations_us[1:]
@@ -152,7 +152,7 @@ def test_two_runs_are_byte_identical(eventful, tmp_path):
 
 
 def test_a_task_can_be_defined(tmp_path):
-    """The four parts of a TaskDefine form one message, which the firmware accepts, and the log replays."""
+    """The four parts of a TaskDefine form one message, the firmware accepts the message, and the log replays."""
     done = run(tmp_path / "out", "--scenario", "teleop", "--define", "constant:0,0,0.05:1,0,0,0:1,0,0,0:1", *CLASSIC)
     names = [NAME[frame.frame_id] for frame in logged_frames(done.log)]
     assert [names.count(f"ClassicTask{part}") for part in ("Define", "Translation", "Rotation", "Inverse")] == [1] * 4

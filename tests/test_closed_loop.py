@@ -25,7 +25,7 @@ def all_gains(gain_per_s: float) -> list[str]:
 
 
 def targets_of(frames: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns the time [us], the target (N, 8) and whether a target exists, for each tick."""
+    """Returns, for each tick, the time [us], the target (N, 8) and whether a target exists."""
     trace = frames["TickTrace"]
     valid = trace.raw("target_valid") > 0
     rotation = np.stack([trace[f"target_q{axis}"] for axis in "wxyz"], axis=1)
@@ -35,7 +35,7 @@ def targets_of(frames: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def measured_hands(trace_csv: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the time [us] and ODE's end effector pose (N, 8) for each tick."""
+    """Returns, for each tick, the time [us] and ODE's end effector pose (N, 8)."""
     table = np.genfromtxt(trace_csv, delimiter=",", names=True, dtype=None, encoding="ascii")
     position = np.stack([table[f"hand_{axis}_m"] for axis in "xyz"], axis=1)
     rotation = np.stack([table[f"hand_q{axis}"] for axis in "wxyz"], axis=1)
@@ -98,8 +98,8 @@ def test_default_law_settles_a_30_mm_move_within_1_mm(tmp_path, displacement_mm)
 
 @pytest.mark.parametrize("gain_per_s", [35, 70, 100])  # the default is 35; values far above 100 are refused
 def test_gain_margin(tmp_path, gain_per_s):
-    """With the loop's real delays, a gain of up to three times the default causes no oscillation beyond that of the
-    encoder: at rest, an error of one encoder count commands a velocity of the gain times one count."""
+    """With the loop's real delays, a gain of up to three times the default causes no oscillation beyond that due to the
+    encoder. At rest, an error of one encoder count results in a velocity command of the gain times one count."""
     recording = minimum_jerk_move(tmp_path / "move.csv", [0.03, 0, 0])
     run = simulation.run(
         tmp_path / "out",

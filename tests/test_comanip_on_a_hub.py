@@ -1,4 +1,4 @@
-"""Checks `comanip` as a user runs it. Firmware and plant are two processes on a hub, which the tests watch and operate
+"""Checks `comanip` as a user runs it. Firmware and plant are two processes on a hub. The tests watch and operate them
 through socketcand and, with the shim, through SocketCAN. The log recorded meanwhile replays byte for byte."""
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
     """Runs firmware and plant on a hub; yields the hub, the plant, the firmware and the folder of the plant's log. The
-    plant's operator would start the task so late that the test's operator acts first. On a busy machine the firmware
-    may refuse a start, and if the plant's own operator had sent it, the run would end."""
+    plant's own operator is set to start the task so late that the test's operator acts first, because the run would end
+    if the firmware refused a start from the plant's operator, as may happen on a busy machine."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))
@@ -60,15 +60,15 @@ def test_watch_and_operate(session, through):
     hub = session[0]
 
     def monitored() -> object:
-        """Monitors for one second. Returns a true value if the firmware and all drives were seen; the firmware may only
-        just have started."""
+        """Monitors for one second. Returns a true value if the firmware and all drives were seen. They may be missing
+        if the firmware has only just started."""
         shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
         assert shown.returncode == 0, shown.stderr
         assert " wrong" not in shown.stdout
         return "JointState3" in shown.stdout and re.search(STATUS, shown.stdout)
 
     wait_until(monitored, "the firmware's status and the drives' states in the monitor")
-    # Repeat this, as the plant's operator may start the task in between.
+    # Repeat both commands, as the plant's operator may start the task between them.
     write = ("param", "set", "motion_scale", "0.5")
     wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a parameter at rest")
     read = comanip(hub, through, "param", "get", "motion_scale")

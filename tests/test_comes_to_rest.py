@@ -1,5 +1,5 @@
-"""Checks the simulator's check comes_to_rest: its value against numpy on the trace, that it fails for an arm that
-oscillates, how it treats phases that are not still, and how it reports what could not be measured."""
+"""Checks the simulator's check comes_to_rest: the measured value against numpy on the trace, the failure for an arm
+that oscillates, the treatment of phases that are not still, and the report of phases that could not be measured."""
 
 from __future__ import annotations
 
@@ -77,8 +77,8 @@ def fastest_radps(trace: np.ndarray) -> np.ndarray:
 
 
 def assert_oscillates(done) -> None:
-    """Checks from the trace alone that in the last second of the cooperation a joint reverses more than twice and moves
-    fast, and that comes_to_rest fails."""
+    """Checks that comes_to_rest fails and that, in the trace, a joint moves fast and reverses more than twice in the
+    last second of the cooperation."""
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
     last = slice(end - 1000, end)
@@ -120,8 +120,8 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_each_experiment_ends_at_rest(name):
-    """Before the stop, the person's hand is still for 2.5 s and the arm comes to rest, as judged by ODE's end effector
-    and the commands."""
+    """Before the stop, the person's hand is still for 2.5 s and the arm comes to rest, judged by ODE's end effector
+    pose and by the commands."""
     done = shared("--scenario", experiment(name), "--seed", 2).require_pass()
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
@@ -146,8 +146,9 @@ def test_without_noise_and_tremor_the_limit_is_as_stated(tmp_path):
     ids=["as it comes", "noise", "much noise", "much tremor"],
 )
 def test_the_limit_is_five_times_the_noise(tmp_path, tremor_mm, arguments):
-    """The limit is five times the computed noise, and at least 0.02 rad/s. It is checked against the noise of a stable
-    arm, measured as the RMS of the fastest joint while the hand rests at the start."""
+    """The limit is five times the computed noise, and at least 0.02 rad/s. A limit above 0.02 rad/s is also of the
+    order of the noise of a stable arm, measured as the RMS velocity of the fastest joint while the hand rests at the
+    start."""
     file = scene(tmp_path, tremor_mm=tremor_mm, steps=["do: rest, duration_s: 3"])
     file.write_text(file.read_text().replace("do: rest, duration_s: 0.5,", "do: rest, duration_s: 4,"))
     done = run(tmp_path / "out", "--scenario", file, "--seed", 0, *arguments)
@@ -171,7 +172,7 @@ def noise_radps(tremor_mm: float, arguments: list) -> float:
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + 1e-4 * np.eye(3))
     frequency = np.linspace(8, 12, 10001)
     tremor_mps = 1e-3 * tremor_mm / np.sqrt(3) * 2 * np.pi * np.sqrt(np.mean(frequency**2))
-    rate_per_s = 35 / 4 if "prediction=0" not in arguments else 35  # prediction leaves a quarter of a sample's noise
+    rate_per_s = 35 / 4 if "prediction=0" not in arguments else 35  # prediction reduces sample noise to a quarter
     hand_mps = np.hypot(tremor_mps, rate_per_s * 1e-3 * noise_mm)
     return np.hypot(np.linalg.norm(inverse, axis=1).max() * hand_mps, rate_per_s * np.radians(noise_deg))
 
@@ -220,7 +221,7 @@ def test_an_unmeasured_phase_is_reported(tmp_path, options, arguments, words):
 
 
 class Watch:
-    """Simulates the ticks of a cooperation for the monitor. By default, the hand is exactly at the person's aim."""
+    """Feeds the monitor the ticks of a simulated cooperation. By default, the hand is exactly at the person's aim."""
 
     def __init__(self):
         self.monitor = ffi.new("rest_monitor_t *")
@@ -230,7 +231,7 @@ class Watch:
         self.now = 0
 
     def ticks(self, count, *, aim_m=0.0, hand_m=None, turn_rad=0.0, radps=0.0, mode=2, settled_ns=0, holds=False):
-        """Adds ticks. hand_m and radps are numbers, or functions of the number of ticks since the start."""
+        """Adds ticks. hand_m and radps are numbers, or functions of the tick count since the start."""
         tick, aim = ffi.new("tick_record_t *"), ffi.new("rigid_pose_t *")
         aim.position_m[0], aim.rotation[0] = aim_m, 1
         for _ in range(count):
@@ -259,7 +260,7 @@ def test_a_phase_counts_from_2_5_seconds():
 
 @pytest.mark.parametrize(("at", "seen"), [(1500, False), (2500, True), (2995, True), (3005, False)])
 def test_only_the_last_second_is_judged(at, seen):
-    """A motion of any joint in either direction counts only in the last second before the next move."""
+    """A motion of any joint, in either direction, counts only if it occurs in the last second before the next move."""
     for sign in (1, -1):
         watch = (
             Watch().ticks(3000, radps=lambda n: sign * (n == at)).ticks(500, aim_m=0.1, radps=lambda n: n == at).end()
@@ -297,8 +298,8 @@ def test_tremor_counts_as_still_and_a_slow_move_does_not():
 
 
 def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
-    """An oscillating arm that holds the same pipe may shake the hand. A hand that rested only in the last second is
-    merely still for too short a time."""
+    """A hand still counts as resting if an oscillating arm that holds the same pipe shakes it. A hand that rested only
+    in the last second was merely still for too short a time."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()
     assert shaken.disturbed and not shaken.measured
     settled = (

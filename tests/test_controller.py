@@ -1,5 +1,5 @@
-"""Checks the controller tick by tick, using only frames: the boot messages, the answers to the operator, and how modes,
-targets and drives respond."""
+"""Checks the controller tick by tick, using only frames: the boot messages, the answers to the operator, the modes, the
+targets and the commands to the drives."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ of_law_4 = pytest.mark.parametrize("predicts", [False], indirect=True)
 
 
 def settle_ticks() -> int:
-    """Returns how many ticks it takes until the target reflects a hand that has jumped. With prediction, the estimate
-    takes time to settle after a jump."""
+    """Returns the number of ticks until the target reflects a jump of the hand. With prediction, the estimate takes
+    time to settle after a jump."""
     return 2000 if Bench.prediction else 5 * TRACKER_PERIOD_TICKS
 
 
 def settle(bench: Bench) -> np.ndarray:
-    """Returns the target once it reflects the newest hand."""
+    """Waits until the target reflects the newest hand pose, and returns the target."""
     bench.tick(settle_ticks())
     return bench.target
 
@@ -72,8 +72,8 @@ def test_frames_keep_their_periods():
 
 
 def test_a_tick_count_that_wraps_is_not_a_boot():
-    """When the tick count wraps to 0 after 2^32 ticks (50 days), a heartbeat is due, and it must not report a boot
-    (CANopen: 0 is boot-up, 5 operational)."""
+    """The heartbeat that is due when the tick count wraps to 0 after 2^32 ticks (50 days) must not report a boot (in
+    CANopen, 0 is boot-up and 5 is operational)."""
     bench = Bench()
     bench.tick()
     assert dict(bench.sent)[FRAME_ID["FIRMWARE_HEARTBEAT"]] == bytes([0])
@@ -159,8 +159,8 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
 
 
 def test_stop_brakes_within_the_limits_then_closes_the_brakes():
-    """The stop stays within the limits of acceleration and jerk. The brakes close once the velocity is 0 and no longer
-    changes."""
+    """The arm decelerates within the limits of acceleration and jerk. The brakes close once the velocity is 0 and no
+    longer changes."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0.08, 0.05, 0.03])
     bench.tick(40)
@@ -181,7 +181,7 @@ def test_stop_brakes_within_the_limits_then_closes_the_brakes():
 
 
 def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
-    """Returns for each tick whether the drives are enabled, and their mode in JointCmd."""
+    """Returns, for each tick, whether the drives are enabled and which mode JointCmd commands."""
     rows = []
     for _ in range(ticks):
         bench.tick()
@@ -192,7 +192,7 @@ def enabled_and_modes(bench: Bench, ticks: int) -> list[tuple[bool, int]]:
 
 @pytest.mark.parametrize("end", ["stop", "hold, then stop", "drive silent", "drive error"])
 def test_drives_are_enabled_from_the_first_command_until_the_brakes_close(end):
-    """Booting and becoming ready do not enable the drives, and after a fault they stay enabled only until the arm has
+    """The drives are not enabled at boot or in READY, and after a fault they stay enabled only until the arm has
     stopped."""
     brake, velocity = lib.DRIVE_MODE_BRAKE, lib.DRIVE_MODE_VELOCITY
     bench = Bench()
@@ -217,7 +217,7 @@ def test_drives_are_enabled_from_the_first_command_until_the_brakes_close(end):
         assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # the arm was already at rest
         assert {enabled for enabled, _ in rows} == {
             False
-        }  # the brakes closed in the tick of the stop command, just before these
+        }  # the brakes closed in the tick of the stop command, just before the first of these rows
     else:
         assert closed > 10
         assert rows == [(True, velocity)] * closed + [(True, brake)] + [(False, brake)] * (299 - closed)
@@ -284,7 +284,7 @@ def test_a_slow_save_is_one_save_with_one_answer():
     answers = []
     for tick in range(50):
         if tick % 5 == 0 and tick < 30:
-            bench.ask(message)  # the same request again, as a client does if it gets no answer
+            bench.ask(message)  # repeat the request, as a client does if it gets no answer
         bench.tick()
         answers += [(tick, result) for result in bench.answers()]
     assert answers == [(30, lib.RESULT_ACCEPTED)]
@@ -324,7 +324,7 @@ def test_nothing_is_saved_in_motion():
 
 
 def announced(bench: Bench) -> list[tuple[int, int, float]]:
-    """Returns (parameter, result, value) of each ParameterValue in the announcement at boot, i.e. of those that do not
+    """Returns (parameter, result, value) of each ParameterValue that announces a parameter at boot, i.e. does not
     answer a request."""
     found = []
     for _ in range(lib.PARAMETER_COUNT + 10):
@@ -444,7 +444,7 @@ def test_blend_is_monotonic_and_takes_its_time():
         bench.tick()
         way.append(np.linalg.norm(moved_mm(bench, before)))
     assert way[0] < 0.1 and np.diff(way).min() > -0.01
-    assert 18 < way[250] < 22  # on a minimum-jerk profile, half the displacement takes half the time
+    assert 18 < way[250] < 22  # in a minimum-jerk profile, half the displacement takes half the time
     assert way[480] < 40.01 and way[520] == pytest.approx(40, abs=0.02)
 
 
@@ -474,7 +474,7 @@ def test_clutch_takes_a_new_reference_without_a_jump(task, latched):
     bench.move_hand([0.01, 0.0, 0.0])
     settle(bench)
     expected = -10.0 if task == lib.TASK_MIRROR and not latched else 10.0
-    # wide tolerance, as the reference is the measured pose, in which the mirrored axis is not exactly torso x
+    # the tolerance is wide because the reference is the measured pose, whose mirrored axis is not exactly the torso's x
     assert moved_mm(bench, reference)[0] == pytest.approx(expected, abs=1.5)
 
 
@@ -512,7 +512,8 @@ def in_motion() -> Bench:
 
 @pytest.mark.parametrize("change", ["select", "define", "latch"])
 def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
-    """In the tick of a change, the previous demand is reused. This is valid, as the change does not move the target."""
+    """A tick in which the cooperation changes reuses the previous demand, which is still valid because the change does
+    not move the target."""
     bench = in_motion()
     before = feedback(bench)
     if change == "define":
@@ -524,7 +525,7 @@ def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
     assert not np.array_equal(feedback(bench), before)
 
 
-@of_law_4  # with prediction the target keeps its own motion; see test_following_hand.py
+@of_law_4  # with prediction the target keeps moving with the hand; see test_following_hand.py
 @pytest.mark.parametrize("change", ["clutch", "latch measured", "stop and start"])
 def test_feedback_is_zero_when_the_target_is_set_to_the_robots_pose(change):
     bench = in_motion()
@@ -542,7 +543,7 @@ def test_feedback_is_zero_when_the_target_is_set_to_the_robots_pose(change):
         command = lib.COMMAND_START
     assert bench.command(command) == ACCEPTED
     assert (feedback(bench) == 0).all()
-    least = np.maximum(growth - 10, -25)  # of the velocity's change, in mrad/s: the jerk and acceleration limits
+    least = np.maximum(growth - 10, -25)  # lowest velocity change in mrad/s that the jerk and acceleration limits allow
     assert (np.abs(bench.velocity_radps) <= np.abs(before) + 1e-3 * least + 1e-6).all()
     assert oracle.pose_distance(bench.target, robot) < 1e-4
     bench.tick()
@@ -571,7 +572,8 @@ def test_repeated_operator_commands_do_not_stop_the_control_law():
 
 
 def test_many_measured_latches_keep_the_relation_a_pose():
-    """Each relation is computed from the previous one, so an error of its norm must not grow."""
+    """Each latch computes the relation from the previous one, so an error of the norm must not grow from latch to
+    latch."""
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_LATCH_MEASURED, 1) == ACCEPTED
     bench.start(lib.TASK_TELEOP)
@@ -584,8 +586,8 @@ def test_many_measured_latches_keep_the_relation_a_pose():
 
 
 def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
-    """A joint at its limit gets no demand beyond it, although the control law alone would demand this to follow the
-    hand."""
+    """A joint at its limit gets no demand beyond the limit, although the control law alone would move the joint further
+    to follow the hand."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)
@@ -608,7 +610,7 @@ def test_motion_scale_acts_on_the_mirror_alike():
 
 
 def test_marker_lever_arm_is_compensated():
-    """With the transform of a marker 0.1 m away from the hand registered, a turn of the wrist about the hand does not
+    """If the transform of a marker 0.1 m away from the hand is registered, turning the wrist about the hand does not
     move the target."""
     lever = oracle.pose([1.0, 0, 0, 0], [0.1, 0.0, 0.0])  # pose of the hand in the marker's frame
     bench = Bench().until_ready()
@@ -674,7 +676,7 @@ def test_quaternion_sign_flips_in_the_stream_change_nothing():
 
 @pytest.mark.parametrize("late_us", [3, 900])
 def test_frames_stamped_after_the_tick_count_as_just_received(late_us):
-    """A frame that arrives while the inbox is being filled is stamped later than the tick. This is not a reason to
+    """A frame that arrives while the inbox is being filled is stamped later than the tick, but this must not cause a
     stop."""
     bench = Bench()
     bench.stamp_offset_us = late_us

@@ -1,4 +1,4 @@
-"""Checks `comanip convert` and `comanip decode`: their output is read back by python-can, scapy, mcap's reader and
+"""Checks `comanip convert` and `comanip decode` by reading their output back with python-can, scapy, mcap's reader and
 cantools."""
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def test_python_can_reads_the_candump_lines(kinds):
 
 @pytest.mark.parametrize("suffix", [".log", ".blf", ".asc"])
 def test_logs_of_python_can_are_converted_to_candump_lines(tmp_path, suffix):
-    """The lines are plain candump lines, although python-can's .log adds R or T to the end of each line."""
+    """The converted lines are plain candump lines, although python-can's .log appends R or T to each line."""
     path, out = tmp_path / f"recorded{suffix}", tmp_path / "out.log"
     with can.Logger(path) as logger:
         for frame in KINDS:

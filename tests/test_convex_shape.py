@@ -73,8 +73,8 @@ def test_spheres(rng):
 
 
 def segment_distance(p0, p1, q0, q1) -> float:
-    """Returns the distance between two segments. It is the least of the distances from the four end points and, if it
-    meets both segments, the length of the common normal."""
+    """Returns the distance between two segments: the least of the distances from the four end points and, if the common
+    normal meets both segments, the length of that normal."""
 
     def to_segment(point, s0, s1):
         t = np.clip((point - s0) @ (s1 - s0) / ((s1 - s0) @ (s1 - s0)), 0, 1)
@@ -165,7 +165,7 @@ def test_faces_edges_and_corners(gap_m):
 @pytest.mark.parametrize("kind", ["capsule", "cylinder"])
 @pytest.mark.parametrize("gap_m", [0.0, 1e-5, 0.004, 0.3])
 def test_parallel_and_in_line(rng, kind, gap_m):
-    """The distance is correct when many points are equally near, and when the shapes are separated in only one
+    """The distance is correct if many pairs of points are equally near, and if the shapes are separated in only one
     direction."""
     for turn in Rotation.random(100, rng):
         radius, length = rng.uniform(0.005, 0.08, 2), rng.uniform(0.05, 0.4, 2)
@@ -228,7 +228,7 @@ def test_overlap_of_round_shapes(rng):
 
 @pytest.mark.parametrize("depth_m", [-0.001, 0.0, 0.0005, 0.001, 0.0075])
 def test_a_rod_on_a_stand(depth_m):
-    """The overlap is correct for contact depths that occur in scenarios, and for a shape inside another."""
+    """The overlap is correct for contact depths that occur in scenarios, and for a shape that lies inside another."""
     stand = shape("box", size_m=(0.06, 0.12, 0.04))
     along_y = Rotation.from_euler("x", 90, degrees=True)
     rod = shape("cylinder", (0, 0, 0.02 + 0.008 - depth_m), along_y, length_m=0.28, radius_m=0.008)

@@ -40,7 +40,7 @@ def displacement(targets: np.ndarray) -> np.ndarray:
 
 
 def hand_in_tracker(rotation, translation, tracker_rotation=oracle.EQUATION_9) -> np.ndarray:
-    """Returns the tracker's measurement of a hand that is given in torso axes."""
+    """Returns the pose that the tracker measures for a hand given in torso axes."""
     return oracle.pose(
         oracle.quaternion_multiply(tracker_rotation, np.asarray(rotation, float)),
         oracle.rotate(tracker_rotation, translation),
@@ -152,7 +152,7 @@ def test_mirroring_starts_at_the_robots_pose(rng):
 
 
 def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
-    """With the person at the virtual hand, t_task and q(x, pi) q(z, pi/4) lead from the robot to the person."""
+    """If the person's hand is at the virtual hand, its pose relative to the robot is t_task and q(x, pi) q(z, pi/4)."""
     for robot in oracle.random_poses(rng, 200, 0.3).astype(float):
         target = follow("pour", motion(rng, 1), robot)[0]
         roll = oracle.quaternion_multiply(oracle.quaternion_conjugate(robot[:4]), target[:4])
@@ -278,7 +278,7 @@ def from_c(pose) -> np.ndarray:
 
 
 class Running:
-    """A cooperation in progress, run by the firmware's own functions."""
+    """A cooperation in progress, run with the firmware's functions."""
 
     def __init__(self, task: int, hand: np.ndarray, robot: np.ndarray):
         self.state, config = ffi.new("cooperation_t *"), ffi.new("cooperation_config_t *")
@@ -316,7 +316,8 @@ def test_selecting_another_task_does_not_move_the_target(rng, first, second):
 
 @pytest.mark.parametrize("task", range(3))
 def test_a_task_selected_during_cooperation_equals_one_selected_before(rng, task):
-    """The start poses are kept, so after the blend the result equals that of a task selected before the start."""
+    """The start poses are kept, so that the result after the blend is the same as if the task had been selected before
+    the start."""
     hands, robot = motion(rng), robot_at_check_posture()
     running = Running((task + 1) % 3, hands[0], robot)
     running.target(hands[20])
@@ -358,8 +359,8 @@ def test_select_right_after_a_measured_latch_continues_from_the_robots_pose(rng)
 @pytest.mark.parametrize("task", ["teleop", "pour", "mirror"])
 @pytest.mark.parametrize("motion_scale", [1.0, 0.3])
 def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
-    """The target's motion agrees with the difference of the targets of two slightly different hands, which Algorithm 1
-    maps as tested above."""
+    """The target's motion agrees with the difference between the targets that Algorithm 1, tested above, computes for
+    two slightly different hands."""
     apart_s = 0.01
     for _ in range(20):
         cooperation = core.Cooperation(task, scale=motion_scale)

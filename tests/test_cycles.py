@@ -1,4 +1,4 @@
-"""Checks `make cycles`: its model of ARM's tables line by line, its counter against code counted by hand, and its
+"""Checks `make cycles`: the model of ARM's cycle tables line by line, the counter against code counted by hand, and the
 budget."""
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def test_the_operated_states_include_each_kind():
     not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps"
 )
 def test_the_counter_is_exact(tmp_path):
-    """The counts of a loop of known length are exact. It has `n` subtractions and branches, and all branches except the
+    """The counts are exact for a loop of known length, which has `n` subtractions and branches. All branches except the
     last are taken."""
     source = tmp_path / "loop.S"
     source.write_text("""

@@ -1,4 +1,4 @@
-"""Checks control law (4) against numpy and dqrobotics in double precision, and its behaviour at the double cover and at
+"""Checks control law (4) against numpy and dqrobotics in double precision, including the double cover and
 singularities."""
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
-    """A uniform weight makes the condition worse but does not raise the tolerance's minimum, so without iterative
-    refinement the error would exceed it. Every lambda is tested on all inputs. Errors are relative to the largest
-    component of u."""
+    """The law keeps the tolerance for a uniform weight and every lambda. A uniform weight worsens the conditioning but
+    does not raise the minimum of the tolerance, which would therefore be exceeded without iterative refinement. Errors
+    are relative to the largest component of u."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -141,8 +141,8 @@ def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 def test_no_error_no_velocity(rng, error_frame):
-    """At zero error, neither sign of the target causes a motion. Trap 1: with raw vec8s, the target -q_d would command
-    several rad/s."""
+    """At zero error, neither sign of the target causes a motion. If raw vec8s were subtracted (trap 1), the target -q_d
+    would command several rad/s."""
     q = postures(rng, 1000)
     hand = core.forward_kinematics(HOAP3, q)
     for target in (hand, -hand):
@@ -151,7 +151,7 @@ def test_no_error_no_velocity(rng, error_frame):
 
 def singular_postures(rng) -> np.ndarray:
     """Returns postures with a straight elbow, with the upper arm along the pitch axis (roll -90 deg), and with both.
-    Some are exactly singular, others at various distances from the singularity."""
+    Some postures are exactly singular, others lie at various distances from the singularity."""
     base = np.radians(
         [[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]]
     )
@@ -170,7 +170,7 @@ def test_zero_damping_at_singular_postures(rng, error_frame, weight):
     target = oracle.random_poses(rng, len(q), 0.3)
     u = core.joint_velocity(HOAP3, q, target, gain, 0.0, error_frame, weight)
     assert np.isfinite(u).all()
-    assert np.abs(u).max() < 2000 * gain  # about 1 / sqrt(float32's resolution); a weaker direction counts as singular
+    assert np.abs(u).max() < 2000 * gain  # about 1 / sqrt(float32's resolution); weaker directions count as singular
     root = np.sqrt(np.broadcast_to(1.0 if weight is None else weight, 8))
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     target = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1) * target.astype(float)
@@ -223,8 +223,8 @@ def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tup
 
 @pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
 def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
-    """Trap 6: with the error in the torso frame, the orientation that 4 joints cannot reach spoils the position. With
-    the error in the target's frame it does not."""
+    """With the error in the target's frame, the orientation that 4 joints cannot reach does not spoil the position.
+    With the error in the torso frame it does (trap 6)."""
     start = (90, -5, 0, -90)
     torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
     target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)

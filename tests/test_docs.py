@@ -54,7 +54,7 @@ def functions() -> frozenset[str]:
 
 @cache
 def make_targets() -> frozenset[str]:
-    """Returns the targets in make's own database."""
+    """Returns all targets that make itself lists in its database."""
     database = subprocess.run(["make", "-pq", "help"], cwd=REPOSITORY, capture_output=True, text=True, check=False)
     return frozenset(re.findall(r"^([a-z][\w-]*):", database.stdout, re.MULTILINE))
 
@@ -67,7 +67,8 @@ def commands() -> dict[str, frozenset[str]]:
 
 
 def code_of(text: str) -> list[str]:
-    """Returns the fenced and indented lines without their comments, and the code spans elsewhere."""
+    """Returns the code of a document: fenced and indented lines without their comments, and code spans in all other
+    lines."""
     blocks = [line.partition("#")[0] for fence in FENCE.findall(text) for line in fence.splitlines()]
     rest = FENCE.sub("", text)
     blocks += INDENTED.findall(rest)
@@ -75,7 +76,7 @@ def code_of(text: str) -> list[str]:
 
 
 def exists(path: str) -> bool:
-    """Returns whether a path exists, either from the repository's root or as the end of some path. * and NAME match any
+    """Returns whether a path exists, relative to the repository's root or as the end of any path. * and NAME match any
     name."""
     pattern = path.replace(PLACEHOLDER, "*").rstrip("/")
     rooted = pattern.split("/")[0] in {name.split("/")[0] for name in files()}
@@ -120,7 +121,7 @@ def test_what_is_named_exists(name, missing):
 
 
 def test_what_is_missing_is_found():
-    """The checks can fail: each finds the names that do not exist."""
+    """Each check can fail, because it finds names that do not exist."""
     assert missing_paths("`firmware/no_such.c`, `no_such.c`, `hal/linux/`, docs/no_such.md, [x](bus.md)") == {
         "firmware/no_such.c",
         "no_such.c",
@@ -132,7 +133,7 @@ def test_what_is_missing_is_found():
 
 
 def test_something_is_named_in_each_kind():
-    """Each pattern finds something in the README. A pattern that matches nothing would pass every document."""
+    """Each pattern finds something in the README. With a pattern that never matches, every document would pass."""
     text = (REPOSITORY / "README.md").read_text()
     assert len(paths_in(text)) > 10
     assert {"sim", "test", "target"} <= make_targets()

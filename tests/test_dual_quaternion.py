@@ -78,7 +78,8 @@ def test_renormalised_products_stay_unit_while_raw_ones_drift(rng):
 
 
 def edge_rotations() -> np.ndarray:
-    """Returns the 24 rotations that map axes onto axes, and half turns and turns close to half about many axes."""
+    """Returns the 24 rotations that map the coordinate axes onto each other, and half turns and nearly half turns about
+    many axes."""
     signed = [np.diag(s) @ np.eye(3)[list(p)] for p in permutations(range(3)) for s in product((1, -1), repeat=3)]
     axis_aligned = [matrix for matrix in signed if np.linalg.det(matrix) > 0]
     axes = np.array([v for v in product((-1, -1e-3, 0, 1e-3, 1), repeat=3) if np.linalg.norm(v) > 0.5])

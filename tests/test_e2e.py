@@ -31,8 +31,8 @@ def test_protect_matches_autosar_e2e(rng, length):
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_check_agrees_with_autosar_e2e(rng, length):
-    """The check accepts frames protected by autosar-e2e, and rejects them with any flipped bit or under another Data
-    ID."""
+    """The check accepts frames protected by autosar-e2e, and rejects them if any bit is flipped or the Data ID
+    differs."""
     frame = bytearray(rng.bytes(length))
     p05.e2e_p05_protect(frame, 0xC120, increment_counter=False)
     assert check(ffi.new("e2e_receiver_t *"), bytes(frame), 0xC120) == lib.E2E_OK
@@ -45,7 +45,7 @@ def test_check_agrees_with_autosar_e2e(rng, length):
 
 
 def expected_status(step: int) -> int:
-    """Returns the status of a frame whose counter is `step` ahead of the last one."""
+    """Returns the expected status of a frame whose counter is `step` ahead of that of the last frame."""
     if step == 0:
         return lib.E2E_REPEATED
     if step == 1:

@@ -1,5 +1,5 @@
 """Checks the campaign of experiments and the search for gains: the runs made, the files written and the messages. A
-fake simulator passes, fails, refuses or hangs as requested."""
+fake simulator passes, fails, refuses or hangs as each test requests."""
 
 from __future__ import annotations
 
@@ -163,8 +163,8 @@ def test_a_failed_run_is_named_and_fails(tmp_path, simulator, monkeypatch, capsy
 def test_pouring_is_judged_over_all_seeds_of_a_condition(
     tmp_path, simulator, recordings, monkeypatch, capsys, caught, passed
 ):
-    """All seeds together must catch at least 95 % of 3 x 60 particles, i.e. 171. Each single run passes its own
-    check."""
+    """At least 95 % of 3 x 60 particles, i.e. 171, must be caught in the runs with all seeds together, even though each
+    single run passes its own check."""
     monkeypatch.setenv("FAKE_CAUGHT", json.dumps(caught))
     assert run(simulator, tmp_path / "out", "--recordings", recordings) == (0 if passed else 1)
     text = capsys.readouterr().out
@@ -299,7 +299,7 @@ def test_figures_without_measurements():
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_decisive_figures_are_checks_of_the_scenario(name):
-    """Each decisive figure has a check in the scenario, and the check's limit (at_least or at_most) shows whether
+    """Each decisive figure has a check in the scenario, and the kind of its limit (at_least or at_most) shows whether
     higher is better."""
     text = experiment(name).read_text()
     for figure in DECISIVE[name]:
@@ -343,7 +343,8 @@ def test_the_two_laws():
 
 
 def test_share_at_the_acceleration_limit():
-    """As 25 rad/s^2 is 0.025 rad/s per tick, 100 of the 400 steps are at the limit."""
+    """The share is a quarter, because 25 rad/s^2 is 0.025 rad/s per tick, and 100 of the 400 steps are at this
+    limit."""
     steps = np.zeros(400)
     steps[:100] = 0.025
     rate = np.concatenate([[np.nan], [0.0], np.cumsum(steps)])
@@ -359,7 +360,7 @@ def test_a_failed_check_outweighs_a_better_tracking():
 
 
 def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
-    """The minimum is at gain 14, ratio 32 and damping 3e-4, which is half a step off the coarse grid."""
+    """The search finds the minimum at gain 14, ratio 32 and damping 3e-4, which is half a step off the coarse grid."""
 
     def bowl(candidate: gain_search.Candidate, seeds: int) -> gain_search.Score:
         logs = np.log([candidate.gain_per_s / 14.0, candidate.ratio / 32.0, candidate.damping / 3e-4])

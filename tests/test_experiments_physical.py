@@ -1,4 +1,4 @@
-"""Checks the five experiments in physical terms: they pass, and each criterion can fail."""
+"""Checks that the five experiments pass their physical criteria, and that each criterion can fail."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
 
 @pytest.mark.parametrize("duration", [[], ["--duration", "150"]])
 def test_waiting_in_vain_fails_at_any_duration(tmp_path, duration):
-    """If the gripper never closes, the teleoperator and the operator wait for robot.holds in vain, and the run
-    fails."""
+    """The run fails if the gripper never closes, so that the teleoperator and the operator wait for robot.holds in
+    vain."""
     path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
     done = run(tmp_path / "out", "--scenario", path, *duration)
     assert done.status == EXIT_CHECK_FAILED
@@ -95,8 +95,8 @@ def test_an_unfinished_program_is_reported_with_its_step(tmp_path):
 
 
 def test_water_misses_the_glass_when_tilted_too_early(tmp_path):
-    """If the upright approach is left out, the glass tilts on its way to the person's glass. How much a single run
-    spills is chaotic, but all seeds together spill 10 % more than `make experiments` accepts."""
+    """If the upright approach is left out, the glass tilts on its way to the person's glass. The amount spilled in a
+    single run is chaotic, but all seeds together spill 10 % more than `make experiments` accepts."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
     runs = {seed: run(tmp_path / f"out-{seed}", "--scenario", path, "--seed", seed) for seed in (2, 5)}
     outcomes = (
@@ -112,8 +112,8 @@ FEW_PARTICLES = ("particles: 160", "particles: 10")  # the particles do not affe
 
 @pytest.mark.parametrize("off_mm", [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10), (0, 0, -10)], ids=str)
 def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
-    """The aim fails its check even if the wide glass still catches the water. The start position also varies, by 3 mm
-    per axis."""
+    """The check of the aim fails even if the wide glass still catches the water. The start position also varies, by 3
+    mm per axis."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     offset_m = np.array([0, -0.06, 0]) + np.array(off_mm) / 1e3
     options = [f"--param=start_offset_{axis}_m={value:g}" for axis, value in zip("xyz", offset_m, strict=True)]
@@ -125,8 +125,8 @@ def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
 def test_the_glasses_do_not_collide_on_a_hand_that_turns_and_moves_far(tmp_path):
-    """The hand turns by 90 degrees and moves by 1.3 m, mostly upwards. With its turns scaled by a twentieth instead of
-    a fiftieth, the clearance was only 0.3 mm."""
+    """The glasses stay apart while the hand turns by 90 degrees and moves by 1.3 m, mostly upwards. When the hand's
+    turns were scaled by 1/20 instead of 1/50, the clearance was only 0.3 mm."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     done = run(tmp_path / "out", "--scenario", path, "--tracker", RECORDINGS / "ethz_handheld1.csv")
     assert values(done)["clearance"] > 4 and not {"clearance", "aim"} & failed(done)
@@ -144,9 +144,9 @@ def test_gripper_released_early_drops_the_pipe(tmp_path):
 
 
 def test_a_recorded_hand_that_moves_the_pipe_into_its_stand_fails_with_the_reason(tmp_path):
-    """At the scale of the scenario's `play`, 2 m down and forward become 80 mm, twice the height to which the pipe is
-    lifted. The teleoperator does not bring a dropped pipe to the taker, and the run ends instead of waiting for the end
-    of the scenario."""
+    """At the scale of the scenario's `play`, a motion of 2 m down and forward becomes 80 mm, twice the height to which
+    the pipe is lifted. The teleoperator cannot bring a dropped pipe to the taker, so the run ends early instead of
+    waiting for the end of the scenario."""
     recording = tmp_path / "hand.csv"
     recording.write_text(
         recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201)))
@@ -167,7 +167,7 @@ def test_gripper_released_early_drops_the_baton(tmp_path):
 
 
 def test_without_the_latch_the_robot_does_not_follow(tmp_path):
-    """The robot keeps mirroring, so along x it moves against the person's motion."""
+    """Without the latch, the robot keeps mirroring, so it moves against the person's motion along x."""
     path = variant(
         tmp_path, "mirror",
         ("  - {do: latch, name: latched, after: [robot.holds, person.holds]}\n", ""),
@@ -196,9 +196,9 @@ SEARCHED = [f"--param={name}={value:g}" for name, value in PAPER_GAINS]
     ],
 )
 def test_the_papers_law_with_its_published_gains_fails(tmp_path, name, gains, criteria):
-    """With K = 1 in metres, the orientation dominates, which four joints cannot follow. With the best K found, the
-    robot follows but pulls at the person. Each criterion fails because of its measured value, not for lack of a
-    measurement."""
+    """With K = 1 in metres, the error is dominated by the orientation, which four joints cannot follow. With the best K
+    found, the robot follows but pulls at the person. Each criterion fails because of its measured value, not for lack
+    of a measurement."""
     done = run(tmp_path / "out", "--scenario", experiment(name), "--paper-law", *gains)
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)
@@ -222,8 +222,8 @@ DO_NOT_TILT = ("name: pouring, task: pour, after", "name: pouring, task: upright
     ],
 )  # fmt: skip
 def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
-    """The criteria fail for a glass that is never tilted, and for a hand that releases too early, moves too fast, turns
-    too little or is too weak."""
+    """The other criteria fail for a glass that is never tilted, and for a hand that releases too early, moves too fast,
+    turns too little or is too weak."""
     done = run(tmp_path / "out", "--scenario", variant(tmp_path, name, change))
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)
@@ -232,14 +232,14 @@ def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
-    """The person's glass collides with the robot's, or the water misses the glass."""
+    """If the robot hardly follows, the person's glass collides with the robot's, or the water misses the glass."""
     done = run(tmp_path / "out", "--scenario", experiment("pour"), "--seed", seed, "--param", "motion_scale=0.01")
     assert done.status == EXIT_CHECK_FAILED and failed(done) & {"clearance", "water_caught"}
 
 
 def test_mirrored_motion_of_the_measured_robot(tmp_path):
-    """When the person moves along +x, the robot moves along -x. Lateral and vertical motions are equal. All agree
-    within 5 % of 30 mm, computed from the trace."""
+    """When the person moves along +x, the robot moves along -x. Their lateral and vertical motions are equal. The
+    displacements, computed from the trace, agree within 5 % of 30 mm."""
     done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
     names = done.trace.open().readline().rstrip().split(",")
     columns = {

@@ -1,5 +1,5 @@
-"""Checks how following is measured: the figures of paths with known delay and noise, the reference target against the
-paper's lines, and the fast loop against physics that can be computed by hand."""
+"""Checks the measurement of following: the figures for paths with known delay and noise, the reference target against
+the paper's Algorithm 1, and the fast loop against physics that can be computed by hand."""
 
 from __future__ import annotations
 
@@ -80,7 +80,8 @@ def test_ticks_at_a_limit_are_counted():
 
 @pytest.mark.parametrize("task", ["teleop", "mirror", "pour"])
 def test_reference_target_matches_algorithm_1(rng, task):
-    """The reference target agrees with the paper's lines in dqrobotics, given the hand as the tracker measures it."""
+    """The reference target agrees with the paper's Algorithm 1, evaluated in dqrobotics with the hand as the tracker
+    measures it."""
     count = 50
     recording = Recording(
         "random", np.arange(count) * 0.1, np.vstack([np.zeros(3), rng.normal(scale=0.1, size=(count - 1, 3))]),
@@ -121,8 +122,8 @@ def test_positions_of_postures_are_reached_and_others_not(rng):
 
 
 def test_scale_is_the_largest_with_everything_in_reach():
-    """The hand moves straight up from the start, and at the end of the path the arm is fully stretched, 0.282 m from
-    the shoulder."""
+    """The hand moves straight up from the start. With the scale found, the arm is fully stretched at the end of the
+    path, 0.282 m from the shoulder."""
     t_s = np.arange(0.0, 2.0, 0.01)
     up = np.outer(t_s / t_s[-1], [0.0, 0.0, 1.0])
     recording = Recording("up", t_s, up, np.tile([1.0, 0, 0, 0], (len(t_s), 1)), np.zeros(len(t_s) - 1, bool))
@@ -165,7 +166,7 @@ def test_a_run_repeats_with_its_seed_and_differs_with_another():
 
 def test_former_default_lags_by_the_sum_of_its_parts():
     """For a slow sway without noise, the lag is the sum of 4 ms of latency, half a tick until a command is read, one
-    period (4 ms) of interpolation, 1/K, one tick of feedback and the drives' 3 ms, plus or minus the ticks for which
+    period (4 ms) of interpolation, 1/K, one tick of feedback and 3 ms of the drives, plus or minus the ticks for which
     frames wait."""
     figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
@@ -219,7 +220,7 @@ def write(path, rows) -> None:
 
 
 def test_recording_is_read_about_the_torsos_axes(tmp_path):
-    """In cmu_ recordings y is up, and the recorder's z axis is the torso's x axis."""
+    """In cmu_ recordings the y axis points up, and the recorder's z axis is the torso's x axis."""
     turn = rotations.from_vector(np.array([0.0, 0.3, 0.0]))
     rows = [[5.0, 1, 2, 3, 1, 0, 0, 0], [5.1, 1.0, 2.5, 3.25, *(-turn)]]
     write(tmp_path / "cmu_x.csv", rows)

@@ -1,5 +1,5 @@
-"""Checks the campaign of `make following`: motion within the arm's limits, the verdict on synthetic results, the peers
-against their known properties, ODE against the kinematic loop, and resuming an interrupted campaign."""
+"""Checks the campaign of `make following`: motion within the arm's limits, the verdict on synthetic results, the known
+properties of the peers, ODE against the kinematic loop, and resuming an interrupted campaign."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def test_a_path_within_the_limits_is_unchanged():
 
 
 def test_a_step_becomes_the_fastest_allowed_motion():
-    """The step becomes a motion from rest to rest that uses the available speed and exceeds neither speed, acceleration
-    nor joint limits."""
+    """A step becomes a motion from rest to rest that uses the available speed and exceeds none of the limits on speed,
+    acceleration and joint angle."""
     step_s, acceleration = 5e-3, 10.0
     q = np.where(np.arange(400) < 200, 0.0, 0.5)[:, None]
     path = within_limits(q, step_s, (np.array([-1.0]), np.array([0.45])), np.array([1.2]), acceleration)
@@ -165,7 +165,8 @@ def test_a_missing_measurement_does_not_pass(lost):
 
 
 def test_peers_are_tuned_on_the_other_half():
-    """The best choice on each half is the worst on the other, so each half is judged with its worst choice."""
+    """Each half is judged with the setting that is best on the other half. In this test, that setting is the worst
+    one."""
     first, second = plan.folds(NAMES)
     good_for = dict.fromkeys(first, "qp 20") | dict.fromkeys(second, "qp 35")
 
@@ -231,7 +232,8 @@ def test_peers_follow_within_the_arms_limits(name):
 
 @pytest.mark.parametrize("setting", [plan.TELEOP, plan.MIRROR, plan.POUR])
 def test_ode_agrees_with_the_kinematic_loop(tmp_path, setting):
-    """ODE's arm and the kinematic loop's arm share no code except the firmware, and their figures agree."""
+    """The figures of ODE's arm and of the kinematic loop's arm agree, although the two share no code except the
+    firmware."""
     write(tmp_path, "sway", sway())
     scene = Scene(sway(), setting.task, 0.8, setting.rotation_scale)
     job = ode.job(tmp_path / "run", plan.FORMER, plan.FAST, setting, tmp_path / "sway.csv", 0.8)
@@ -333,7 +335,8 @@ def test_a_duplicate_recording_with_gaps_is_left_out(tmp_path):
 
 
 def test_limits_match_the_joint_limits_module():
-    """With a hand that jumps about, the kinematic loop is at a limit in a large share of the ticks."""
+    """The limits match even for a hand that jumps about, which keeps the kinematic loop at a limit in a large share of
+    the ticks."""
     figures = follow(ARM, Scene(sway(4.0, 0.2), "teleop", 1.0, 0.3), plan.FAST.tracker(), followers.named(plan.FORMER))
     assert figures.limit_percent > 30.0
     assert metrics.TICK_S == 1e-3

@@ -16,7 +16,7 @@ def started(**changes) -> Bench:
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     for name, value in changes.items():
         assert bench.write(getattr(lib, f"PARAMETER_{name.upper()}"), value) == lib.RESULT_ACCEPTED
-    bench.tick(300)  # by then the noise has been measured and the memory is long
+    bench.tick(300)  # by then the estimate has measured the noise and lengthened its memory
     return bench.start(lib.TASK_TELEOP)
 
 
@@ -44,7 +44,7 @@ def test_a_hand_that_moves_steadily_is_followed_without_lag():
     hand, robot = oracle.translation(bench.hand), position(bench)
     move(bench, [0, SPEED_MPS, 0], 700)
     lag_m = (oracle.translation(bench.hand) - hand) - (position(bench) - robot)
-    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # the distance in 10 ms; interpolation alone costs 4 ms, and 1 / K 29 ms
+    assert abs(lag_m[1]) < 0.01 * SPEED_MPS  # the distance in 10 ms; interpolation alone takes 4 ms, and 1 / K is 29 ms
     assert np.abs(bench.velocity_radps).max() > 0.1
 
 
@@ -57,8 +57,8 @@ def test_one_parameter_switches_prediction_off():
 
 
 def test_a_clutch_in_motion_keeps_the_hands_speed():
-    """After the clutch, the target starts at the robot's pose and moves with the hand, so the robot keeps its speed. It
-    once dropped from 0.156 to 0.043 m/s."""
+    """After the clutch, the target starts at the robot's pose and moves with the hand, so the robot keeps its speed,
+    which once dropped from 0.156 to 0.043 m/s."""
     bench = started()
     before = move(bench, [0, SPEED_MPS, 0], 600)
     assert bench.command(lib.COMMAND_CLUTCH) == lib.RESULT_ACCEPTED
@@ -83,8 +83,8 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
 
 @pytest.mark.parametrize("ticks_lost", [100, 1500])
 def test_after_a_loss_the_start_does_not_use_the_old_hand_position(ticks_lost):
-    """The tracker loses the hand, which moves on by 200 mm and stops. A start at the earliest possible time does not
-    move the arm."""
+    """The tracker loses the hand, which moves on by 200 mm and stops. A start as soon as the firmware accepts one does
+    not move the arm."""
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     assert bench.write(lib.PARAMETER_TASK_BLEND_S, 0.0) == lib.RESULT_ACCEPTED
     hand, bench.hand = bench.hand, None
@@ -112,8 +112,8 @@ def test_prediction_starts_with_the_current_hand_pose():
 
 
 def test_the_reference_is_the_estimate_and_not_one_sample(rng):
-    """Over many starts with noise, the position of the target relative to the robot does not keep the error of the last
-    sample."""
+    """The offset of the target from the robot after a start does not contain the full error of the last sample, as
+    measured over many starts with noise."""
     sigma_m, offsets = 1e-3, []
     for _ in range(12):
         bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()

@@ -1,5 +1,5 @@
-"""Checks that the paper's law, law (4) with given K and W, and the default law before prediction still compute the same
-velocities, bit by bit.
+"""Checks that three former laws still compute the same velocities, bit by bit: the paper's law, law (4) with given K
+and W, and the default law before prediction was added.
 
 before_prediction.txt is the output of digest.c with the firmware at e544a9a, the last commit without prediction.
 """

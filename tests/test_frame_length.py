@@ -1,5 +1,4 @@
-"""Checks exact frame lengths: the simulated bus's durations and the computed extremes, against bit-by-bit
-constructions."""
+"""Checks exact frame lengths: simulated durations and computed extremes are compared with bit-by-bit constructions."""
 
 from __future__ import annotations
 
@@ -36,8 +35,8 @@ def lengths(rates: BitRates) -> list[int]:
 
 
 def received(wire: str) -> str:
-    """Returns the bits that a receiver keeps. It drops the bit after five equal ones, which however starts the next
-    run."""
+    """Returns the bits that a receiver keeps. The receiver drops the bit after five equal bits, but counts it as the
+    first bit of the next run."""
     kept, run = "", ""
     for bit in wire:
         kept += "" if len(run) == 5 else bit
@@ -83,8 +82,8 @@ def test_extremes_over_all_payloads_of_one_byte(rates, identifier):
 
 @pytest.mark.parametrize("rates", [FD, CLASSIC], ids=["fd", "classic"])
 def test_extremes_over_all_payloads_of_two_bytes(rates):
-    """The extremes equal those over all payloads. Their durations come from the simulator's function, which is tested
-    above."""
+    """The extremes equal the shortest and longest durations of all payloads. Those durations come from the simulator's
+    function, which is tested above."""
     for identifier in (0x078, 0x180):
         durations = [simulated_ns(rates, identifier, value.to_bytes(2, "big")) for value in range(1 << 16)]
         assert longest(identifier, 2, rates).duration_ns == max(durations)
@@ -107,8 +106,8 @@ def test_extremes_are_reached_and_never_exceeded(rng, rates):
 
 
 def test_the_usual_bounds_hold_and_are_tight():
-    """The usual bound assumes one stuff bit per four bits that can be stuffed; for classic frames it is 55 + 10 n bits
-    (Davis et al. 2007)."""
+    """No frame exceeds the usual bound, and the longest frames come close to it. The bound assumes one stuff bit per
+    four bits that can be stuffed; for classic frames it is 55 + 10 n bits (Davis et al. 2007)."""
     for length in range(9):
         worst_us = max(longest(identifier, length, CLASSIC).duration_ns for identifier in IDENTIFIERS) / 1000
         assert 55 + 10 * length - 3 <= worst_us <= 55 + 10 * length
@@ -119,7 +118,8 @@ def test_the_usual_bounds_hold_and_are_tight():
 
 
 def test_rates_scale_their_own_phase(rng):
-    """Durations at three pairs of rates imply the same number of bits in the data phase."""
+    """Each bit rate scales only its own phase: the durations at three pairs of rates imply the same number of bits in
+    the data phase."""
     for length in (8, 12, 64):
         slow = longest(0x123, length, BitRates(1_000_000, 1_000_000)).duration_ns
         fast = longest(0x123, length, FD).duration_ns

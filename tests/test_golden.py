@@ -1,7 +1,7 @@
 """Checks the golden logs (tests/golden): given the recorded input, the firmware sends the recorded output.
 
-The logs were recorded by the build that is named in their FirmwareIdentity, so a change of behaviour since then fails
-here.
+The logs were recorded by the build named in their FirmwareIdentity. Any change of behaviour since that build makes
+these tests fail.
 """
 
 from __future__ import annotations
@@ -137,8 +137,8 @@ def test_another_trace_is_refused(handover, change):
 
 
 def without_parameter(frames, number: int):
-    """Returns the frames as a build without that parameter would have sent them: its ParameterValue frames are missing,
-    and the counters of the others are consecutive."""
+    """Returns the frames as a build without the given parameter would have sent them. The parameter's ParameterValue
+    frames are missing, and the counters of all others are consecutive."""
     counter, kept = 0, []
     for frame in frames:
         if frame.name == "ParameterValue":

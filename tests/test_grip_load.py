@@ -1,5 +1,5 @@
-"""Checks loads on grips against statics: torques of the robot's joints, deflection of its pads, shocks, and torque
-about the jaws."""
+"""Checks loads on grips against statics: torques of the robot's joints, deflection of the gripper's pads, shocks, and
+torque about the jaws."""
 
 from __future__ import annotations
 
@@ -57,7 +57,8 @@ def test_pads_deflect_as_springs(kind):
 
 @pytest.mark.parametrize(("limit_share", "lost"), [(0.97, 1), (1.03, 0)])
 def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
-    """A rod gripped 60 mm from its middle loads the jaws with a torque of its weight times 60 mm."""
+    """A rod gripped 60 mm from its middle loads the jaws with a torque of its weight times 60 mm, and slips if this
+    exceeds the limit."""
     mass, lever = 0.4, 0.06
     limit = limit_share * mass * GRAVITY_MPS2 * lever
     thing = rod(GRIPPER + [0, lever, 0], held_by_robot=True, mass_kg=mass, robot_grip=lib.GRIP_FIXED)

@@ -1,5 +1,5 @@
-"""Checks the estimate of the hand's motion against motions in closed form and against its equations in double
-precision, and checks invariants."""
+"""Checks the estimate of the hand's motion against motions in closed form, against the filter's equations in double
+precision, and for invariants."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def minimum_jerk(s):
 
 
 class Estimate:
-    """The estimate as the firmware computes it. Times in us count from `zero_us` on its clock."""
+    """The estimate as the firmware computes it. Times in us are relative to `zero_us` on the firmware's clock."""
 
     def __init__(self, zero_us=0):
         self.zero_us = zero_us
@@ -44,7 +44,7 @@ class Estimate:
         lib.hand_motion_sample(self.state, pose, (self.zero_us + captured_us) % WRAP, (self.zero_us + now_us) % WRAP)
 
     def predict(self, now_us, ahead_s=0.0) -> np.ndarray:
-        """Returns w x y z, position, velocity and angular velocity as one array."""
+        """Returns the predicted rotation (w x y z), position, velocity and angular velocity as one array."""
         arguments = (self.state, (self.zero_us + now_us) % WRAP, ahead_s)
         pose = ffi.new("pose_t *", lib.hand_motion_pose(*arguments))
         motion = ffi.new("twist_t *", lib.hand_motion_twist(*arguments))
@@ -95,7 +95,7 @@ def angle_between(a, b):
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 @pytest.mark.parametrize("latency_s", [0.004, 0.06])
 def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
-    """After it has settled, the prediction has the hand's position, speed and rotation at the requested time."""
+    """Once settled, the prediction equals the hand's position, speed and rotation at the requested time."""
     velocity, spin = np.array([0.3, -0.4, 0.2]), 2.0
     axis = np.array([1.0, 2.0, -2.0]) / 3
 
@@ -113,8 +113,8 @@ def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
 
 
 def test_a_hand_that_accelerates_is_followed():
-    """The error is of the order of the memory cubed times the acceleration divided by its fading time, instead of the
-    lag of a velocity filter."""
+    """The error is of the order of (memory length)^3 x acceleration / (fading time of the acceleration), and there is
+    no lag as in a velocity filter."""
     acceleration = 2.0
     t, got = run(lambda t: (0.5 * acceleration * t**2 * X, IDENTITY), 1.0)
     late = t > 0.6
@@ -146,8 +146,8 @@ def test_a_wrong_latency_only_shifts_the_time(wrong_s):
 
 
 def test_the_velocity_is_the_derivative_of_the_pose():
-    """Between samples, once the last change has faded, the velocity agrees with the finite differences of predictions
-    made in the same tick."""
+    """Between samples, once the last correction has faded, the predicted velocity agrees with finite differences
+    between predictions made in the same tick."""
     estimate = Estimate()
 
     def truth(t):
@@ -164,8 +164,8 @@ def test_the_velocity_is_the_derivative_of_the_pose():
 
 @pytest.mark.parametrize(("latency_s", "most"), [(0.0, 1.2), (0.02, 1.4), (0.05, 2.4)])
 def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_s, most):
-    """The hand shakes at 4 Hz and 50 mm. With a constant acceleration over the whole horizon, the estimate amplified
-    this 1.1 to 3.1 times and took it for noise."""
+    """A shake of the hand at 4 Hz and 50 mm is not amplified. An earlier estimate, which extrapolated a constant
+    acceleration over the whole horizon, amplified the shake 1.1 to 3.1 times and took it for noise."""
     estimate = Estimate()
     t, got = run(lambda t: (0.05 * np.sin(8 * np.pi * t) * X, IDENTITY), 4.0, 250, latency_s, estimate=estimate)
     assert np.abs(got[t > 2, 4]).max() < most * 0.05
@@ -175,8 +175,8 @@ def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_
 
 
 class Reference:
-    """Morrison's third-order fading memory in double precision, for translation only, with exact exponentials and the
-    firmware's rule for the memory's length."""
+    """Morrison's third-order fading-memory filter in double precision, for translation only, with exact exponentials
+    and the firmware's rule for the length of the memory."""
 
     def __init__(self):
         self.p = self.v = self.a = self.innovation = self.change = self.trend = np.zeros(3)
@@ -211,8 +211,8 @@ class Reference:
 @pytest.mark.parametrize("noise_m", [5e-5, 5e-4])
 @pytest.mark.parametrize("rate_hz", [60, 250])
 def test_the_filter_matches_its_equations(rate_hz, noise_m, rng):
-    """During rest, a reach and rest, with noise and irregular intervals, the errors of float32 and the rational
-    exponential are a small part of the noise."""
+    """The errors due to float32 and the rational exponential are small compared with the noise, for a hand that rests,
+    reaches and rests again, with noise and irregular intervals."""
     estimate, reference = Estimate(), Reference()
     t = 0.0
     difference, memories = [], []
@@ -242,7 +242,7 @@ def wander(t):
 
 
 def test_the_trackers_position_does_not_matter():
-    """The same motion seen in another frame is predicted identically in that frame."""
+    """The same motion, seen in a different frame, is predicted identically in that frame."""
     placed, shift = turn([3, -1, 2], 2.1), np.array([0.7, -1.1, 0.4])
     _, here = run(wander, 1.5, 120, 0.01)
     seen = lambda p, r: (oracle.rotate(placed, p) + shift, oracle.quaternion_multiply(placed, r))  # noqa: E731
@@ -274,8 +274,8 @@ def test_the_clock_may_wrap(zero_us):
 
 @pytest.mark.parametrize("rate_hz", [30, 90, 250])
 def test_a_new_sample_makes_no_jump(rate_hz, rng):
-    """Whatever the noise, the hand moves from tick to tick no further than its speed allows, and the predicted speed
-    changes gently."""
+    """Whatever the noise, the predicted hand moves no further from tick to tick than its speed allows, and the
+    predicted speed changes gently."""
     t, got = run(wander, 3.0, rate_hz, 0.03, noise_m=2e-4, rng=rng)
     late = got[t > 0.5]
     fastest = np.linalg.norm(late[:, 7:10], axis=1).max()
@@ -294,8 +294,8 @@ def test_a_new_sample_makes_no_jump(rate_hz, rng):
     ("rate_hz", "latency_s", "noise_m"), [(250, 0.004, 5e-5), (120, 0.01, 1e-4), (90, 0.03, 5e-4), (30, 0.06, 1e-3)]
 )
 def test_noise_at_rest_is_below_one_samples_noise(rate_hz, latency_s, noise_m, rng):
-    """A start, clutch or latch takes its reference from the estimate. A reference taken from a single sample would
-    leave an error of noise_m permanently."""
+    """A start, clutch or latch takes its reference from the estimate. The estimate must be less noisy than a sample,
+    because a reference taken from a single sample would leave a permanent error of noise_m."""
     t, got = run(still, 15.0, rate_hz, latency_s, noise_m, rng)
     late = got[t > 4]
     assert np.sqrt(np.mean(late[:, 4:7] ** 2)) < 0.8 * noise_m
@@ -338,8 +338,8 @@ def test_the_memory_is_long_at_rest_and_short_in_motion(rng):
 
 @pytest.mark.parametrize("rate_hz", [30, 120, 500])
 def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
-    """The prediction continues for 2.5 usual intervals and 5 ms, then slows down and is at rest after GAP_S. Its speed
-    is continuous and never exceeds the speed before the gap."""
+    """The prediction continues for 2.5 usual intervals plus 5 ms, then slows down, and is at rest after GAP_S. The
+    predicted speed is continuous and never exceeds the speed before the gap."""
     t, got = run(lambda t: (0.4 * t * X, turn([0, 0, 1], t)), 3.0, rate_hz, lost=lambda t: t > 2)
     speed, step = got[:, 7], np.diff(got[:, 4])
     last_s = np.floor(2 * rate_hz) / rate_hz + 0.004
@@ -358,8 +358,8 @@ def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
 @pytest.mark.parametrize("gap_s", [0.08, 0.3, 2.0])
 @pytest.mark.parametrize("rate_hz", [60, 250])
 def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
-    """The hand has moved on during the gap. The estimated speed never exceeds the hand's by much, and the estimate soon
-    follows the hand again."""
+    """After a gap in which the hand has moved on, the estimated speed never exceeds the hand's by much, and the
+    estimate soon follows the hand again."""
     speed = 0.3
     t, got = run(
         lambda t: (0.1 * np.sin(speed / 0.1 * t) * X, IDENTITY), 4.0, rate_hz, lost=lambda t: 1.5 < t < 1.5 + gap_s
@@ -370,8 +370,8 @@ def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
 
 
 def test_after_a_gap_the_earlier_speed_is_discarded():
-    """The hand stopped at the start of the gap. If both sides of the gap were treated as one motion, the old speed
-    would cause a motion backwards."""
+    """A hand that stopped at the start of the gap is predicted at rest after it. If both sides of the gap were treated
+    as one motion, the old speed would cause a motion backwards."""
     t, got = run(lambda t: (0.4 * min(t, 1.0) * X, IDENTITY), 1.6, lost=lambda t: 1.0 < t < 1.3)
     assert np.abs(got[t > 1.31, 7]).max() < 0.01
 
@@ -389,7 +389,7 @@ def test_a_reset_leaves_the_hand_at_rest_where_it_was_last_seen():
 
 
 def test_a_tracker_that_slows_down_is_not_taken_for_gaps():
-    """When the tracker slows down from 250 to 15 Hz, the hand is predicted again after a few samples."""
+    """When the tracker slows down from 250 to 15 Hz, prediction resumes after a few samples."""
     estimate = Estimate()
     run(lambda t: (0.3 * t * X, IDENTITY), 1.0, 250, estimate=estimate)
     for i in range(1, 60):
@@ -421,8 +421,8 @@ def test_the_estimated_speed_is_capped():
 
 
 def test_the_estimate_is_finite_and_bounded_for_any_input(rng):
-    """The estimate stays finite and bounded for random poses, near and far, at random times, with a tracker clock that
-    jumps back, repeats or skips seconds."""
+    """The estimate stays finite and bounded for random poses, near and far, at random times, even if the tracker's
+    clock jumps back, repeats a time or skips seconds."""
     for far_m in (0.3, 1e3, 1e30):
         estimate, now_us, captured_us = Estimate(), 0, 0
         for _ in range(3000):
@@ -451,8 +451,8 @@ def test_the_estimate_is_finite_and_bounded_for_any_input(rng):
     [(250, 0.004, 5e-5, 0.2), (120, 0.01, 1e-4, 0.2), (90, 0.03, 5e-4, 0.4)],
 )
 def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_s, noise_m, part, rng):
-    """For a minimum-jerk reach of 0.2 m in 1 s, there and back, the RMS error against the true hand is a small part of
-    hand_tracker's."""
+    """For a minimum-jerk reach of 0.2 m in 1 s, there and back, the RMS error against the true hand is a small fraction
+    of the error of hand_tracker's interpolation."""
 
     def place(t):
         return 0.2 * (minimum_jerk((t - 2) / 1.0) - minimum_jerk((t - 4) / 1.0))
@@ -460,7 +460,7 @@ def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_
     t, got = run(lambda t: (place(t) * X, IDENTITY), 6.0, rate_hz, latency_s, noise_m, rng)
     interpolated = place(
         t - latency_s - 1.5 / rate_hz
-    )  # on average the newest sample is half an interval old, and it is reached one interval later
+    )  # on average the newest sample is half an interval old, and interpolation reaches it one interval later
     late = t > 1
     predicted = np.sqrt(np.mean((got[late, 4] - place(t[late])) ** 2))
     assert predicted < part * np.sqrt(np.mean((interpolated[late] - place(t[late])) ** 2))

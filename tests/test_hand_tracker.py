@@ -1,5 +1,5 @@
-"""Checks the tracker's stream: age across two wrapping clocks, staleness, late frames, sign continuity and
-interpolation."""
+"""Checks the firmware's handling of tracker poses: age across two wrapping clocks, staleness, late frames, sign
+continuity and interpolation."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Tracker:
 
 
 def test_after_switching_it_interpolates_from_the_current_pose():
-    """Interpolation never begins at a pose from before it was switched on."""
+    """When interpolation is switched on, it starts from the current pose and not from an older one."""
     tracker = Tracker()
     tracker.receive(0, 0, x_m=0.1)
     tracker.receive(4000, 4000, x_m=0.2)
@@ -89,7 +89,7 @@ def test_without_a_pose_there_is_no_age():
 
 @pytest.mark.parametrize("clocks", CLOCKS, ids=str)
 def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
-    """Transport takes at least 700 us, so a frame that took 900 us longer is 900 us older."""
+    """Transport takes at least 700 us. The pose in a frame that took 900 us longer counts as 900 us older."""
     tracker = Tracker(clocks)
     for i in range(20):
         extra_us = 900 if i % 5 == 4 else 0
@@ -115,7 +115,7 @@ def test_a_slow_first_frame_is_corrected_by_the_first_fast_one(clocks):
 
 @pytest.mark.parametrize("drift_ppm", [-100, 100])
 def test_clocks_that_drift_apart_do_not_age_the_poses(drift_ppm):
-    """With quartz clocks that drift apart for ten minutes, the age is still that of the frame."""
+    """After quartz clocks have drifted apart for ten minutes, the reported age is still the true age of the pose."""
     tracker = Tracker()
     for i in range(150_000):
         measured_us = i * PERIOD_US
@@ -170,8 +170,8 @@ def test_invalid_poses_do_not_count_as_fresh():
 
 @pytest.mark.parametrize("silence_us", [WRAP // 2 + 1000, WRAP - 1, WRAP, WRAP + 3000, 2 * WRAP + 100])
 def test_a_pose_does_not_become_fresh_again_when_the_clock_wraps(silence_us):
-    """The firmware checks the age in every tick. Here it is checked every 10 s, and the 32-bit clock in us wraps after
-    71 minutes."""
+    """A stale pose stays stale when the firmware's 32-bit clock in us wraps, after 71 minutes. The firmware checks the
+    age in every tick, this test every 10 s."""
     tracker = Tracker()
     assert tracker.receive(0, 0)
     for t_us in range(10_000_000, silence_us, 10_000_000):
@@ -181,7 +181,7 @@ def test_a_pose_does_not_become_fresh_again_when_the_clock_wraps(silence_us):
 
 @pytest.mark.parametrize("absence_min", [1, 40, 70])
 def test_a_person_who_returns_after_a_break_is_accepted(absence_min):
-    """The tracker sends invalid poses during the whole break."""
+    """A person is accepted again after a break in which the tracker sent only invalid poses."""
     tracker = Tracker()
     assert tracker.receive(0, 0)
     end_us = absence_min * 60_000_000
@@ -193,8 +193,8 @@ def test_a_person_who_returns_after_a_break_is_accepted(absence_min):
 
 
 def test_a_tracker_that_restarts_its_clock_is_accepted_again():
-    """A restarted tracker stamps from 0 again. Its new stream is accepted once the old pose has been stale for a
-    second."""
+    """A restarted tracker stamps its frames from 0 again. The firmware accepts the new stream once the old pose has
+    been stale for a second."""
     tracker = Tracker((100_000_000, 0))
     assert tracker.receive(0, 0)
     for t_us in range(0, 1_100_000, 1000):  # once per tick

@@ -1,5 +1,5 @@
-"""Checks the hub: the same frame order for all clients, rejection of anything but frames, listen-only clients, dropping
-of slow clients, and access for the owner only."""
+"""Checks the hub: the same frame order for all clients, rejection of packets that are not frames, listen-only clients,
+dropping of slow clients, and access restricted to the owner."""
 
 from __future__ import annotations
 

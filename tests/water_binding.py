@@ -1,4 +1,4 @@
-"""The water and its cups: ``ffi, lib = load()``."""
+"""Builds the water and its cups: ``ffi, lib = load()``."""
 
 from __future__ import annotations
 
