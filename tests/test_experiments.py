@@ -303,7 +303,7 @@ def test_decisive_figures_are_checks_of_the_scenario(name):
     higher is better."""
     text = experiment(name).read_text()
     for figure in DECISIVE[name]:
-        found = re.search(rf"name: {figure.check},.*?(at_least|at_most):", text)
+        found = re.search(rf"name: {figure.check},.*?(at_least|at_most):", text, re.DOTALL)
         assert found, f"{name} has no check {figure.check}"
         assert figure.higher_is_better == (found[1] == "at_least")
 

@@ -13,7 +13,7 @@ import pytest
 from bus_log import DBC
 from comanip._core import ffi, lib
 from comanip.bus import logs
-from comanip.bus.frame import Frame
+from comanip.bus.frame import Frame, has_right_crc
 from comanip.errors import ToolError
 from comanip.replay import Replay, Report
 from comanip_command import call, require_refusal
@@ -470,3 +470,10 @@ def test_logs_that_cannot_be_replayed(tmp_path, short):
 def test_packed_layout_matches_the_compilers():
     offsets = [ffi.offsetof("can_frame_t", field) for field in ("timestamp_us", "id", "length", "fd", "data")]
     assert (offsets, ffi.sizeof("can_frame_t")) == ([0, 4, 6, 7, 8], 72)
+
+
+@pytest.mark.parametrize("name", ["HandPose", "ClassicTickTrace"])
+@pytest.mark.parametrize("length", [0, 1])
+def test_a_frame_without_a_complete_header_is_damaged(name, length):
+    frame_id = DBC.get_message_by_name(name).frame_id
+    assert not has_right_crc(Frame(0, frame_id, bytes(length)))

@@ -24,7 +24,7 @@ CONTRACT = {
 BEYOND_THE_CONTRACT = {
     "summary.tracker.range_errors", "summary.tracking.followable", "summary.bus.profile",
     *(f"summary.{key}" for key in ("recording", "second_recording", "people", "gripper", "clearance", "water", "events",
-                                   "law", "object", "cups", "rest", "latency")),
+                                   "law", "object", "cups", "rest", "latency", "port")),
     "summary.checks[].orientation_rms_deg",
 }  # fmt: skip
 

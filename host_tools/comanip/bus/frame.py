@@ -99,8 +99,9 @@ def classic_crc(data: bytes, data_id: int) -> int:
 
 
 def has_right_crc(frame: Frame) -> bool:
-    """Returns True if the frame is complete and its CRC is right. It must belong to a protected message of the DBC."""
-    if len(frame.data) < frame.message.length:
+    """Returns True if the frame has an end-to-end header and its CRC is right. It must belong to a protected message of
+    the DBC."""
+    if len(frame.data) < (2 if is_classic(frame.name) else 3):
         return False
     if is_classic(frame.name):
         return frame.data[0] == classic_crc(frame.data, data_id(frame.name))
