@@ -339,8 +339,8 @@ def test_a_stop_without_effect_fails(dbc):
 def test_it_tracks_whether_the_robot_mirrors(dbc):
     """The node tracks whether the robot mirrors. Table I's mirrored task mirrors until it is latched, and a custom task
     mirrors if its form says so."""
-    tasks = ((lib.TASK_TELEOP, 0.1), (lib.TASK_MIRROR, 0.4))
-    selects = [command("select", task=task, at_s=at_s) for task, at_s in tasks]
+    selected = ((lib.TASK_TELEOP, 0.1), (lib.TASK_MIRROR, 0.4))
+    selects = [command("select", task=task, at_s=at_s) for task, at_s in selected]
     bench = Bench(dbc, *selects, START, command("latch", at_s=1.0))
     seen = []
     for until_s in (0.2, 0.45, 0.9, 1.1):
