@@ -55,12 +55,12 @@ def _value(path: Path, entry: dict, key: str, value: object) -> float:
 
 
 def _check_keys(path: Path, entry: dict) -> None:
-    for key in _REQUIRED:
-        if key not in entry:
-            raise _refusal(path, entry, f"no {key}: expected {', '.join(_REQUIRED)}")
     for key in entry:
         if key not in (*_REQUIRED, *_OPTIONAL):
             raise _refusal(path, entry, f"unknown key '{key}': expected {', '.join((*_REQUIRED, *_OPTIONAL))}")
+    for key in _REQUIRED:
+        if key not in entry:
+            raise _refusal(path, entry, f"no {key}: expected {', '.join(_REQUIRED)}; add it, as in the other entries")
     for key in ("name", "unit", "group", "meaning"):
         if not isinstance(entry[key], str) or not entry[key].isascii() or '"' in entry[key] or "\\" in entry[key]:
             raise _refusal(path, entry, f"{key} {entry[key]!r}: expected ASCII text without quotes or backslashes")
@@ -119,7 +119,11 @@ def read(path: Path = PATH) -> list[Parameter]:
         for parameter in _expanded(path, entry):
             other = found.get(parameter.number)
             if other:
-                raise _refusal(path, entry, f"number {parameter.number} is already used by '{other.name}'")
+                raise _refusal(
+                    path,
+                    entry,
+                    f"number {parameter.number} is already used by '{other.name}', expected an unused number",
+                )
             if parameter.number in document.get("retired", []) or parameter.number >= NUMBERS:
                 raise _refusal(path, entry, f"number {parameter.number} is retired, or above {NUMBERS - 1}")
             if parameter.name in {p.name for p in found.values()}:

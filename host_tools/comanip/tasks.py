@@ -71,7 +71,8 @@ def read(path: Path = PATH) -> list[Task]:
         task = _task(path, entry)
         if task.number in tasks:
             raise ToolError(
-                f"{path}: task '{task.name}': number {task.number} is already used by '{tasks[task.number].name}'"
+                f"{path}: task '{task.name}': number {task.number} is already used by '{tasks[task.number].name}', "
+                f"expected an unused number other than {CUSTOM_NUMBER}"
             )
         if task.name in {other.name for other in tasks.values()}:
             raise ToolError(f"{path}: task '{task.name}': the name is used twice")

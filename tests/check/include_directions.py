@@ -2,7 +2,8 @@
 within each.
 
 ``include_directions.py [ROOT]``, part of ``make check``. Reads every #include in the C sources under ROOT. Prints one
-line for each include that MAY_USE forbids and for each cycle; the exit status is 1 if there are any.
+line for each include that MAY_USE forbids or, if there are none, for each cycle; the exit status is 1 if there are
+any.
 tests/test_rooms.py does the same for the Python packages.
 """
 
@@ -174,6 +175,8 @@ def problems(root: Path) -> list[str]:
     own = [include for include in found if include.is_own]
     files = {name for include in own for name in (include.file, include.target)}
     lines = [f"{i.file}:{i.line}: includes {i.target}; {wrong}" for i in found if (wrong := wrong_include(i))]
+    if lines:  # most cycles follow from one of these
+        return lines
     for what, name in (("files", lambda file: module_of(file, files)), ("folders", folder_of)):
         graph = graph_of((name(i.file), name(i.target)) for i in own if i.file != "firmware/main.c")
         while way := circle(graph):
