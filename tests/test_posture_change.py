@@ -96,8 +96,8 @@ def at_rest(bench: Bench) -> bool:
 
 @pytest.mark.parametrize("dead_end", DEAD_ENDS)
 def test_a_dead_end_is_left(dead_end):
-    """The arm leaves a dead end within its speed limits, reports the posture change on the bus meanwhile, and then
-    rests."""
+    """The arm leaves a dead end within its speed limits, reporting the posture change on the bus, and comes
+    to rest."""
     bench = started(dead_end[0])
     carry(bench, dead_end[1])
     fastest_radps, fastest_mps, reported_when = 0.0, 0.0, set()

@@ -37,7 +37,7 @@ struct operator_node {
     bool latched;
     task_form_t custom_form;      /* of the last task that was defined */
     char refusal[REFUSAL_BYTES];  /* "": none */
-    int64_t refusal_ns, named_ns; /* times at which the refusal and its last parameter arrived */
+    int64_t refusal_ns, named_ns; /* arrival times of the refusal and of the latest parameter that caused it */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
 };

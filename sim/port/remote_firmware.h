@@ -1,4 +1,5 @@
-/* Connects to the firmware in an image over a serial line, in lockstep with the world (hal/lockstep/lockstep.h). */
+/* Connects over a serial line to firmware that runs from a built image, and keeps it in lockstep with the world
+ * (hal/lockstep/lockstep.h). */
 #ifndef COMANIP_SIM_REMOTE_FIRMWARE_H
 #define COMANIP_SIM_REMOTE_FIRMWARE_H
 
