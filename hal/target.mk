@@ -142,9 +142,11 @@ size: ## bytes of each module and image, against hal/size_budget.toml; UPDATE=1;
 	    $(if $(filter-out 0 no,$(UPDATE)),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
+# A port may have a budget of its own in its folder.
+STACK_BUDGETS := hal/stack_budget.toml $(sort $(wildcard hal/*/stack_budget.toml))
 stack: stack-check deps targets
-stack: ## maximum stack depth of each image, against hal/stack_budget.toml; build/reports/stack.json
-	@$(PYTHON) -m comanip_dev.images.stack_report hal/stack_budget.toml $(BUILD)/reports/stack.json \
+stack: ## maximum stack depth of each image, against the files stack_budget.toml of hal/; build/reports/stack.json
+	@$(PYTHON) -m comanip_dev.images.stack_report $(STACK_BUDGETS) $(BUILD)/reports/stack.json \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image))
 
 bitexact: bitexact-check build $(VENV)/.installed-tests target-check
@@ -155,11 +157,12 @@ cycles: cycles-check build $(VENV)/.installed-tests target-check
 cycles: ## instructions and modelled cycles per tick, against hal/cycle_budget.toml; UPDATE=1; build/reports/cycles.json
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
-# Each line contains NAME, board, the compiler's prefix, specs file and options for the core, and the emulator's
-# command.
+# Each line contains NAME, board, the compiler's prefix, specs file and options for the core, the emulator's command,
+# and slcan, or nothing if the port has a CAN controller.
 images: ## list the images for scripts: one line each, separated by tabs
-	@printf '%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES), \
-	    $(image) $($(image).board) $($(image).prefix) $($(image).specs) "$($(image).cpu)" "$($(image).emulator)")
+	@printf '%s\t%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES), \
+	    $(image) $($(image).board) $($(image).prefix) $($(image).specs) "$($(image).cpu)" "$($(image).emulator)" \
+	    "$(if $(filter $(image),$(SLCAN_IMAGES)),slcan)")
 
 # A compiler that does not find a specs file prints only the file's name.
 target-check:

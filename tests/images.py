@@ -17,7 +17,8 @@ MAKE_LOCK = REPOSITORY / "build" / "tests" / "make.lock"
 @dataclass(frozen=True)
 class Image:
     """A target image. `prefix` is the prefix of the compiler's name, `specs` its specs file for the libc, and `cpu` its
-    options for the processor core."""
+    options for the processor core. `emulator` is its emulator's command, empty if no emulator has the board. `can` is
+    "slcan" if CAN goes over a serial line, through which the tests talk to the image."""
 
     name: str
     board: str
@@ -25,6 +26,7 @@ class Image:
     specs: str
     cpu: list[str]
     emulator: list[str]
+    can: str
 
     @property
     def is_arm(self) -> bool:
@@ -52,8 +54,10 @@ def _make(*arguments: str) -> subprocess.CompletedProcess:
 
 def read() -> dict[str, Image]:
     rows = (line.split("\t") for line in make("images").stdout.splitlines())
-    return {name: Image(name, board, prefix, specs, cpu.split(), emulator.split())
-            for name, board, prefix, specs, cpu, emulator in rows}  # fmt: skip
+    return {name: Image(name, board, prefix, specs, cpu.split(), emulator.split(), can)
+            for name, board, prefix, specs, cpu, emulator, can in rows}  # fmt: skip
 
 
 IMAGES = read()
+EMULATED = [name for name, image in IMAGES.items() if image.emulator]
+SERIAL = [name for name in EMULATED if IMAGES[name].can == "slcan"]

@@ -15,7 +15,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from images import IMAGES, REPOSITORY, make
+from images import IMAGES, REPOSITORY, SERIAL, make
 
 SCENARIOS = ("teleop", "pour", "mirror")
 SIMULATOR, PROGRAM = (REPOSITORY / "build" / "host" / f"comanip-{name}" for name in ("sim", "pil"))
@@ -54,7 +54,7 @@ def main(argv: list[str]) -> int:
     build = Path(argv[0]).resolve()
     built = make(
         "PROFILE=fd",
-        *(str(elf_of(image).relative_to(REPOSITORY)) for image in IMAGES),
+        *(str(elf_of(image).relative_to(REPOSITORY)) for image in SERIAL),
         str(PROGRAM.relative_to(REPOSITORY)),
     )
     if built.returncode != 0:
@@ -64,7 +64,7 @@ def main(argv: list[str]) -> int:
         hosts = dict(
             zip(SCENARIOS, pool.map(lambda scenario: run(build / "pil-matrix", scenario, None), SCENARIOS), strict=True)
         )
-        jobs = [(scenario, image) for scenario in SCENARIOS for image in IMAGES]
+        jobs = [(scenario, image) for scenario in SCENARIOS for image in SERIAL]
         logs = pool.map(lambda job: run(build / "pil-matrix", *job), jobs)
         for (scenario, image), log in zip(jobs, logs, strict=True):
             commands, equal = joint_commands(log), log != b"" and log == hosts[scenario]

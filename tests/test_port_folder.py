@@ -8,6 +8,7 @@ import shutil
 import subprocess
 
 import pytest
+from comanip_dev.images import stack_report
 from images import REPOSITORY, make
 from simulation import PATIENCE_S
 
@@ -46,11 +47,19 @@ def test_a_board_with_a_can_controller_links_only_its_own_and_the_common_folder(
     assert set(linked) == SHARED | {"hal/skeleton"}
 
 
+def test_its_stacks_are_bounded_by_the_budget_in_its_folder(built, tree, tmp_path, capsys):
+    shared, own = tree / "hal/stack_budget.toml", tree / "hal/skeleton/stack_budget.toml"
+    arguments = [str(tmp_path / "stack.json"), f"skeleton={built}"]
+    assert stack_report.main([str(shared), str(own), *arguments]) == 0, capsys.readouterr().err
+    assert stack_report.main([str(shared), *arguments]) == 1
+    assert "add a stack_budget.toml to the port's folder" in capsys.readouterr().err
+
+
 def test_its_image_runs(built, tree):
     if shutil.which("qemu-system-arm") is None:
         pytest.skip("qemu-system-arm is not installed: make target-deps")
     rows = (line.split("\t") for line in make_in(tree, "images").stdout.splitlines())
-    emulator = next(row[-1].split() for row in rows if row[0] == "skeleton")
+    emulator = next(row[5].split() for row in rows if row[0] == "skeleton")
     run = subprocess.run(
         [*emulator, "-icount", "shift=1,sleep=off", "-display", "none", "-kernel", built / "comanip.elf"],
         timeout=PATIENCE_S,

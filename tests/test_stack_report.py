@@ -17,6 +17,7 @@ from simulation import REPOSITORY
 from test_target import TESTED, run
 
 BUDGET = REPOSITORY / "hal" / "stack_budget.toml"
+OF_PORTS = sorted((REPOSITORY / "hal").glob("*/stack_budget.toml"))
 
 
 def graph_of(folder: Path, source: str, indirect: dict[str, list[str]] | None = None) -> Graph:
@@ -75,7 +76,8 @@ def folders() -> dict[str, Path]:
 
 
 def report(folders, budget: Path, out: Path) -> int:
-    return stack_report.main([str(budget), str(out), *(f"{image}={folder}" for image, folder in folders.items())])
+    images = (f"{image}={folder}" for image, folder in folders.items())
+    return stack_report.main([str(path) for path in (budget, *OF_PORTS, out)] + list(images))
 
 
 def test_the_committed_budget_holds_and_a_smaller_one_does_not(folders, tmp_path, capsys):

@@ -23,7 +23,7 @@ from rich.table import Table
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import c_library  # noqa: E402
-from images import IMAGES, REPOSITORY, make  # noqa: E402
+from images import EMULATED, IMAGES, REPOSITORY, make  # noqa: E402
 
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
 RUNNER = REPOSITORY / "tests" / "bitexact" / "runner.c"
@@ -131,7 +131,7 @@ def run(folder: Path, smoke: bool) -> list[Result]:
                 (compiler, level),
             )
         )
-    for image in IMAGES.values():
+    for image in map(IMAGES.__getitem__, EMULATED):
         jobs.append(
             (
                 f"{image.name} gcc -O2, QEMU",

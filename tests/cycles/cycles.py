@@ -47,7 +47,7 @@ import arm_costs  # noqa: E402
 import bitexact  # noqa: E402
 import operated  # noqa: E402
 import stimulus  # noqa: E402
-from images import IMAGES, make  # noqa: E402
+from images import EMULATED, IMAGES, make  # noqa: E402
 
 STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
@@ -239,7 +239,7 @@ def missed(results: dict[str, dict]) -> list[str]:
 
 def main(argv: list[str]) -> int:
     build, budget = Path(argv[0]).resolve(), Path(argv[1])
-    images = list(IMAGES)
+    images = EMULATED
     if missing := sorted({program for image in images if not shutil.which(program := IMAGES[image].emulator[0])}):
         print(f"make cycles: not found: {', '.join(missing)}. On Debian or Ubuntu: make target-deps", file=sys.stderr)
         return 1

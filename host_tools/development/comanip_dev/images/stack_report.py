@@ -1,9 +1,9 @@
 """Computes the worst-case stack depth of the images (``make stack``).
 
-``python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...``. The compiler provides the call
-graph and the frame sizes (-fcallgraph-info=su); for library functions they are read from the disassembly. BUDGET.toml
-lists the targets of calls through pointers. Unlisted calls through pointers and recursion are errors. BUDGET.toml also
-lists the parts of each stack, for example interrupts and faults, each of which may interrupt the previous part. The
+``python -m comanip_dev.images.stack_report BUDGET.toml... REPORT.json IMAGE=FOLDER...``. The compiler provides the call
+graph and the frame sizes (-fcallgraph-info=su); for library functions they are read from the disassembly. The budgets
+list the targets of calls through pointers. Unlisted calls through pointers and recursion are errors. The budgets also
+list the parts of each stack, for example interrupts and faults, each of which may interrupt the previous part. The
 worst case is the sum of the deepest calls of all parts, plus the registers that the processor saves. Exit status: 1
 over budget or unbounded, 2 wrong use.
 """
@@ -139,29 +139,40 @@ def worst_case(graph: Graph, rules: dict) -> dict:
     return {"worst_case_bytes": worst, "budget_bytes": rules["budget_bytes"], "parts": parts}
 
 
-def rules_of(image: str, budget: dict) -> dict:
-    found = [family for family in budget.values() if image in family.get("images", ())]
+def read_budgets(paths: Sequence[str]) -> tuple[dict[str, list[str]], list[dict]]:
+    """Returns the targets of calls through pointers by the caller's prefix, and the sections of all files."""
+    documents = [tomllib.loads(Path(path).read_text()) for path in paths]
+    indirect = {caller: targets for document in documents for caller, targets in document.get("indirect", {}).items()}
+    return indirect, [table for document in documents for name, table in document.items() if name != "indirect"]
+
+
+def rules_of(image: str, sections: Sequence[dict]) -> dict:
+    found = [section for section in sections if image in section.get("images", ())]
     if not found:
         raise UnboundedError(
-            "the budget lists it in no section: add it to the images of a section of the same core, or add a section"
+            "no section lists it: add a stack_budget.toml to the port's folder, or the image to a section for the same"
+            " core in hal/stack_budget.toml"
         )
     return found[0]
 
 
 def main(argv: Sequence[str]) -> int:
-    folders = dict(argument.split("=", 1) for argument in argv[2:] if "=" in argument)
-    if len(argv) < 3 or not folders:
+    folders = dict(argument.split("=", 1) for argument in argv if "=" in argument)
+    budgets = [argument for argument in argv if "=" not in argument and argument.endswith(".toml")]
+    reports = [argument for argument in argv if "=" not in argument and argument.endswith(".json")]
+    if not budgets or len(reports) != 1 or not folders:
         print(
-            "usage: python -m comanip_dev.images.stack_report BUDGET.toml REPORT.json IMAGE=FOLDER...", file=sys.stderr
+            "usage: python -m comanip_dev.images.stack_report BUDGET.toml... REPORT.json IMAGE=FOLDER...",
+            file=sys.stderr,
         )
         return 2
-    budget = tomllib.loads(Path(argv[0]).read_text())
+    indirect, sections = read_budgets(budgets)
     content, excesses = {}, []
     table = Table("image", "stack", "worst case", "budget", "deepest", title="Stacks in bytes", title_justify="left")
     for image, folder in folders.items():
         try:
-            rules = rules_of(image, budget)
-            graph = image_graph(Path(folder), rules["objdump"], budget["indirect"])
+            rules = rules_of(image, sections)
+            graph = image_graph(Path(folder), rules["objdump"], indirect)
             content[image] = {stack: worst_case(graph, rules[stack]) for stack in ("thread", "exceptions")}
         except UnboundedError as error:
             print(f"make stack: {image}: {error}", file=sys.stderr)
@@ -173,12 +184,13 @@ def main(argv: Sequence[str]) -> int:
             if worst > allowed:
                 excesses.append(f"{image}: {stack}: {worst} bytes, budget {allowed}: {worst - allowed} too many")
     Console(width=160).print(table)
-    report = Path(argv[1])
+    report = Path(reports[0])
     report.parent.mkdir(parents=True, exist_ok=True)
     report.write_text(json.dumps(content, indent=1) + "\n")
     for line in excesses:
         print(f"make stack: {line}", file=sys.stderr)
-    print(f"make stack: {argv[0]} is exceeded" if excesses else f"make stack: within {argv[0]}")
+    named = " and ".join(budgets)
+    print(f"make stack: {named} is exceeded" if excesses else f"make stack: within {named}")
     return 1 if excesses else 0
 
 
