@@ -191,8 +191,9 @@ include tests/bench/bench.mk
 bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## compare our tick with Pinocchio's, KDL's, MuJoCo's, dqrobotics'
 	@$(PYTHON) tests/bench/bench.py $(BUILD)
 
-arms: deps ## generate firmware/arms/*.c from the arms' descriptions, firmware/arms/*.toml
+arms: deps ## generate the arms' C, and their names in comanip.dbc, from their descriptions, firmware/arms/*.toml
 	@$(PYTHON) -m comanip_dev.arms.codegen
+	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
 
 schema: deps ## update comanip.dbc, docs/bus.md and docs/parameters.md from firmware/schema/
 	@$(PYTHON) -m comanip_dev.codegen --schema

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import ctypes
 import re
+import shutil
 import subprocess
 
 import c_library
+import cantools
 import numpy as np
 import oracle
 import pytest
@@ -19,6 +21,7 @@ from comanip_dev.arms.description import ArmError
 from simulation import REPOSITORY
 
 HOAP3 = "hoap3_right"
+FIRMWARE = REPOSITORY / "firmware"
 
 
 def config(gain=35.0, weight=(0.01, 100.0), damping=0.01, frame=lib.ERROR_FRAME_TARGET):
@@ -69,6 +72,25 @@ def arm():
 def inputs(rng, arm):
     q = rng.uniform(arm.position_min_rad, arm.position_max_rad, (300, 4)).astype(np.float32)
     return list(zip(q, oracle.random_poses(rng, 300, 0.3), strict=True))
+
+
+def test_the_dbc_names_all_arms(tmp_path):
+    for folder in ("arms", "schema"):
+        shutil.copytree(FIRMWARE / folder, tmp_path / folder)
+    dbc = tmp_path / "schema" / "comanip.dbc"
+    assert arm_codegen.dbc_with_arms(tmp_path) == {dbc: dbc.read_text()}, "make arms"
+    names = cantools.database.load_file(dbc).get_message_by_name("FirmwareIdentity").get_signal_by_name("arm").choices
+    number = max(names) + 1
+    text = (tmp_path / "arms" / f"{HOAP3}.toml").read_text().replace(f'name = "{HOAP3}"', 'name = "other"')
+    other = tmp_path / "arms" / "other.toml"
+    other.write_text(text)
+    with pytest.raises(ArmError, match=r"other\.toml: id: 0 is already used by hoap3_right"):
+        arm_codegen.dbc_with_arms(tmp_path)
+    other.write_text(text.replace("id = 0", f"id = {number}"))
+    changed = cantools.database.load_string(arm_codegen.dbc_with_arms(tmp_path)[dbc], "dbc")
+    for message in ("FirmwareIdentity", "ClassicFirmwareIdentity"):
+        signal = changed.get_message_by_name(message).get_signal_by_name("arm")
+        assert signal.choices == names | {number: "other"}
 
 
 def test_the_committed_files_match_the_description():
@@ -160,7 +182,6 @@ def test_non_finite_input_gives_non_finite_output(arm, inputs, value, where):
 
 # ---- generated arms
 
-FIRMWARE = REPOSITORY / "firmware"
 INCLUDES = [f"-I{FIRMWARE / 'arms'}", f"-I{FIRMWARE / 'control' / 'arms'}"]
 LAW_SOURCES = (
     "arm",

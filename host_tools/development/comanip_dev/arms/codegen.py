@@ -1,9 +1,11 @@
 """``make arms``: generates the C sources of each arm from its description, firmware/arms/NAME.toml.
 
 firmware/arms/NAME.[ch] contain the arm's table and its forward kinematics, and firmware/control/arms/NAME_ik.[ch] its
-inverse kinematics, both as straight-line code for this arm. The generated files are committed.
+inverse kinematics, both as straight-line code for this arm. The generated files are committed. The names of all arms
+by their id go into comanip.dbc.
 
-``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]`` writes to ROOT/arms and ROOT/control/arms.
+``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]`` writes to ROOT/arms and ROOT/control/arms, and without
+arguments to ROOT/schema/comanip.dbc as well.
 """
 
 from __future__ import annotations
@@ -11,12 +13,14 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from comanip_dev import REPOSITORY
 from comanip_dev.arms import differential_ik, position_priority
 from comanip_dev.arms.description import Arm, ArmError, Pose, read
 from comanip_dev.arms.straight_line import literal
+from comanip_dev.schema.tables import with_names
 
 ARMS = REPOSITORY / "firmware" / "arms"
 
@@ -108,16 +112,34 @@ def files(path: Path) -> dict[Path, str]:
     }  # fmt: skip
 
 
+def dbc_with_arms(root: Path) -> dict[Path, str]:
+    """Returns ROOT/schema/comanip.dbc with the names of all arms of ROOT/arms. Raises ArmError if two have one id."""
+    names: dict[int, str] = {}
+    for path in sorted((root / "arms").glob("*.toml")):
+        arm = read(path)
+        if arm.id in names:
+            raise ArmError(f"{path}: id: {arm.id} is already used by {names[arm.id]}")
+        names[arm.id] = arm.name
+    dbc = root / "schema" / "comanip.dbc"
+    return {dbc: with_names(dbc.read_text(), "arm", names)}
+
+
 def main(argv: Sequence[str]) -> int:
-    for path in [Path(argument) for argument in argv] or sorted(ARMS.glob("*.toml")):
+    """Writes the files of these arms; without arguments, of all arms, and the DBC."""
+    jobs = [partial(files, Path(argument)) for argument in argv] or [
+        partial(dbc_with_arms, ARMS.parent),
+        *(partial(files, path) for path in sorted(ARMS.glob("*.toml"))),
+    ]
+    for job in jobs:
         try:
-            written = files(path)
+            written = job()
         except (ArmError, OSError) as error:
             print(f"make arms: {error}", file=sys.stderr)
             return 2
         for file, text in written.items():
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text)
+            if not file.exists() or file.read_text() != text:
+                file.write_text(text)
         print(f"comanip: {', '.join(map(str, written))}")
     return 0
 

@@ -76,9 +76,14 @@ def _value_table(names: dict[int, str]) -> str:
     return " ".join(f'{value} "{name}"' for value, name in sorted(names.items()))
 
 
+def with_names(text: str, signal: str, names: dict[int, str]) -> str:
+    """Returns the DBC with this value table in all signals of this name."""
+    return re.sub(rf"^(VAL_ \d+ {signal}) .*;$", lambda m: f"{m[1]} {_value_table(names)} ;", text, flags=re.MULTILINE)
+
+
 def _with_table(text: str, signal: str, names: dict[int, str]) -> str:
     """Returns the DBC with this value table, and the range that results from it, in all signals of this name."""
-    text = re.sub(rf"^(VAL_ \d+ {signal}) .*;$", lambda m: f"{m[1]} {_value_table(names)} ;", text, flags=re.MULTILINE)
+    text = with_names(text, signal, names)
     return re.sub(rf"^( SG_ {signal} : \S+ \(1,0\)) \[0\|\d+\]", rf"\1 [0|{max(names)}]", text, flags=re.MULTILINE)
 
 
