@@ -10,7 +10,7 @@ import sys
 
 import pytest
 from cantools.database import load_string
-from comanip import tasks
+from comanip import parameters, tasks
 from comanip_dev import codegen
 from comanip_dev.schema import readers
 from simulation import REPOSITORY
@@ -107,6 +107,11 @@ DBC_MISTAKES = {
         "PartOf 'Nobody'",
     ),
     "a received frame that TickTrace lacks": (r"^ SG_ task_define_counter [^\n]*\n", "", "TickTrace has counters of"),
+    "a Data ID of two frames": (
+        r'^BA_ "E2EDataId" BO_ 1041 2;',
+        'BA_ "E2EDataId" BO_ 1041 1;',
+        "ClassicCommandAck: E2EDataId 1 is already used by ClassicFirmwareStatus",
+    ),
     "a parameter's name": (r'"damping"', '"dampening"', "make schema"),
     "a signal of no message": (r"^( SG_) t_high ", r"\1 t_highest ", "has no such signal"),
 }
@@ -201,6 +206,13 @@ def test_a_frame_for_others_that_nobody_reads():
     assert list(readers.without_reader(messages, simulator, tools)) == []
     assert list(readers.without_reader(messages, "", tools)) == ["Clearance"]
     assert list(readers.without_reader(messages, simulator, tools.replace('"CommandAck"', ""))) == ["CommandAck"]
+
+
+def test_a_parameter_that_the_firmware_does_not_use():
+    described = parameters.read()
+    firmware = "".join(f"PARAMETER_{vector.upper()};\n" for vector in {parameter.vector for parameter in described})
+    assert readers.unused(described, firmware) == []
+    assert readers.unused(described, firmware.replace("PARAMETER_WEIGHT;", "PARAMETER_WEIGHTS;")) == ["weight"]
 
 
 def test_the_schema_as_it_is_and_what_make_schema_writes(schema):

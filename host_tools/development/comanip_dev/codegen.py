@@ -128,6 +128,16 @@ def check_readers(messages: list[Message]) -> None:
             )
 
 
+def check_data_ids(messages: list[Message]) -> None:
+    """Checks that no two frames of a profile have one Data ID: otherwise one could pass for the other."""
+    used: dict[tuple[bool, int], str] = {}
+    for message in messages:
+        data_id = attribute(message, "E2EDataId")
+        other = used.setdefault((message.name.startswith(CLASSIC), data_id), message.name)
+        if data_id and other != message.name:
+            raise SystemExit(f"codegen: {message.name}: E2EDataId {data_id} is already used by {other}")
+
+
 def check_trace(messages: list[Message]) -> None:
     """Checks that TickTrace has a counter for each frame that the firmware receives, and `received` a bit for each."""
     trace = next(message for message in messages if message.name == "TickTrace")
@@ -301,6 +311,7 @@ def check(database) -> None:
         check_joints_are_alike(database.messages, prefix)
     check_joints_are_scaled_alike(database.get_message_by_name("JointCmd"))
     check_readers(database.messages)
+    check_data_ids(database.messages)
     check_trace(database.messages)
     check_classic_tables(database.messages)
 

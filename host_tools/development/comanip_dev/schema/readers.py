@@ -1,18 +1,22 @@
-"""Checks that every frame has a reader: ``python -m comanip_dev.schema.readers`` (``make check``).
+"""Checks that every frame and parameter has a reader: ``python -m comanip_dev.schema.readers`` (``make check``).
 
 For frames that the firmware receives, the compiler does this check, because each must have a function in
 firmware/controller_inputs.c. A frame for another node counts as read if sim/ calls its X_unpack(), or if a tool in
-host_tools/comanip mentions the name of the message or of its frame kind.
+host_tools/comanip mentions the name of the message or of its frame kind. A parameter counts as read if firmware/ uses
+its enumerator.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import cantools
 from cantools.database.can.message import Message
+from comanip import parameters
+from comanip.parameters import Parameter
 
 from comanip_dev import REPOSITORY
 from comanip_dev.schema.messages import codec_name, family, with_codec
@@ -33,6 +37,13 @@ def without_reader(messages: Sequence[Message], simulator: str, tools: str) -> I
             yield message.name
 
 
+def unused(parameters: Iterable[Parameter], firmware: str) -> list[str]:
+    """Returns the names of parameters that the firmware does not use, of a vector its name. firmware: text of its
+    sources."""
+    vectors = dict.fromkeys(parameter.vector for parameter in parameters)
+    return [vector for vector in vectors if not re.search(rf"\bPARAMETER_{vector.upper()}\b", firmware)]
+
+
 def main() -> int:
     database = cantools.database.load_file(REPOSITORY / "firmware" / "schema" / "comanip.dbc")
     simulator = _text(REPOSITORY / "sim", ".c")
@@ -44,7 +55,10 @@ def main() -> int:
             "or its name in host_tools/comanip",
             file=sys.stderr,
         )
-    return 1 if found else 0
+    ignored = unused(parameters.read(), _text(REPOSITORY / "firmware", ".c", ".h"))
+    for name in ignored:
+        print(f"check: {name}: no reader, expected PARAMETER_{name.upper()} in firmware/", file=sys.stderr)
+    return 1 if found or ignored else 0
 
 
 if __name__ == "__main__":
