@@ -14,8 +14,8 @@
 /* Initialises the controller. `ik` and its arm must outlive it. */
 void controller_init(controller_t *self, const arm_ik_t *ik, can_profile_t profile);
 
-/* Replaces the default parameters; call it before the first step. result: the result to report in the boot
- * announcement, RESULT_ACCEPTED, or RESULT_STORE_FAILED if the stored record was not valid. */
+/* Replaces the default parameters; call it before the first step. result: reported in the boot announcement. Must be
+ * RESULT_STORE_FAILED if the stored record was not valid, otherwise RESULT_ACCEPTED. */
 void controller_set_parameters(controller_t *self, const parameters_t *parameters, result_t result);
 
 /* Runs one tick.

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-/* While the end effector catches up with a target that it has lost, the joint velocities are limited to
- * CATCHING_UP_SPEED of their limits, until the end effector is within CAUGHT_UP_M of the target. */
+/* While the end effector catches up with a target that it has lost, the joints may use only the share CATCHING_UP_SPEED
+ * of their speed limits, until the end effector is within CAUGHT_UP_M of the target. */
 #define CATCHING_UP_SPEED 0.55f
 #define CAUGHT_UP_M 1e-3f
 
@@ -49,7 +49,7 @@ static void limit_catching_up(controller_t *self) {
 }
 
 /* Returns the twist of the person's hand, in the tracker frame, at the time when this tick's command takes effect.
- * Allows for the rotation of the lever from the marker to the hand until then. */
+ * Takes into account how far the lever from the marker to the hand will have rotated by then. */
 static twist_t hand_twist(const controller_t *self, uint32_t now_us) {
     const float ahead_s = self->parameters.value[PARAMETER_COMMAND_DELAY_S];
     const twist_t marker = hand_motion_twist(&self->marker_motion, now_us, ahead_s);

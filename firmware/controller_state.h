@@ -18,11 +18,11 @@
 /* On CAN FD, eight drives, the tracker and the operator send 13 frames in a tick; any beyond 16 wait for the next
  * tick. */
 #define CONTROLLER_INBOX_FRAMES 16
-/* On classic CAN: JointCmd of 8 joints, TickTrace, status, heartbeat, and either the identity, or two ParameterValue
- * frames and PortStatus. */
+/* Maximum number of cyclic frames in a tick, reached on classic CAN: JointCmd of 8 joints, TickTrace, status,
+ * heartbeat, and either the identity, or two ParameterValue frames and PortStatus. */
 #define CONTROLLER_CYCLIC_FRAMES 19
-/* The cyclic frames; for each received frame, an answer preceded by the announcement of a parameter; and the outcome of
- * a save. */
+/* Maximum number of frames sent in a tick: the cyclic frames; for each received frame, an answer preceded by the
+ * announcement of a parameter; and the outcome of a save. */
 #define CONTROLLER_OUTBOX_FRAMES (CONTROLLER_CYCLIC_FRAMES + 2 * CONTROLLER_INBOX_FRAMES + 1)
 
 typedef struct {

@@ -10,7 +10,7 @@
 
 /* Stored parameters are applied either all together or not at all. */
 static void load_parameters(controller_t *controller) {
-    uint8_t record[PARAMETER_STORE_MAX_BYTES + 1]; /* with a spare byte, by which an oversized record is detected */
+    uint8_t record[PARAMETER_STORE_MAX_BYTES + 1]; /* one byte more, to detect an oversized record */
     size_t length;
     if (hal_store_read(record, sizeof record, &length)) {
         parameters_t parameters = controller->parameters;

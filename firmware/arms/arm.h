@@ -56,8 +56,8 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian);
 
 /* Returns half a column of the geometric Jacobian as a dual quaternion. Multiplied from the left by the end effector's
- * dual quaternion x, it yields the joint's column of the analytic 8 x n Jacobian, d(vec8 x) / d(position). The sign of
- * the column is that chosen for x. */
+ * dual quaternion x, it yields the joint's column of the analytic 8 x n Jacobian, d(vec8 x) / d(position). If x is
+ * replaced by -x, which is the same pose, the column changes its sign as well. */
 dual_quaternion_t arm_half_twist(vector3_t angular, vector3_t linear_m);
 
 #endif

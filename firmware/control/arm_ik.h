@@ -18,7 +18,7 @@ typedef struct {
     arm_ik_position_priority_t *position_priority; /* equivalent to position_priority() */
 } arm_ik_t;
 
-/* Returns inverse kinematics that work for any arm. The arm must outlive the result. */
+/* Returns the arm with the functions that work for any arm. The arm must outlive the result. */
 arm_ik_t arm_ik_any(const arm_t *arm);
 
 /* Returns NULL if all members are set and arm_check() finds no defect, otherwise a line that names the defect. */

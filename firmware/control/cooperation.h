@@ -52,7 +52,8 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
 void cooperation_select(cooperation_t *self, const task_t *task);
 
 /* Takes a new reference (clutch). From then on, displacements are relative to `hand` and `robot`. The task continues
- * with the relation that currently applies (at `blend`, or latched), so that the next target is `robot`. */
+ * with the relation that currently applies (the latched one, or the one at `blend`), so that the next target is
+ * `robot`. */
 void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float blend);
 
 /* Latches the current q_task (the commanded relation), which then remains constant, as at the grasp in section

@@ -11,9 +11,9 @@
  *   range     Towards a limit at distance d, the speed is at most
  *             sqrt(2 a d + (a^2/2j)^2) - a^2/j - a (command_delay_s + tick_s). One half of a^2/j allows for the
  *             growth of the deceleration, the other for the lag of the velocity behind this speed.
- *   change    The velocity changes per tick by at most the acceleration limit times tick_s, and this change differs
- *             from that of the last tick by at most the jerk limit times tick_s^2. The change decreases to 0 in time,
- *             so that the velocity does not overshoot the value allowed by the rules above.
+ *   change    In each tick, the velocity changes by at most the acceleration limit times tick_s, and this change
+ *             differs from that of the last tick by at most the jerk limit times tick_s^2. The change decreases to 0 in
+ *             time, so that the velocity does not overshoot the value allowed by the rules above.
  *
  * From every reachable state, a joint with a demand of 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where a is the
  * acceleration limit. */
@@ -42,9 +42,9 @@ typedef struct {
     float twice_braking_radps2;
     float ramp_square;       /* (a^2 / (2 j))^2; the speed a^2 / (2 j) is lost while the deceleration grows to a */
     float fastest_square;    /* from this squared speed on, the stopping speed is speed_max_radps */
-    float coasting_radps;    /* part of the stopping speed lost to that growth and to earlier commands */
-    float reference_min_rad; /* slightly inside the limits, so that the reference, when rounded for */
-    float reference_max_rad; /* the bus, is within the limits */
+    float coasting_radps;    /* part of the stopping speed lost to this growth and to earlier commands */
+    float reference_min_rad; /* lower limit of the reference, one step of the bus's resolution inside the joint's */
+    float reference_max_rad; /* upper limit, likewise; rounding thus cannot exceed the joint's limits */
 } joint_limits_plan_t;
 
 typedef struct {

@@ -10,7 +10,7 @@
 #define POSITION_PRIORITY_TASK_DAMPING_M2 3e-4f
 #define POSITION_PRIORITY_TASK_FLOOR_M2 1e-5f
 #define POSITION_PRIORITY_CURVATURE_SHARE 0.25f
-#define POSITION_PRIORITY_STIFFNESS 5.0f   /* greatest k: keeps a joint in the margin for any orientation, 2 |v| <= 2 */
+#define POSITION_PRIORITY_STIFFNESS 5.0f   /* greatest k; holds a joint in its margin at any orientation error */
 #define POSITION_PRIORITY_TURN_RAD4 0.073f /* k is half its greatest value at 0.52 rad, 30 degrees */
 
 /* Returns x, the joint's depth in the margin of its lower limit minus its depth in the margin of its upper limit. */

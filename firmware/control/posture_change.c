@@ -11,7 +11,7 @@
 #define SEEDS (1 << SEED_JOINTS)
 #define STEPS 40 /* number of steps per candidate */
 #define MET_M 5e-4f
-#define ORIENTATION_SHARE 0.1f /* share of the orientation weight; it ranks postures, with less effect on position */
+#define ORIENTATION_SHARE 0.1f /* share of the orientation weight in a search, where it need only rank postures */
 
 #define ARRIVED_RAD 1e-3f
 #define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther than this from the posture, */
@@ -57,9 +57,9 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
     begin_candidate(self, arm, 0);
 }
 
-/* Moves the candidate by one step, which is position_priority() applied for a second with K = 1/s. Each joint stays
- * just inside the margin in which it is treated as at its limit. Returns the end effector's distance from the target
- * before the step. */
+/* Moves the candidate by one step, which is position_priority() applied for a second with K = 1/s. Each joint keeps
+ * away from its limits, by slightly less than the distance at which it is treated as at a limit. Returns the end
+ * effector's distance from the target before the step. */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     const arm_t *arm = config->ik->arm;

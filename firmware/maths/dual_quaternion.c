@@ -6,12 +6,12 @@
 const quaternion_t quaternion_identity = {1.0f, 0.0f, 0.0f, 0.0f};
 const dual_quaternion_t dual_quaternion_identity = {{1.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f, 0.0f}};
 
-/* A square root is correctly rounded, in hardware and in software, so every target computes the same bits. */
+/* Square roots are correctly rounded, in hardware and in software, so every target computes the same bits. */
 static float square_root(float x) {
     return __builtin_sqrtf(x);
 }
 
-/* Returns a translation's pure quaternion t/2 of equation (2). */
+/* Returns the pure quaternion t/2 of equation (2) for a translation t. */
 static quaternion_t half_translation(vector3_t t_m) {
     return (quaternion_t){0.0f, 0.5f * t_m.x, 0.5f * t_m.y, 0.5f * t_m.z};
 }
@@ -49,7 +49,7 @@ quaternion_t quaternion_from_matrix(const float matrix[9]) {
     const float yx = matrix[3], yy = matrix[4], yz = matrix[5];
     const float zx = matrix[6], zy = matrix[7], zz = matrix[8];
     quaternion_t q;
-    /* Each case computes 4 c q, where c is a component whose square is at least 1/4, so that there is no
+    /* Each case computes 4 c q, where c is a component of q. Its square is at least 1/4, so that there is no
      * cancellation. */
     if (xx + yy + zz > 0.0f) {
         q = (quaternion_t){1.0f + xx + yy + zz, zy - yz, xz - zx, yx - xy};

@@ -29,7 +29,7 @@ static inline bool float_is_negative(float x) {
 
 /* Returns whether x < limit, provided that x and limit are not both negative. As integers, the bits of non-negative
  * floats are ordered like the floats, and those of negative floats are below them. -0 counts as below +0. The result
- * for a NaN depends on its sign, which differs between processors, so callers must not depend on it. */
+ * for a NaN depends on its sign, which differs between processors, so callers must not rely on it. */
 static inline bool float_is_below(float x, float limit) {
     return (int32_t)float_bits(x) < (int32_t)float_bits(limit);
 }

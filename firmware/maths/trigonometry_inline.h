@@ -1,5 +1,5 @@
-/* sine_cosine() as an inline function, and its parts. For angles within +-pi/2, as most half angles of joints are, it
- * makes no function call. */
+/* sine_cosine() as an inline function, and its parts. It makes no function call for angles within +-pi/2, which include
+ * most half angles of joints. */
 #ifndef COMANIP_TRIGONOMETRY_INLINE_H
 #define COMANIP_TRIGONOMETRY_INLINE_H
 

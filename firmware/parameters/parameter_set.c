@@ -50,7 +50,8 @@ parameter_set_t parameter_set_check(const parameters_t *parameters, float tick_s
     if (parameters_predict(parameters)) {
         return (parameter_set_t){involved == 0u ? PARAMETER_SET_RESTS : PARAMETER_SET_UNSTABLE, involved};
     }
-    if (involved == 0u) { /* stable near the target; may oscillate when stretched out towards a target out of reach */
+    if (involved == 0u) {
+        /* Stable near the target, but the arm may oscillate when it is stretched out towards a target out of reach. */
         return (parameter_set_t){PARAMETER_SET_MAY_SWING, bit(PARAMETER_PREDICTION)};
     }
     return (parameter_set_t){is_the_papers_law(parameters) ? PARAMETER_SET_MAY_SWING : PARAMETER_SET_UNSTABLE,

@@ -2,9 +2,9 @@
  * checked when the cooperation starts and before a save.
  *
  * Near its target the closed loop is e' = -P K e, with P = J (J^T W J + D)^-1 J^T W. P is similar to a symmetric matrix
- * with eigenvalues from 0 to 1. No error therefore decays faster than exp(-k t) in any posture, where k is the largest
- * gain of a component with a weight. With a loop delay T, the loop is stable for k T < pi / 2, and rings above about
- * half of that.
+ * with eigenvalues from 0 to 1. Therefore, in any posture, no error decays faster than exp(-k t), where k is the
+ * largest gain of the components with nonzero weight. With a loop delay T, the loop is stable for k T < pi / 2, and
+ * rings above about half of that.
  *
  * A slow loop is never unstable, so gains, speed and acceleration have no lower bound here. */
 #ifndef COMANIP_PARAMETER_SET_H
@@ -15,7 +15,7 @@
 typedef enum {
     PARAMETER_SET_RESTS,     /* the arm comes to rest when the hand does */
     PARAMETER_SET_MAY_SWING, /* the arm may oscillate, because prediction is off or the paper's control law is used */
-    PARAMETER_SET_UNSTABLE,  /* the arm does not come to rest, so a start and a save are refused */
+    PARAMETER_SET_UNSTABLE,  /* the arm does not come to rest, so starts and saves are refused */
 } parameter_set_verdict_t;
 
 typedef struct {

@@ -95,7 +95,7 @@ static bool decode(const uint8_t record[], size_t length, parameters_t *stored) 
 
 static const uint8_t former_magic[] = {'C', 'M', 'N', 'P'};
 
-/* CRC-32 of the names of the first 38 to 43 parameters, each name with its terminating 0. */
+/* Entry i is the CRC-32 of the names of the first 38 + i parameters, each name with its terminating 0. */
 static const uint32_t former_names[FORMER_COUNT_MAX - FORMER_COUNT_MIN + 1] = {
     0x51F3859Fu, 0x3BBF57B0u, 0xC93C10CFu, 0xCC105CC2u, 0x235A3D15u, 0x8F7CCC71u,
 };

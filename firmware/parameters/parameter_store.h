@@ -1,4 +1,4 @@
-/* All parameters as one record for a port's non-volatile store (hal.h).
+/* All parameters as one record for a port's non-volatile store (hal.h). Offset, length and content of the fields:
  *
  *    0  4  'C' 'M' 'N' '2'
  *    4  1  number of parameters that follow

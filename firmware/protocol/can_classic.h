@@ -29,8 +29,8 @@ uint8_t classic_parts(frame_kind_t kind, uint8_t joint_count);
 bool classic_find(uint16_t id, classic_frame_t *frame, frame_kind_t *kind);
 
 /* Splits a message into its parts. message: data of the CAN FD frame. part: data of all parts, without end-to-end
- * protection. Returns false if a value does not fit; the parts must then not be sent. However, a HandPose or a
- * TickTrace's target that does not fit is marked invalid instead. */
+ * protection. Returns false if a value does not fit; the parts must then not be sent. The exceptions are a HandPose
+ * and the target in a TickTrace, which are marked invalid instead. */
 bool classic_split(frame_kind_t kind, const uint8_t message[CAN_FRAME_MAX_BYTES],
                    uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX_BYTES]);
 

@@ -17,7 +17,8 @@ static bool is_classic(can_profile_t profile) {
     return can_profile_in_force(profile) == CAN_PROFILE_CLASSIC;
 }
 
-/* A message that has no classic CAN frames of its own, such as FirmwareHeartbeat, is the same in both profiles. */
+/* Returns whether the message is converted to classic CAN frames. A message without classic CAN frames
+ * of its own, such as FirmwareHeartbeat, is the same in both profiles. */
 static bool is_translated(can_profile_t profile, frame_kind_t kind) {
     return is_classic(profile) && classic_parts(kind, ARM_MAX_JOINTS) != 0u;
 }

@@ -49,9 +49,9 @@ typedef struct {
 /* kinds: mask such as (1 << FRAME_...) | ..., or TRANSPORT_ALL_KINDS. */
 void transport_receiver_init(transport_receiver_t *self, can_profile_t profile, uint8_t joint_count, uint32_t kinds);
 
-/* Checks a received frame. Returns PROTOCOL_OK when *frame holds a complete message, with the reception time of its
- * last part. Refused frames are counted as in protocol_check(). Returns PROTOCOL_UNKNOWN_ID for frames of kinds that
- * are not in `kinds`. */
+/* Checks a received frame. If it completes a message, replaces *frame by the message, with the reception time of its
+ * last part, and returns PROTOCOL_OK. Refused frames are counted as in protocol_check(). Returns PROTOCOL_UNKNOWN_ID
+ * for frames of kinds that are not in `kinds`. */
 protocol_status_t transport_receive(transport_receiver_t *self, can_frame_t *frame, frame_kind_t *kind);
 
 /* Returns the id of the message's first frame. */

@@ -4,7 +4,7 @@
  * implicit 16-bit Data ID, low byte first, after the data.
  *
  * Profile 2 (6.4), on classic CAN: CRC-8 (0x2F, initial and final XOR 0xFF) at byte 0, 4-bit counter in the low half of
- * byte 1, and an implicit Data ID after the data, which is one of 16, selected by the counter: E2E_PROFILE2_DATA_ID.
+ * byte 1, and after the data an implicit Data ID, which the counter selects from 16 (see E2E_PROFILE2_DATA_ID).
  * This profile is weaker: one in 256 corrupted frames has a correct CRC, and a frame that is 16 counts late looks
  * new. */
 #ifndef COMANIP_E2E_H

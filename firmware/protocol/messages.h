@@ -4,7 +4,7 @@
  *   void X_unpack(const can_frame_t *frame, X_t *message);
  *
  * which are generated from firmware/schema/comanip.dbc. X_pack() sets id, length and data, and rounds to nearest. It
- * never saturates a value outside its signal's range (or NaN), but returns PROTOCOL_OUT_OF_RANGE, and the frame must
+ * never saturates: for NaN, or a value outside its signal's range, it returns PROTOCOL_OUT_OF_RANGE, and the frame must
  * not be sent. The exception is a pose with a validity flag: it is marked invalid, and the frame may be sent.
  * X_unpack() expects a frame that protocol_check() has accepted. can_protocol.h adds end-to-end protection. */
 #ifndef COMANIP_PROTOCOL_MESSAGES_H
