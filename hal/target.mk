@@ -1,11 +1,11 @@
 # `make target` links the firmware to images for microcontrollers. Included by the Makefile, which defines BUILD,
 # GENERATED, CORE_SOURCES (all except main.c) and CORE_CFLAGS.
 #
-# An image consists of a name in IMAGES and the variables NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}
+# An image is defined by a name in IMAGES and the variables NAME.{board,prefix,specs,cpu,folder,script,sources,emulator}
 # in its port's images.mk: see docs/porting.md.
 
-# PROFILE=: the kind of CAN that the images support: fd, classic, or both (the board then selects one at reset). Without
-# classic CAN, the images are a quarter smaller.
+# PROFILE= selects the kind of CAN that the images support: fd, classic, or both (the board then selects one at reset).
+# Without classic CAN, the images are a quarter smaller.
 TARGET_PROFILES := fd classic both
 TARGET_PROFILE := $(or $(PROFILE),fd)
 PROFILE_CFLAGS := $(if $(filter fd,$(TARGET_PROFILE)),-DCAN_FD_ONLY) \
@@ -24,12 +24,12 @@ IMAGES :=
 include $(sort $(wildcard hal/*/images.mk))
 MAKEFILES_READ := Makefile hal/target.mk $(wildcard hal/*/images.mk) # they contain the compilers' options
 
-# BOARD=: the name of a QEMU machine, or the name given in the port's images.mk.
+# BOARD= is the name of a QEMU machine, or the name given in the port's images.mk.
 BOARDS := $(foreach image,$(IMAGES),$($(image).board))
 BOARD_IMAGE = $(strip $(foreach image,$(IMAGES),$(if $(filter $(image) $($(image).board),$(BOARD)),$(image))))
 BOARD_CHECK = @if [ "$(words $(BOARD_IMAGE))" != 1 ] || [ "$(words $(BOARD))" != 1 ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected one of $(BOARDS), or an image: $(IMAGES)" >&2; exit 2; fi
-# For targets that cover all images and do not accept BOARD=; $(1): the profiles for which their figures are valid.
+# For targets that cover all images and do not accept BOARD=. $(1): the profiles for which their figures are valid.
 ALL_IMAGES_CHECK = @if [ -n "$(BOARD)" ]; then \
     echo "make $(@:-check=): BOARD='$(BOARD)': expected none: make $(@:-check=) covers all images" >&2; exit 2; fi; \
     case ' $(1) ' in *' $(TARGET_PROFILE) '*) ;; *) \
@@ -81,7 +81,7 @@ endef
 $(foreach image,$(IMAGES),$(eval $(call TARGET_RULES,$(image))))
 
 # The same images, in lockstep with the simulator (hal/lockstep/lockstep.h), for ports with CAN over a UART. They are
-# built by `make pil` and are not among IMAGES.
+# built by `make pil` and are not listed in IMAGES.
 define PIL_VARIABLES
 $(foreach variable,prefix specs cpu folder script,$(eval $(1)-pil.$(variable) := $($(1).$(variable))))
 $(1)-pil.sources := $$(filter-out $(LOCKSTEP_REPLACES),$$($(1).sources)) hal/lockstep/lockstep.c
@@ -158,7 +158,7 @@ cycles: ## instructions and modelled cycles per tick, against hal/cycle_budget.t
 	@$(PYTHON) tests/cycles/cycles.py $(BUILD) hal/cycle_budget.toml $(if $(filter-out 0 no,$(UPDATE)),--update)
 
 # Each line contains NAME, board, the compiler's prefix, specs file and options for the core, the emulator's command,
-# and slcan, or nothing if the port has a CAN controller.
+# and the word slcan (empty if the port has a CAN controller).
 images: ## list the images for scripts: one line each, separated by tabs
 	@printf '%s\t%s\t%s\t%s\t%s\t%s\t%s\n' $(foreach image,$(IMAGES), \
 	    $(image) $($(image).board) $($(image).prefix) $($(image).specs) "$($(image).cpu)" "$($(image).emulator)" \

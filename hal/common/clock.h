@@ -1,5 +1,5 @@
-/* The interface of a port's timer to the tick loop tick.c, which several ports share. A port that has another source of
- * ticks uses neither. */
+/* The interface between a port's timer and tick.c, the tick loop that several ports share. A port with a different
+ * source of ticks uses neither file. */
 #ifndef COMANIP_HAL_CLOCK_H
 #define COMANIP_HAL_CLOCK_H
 

@@ -1,5 +1,5 @@
-/* Computes a frame's duration from its bits. A table advances the bit stuffing by eight bits at a time, because for 64
- * bytes, going bit by bit would cost more than the rest of the bus model. */
+/* Computes a frame's duration from its bits. A table advances the bit stuffing by eight bits at a time, because
+ * handling the bits of 64 bytes one by one would cost more than the rest of the bus model. */
 #include "frame_time.h"
 
 #include <stdbool.h>

@@ -21,7 +21,8 @@ void unexpected_handler(void);
 /* Starts the board's UART: 8N1, interrupt-driven, connected to slcan_hal_link. */
 void uart_start(void);
 
-/* The board's watchdog panics if it is not fed in time, and resets the board if the panic does not stop it. */
+/* Starts the board's watchdog. If it is not fed in time, it panics; if even the panic does not run, it resets the
+ * board. */
 void watchdog_start(uint32_t timeout_us);
 void watchdog_feed(void);
 

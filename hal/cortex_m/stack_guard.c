@@ -8,7 +8,7 @@
 /* Defined by the linker script. */
 extern uint32_t link_thread_stack_end[];
 
-/* On a fault, the exception frame is pushed on the thread's stack if it still fits. After an overflow, the stack
+/* On a fault, the exception frame is pushed onto the thread's stack if it still fits. After an overflow, the stack
  * therefore has less than the largest push left. */
 #define LARGEST_PUSH_BYTES 128u
 

@@ -1,4 +1,4 @@
-/* A small file that holds either the previous content or the new one after any interruption. */
+/* A small file that, even if a write is interrupted, holds either the previous content or the new one. */
 #ifndef COMANIP_RECORD_FILE_H
 #define COMANIP_RECORD_FILE_H
 
@@ -16,7 +16,7 @@ record_file_status_t record_file_read(const char *path, void *bytes, size_t capa
 
 /* Writes FILE.tmp next to the file and renames it. File and folder are on the disk when this returns. On failure,
  * returns false with errno, and the file is unchanged. However, if only the folder could not be synchronised, the file
- * is already the new one. */
+ * already has the new content. */
 bool record_file_write(const char *path, const void *bytes, size_t length);
 
 #endif

@@ -1,4 +1,4 @@
-/* Options of both programs that run on a live bus: the bus, and how fast time passes. */
+/* Options shared by the two programs that run on a live bus: the name of the bus, and how fast time passes. */
 #ifndef COMANIP_RUN_OPTIONS_H
 #define COMANIP_RUN_OPTIONS_H
 

@@ -4,7 +4,7 @@
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 
-#define QUEUE_FRAMES 32 /* the most that two ticks can bring */
+#define QUEUE_FRAMES 32 /* largest number of frames received in two ticks */
 
 static struct {
     can_frame_t frame[QUEUE_FRAMES]; /* ring */

@@ -11,9 +11,9 @@
 /* Ids of the lockstep frames. Each frame carries a number. */
 #define LOCKSTEP_STAMP_ID 0x7F0u   /* from the simulator: time of reception of the next frame [us] */
 #define LOCKSTEP_TICK_ID 0x7F1u    /* from the simulator: a tick starts at this time [us] */
-#define LOCKSTEP_DONE_ID 0x7F2u    /* from the image: the tick is done; the drives' enable line, 1 on, 0 off */
-#define LOCKSTEP_REFUSED_ID 0x7F3u /* from the simulator: number of the image's frames refused by the bus so far */
-#define LOCKSTEP_LOST_ID 0x7F4u    /* from the simulator: number of frames to the image lost so far */
+#define LOCKSTEP_DONE_ID 0x7F2u    /* from the image: the tick is done, with the drives' enable line (1 on, 0 off) */
+#define LOCKSTEP_REFUSED_ID 0x7F3u /* from the simulator: how many of the image's frames the bus has refused so far */
+#define LOCKSTEP_LOST_ID 0x7F4u    /* from the simulator: how many frames to the image have been lost so far */
 
 static inline can_frame_t lockstep_frame(uint16_t id, uint32_t number) {
     return (can_frame_t){

@@ -74,7 +74,7 @@ void serial_start_transmission(void) {
 
 void serial_wait(void) {
     wait_for_interrupt();
-    /* QEMU does not raise an interrupt for a byte that its reader has delayed. */
+    /* If the reader of QEMU's serial line delays a byte, QEMU raises no interrupt when it has been sent. */
     serial_start_transmission();
 }
 

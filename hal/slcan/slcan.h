@@ -1,5 +1,5 @@
 /* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol, extended by the CAN FD letters of the
- * CANable 2 firmware). It is portable, and shared by all ports without a CAN controller and by the tests.
+ * CANable 2 firmware). This code is portable; all ports without a CAN controller share it, and the tests use it too.
  *
  *   tIIIL...   classic frame        dIIIL...   FD frame        bIIIL...   FD frame with bit-rate switch
  *
@@ -45,8 +45,8 @@ typedef struct {
     uint8_t digits;          /* number of digits of the current field so far */
 } slcan_decoder_t;
 
-/* Takes the next byte of the line. This takes only a few tens of instructions, because it runs in receive interrupts of
- * UARTs that buffer only one byte. frame: must be the same for all bytes of a line; id, length and data are valid only
+/* Takes the next byte of the line, in only a few tens of instructions, so that it can run in the receive interrupt of a
+ * UART that buffers only one byte. frame: must be the same for all bytes of a line; id, length and data are valid only
  * at SLCAN_FRAME, and the caller must set the timestamp. */
 slcan_event_t slcan_decode(slcan_decoder_t *self, uint8_t byte, can_frame_t *frame);
 
