@@ -27,7 +27,7 @@ typedef struct {
     float weight_rotation;
     float pull_rotation, pull_translation; /* 2 x weight x gain of rotation and translation */
     float diagonal;                        /* weight_rotation + 4 lambda: rotation and damping on the diagonal */
-    float trace_max;                       /* largest trace of the translation's J^T W J that is damped enough */
+    float trace_max;                       /* largest trace of the translation's J^T W J for which damping suffices */
 } differential_ik_isotropic_t;
 
 typedef struct {

@@ -22,7 +22,8 @@
 #define HAND_MOTION_LATENCY_MIN_S -0.02f
 #define HAND_MOTION_LATENCY_MAX_S 0.1f
 
-/* The change of the prediction caused by the newest sample. It fades over one interval. */
+/* The prediction before the newest sample minus the one after it. This difference is added to the prediction and fades
+ * to 0 over one interval, so that the prediction does not jump. */
 typedef struct {
     vector3_t displacement, velocity;
 } hand_motion_change_t;

@@ -40,7 +40,8 @@ static bool coarsen(int32_t fine, int32_t step, int32_t maximum, int32_t *coarse
     return fits;
 }
 
-/* Factor that converts a quaternion component with `bits` fractional bits to that of rotation_code.h. */
+/* Factor that converts a quaternion component with `bits` fractional bits to the fixed-point format of
+ * rotation_code.h. */
 #define ROTATION_STEP(bits) ((int32_t)1 << (ROTATION_CODE_ONE_BITS - (bits)))
 
 /* ---- codec of each message */

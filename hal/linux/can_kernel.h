@@ -23,7 +23,7 @@ typedef struct {
     uint32_t drops; /* frames dropped by this socket since it was opened, modulo 2^32 */
 } can_kernel_notes_t;
 
-/* Receives one packet with recvmsg(), from a hub's socket as well. Returns 0 at the end of the stream, and -1 with
+/* Receives one packet with recvmsg(); also works for a hub's socket. Returns 0 at the end of the stream, and -1 with
  * errno on failure. */
 ssize_t can_kernel_receive(int fd, struct canfd_frame *packet, can_kernel_notes_t *notes);
 

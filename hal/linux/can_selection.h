@@ -11,7 +11,7 @@ typedef struct {
     const uint16_t *ids; /* the kernel filters by these ids; a hub sends all frames, and the reader ignores the rest */
     size_t count;        /* 0: all */
     bool classic;        /* an interface without CAN FD is sufficient */
-    bool own;            /* also receive the socket's own frames, in the bus's order; supported by the kernel only */
+    bool own;            /* also receive the socket's own frames, in bus order; supported by the kernel only */
 } can_selection_t;
 
 #endif

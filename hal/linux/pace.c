@@ -8,7 +8,7 @@
 #include <time.h>
 
 #define NS_PER_S INT64_C(1000000000)
-#define STEP_MIN_NS INT64_C(1000000) /* readings of two clocks in succession differ by some us */
+#define STEP_MIN_NS INT64_C(1000000) /* successive readings of two clocks differ by a few us */
 
 static int64_t read_ns(clockid_t clock) {
     struct timespec now;

@@ -101,7 +101,7 @@ static int64_t time_of_reception_ns(const can_reception_t *reception) {
                                        : hardware_clock_map(&port.hardware_clock, reception->hardware_ns, kernel_ns);
 }
 
-/* Reports once, at the first frame, because the kind of time stamp does not change. */
+/* Reports the kind of time stamp once, at the first frame, because it does not change. */
 static void report_stamps(const can_reception_t *reception) {
     if (!port.has_reported_stamps) {
         port.has_reported_stamps = true;
