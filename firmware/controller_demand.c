@@ -31,7 +31,7 @@ void controller_zero_demand(controller_t *self) {
     self->catching_up = false;
 }
 
-/* Scales all joints by the same factor, so that the end effector keeps its direction. */
+/* Scales all joints by the same factor, so that the end effector keeps its direction of motion. */
 static void limit_catching_up(controller_t *self) {
     const float part = CATCHING_UP_SPEED * self->parameters.value[PARAMETER_SPEED_FRACTION];
     float scale = 1.0f;

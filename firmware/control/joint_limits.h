@@ -7,7 +7,7 @@
  *   approach  A feedback speed u above a/K is lowered to sqrt(a/K (2 u - a/K)), from which the joint stops within the
  *             remaining distance; all joints are scaled by the same factor. The feedforward is added as is.
  *   speed     All joints are scaled by the same factor to keep within their speed limits, so that the end effector
- *             keeps its direction.
+ *             keeps its direction of motion.
  *   range     Towards a limit at distance d, the speed is at most
  *             sqrt(2 a d + (a^2/2j)^2) - a^2/j - a (command_delay_s + tick_s). One half of a^2/j allows for the
  *             growth of the deceleration, the other for the lag of the velocity behind this speed.
