@@ -19,8 +19,8 @@ static void emit(program_t *self, unsigned code, unsigned char if_true, unsigned
     self->code[self->length++] = (struct sock_filter){(unsigned short)code, if_true, if_false, value};
 }
 
-/* Loads the id and masks it. The mask is converted, because BPF loads in network byte order and the id is in that of
- * the machine. */
+/* Loads the id and masks it. The mask is converted, because BPF loads in network byte order, whereas the id is in host
+ * byte order. */
 static void emit_masked_id(program_t *self, uint32_t mask) {
     emit(self, BPF_LD | BPF_W | BPF_ABS, 0, 0, 0);
     emit(self, BPF_ALU | BPF_AND | BPF_K, 0, 0, htonl(mask));
