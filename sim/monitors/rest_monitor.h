@@ -3,7 +3,7 @@
  * A still phase is a period of cooperation in which nothing moves the target: the person's desired hand pose is
  * constant, the hand in ODE stays there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), no hand or gripper grips
  * or releases an object, and the blend of the last command has ended. In each phase of at least REST_PHASE_S, the
- * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. The arm therefore has at
+ * monitor finds the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. The arm therefore has at
  * least 1.5 s to come to rest, and an oscillation of 0.5 Hz or more reaches its full speed within one second. */
 #ifndef COMANIP_SIM_REST_MONITOR_H
 #define COMANIP_SIM_REST_MONITOR_H
@@ -36,7 +36,7 @@ typedef struct {
     uint64_t ticks;
     double phase_s;         /* duration of the current phase */
     double longest_s;       /* longest phase so far, including the current one */
-    bool measured;          /* a phase was long enough */
+    bool measured;          /* at least one phase was long enough */
     bool disturbed;         /* the person held still for REST_PHASE_S, but the hand moved until the end */
     double speed_radps_max; /* largest speed of all measured phases */
 } rest_monitor_t;

@@ -151,7 +151,7 @@ static bool parse_parameter(options_t *self, const char *argument, char error[])
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         const char *name = parameter_table[i].name;
         if (name == NULL) {
-            continue; /* an unused number */
+            continue; /* an unused parameter number */
         }
         if (strlen(name) == name_bytes && memcmp(name, argument, name_bytes) == 0) {
             return set_parameter(self, i, "param", argument, equals + 1, error);

@@ -128,7 +128,7 @@ typedef struct {
     scenario_name_t name; /* the step raises "PERSON.NAME" when it is finished; "" for no event */
     person_action_t action;
     step_start_t start;
-    double duration_s;                   /* rest, move, reach, guide; turn: of one revolution */
+    double duration_s;                   /* rest, move, reach, guide: of the step; turn: of one revolution */
     double displacement_m[3];            /* move: from the start */
     double rotation_vector_rad[3];       /* move: from the start orientation, torso axes */
     bool from_here;                      /* move: displacement and rotation are relative to the end of the last step */
@@ -198,7 +198,7 @@ typedef enum {
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
     MEASURE_WAY_Z,             /* mm, end effector displacement along this axis from `from` to `until`; signed */
-    MEASURE_TILT,              /* deg, smallest angle between torso z and the end effector axis initially along it */
+    MEASURE_TILT,              /* deg, smallest tilt of the end effector axis that pointed up at the start */
     MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
     MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` minus expected_deg */
     MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */

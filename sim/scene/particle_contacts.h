@@ -14,7 +14,7 @@ typedef struct {
     double impulse_Ns;     /* impulse on `one` along the normal, >= 0; written by the solver */
 } particle_contact_t;
 
-/* An entry of the list of particles, which is sorted along x. */
+/* An entry of the list of particles sorted along x. */
 typedef struct {
     double position_m[3];
     double radius_m;
