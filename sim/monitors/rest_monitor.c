@@ -84,7 +84,7 @@ static void end_commanded_rest(rest_monitor_t *self, int64_t now_ns) {
     end_phase(self);
 }
 
-/* Returns true if nothing that would move the target has changed since the last tick. */
+/* Returns true if nothing that would move the target has changed since the previous tick. */
 static bool is_rest_commanded(const rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                               const rigid_pose_t *aim, int64_t settled_ns) {
     return tick->mode == MODE_COOPERATING && self->mode == MODE_COOPERATING && settled_ns == self->settled_ns &&

@@ -104,7 +104,7 @@ typedef struct {
 /* ---- when a step begins */
 
 typedef struct {
-    double at_s;                       /* earliest begin; 0 if not restricted */
+    double at_s;                       /* earliest start of the step; 0: no restriction */
     int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all of them */
     size_t awaited_count;
     double delay_s;    /* delay after the last awaited event, or after the previous step if no event is awaited */
