@@ -30,7 +30,7 @@ typedef struct {
     client_result_t (*read)(hub_t *hub, client_t *client);
     /* Sends the frames from client->position on, up to the journal's end at most, and advances client->position. */
     client_result_t (*write)(hub_t *hub, client_t *client);
-    size_t session_bytes; /* size of client->session, which is zero at the start */
+    size_t session_bytes; /* size of client->session, which is initialised to zero */
 } endpoint_t;
 
 struct client {

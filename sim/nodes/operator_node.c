@@ -12,7 +12,7 @@
 
 #define TEXT_BYTES 160
 #define REFUSAL_BYTES 420  /* room for ten parameters with their values */
-#define NAMING_NS 10000000 /* the firmware reports rejected parameters one per tick, which is 4 ms on classic CAN */
+#define NAMING_NS 10000000 /* timeout for the next rejected parameter; the firmware reports one per tick (up to 4 ms) */
 #define CLOSING_STEPS 2
 #define LISTENS_TO                                                                                                     \
     (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) | ENDPOINT_KIND(FRAME_PARAMETER_VALUE) |  \

@@ -12,7 +12,7 @@
 
 #define UNIT_TOLERANCE 1e-3 /* largest deviation of a quaternion's norm from 1 */
 #define MOUNT_MAX_M 1e3
-#define PAPER_GAIN_PER_S 4.0f /* the paper states no value; its law uses one gain for all components */
+#define PAPER_GAIN_PER_S 4.0f /* the paper does not state a value; its law uses one gain for all components */
 
 enum {
     OPTION_SCENARIO = 256,

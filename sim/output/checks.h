@@ -5,7 +5,7 @@
 #include "../world/world.h"
 
 #define CHECKS_MAX (16 + SCENARIO_MAX_CHECKS)
-#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* minimum for a check of the tracking */
+#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* minimum followable motion for a check of the tracking */
 
 typedef struct {
     const char *name;

@@ -129,7 +129,7 @@ static void begin_turn(person_program_t *self, const person_step_t *step) {
     self->end_s = self->begin_s + crank_turn_duration_s(&self->turn);
 }
 
-/* Returns true if the current step has begun. */
+/* Begins the current step if it is due. Returns true if it has begun. */
 static bool begin(person_program_t *self, double now_s, const double robot_gain[3]) {
     const person_step_t *step = &self->steps[self->current];
     if (!step_wait_begin_s(&step->start, self->events, self->ready_s, &self->begin_s)) {
@@ -240,7 +240,7 @@ static void finish(person_program_t *self) {
     }
 }
 
-/* Returns true if a step has ended and the next one may begin. */
+/* Begins the current step if it is due, and finishes it if it is over. Returns true if it is finished. */
 static bool advance(person_program_t *self, double now_s, const double robot_gain[3]) {
     if (self->failure[0] != '\0' || self->current == self->count) {
         return false;
