@@ -1,5 +1,5 @@
 #!/bin/sh
-# Prints the traffic of the kernel interface with this name, or of the hub if there is no such interface. Does not start
+# Prints the traffic of the kernel interface BUS or, if there is no such interface, of the hub BUS. Does not start
 # a bus.
 # Usage: candump.sh WITH_CAN BUS [OPTION OF CANDUMP...]
 set -eu

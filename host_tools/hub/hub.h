@@ -28,9 +28,9 @@ typedef struct {
      * to the client at once. */
     client_result_t (*greet)(const client_t *client);
     client_result_t (*read)(hub_t *hub, client_t *client);
-    /* Sends frames from client->position at most up to the journal's end, and advances client->position. */
+    /* Sends the frames from client->position on, up to the journal's end at most, and advances client->position. */
     client_result_t (*write)(hub_t *hub, client_t *client);
-    size_t session_bytes; /* size of client->session, which is zero at the start */
+    size_t session_bytes; /* size of client->session, which is initialised to zero */
 } endpoint_t;
 
 struct client {
@@ -44,12 +44,12 @@ struct client {
     bool is_full;
     uint64_t refused;  /* number of malformed packets or commands */
     uint64_t silenced; /* number of frames from a client that may not send */
-    uint64_t left_out; /* number of frames that its protocol cannot carry */
+    uint64_t left_out; /* number of frames that the client's protocol cannot carry */
 };
 
 struct hub {
     const char *bus; /* name of the bus */
-    int settle_ms;   /* minimum time from the answer to rawmode until the first frame to a socketcand client */
+    int settle_ms;   /* minimum time between the answer to rawmode and the first frame to a socketcand client */
     int epoll_fd;
     uint32_t last_number;
     struct {
@@ -79,7 +79,7 @@ client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool m
 void hub_accept(hub_t *self);
 
 /* Handles a packet from the client; called by endpoints. Forwards the packet if it is a frame and the client may send.
- * Otherwise counts the packet and prints a message if it is the first. Returns false if the packet is not a frame. */
+ * Otherwise counts the packet and, the first time, prints a message. Returns false if the packet is not a frame. */
 bool hub_receive(hub_t *self, client_t *client, const void *packet, size_t bytes);
 
 /* Waits up to timeout_ms for events and handles them. Returns false if there were no events and no frames are waiting.

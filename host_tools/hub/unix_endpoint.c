@@ -49,7 +49,7 @@ static client_result_t read_frames(hub_t *hub, client_t *client) {
     }
     hub_accept(hub);
     for (int i = 0; i < received; i++) {
-        if (message[i].msg_len == 0) { /* end of file, which cannot be told from an empty packet */
+        if (message[i].msg_len == 0) { /* end of file, or an empty packet, which looks the same */
             return CLIENT_IS_GONE;
         }
         (void)hub_receive(hub, client, packet[i], message[i].msg_len);

@@ -17,7 +17,7 @@ typedef struct {
     bool loopback; /* other sockets on this machine receive the frames that this socket sends */
     bool receives_own;
     receive_filter_t filter;
-    int sender; /* second connection, for frames that this socket receives itself or for another interface; or -1 */
+    int sender; /* second connection, to send frames to another interface or also to this socket itself; -1: none */
     unsigned sender_index;
 } can_socket_t;
 

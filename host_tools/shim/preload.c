@@ -1,6 +1,7 @@
 /* libcomanip-can.so, a library for LD_PRELOAD that provides raw CAN sockets on machines whose kernel has none. Calls on
- * a CAN socket are redirected to the hub. All other calls are passed to libc unchanged. Not supported are CAN_BCM,
- * ISO-TP, J1939, MSG_CONFIRM on own frames, and sockets that are duplicated or inherited by another program. */
+ * a CAN socket are redirected to the hub. All other calls are passed to libc unchanged. There is no support for
+ * CAN_BCM, ISO-TP, J1939, MSG_CONFIRM on own frames, or sockets that are duplicated or inherited by another
+ * program. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -73,7 +74,7 @@ int ioctl(int fd, unsigned long request, ...) {
     return can_socket_find(fd) != NULL && answer(request, argument) ? 0 : next_ioctl(fd, request, argument);
 }
 
-/* ---- opening, binding, options, closing. glibc declares addresses as a union of all kinds, __SOCKADDR_ARG */
+/* ---- opening, binding, options, closing. glibc declares addresses as __SOCKADDR_ARG, a union of pointers */
 
 int socket(int domain, int type, int protocol) {
     NEXT(socket)

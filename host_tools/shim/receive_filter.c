@@ -19,8 +19,8 @@ static void emit(program_t *self, unsigned code, unsigned char if_true, unsigned
     self->code[self->length++] = (struct sock_filter){(unsigned short)code, if_true, if_false, value};
 }
 
-/* Loads the id and masks it. The mask is converted, because BPF loads in network byte order and the id is in that of
- * the machine. */
+/* Loads the id and masks it. The mask is converted, because BPF loads in network byte order, whereas the id is in host
+ * byte order. */
 static void emit_masked_id(program_t *self, uint32_t mask) {
     emit(self, BPF_LD | BPF_W | BPF_ABS, 0, 0, 0);
     emit(self, BPF_ALU | BPF_AND | BPF_K, 0, 0, htonl(mask));
@@ -35,7 +35,7 @@ static void emit_filter(program_t *self, const struct can_filter *filter, bool w
     const bool is_inverted = (filter->can_id & CAN_INV_FILTER) != 0;
     uint32_t mask = filter->can_mask & ~CAN_ERR_FLAG;
     if ((mask & CAN_EFF_FLAG) != 0 && (filter->can_id & CAN_EFF_FLAG) == 0) {
-        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* as in the kernel: a standard id has 11 bits */
+        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* a standard id has 11 bits; the kernel does the same */
     }
     const bool ends_if_equal = is_inverted != when_matching;
     emit_masked_id(self, mask);

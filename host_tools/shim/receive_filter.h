@@ -15,7 +15,7 @@ typedef struct {
     can_err_mask_t errors; /* classes of error frames that pass */
 } receive_filter_t;
 
-/* Initialises the filter of a new socket, which all data frames of classic CAN pass. */
+/* Initialises the filter of a new socket, so that it passes all data frames of classic CAN. */
 void receive_filter_init(receive_filter_t *self);
 
 /* Attaches the filter to the socket. Returns 0, or -1 with errno. */

@@ -83,7 +83,7 @@ void bus_listen(bus_t *self, bus_handler_t handler, void *context) {
 bool bus_send(bus_t *self, int node_number, const can_frame_t *frame, int64_t ready_ns) {
     assert(node_number >= 0 && node_number < self->node_count);
     const int64_t duration_ns = frame_time_ns(frame);
-    assert(duration_ns > 0); /* an id above 11 bits or a length without a DLC is a bug in the sender */
+    assert(duration_ns > 0); /* an id of more than 11 bits or a length that no DLC encodes is a bug */
     node_t *node = &self->node[node_number];
     if (node->count == BUS_QUEUE_FRAMES) {
         self->statistics.dropped++;

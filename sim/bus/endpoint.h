@@ -7,7 +7,7 @@
 
 #define ENDPOINT_KIND(kind) (UINT32_C(1) << (kind))
 
-/* message: in the layout that the X_unpack() functions of can_protocol.h expect. end_ns: end of its last frame. */
+/* message: in the layout that the X_unpack() functions of can_protocol.h expect. end_ns: end time of its last frame. */
 typedef void (*endpoint_handler_t)(void *context, frame_kind_t kind, const can_frame_t *message, int64_t end_ns);
 
 typedef struct {
@@ -20,8 +20,8 @@ typedef struct {
     int64_t ready_ns; /* ready time of the message being sent */
 } endpoint_t;
 
-/* Attaches a node to the bus. joint_count: joints of the arm on this bus. kinds: kinds of message that the node
- * receives, one bit each. handler: NULL if the node only sends. self must not be moved afterwards. */
+/* Attaches a node to the bus. joint_count: joints of the arm on this bus. kinds: the kinds of message that the
+ * node receives, one bit each. handler: NULL if the node only sends. self must not be moved afterwards. */
 void endpoint_attach(endpoint_t *self, bus_t *bus, uint8_t joint_count, uint32_t kinds, endpoint_handler_t handler,
                      void *context);
 

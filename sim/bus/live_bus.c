@@ -33,7 +33,7 @@ struct bus {
     int64_t start_unix_ns; /* Unix time at time 0; a multiple of the pace's tick */
     int node_count, listener_count;
     receiver_t node[BUS_MAX_NODES], listener[BUS_MAX_NODES];
-    int sender[IDS]; /* per id: index of the node that sends it */
+    int sender[IDS]; /* index of the node that sends each id */
 
     int pending_count;
     pending_t pending[QUEUE_FRAMES]; /* sorted by ready_ns, then by id */

@@ -3,11 +3,11 @@
 #ifndef COMANIP_SIM_MINIMUM_JERK_H
 #define COMANIP_SIM_MINIMUM_JERK_H
 
-/* Returns the fraction of the path that is covered after the fraction x of the duration: 0 before the move and 1 after
- * it. */
+/* Returns the fraction of the path covered once the fraction x of the duration has passed: 0 before the move and 1
+ * after it. */
 double minimum_jerk_share(double x);
 
-/* Return the duration of a crank turn and the angle turned after a time. The speed rises to one turn per turn_s over
+/* Return the duration of a crank turn and the angle turned by a given time. The speed rises to one turn per turn_s over
  * the first half turn and falls over the last half turn. A motion of less than one turn accelerates over its first half
  * and decelerates over its second. `turns` is signed. */
 double smooth_turn_duration_s(double turns, double turn_s);

@@ -19,8 +19,8 @@ void recorded_motion_destroy(recorded_motion_t *self);
 double recorded_motion_duration_s(const recorded_motion_t *self);
 
 /* Sets pose to the hand's pose at time_s since the start of the recording, interpolated linearly in position and
- * spherically in rotation. Before the start this is the first pose, and after the end the last one. Returns false in a
- * gap (an interval above 1.5 times the median), where the interpolated pose is only a guess. */
+ * spherically in rotation. Before the start, pose is the first recorded pose; after the end, it is the last. Returns
+ * false in a gap (an interval above 1.5 times the median), where the interpolated pose is only a guess. */
 bool recorded_motion_sample(const recorded_motion_t *self, double time_s, rigid_pose_t *pose);
 
 /* Returns one line of text that describes the recording and how its axes are mapped. */

@@ -24,8 +24,8 @@ void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name) 
     }
 }
 
-/* The frequencies are uniformly distributed over the band, so the mean of their squares is that of a uniform
- * variable. */
+/* The frequencies are uniformly distributed over the band, so the mean of their squares is the second moment of a
+ * uniform distribution. */
 double tremor_speed_mps(double rms_m) {
     const double mean_square_Hz2 = (LOWEST_HZ * LOWEST_HZ + LOWEST_HZ * HIGHEST_HZ + HIGHEST_HZ * HIGHEST_HZ) / 3.0;
     return rms_m / sqrt(3.0) * TWO_PI * sqrt(mean_square_Hz2);

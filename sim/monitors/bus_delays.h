@@ -1,4 +1,5 @@
-/* Measures the delays of frames on the bus: how old a hand pose is when it arrives, and how long a command takes. */
+/* Measures the delays of frames on the bus: how old a hand pose is when it arrives, and how long a command takes to
+ * arrive. */
 #ifndef COMANIP_SIM_BUS_DELAYS_H
 #define COMANIP_SIM_BUS_DELAYS_H
 
@@ -9,10 +10,10 @@
 
 typedef struct {
     uint64_t poses, commands;
-    double pose_age_us; /* sum of the times from the stamp of a HandPose to its end on the bus */
+    double pose_age_us; /* sum of the times from the stamp of a HandPose to the end of its frame */
     double command_us;  /* sum of the times from the firmware's tick to the end of its JointCmd */
     bool has_latency;
-    double reported_latency_us; /* latency reported in TrackerStatus, from a stamp to its frame */
+    double reported_latency_us; /* latency reported in TrackerStatus, from a pose's stamp to its frame */
     bool has_command;
     uint32_t command_end_us;
 } bus_delays_t;
@@ -27,7 +28,7 @@ void bus_delays_trace(bus_delays_t *self, const tick_trace_t *trace);
 
 /* Return the latency that the tracker reports or a mean delay, in ms; NaN without data. */
 double bus_delays_tracker_ms(const bus_delays_t *self);
-double bus_delays_pose_ms(const bus_delays_t *self); /* delay on the bus, without the reported latency */
+double bus_delays_pose_ms(const bus_delays_t *self); /* delay on the bus, without the tracker's latency */
 double bus_delays_command_ms(const bus_delays_t *self);
 
 #endif

@@ -12,7 +12,7 @@
 #define CHECK_WINDOW_TICK_S 0.001
 
 typedef struct {
-    bool has_started;       /* the arm has cooperated */
+    bool has_started;       /* the arm has begun to cooperate */
     bool is_open;           /* the start has been reached */
     bool is_closed;         /* the end has been reached, if the check names one */
     uint64_t ticks;         /* ticks in the window so far */

@@ -5,7 +5,7 @@
 
 #include "../common/solve_3x3.h"
 
-#define DAMPING_PER_SAMPLE 1e-4 /* per sample; keeps k small unless the hand rotates by more than about 0.01 rad */
+#define DAMPING_PER_SAMPLE 1e-4 /* keeps k small unless the hand rotates by more than about 0.01 rad */
 
 static void add_follower(delay_sums_t *sums, size_t follower, const double at_m[3], const delay_hand_t *hand) {
     double fitted_m[3];
@@ -80,7 +80,7 @@ double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower) {
     if (best == 0 || best == DELAY_COUNT - 1) {
         return (double)NAN;
     }
-    /* Interpolate between the delays of the grid by the minimum of the parabola through three points. */
+    /* Refine the delay: take the minimum of the parabola through the best point and its two neighbours. */
     const double before = self->residual_m2[best - 1][follower], at = self->residual_m2[best][follower];
     const double after = self->residual_m2[best + 1][follower];
     const double bend = before - 2.0 * at + after;

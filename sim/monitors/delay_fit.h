@@ -1,11 +1,11 @@
-/* Estimates by how much the target and the end effector lag behind the person's hand, as the delay with the smallest
- * least-squares residual.
+/* Estimates the times by which the target and the end effector lag behind the person's hand. Each estimate is the delay
+ * with the smallest least-squares residual.
  *
  * Between two commands of the operator, Algorithm 1 maps the hand's position h and rotation R to the target s h + R k +
- * b (mirrored: minus twice the forward displacement along the target's z axis), with constants k and b that follow from
- * the start poses and the task. For each delay d of a grid, R(t - d) k + b is therefore fitted to follower(t) - s h(t -
- * d). The residual, summed over all intervals between commands, is smallest at the true delay. The constants need not
- * be known, and the fit does not depend on the firmware's arithmetic. */
+ * b, where the constants k and b follow from the start poses and the task. If the task mirrors, twice the forward
+ * displacement is subtracted along the target's z axis. For each delay d of a grid, R(t - d) k + b is therefore
+ * fitted to follower(t) - s h(t - d). The residual, summed over all intervals between commands, is smallest at the true
+ * delay. The constants need not be known, and the fit does not depend on the firmware's arithmetic. */
 #ifndef COMANIP_SIM_DELAY_FIT_H
 #define COMANIP_SIM_DELAY_FIT_H
 
@@ -29,7 +29,7 @@ typedef struct {
 typedef struct {
     double turn[3][3]; /* R */
     struct {
-        double fitted_m[3], rotated_m[3], square_m2; /* fitted vector, this vector rotated by R^T, its square */
+        double fitted_m[3], rotated_m[3], square_m2; /* fitted vector, the same rotated by R^T, its squared norm */
     } follower[DELAY_FOLLOWERS];
 } delay_sums_t;
 

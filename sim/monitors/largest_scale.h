@@ -1,4 +1,4 @@
-/* Finds the largest motion scale at which the arm could have reached every target while a recording was played. The
+/* Finds the largest motion scale at which the arm could have reached every target of a played recording. The
  * target's displacement since the start of the recording is assumed to be proportional to the scale, and its start
  * position to be independent of it. This is exact for `teleop`. If a task has a lever between the hands, rotations of
  * the wrist add a displacement that does not depend on the scale. */

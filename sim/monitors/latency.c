@@ -40,7 +40,7 @@ static void add_hand(latency_t *self, latency_tick_t *now, const tick_record_t *
 }
 
 /* Adds the target and the end effector to the record of the target's own tick, because a target is reported some ticks
- * later. */
+ * after it was computed. */
 static void add_followers(latency_t *self, const tick_record_t *tick, bool followable) {
     if (!tick->has_target || tick->target_ns == self->target_ns) {
         return;

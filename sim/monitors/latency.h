@@ -1,4 +1,4 @@
-/* Measures by how much the end effector lags behind the person's hand, and the components of this latency, which
+/* Measures the time by which the end effector lags behind the person's hand, and the components of this latency, which
  * docs/scenarios.md defines. */
 #ifndef COMANIP_SIM_LATENCY_H
 #define COMANIP_SIM_LATENCY_H

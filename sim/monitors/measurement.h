@@ -29,8 +29,8 @@ typedef struct {
     int particles;             /* number of water particles */
     int newly_left_cup;
     bool is_moving[SCENARIO_MAX_PEOPLE];
-    int lost[SCENARIO_MAX_OBJECTS];    /* how often each object slipped out of a hand or gripper in this tick */
-    int dropped[SCENARIO_MAX_OBJECTS]; /* how often each object was dropped in this tick */
+    int lost[SCENARIO_MAX_OBJECTS];    /* number of times each object slipped out of a hand or gripper in this tick */
+    int dropped[SCENARIO_MAX_OBJECTS]; /* number of times each object was dropped in this tick */
 } measurement_input_t;
 
 /* Must be called in every tick, inside the window or not. */

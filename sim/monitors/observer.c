@@ -53,7 +53,7 @@ static void on_parameter(observer_t *self, const can_frame_t *frame) {
     parameter_value_t value;
     parameter_value_unpack(frame, &value);
     if (value.parameter < PARAMETER_COUNT) {
-        self->parameter[value.parameter] = value.value; /* the current value, whatever the result */
+        self->parameter[value.parameter] = value.value; /* the current value, whether or not a write was accepted */
     }
 }
 

@@ -12,7 +12,7 @@
 #define DAMPING_MAX 1e3
 #define STEP_MIN_RAD 1e-6
 #define GRID_STARTS 8
-#define FAR_RESERVE 0.1 /* margin for the error of a search far out of reach, as a share of the distance found */
+#define FAR_RESERVE 0.1 /* margin for the search error far out of reach, as a share of the distance */
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];

@@ -20,9 +20,9 @@ static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
            rotation_angle_between(hand->rotation, anchor->rotation) > REST_HAND_RAD;
 }
 
-/* If the mean of the block is away from the anchor, the hand has moved. It can then have been still only since the
- * start of this block, and the mean becomes the new anchor. While the hand may still be arriving, the anchor follows
- * it, because tremor alone could carry the hand away from an anchor that was set on the way. */
+/* If the mean of the block is away from the anchor, the hand has moved. It is then taken to have been still only since
+ * the start of this block, and the mean becomes the new anchor. While the hand may still be arriving, the anchor
+ * follows it, because tremor alone could carry the hand away from an anchor that was set during the approach. */
 static void end_block(rest_monitor_t *self) {
     rigid_pose_t mean = self->block;
     for (int k = 0; k < 3; k++) {
@@ -84,7 +84,7 @@ static void end_commanded_rest(rest_monitor_t *self, int64_t now_ns) {
     end_phase(self);
 }
 
-/* Returns true if nothing that would move the target has changed since the last tick. */
+/* Returns true if nothing that would move the target has changed since the previous tick. */
 static bool is_rest_commanded(const rest_monitor_t *self, const tick_record_t *tick, const physical_state_t *state,
                               const rigid_pose_t *aim, int64_t settled_ns) {
     return tick->mode == MODE_COOPERATING && self->mode == MODE_COOPERATING && settled_ns == self->settled_ns &&

@@ -3,7 +3,7 @@
  * A still phase is a period of cooperation in which nothing moves the target: the person's desired hand pose is
  * constant, the hand in ODE stays there (REST_HAND_M, REST_HAND_RAD; tremor is averaged out), no hand or gripper grips
  * or releases an object, and the blend of the last command has ended. In each phase of at least REST_PHASE_S, the
- * monitor takes the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. The arm therefore has at
+ * monitor finds the largest joint speed commanded on the bus in the last REST_WINDOW_TICKS. The arm therefore has at
  * least 1.5 s to come to rest, and an oscillation of 0.5 Hz or more reaches its full speed within one second. */
 #ifndef COMANIP_SIM_REST_MONITOR_H
 #define COMANIP_SIM_REST_MONITOR_H
@@ -16,14 +16,14 @@
 
 #define REST_PHASE_S 2.5
 #define REST_WINDOW_TICKS 1000
-#define REST_HAND_M 0.002 /* over 2.5 s, this causes joint speeds of at most about 6 mrad/s */
+#define REST_HAND_M 0.002 /* over 2.5 s, such a drift causes joint speeds of at most about 6 mrad/s */
 #define REST_HAND_RAD (0.5 * ROBOT_RAD_PER_DEG)
 #define REST_BLOCK_TICKS 100 /* averaging time of the hand, about one period of tremor */
 #define REST_UNSTILL_S 1.0   /* a hand that moved within this time before the phase ended counts as disturbed */
 
 typedef struct {
-    int64_t commanded_ns; /* time since which person and operator have commanded no motion */
-    int64_t hand_ns;      /* time since which the hand in ODE has been still */
+    int64_t commanded_ns; /* start of the period in which neither person nor operator commands motion */
+    int64_t hand_ns;      /* start of the period in which the hand in ODE is still */
     control_mode_t mode;
     int64_t settled_ns;
     rigid_pose_t aim;
@@ -36,8 +36,8 @@ typedef struct {
     uint64_t ticks;
     double phase_s;         /* duration of the current phase */
     double longest_s;       /* longest phase so far, including the current one */
-    bool measured;          /* a phase was long enough */
-    bool disturbed;         /* the person held still for REST_PHASE_S, but the hand moved until the end */
+    bool measured;          /* at least one phase was long enough */
+    bool disturbed;         /* a rest of REST_PHASE_S was commanded, but the hand kept moving until its end */
     double speed_radps_max; /* largest speed of all measured phases */
 } rest_monitor_t;
 

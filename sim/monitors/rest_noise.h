@@ -1,4 +1,4 @@
-/* Computes how fast the joints move, without any fault, while a hand with tremor is at rest and a noisy tracker
+/* Computes how fast the joints of a fault-free system move while a hand with tremor is at rest and a noisy tracker
  * measures it.
  *
  * The value is computed, not measured, because the controller must not influence its own limit and because a run may

@@ -1,6 +1,6 @@
-/* Measures what the checks of a scenario need, in every tick of each check's window (check_window.h). The inputs are
- * the record of the tick (bus, and end effector in ODE), the state of the scene, and the events. measure_t in
- * scenario.h defines the measures. Details:
+/* Takes the measurements for the checks of a scenario, in every tick of each check's window (check_window.h). The
+ * inputs are the record of the tick (bus, and end effector in ODE), the state of the scene, and the events. measure_t
+ * in scenario.h defines the measures. Details:
  * - Displacement, way, turn, turns and water_poured are relative to the first tick of the window. Like held and
  *   water_caught, they take the value of the last tick. water_caught is a share of all particles that left the cup and
  *   did not fall back into it.

@@ -91,7 +91,7 @@ drive_node_t *drive_node_create(bus_t *bus, arm_plant_t *plant) {
         self->enabled = true;
         self->timeout_ns = (int64_t)transport_timeout_ms(bus_profile(bus), FRAME_JOINT_CMD) * 1000000;
         self->period_ns = (int64_t)transport_period_ms(bus_profile(bus), FRAME_JOINT_STATE0) * 1000000;
-        self->newest = VELOCITY_WINDOW - 1; /* the first sample has index 0 */
+        self->newest = VELOCITY_WINDOW - 1; /* so that the first sample gets index 0 */
         endpoint_attach(&self->endpoint, bus, ROBOT_JOINTS, ENDPOINT_KIND(FRAME_JOINT_CMD), on_command, self);
     }
     return self;

@@ -12,7 +12,7 @@
 
 #define TEXT_BYTES 160
 #define REFUSAL_BYTES 420  /* room for ten parameters with their values */
-#define NAMING_NS 10000000 /* the firmware reports rejected parameters one per tick, which is 4 ms on classic CAN */
+#define NAMING_NS 10000000 /* timeout for the next rejected parameter; the firmware reports one per tick (up to 4 ms) */
 #define CLOSING_STEPS 2
 #define LISTENS_TO                                                                                                     \
     (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) | ENDPOINT_KIND(FRAME_PARAMETER_VALUE) |  \
@@ -26,7 +26,7 @@ struct operator_node {
     size_t current;
     int64_t ready_ns;   /* end of the previous step */
     bool stops;         /* the script has ended or was stopped */
-    int send_count;     /* how many times the current step's frame was sent */
+    int send_count;     /* how many times the current step's frame has been sent */
     int64_t due_ns;     /* when the current step became due; valid if `begun` */
     int64_t timeout_ns; /* when to send again */
     bool begun;
@@ -35,8 +35,8 @@ struct operator_node {
     reason_t reason;
     task_id_t task;
     bool latched;
-    task_form_t custom_form;      /* of the last task that was defined */
-    char refusal[REFUSAL_BYTES];  /* "": none */
+    task_form_t custom_form;      /* form of the task defined last */
+    char refusal[REFUSAL_BYTES];  /* text of the refusal; "": none */
     int64_t refusal_ns, named_ns; /* arrival times of the refusal and of the latest parameter that caused it */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
@@ -106,7 +106,7 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* If a refusal has arrived, appends to its text a parameter that makes the parameter set unstable. */
+/* If a refusal has arrived, appends one of the parameters that make the parameter set unstable to its text. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {

@@ -33,12 +33,12 @@ typedef struct {
     int done_event;      /* raised when the step is acknowledged; EVENT_NONE: none */
     uint8_t parameter;   /* OPERATOR_WRITE_PARAMETER */
     float value;
-    command_t command; /* OPERATOR_COMMAND; OPERATOR_DEFINE_TASK: COMMAND_DEFINE, as in its CommandAck */
+    command_t command; /* for OPERATOR_COMMAND; always COMMAND_DEFINE for OPERATOR_DEFINE_TASK, as in its CommandAck */
     task_id_t task;
     task_define_t define;  /* OPERATOR_DEFINE_TASK; the node sets its sequence number */
     bool close;            /* OPERATOR_MOVE_GRIPPER */
     control_mode_t mode;   /* OPERATOR_AWAIT_MODE */
-    double mode_timeout_s; /* timeout of the wait for `mode` */
+    double mode_timeout_s; /* how long to wait for `mode` */
 } operator_step_t;
 
 typedef struct operator_node operator_node_t;

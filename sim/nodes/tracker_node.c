@@ -147,7 +147,7 @@ static void send_hand_pose(tracker_node_t *self, int64_t measured_ns, int64_t re
     can_frame_t frame;
     (void)hand_pose_pack(&pose, &frame);
     if (self->statistics.samples == 0) {
-        self->last_valid_ns = measured_ns; /* a gap at the beginning counts from the first sample */
+        self->last_valid_ns = measured_ns; /* a gap at the beginning starts with the first sample */
     }
     self->statistics.longest_gap_s =
         fmax(self->statistics.longest_gap_s, (double)(measured_ns - self->last_valid_ns) * 1e-9);

@@ -77,7 +77,7 @@ void help_print(void) {
         if (i == 0 || strcmp(p->group, parameters[i - 1].group) != 0) {
             (void)printf("  %s\n", p->group);
         }
-        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) { /* elements of a vector share it */
+        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) { /* elements of a vector share one meaning */
             (void)printf("    %s\n", p->meaning);
         }
         (void)printf("      %-32s %g to %g%s%s, %g\n", p->name, (double)p->minimum, (double)p->maximum,

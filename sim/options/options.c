@@ -12,7 +12,7 @@
 
 #define UNIT_TOLERANCE 1e-3 /* largest deviation of a quaternion's norm from 1 */
 #define MOUNT_MAX_M 1e3
-#define PAPER_GAIN_PER_S 4.0f /* the paper states no value; its law uses one gain for all components */
+#define PAPER_GAIN_PER_S 4.0f /* the paper does not state a value; its law uses one gain for all components */
 
 enum {
     OPTION_SCENARIO = 256,
@@ -151,7 +151,7 @@ static bool parse_parameter(options_t *self, const char *argument, char error[])
     for (int i = 0; i < PARAMETER_COUNT; i++) {
         const char *name = parameter_table[i].name;
         if (name == NULL) {
-            continue; /* an unused number */
+            continue; /* an unused parameter number */
         }
         if (strlen(name) == name_bytes && memcmp(name, argument, name_bytes) == 0) {
             return set_parameter(self, i, "param", argument, equals + 1, error);

@@ -10,7 +10,7 @@
 
 #define COOPERATION_MIN_S 0.1
 #define REST_RADPS 0.02 /* without noise: ten times the command that one encoder pulse causes with default gains */
-#define REST_NOISES 5.0 /* with noise: multiple of its RMS that random peaks do not exceed */
+#define REST_NOISES 5.0 /* with noise: multiple of the noise's RMS that random peaks do not exceed */
 /* Recorded wrists turn freely, and rotations that four joints cannot follow cause position errors. */
 #define RECORDING_RMS_LIMIT_MM 3.0
 

@@ -5,7 +5,7 @@
 #include "../world/world.h"
 
 #define CHECKS_MAX (16 + SCENARIO_MAX_CHECKS)
-#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* minimum for a check of the tracking */
+#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* minimum followable motion for a check of the tracking */
 
 typedef struct {
     const char *name;
@@ -23,7 +23,7 @@ typedef struct {
     check_t check[CHECKS_MAX];
     size_t count;
     size_t left_out_by_end;       /* checks left out because the shortened run ended before their window did */
-    size_t left_out_by_clutch;    /* checks left out because the operator took a new reference within their window */
+    size_t left_out_by_clutch;    /* checks left out because a clutch within their window set a new reference */
     size_t left_out_by_trace;     /* checks left out because they need the target, but the trace is switched off */
     size_t left_out_by_recording; /* checks left out because they apply only to the built-in motion */
     size_t left_out_by_define;    /* checks left out because they apply only to the scenario's own task */

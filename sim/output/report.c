@@ -14,7 +14,7 @@
 
 #define PROGRESS_TERMINAL_TICKS 500
 #define LATENCY_TEXT_BYTES 120
-#define PROGRESS_LINES 4 /* number of lines per run without a terminal */
+#define PROGRESS_LINES 4 /* progress lines per run if the output is not a terminal */
 
 static double simulated_s(const world_t *world) {
     return (double)world->now_ns * 1e-9;
@@ -275,7 +275,7 @@ static bool is_terminal(void) {
 }
 
 const char *report_verdict(bool pass) {
-    const char *no_colour = getenv("NO_COLOR"); /* no-color.org: present and not empty */
+    const char *no_colour = getenv("NO_COLOR"); /* applies if present and not empty (no-color.org) */
     if (!is_terminal() || (no_colour != NULL && no_colour[0] != '\0')) {
         return pass ? "PASS" : "FAIL";
     }

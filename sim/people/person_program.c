@@ -30,7 +30,7 @@ struct person_program {
     size_t current;
     double ready_s;        /* end of the previous step */
     bool begun;            /* the current step has begun */
-    double begin_s, end_s; /* begin and end of the current step; the end is known in advance only for a timed step */
+    double begin_s, end_s; /* start and end of the current step; the end is known in advance only for a timed step */
     rigid_pose_t aim;      /* desired pose of the hand, without tremor */
     hand_path_t path;
     approach_t approach;
@@ -129,7 +129,7 @@ static void begin_turn(person_program_t *self, const person_step_t *step) {
     self->end_s = self->begin_s + crank_turn_duration_s(&self->turn);
 }
 
-/* Returns true if the current step has begun. */
+/* Begins the current step if it is due. Returns true if it has begun. */
 static bool begin(person_program_t *self, double now_s, const double robot_gain[3]) {
     const person_step_t *step = &self->steps[self->current];
     if (!step_wait_begin_s(&step->start, self->events, self->ready_s, &self->begin_s)) {
@@ -172,8 +172,8 @@ static void fail_to_bring(person_program_t *self, const point_t *what, const cha
     fail(self, "cannot bring %s to %s: %s", what_name, to_name, why);
 }
 
-/* Returns true if the moved point has reached its goal. Fails if the point or its goal is on an object that has fallen,
- * because a person does not follow a falling object. */
+/* Returns true if the moved point has reached its goal. Fails the program if the point or its goal is on an object that
+ * has fallen, because a person does not follow a falling object. */
 static bool is_there(person_program_t *self, double now_s, const double robot_gain[3]) {
     const person_step_t *step = &self->steps[self->current];
     const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->index};
@@ -240,7 +240,7 @@ static void finish(person_program_t *self) {
     }
 }
 
-/* Returns true if a step has ended and the next one may begin. */
+/* Begins the current step if it is due, and finishes it if it is over. Returns true if it is finished. */
 static bool advance(person_program_t *self, double now_s, const double robot_gain[3]) {
     if (self->failure[0] != '\0' || self->current == self->count) {
         return false;

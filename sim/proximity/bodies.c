@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#define ROD_CHANGE_M 10.0 /* distance that a held rod counts as having moved when it is replaced by another */
+#define ROD_CHANGE_M 10.0 /* added to travelled_m when a hand or gripper holds a different rod than before */
 
 /* Moves a body to a pose and adds an upper bound of its points' motion to travelled_m. A point at the bounding radius R
  * moves by at most the displacement of the origin plus the chord of the rotation, 2 R sin(angle/2). For unit

@@ -9,7 +9,7 @@
 
 #define STEPS 150
 #define FIRST_STEP_RAD 0.3
-#define STEP_RATIO 0.93 /* the last step is 6 urad */
+#define STEP_RATIO 0.93 /* ratio of successive steps; the last one is 6 urad */
 
 static double length_of(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);

@@ -104,7 +104,7 @@ typedef struct {
 /* ---- when a step begins */
 
 typedef struct {
-    double at_s;                       /* earliest begin; 0 if not restricted */
+    double at_s;                       /* earliest start of the step; 0: no restriction */
     int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all of them */
     size_t awaited_count;
     double delay_s;    /* delay after the last awaited event, or after the previous step if no event is awaited */
@@ -128,7 +128,7 @@ typedef struct {
     scenario_name_t name; /* the step raises "PERSON.NAME" when it is finished; "" for no event */
     person_action_t action;
     step_start_t start;
-    double duration_s;                   /* rest, move, reach, guide; turn: of one revolution */
+    double duration_s;                   /* rest, move, reach, guide: of the step; turn: of one revolution */
     double displacement_m[3];            /* move: from the start */
     double rotation_vector_rad[3];       /* move: from the start orientation, torso axes */
     bool from_here;                      /* move: displacement and rotation are relative to the end of the last step */
@@ -193,18 +193,18 @@ typedef struct {
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between the end effector and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, RMS of the same distance */
-    MEASURE_RELATION_RMS,     /* mm, end effector displacement since `from` minus the person's times motion_scale */
+    MEASURE_RELATION_RMS,     /* mm, end effector displacement since `from` minus motion_scale times the person's */
     MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` minus expected_m times motion_scale */
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
     MEASURE_WAY_Z,             /* mm, end effector displacement along this axis from `from` to `until`; signed */
-    MEASURE_TILT,              /* deg, smallest angle between torso z and the end effector axis initially along it */
+    MEASURE_TILT,              /* deg, smallest tilt of the end effector axis that pointed up at the start */
     MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
     MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` minus expected_deg */
     MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */
     MEASURE_WATER_CAUGHT,      /* %, share of the poured particles that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
-    MEASURE_DROPS,             /* number of times the object slipped, or was held by nobody after its first grip */
+    MEASURE_DROPS,             /* number of times the object slipped out of a grip or, once gripped, was dropped */
     MEASURE_HELD,              /* 1 if only the named person holds the object at the end */
     MEASURE_FORCE_RMS,         /* N, at the person's hand while it holds the object, from ODE's joint */
     MEASURE_FORCE_PEAK,
@@ -237,7 +237,7 @@ typedef struct {
  * the value. */
 typedef struct {
     double start_m;          /* start position of the tracked person's hand, per axis */
-    double move_m;           /* end of each move, per axis; moves to the same position still share one end */
+    double move_m;           /* end of each move, per axis; moves to the same position still end at the same position */
     double object_m[3];      /* position of the objects; all are shifted by the same amount */
     double duration_percent; /* duration of each step that has one */
 } variation_t;

@@ -50,7 +50,7 @@ static void read_parameters(yaml_reader_t *yaml, scenario_t *self) {
     yaml_node_t *parameters = yaml_find(yaml, yaml_root(yaml), "parameters");
     const char *names[PARAMETER_COUNT + 1] = {NULL};
     for (int i = 0, count = 0; i < PARAMETER_COUNT; i++) {
-        if (parameter_table[i].name != NULL) { /* NULL: an unused number */
+        if (parameter_table[i].name != NULL) { /* NULL: an unused parameter number */
             names[count++] = parameter_table[i].name;
         }
     }

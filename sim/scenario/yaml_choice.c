@@ -7,7 +7,7 @@
 #define LIST_BYTES 1200
 #define SHORT_LIST_BYTES 60
 #define SIMILAR_SHARE 3   /* two words are similar if at most 1 / SIMILAR_SHARE of the letters differ */
-#define SIMILAR_LETTERS 2 /* or if at most SIMILAR_LETTERS letters differ */
+#define SIMILAR_LETTERS 2 /* they are also similar if at most SIMILAR_LETTERS letters differ */
 
 int yaml_choice(const char *word, const char *const words[]) {
     for (int i = 0; words[i] != NULL; i++) {
@@ -48,7 +48,7 @@ static const char *most_similar(const char *word, const char *const words[]) {
     const char *similar = NULL;
     for (size_t i = 0; length < WORD_BYTES && words[i] != NULL; i++) {
         const size_t distance = edit_distance(word, words[i]);
-        if (distance < best && distance < length) { /* not if every letter would be replaced */
+        if (distance < best && distance < length) { /* a word is not similar if every letter would be replaced */
             best = distance;
             similar = words[i];
         }

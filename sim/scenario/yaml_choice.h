@@ -1,5 +1,5 @@
-/* Words from a fixed list, such as keys, kinds and names of objects. The error for an unknown word suggests a similar
- * one. */
+/* Looks up words in a fixed list, such as keys, kinds and names of objects. The error for an unknown word suggests
+ * a similar one. */
 #ifndef COMANIP_SIM_YAML_CHOICE_H
 #define COMANIP_SIM_YAML_CHOICE_H
 

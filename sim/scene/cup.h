@@ -1,6 +1,6 @@
-/* The wall of a cup that particles can touch. Its centre line runs along the bottom to the corner and up to the rim.
- * Rotating this line about the cup's axis and thickening it produces a rounded shell. The shell lies outside the inner
- * surface, so that the inner radius and height are those of the cup. Points are in the cup's frame unless stated
+/* The wall of a cup, for contacts with particles. Its centre line runs along the bottom to the corner and up to the
+ * rim. Rotating this line about the cup's axis and thickening it produces a rounded shell. The shell lies outside the
+ * inner surface, so that the inner radius and height are those of the cup. Points are in the cup's frame unless stated
  * otherwise. */
 #ifndef COMANIP_SIM_CUP_H
 #define COMANIP_SIM_CUP_H

@@ -12,7 +12,7 @@ typedef struct {
     double radius_m;
     double inverse_mass_pkg; /* 1/kg; 0 for a wall */
     int cup;                 /* index of the cup that contains it, or NO_CUP */
-    bool is_spilt;           /* lies on the ground; has no contacts any more */
+    bool is_spilt;           /* lies on the ground and no longer has contacts */
 } particle_t;
 
 #endif

@@ -14,7 +14,7 @@ typedef struct {
     double impulse_Ns;     /* impulse on `one` along the normal, >= 0; written by the solver */
 } particle_contact_t;
 
-/* An entry of the list of particles, which is sorted along x. */
+/* An entry of the list of particles sorted along x. */
 typedef struct {
     double position_m[3];
     double radius_m;
@@ -22,8 +22,8 @@ typedef struct {
 } particle_along_x_t;
 
 /* Finds the contacts between particles. sorted[] lists the *sorted_count particles that are not spilt, in the order
- * left by the last call. For the first call any order will do, and only `particle` needs to be set. Removes particles
- * spilt since the last call. Returns the number of contacts, at most one per pair. */
+ * left by the last call. Before the first call, the order is arbitrary and only `particle` needs to be set. Removes
+ * particles spilt since the last call. Returns the number of contacts, at most one per pair. */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]);
 

@@ -9,7 +9,7 @@
 #define STIFFNESS_PER_KG 6.0e5
 #define DAMPING_PER_KG 1.5e3
 
-#define ITERATIONS 4 /* more iterations do not change the pouring: docs/physics.md */
+#define ITERATIONS 4 /* more iterations do not change the pouring (docs/physics.md) */
 #define OVER_RELAXATION 1.3
 
 typedef struct {

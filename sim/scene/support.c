@@ -12,7 +12,7 @@
  * the rod has degrees of freedom. Without creep the friction forces would be undetermined, and ODE's LCP solver would
  * fail. */
 #define CONTACT_SLIP_MPNS 1e-3
-#define GROOVE_DEPTH_M 0.01 /* a rod that is deeper than this below its start position has left the groove */
+#define GROOVE_DEPTH_M 0.01 /* a rod displaced downwards or sideways by more than this has left the groove */
 #define GROOVE_SLOPE 0.70710678118654752440 /* sine and cosine of the 45-degree slope of the V's sides */
 
 /* World and group to which contacts are added, and length of the step in which they act. */

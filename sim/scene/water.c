@@ -8,7 +8,7 @@
 #include "particle_solver.h"
 #include "physics.h"
 
-/* Particles of equal size would settle into crystal layers that do not flow. The sizes are therefore derived from
+/* Particles of equal size would settle into crystalline layers that do not flow. The sizes are therefore derived from
  * multiples of the golden ratio, whose fractional parts are evenly spread. */
 #define SIZE_SPREAD 0.2 /* radii differ from the mean by up to this share */
 #define GOLDEN_RATIO 0.61803398875

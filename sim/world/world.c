@@ -86,8 +86,8 @@ void world_fail(world_t *self, const char *reason) {
     }
 }
 
-/* Fails the run with the reason why the operator failed. If the tracker never reported a valid pose, the reason says
- * so, because the recording may be the cause. */
+/* Fails the run with the reason why the operator failed. If the tracker never reported a valid pose, the reason also
+ * says so, because the recording may be to blame. */
 static void fail_as_operator(world_t *self) {
     const char *reason = operator_node_failure(self->operator);
     const tracker_statistics_t tracker = tracker_node_statistics(self->tracker);
