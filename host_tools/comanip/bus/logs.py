@@ -80,7 +80,7 @@ def parse_candump_line(line: str) -> Frame | None:
 
 
 def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
-    """Yields the frames of these lines. Skips empty lines. Raises ToolError for a line that is not a frame."""
+    """Yields a frame for each line. Skips empty lines. Raises ToolError for a line that is not a frame."""
     for number, line in enumerate(lines, 1):
         text = line.rstrip("\r\n ")
         if not text:

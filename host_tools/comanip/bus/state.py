@@ -1,4 +1,4 @@
-"""Computes the state of a bus from its frames: rates, ages, load, errors and latest signals. All times are by the
+"""Computes the state of a bus from its frames: rates, ages, load, errors and latest signals. All times are on the
 frames' clock."""
 
 from __future__ import annotations
