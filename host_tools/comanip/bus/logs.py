@@ -1,4 +1,4 @@
-"""Reads logs of a CAN bus, frame by frame: candump's format, and the formats that python-can reads.
+"""Reads logs of a CAN bus, frame by frame, in candump's format and in the formats that python-can reads.
 
 candump's lines are parsed here because python-can is slower with long logs. The lines that python-can writes in
 candump's format end with ` R` (received) or ` T` (sent).

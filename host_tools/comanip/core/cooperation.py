@@ -83,8 +83,8 @@ class Cooperation:
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
         """Latches q_task, which is constant from then on. With latch "commanded", q_task keeps its value from the
-        latest target() or start(). With "measured", it becomes the present relative pose of the hands, computed from the end
-        effector's measured pose `robot` (8,)."""
+        latest target() or start(). With "measured", it becomes the present relative pose of the hands, computed
+        from the end effector's measured pose `robot` (8,)."""
         self._require_start("grasp")
         measured = None if robot is None else _pose("robot", robot)
         if self._latch == "commanded":

@@ -53,7 +53,7 @@ def drop_unwanted_functions(text: str) -> str:
 
 
 def write_each_byte_once(text: str) -> str:
-    """Replaces the first OR of each byte by an assignment. cantools' packing clears all bytes and then combines the
+    """Replaces the first OR into each byte by an assignment. cantools' packing clears all bytes and then combines the
     signals with OR. This works in straight-line code only, so messages with multiplexed signals are refused."""
 
     def rewritten(match: re.Match) -> str:

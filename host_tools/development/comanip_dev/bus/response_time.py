@@ -35,7 +35,7 @@ class Stream:
     20 ms and a jitter of 19 ms, two frames are at least 1 ms apart, and there is on average one frame in 20 ms.
 
     batch: streams of one batch are queued at the same instants. Those with the same period are always queued together.
-    one_of: only one of the streams with this name, which have the same period and jitter, is sent at a time.
+    one_of: name of a group of streams, only one of which is sent at a time. They have the same period and jitter.
     answers: name of the frame that this frame answers. The answer is queued answer_delay_ns after the end of that frame
         and has the same event and period. `analyse` computes its earliest_ns and jitter_ns.
     """
