@@ -1,5 +1,5 @@
-"""Allows the module names from before the package was divided into folders to be imported still. To be removed in the
-next release."""
+"""Keeps the old module names, from before the package was divided into folders, importable. To be removed in the next
+release."""
 
 from __future__ import annotations
 
