@@ -1,4 +1,4 @@
-"""Keeps the module names that were used before the package was divided into folders. To be removed with the next
+"""Keeps the old module names, from before the package was divided into folders, importable. To be removed in the next
 release."""
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ NEW_NAMES = {
 
 
 class FormerNames(MetaPathFinder, Loader):
-    """Imports the new module when an old name is imported, with a DeprecationWarning. It is the last finder in
+    """Imports the new module and issues a DeprecationWarning when an old name is imported. This is the last finder in
     sys.meta_path."""
 
     def find_spec(

@@ -26,7 +26,7 @@ _PI = re.compile(r"(-?)pi(?:/(\d+))?")
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter. minimum, maximum, default: in `unit`. kind: one of KINDS. vector: the name without the component."""
+    """A parameter. minimum, maximum, default: in `unit`. kind: one of KINDS. vector: `name` without the component."""
 
     number: int
     name: str

@@ -115,7 +115,7 @@ def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
 
 
 def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
-    """Returns the identity. Returns None if the log does not contain one, or if it is damaged and from classic CAN."""
+    """Returns the identity. Returns None if the log does not contain one, or on classic CAN if it is damaged."""
     if profile is Profile.CLASSIC:
         return _classic_identity(frames)
     first = _first(frames, "FirmwareIdentity")
@@ -162,8 +162,8 @@ def _profile(frames: Sequence[Frame]) -> Profile:
 
 
 def is_replayed(message: Message) -> bool:
-    """Returns the message's DBC attribute Replayed. It is False for messages that depend on more than the log contains,
-    such as PortStatus with the port's counts."""
+    """Returns True unless the DBC marks the message as not replayed because it depends on more than the log contains.
+    PortStatus is such a message."""
     attribute = message.dbc.attributes.get("Replayed")
     return attribute is None or bool(attribute.value)
 

@@ -1,4 +1,4 @@
-"""CAN frames: their decoding with the DBC and their end-to-end check."""
+"""Represents CAN frames, decodes them with the DBC and checks their end-to-end protection."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COUNTERS, CLASSIC_COUNTERS = 256, 16
 
 
 class Frame(NamedTuple):
-    """A CAN frame. t_us: time by the clock of the log or of the bus. In a remote frame only the length of `data` is
+    """A CAN frame. t_us: time on the clock of the log or of the bus. In a remote frame only the length of `data` is
     meaningful."""
 
     t_us: int
@@ -63,7 +63,7 @@ def data_id(name: str) -> int | None:
 
 
 def is_classic(name: str) -> bool:
-    """Returns True for a message of classic CAN, which is sent in parts and protected by E2E Profile 2."""
+    """Returns True for the name of a classic CAN frame, which is protected by E2E Profile 2."""
     return name.startswith(CLASSIC)
 
 
@@ -158,7 +158,7 @@ class Verdict(NamedTuple):
 
 
 class E2EChecker:
-    """Checks frames as a receiver does, with one counter per id."""
+    """Checks frames as a receiver does, keeping one counter per id."""
 
     def __init__(self):
         self._counter: dict[int, int] = {}

@@ -1,10 +1,10 @@
 """Computes the exact longest and shortest time that a CAN frame can occupy the bus, over all payloads of its length.
 
-Of the bits sent so far, only the last bit and the length of the run that it ends affect the number of stuff bits still
-to come. In a classic frame, whose CRC is stuffed as well, the CRC so far also matters. Dynamic programming over these
-states (10, or 10 x 32768 with the CRC) therefore finds the largest or smallest number of stuff bits, working backwards
-from the last payload bit. A forward pass then finds a payload with that number. Frames are those of ISO 11898-1 with
-11-bit ids, from SOF to the end of the intermission, without errors.
+The number of stuff bits still to come depends on the last bit sent and on the length of the run that it ends. In a
+classic frame, whose CRC is stuffed as well, it also depends on the CRC of the bits sent so far. Dynamic programming
+over these states (10, or 10 x 32768 with the CRC) therefore finds the largest or smallest number of stuff bits, working
+backwards from the last payload bit. A forward pass then finds a payload with that number. Frames are those of
+ISO 11898-1 with 11-bit ids, from SOF to the end of the intermission, without errors.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class BitRates:
 
 @dataclass(frozen=True)
 class FrameLength:
-    """A duration of a frame, and a payload with which the frame takes that long."""
+    """The duration of a frame, and a payload with which the frame takes that long."""
 
     duration_ns: int
     payload: bytes
@@ -50,8 +50,8 @@ class FrameLength:
 # ---- stuffing
 
 # State 2 * (run - 1) + bit stands for the last bit sent and the length of the run that it ends. A stuff bit is counted
-# when the bit after it is sent. This is because in CAN FD a run that ends with the data causes no stuff bit: the fixed
-# stuff bit of the CRC field follows instead.
+# when the bit after it is sent, because in CAN FD a run that ends with the data is not followed by a stuff bit, but by
+# the fixed stuff bit of the CRC field.
 STATES = 2 * STUFF_RUN
 START_OF_FRAME = 0  # one dominant bit
 

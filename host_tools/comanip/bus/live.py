@@ -15,7 +15,7 @@ from comanip.bus.transport import Profile, Receiver, Sender, profile_of
 from comanip.errors import ToolError
 
 CONNECT_S = 2.0
-# Time to listen for traffic that shows the profile. FirmwareStatus is sent every 2 ms (CAN FD) or 8 ms (classic CAN);
+# Time to listen for traffic that reveals the profile. FirmwareStatus is sent every 2 ms (CAN FD) or 8 ms (classic CAN);
 # the hub's socketcand starts to forward frames after 300 ms.
 LISTEN_S = 0.8
 
@@ -83,7 +83,7 @@ class LiveBus:
                 return message
 
     def receive_frame(self, timeout_s: float) -> Frame | None:
-        """Returns the next frame, which is not checked, or None after the timeout. Some interfaces of python-can return
+        """Returns the next frame without checking it, or None after the timeout. Some interfaces of python-can return
         None before the timeout."""
         try:
             message = self._bus.recv(timeout_s)

@@ -1,4 +1,4 @@
-"""Reads logs of a CAN bus, frame by frame: candump's format, and the formats that python-can reads.
+"""Reads logs of a CAN bus, frame by frame, in candump's format and in the formats that python-can reads.
 
 candump's lines are parsed here because python-can is slower with long logs. The lines that python-can writes in
 candump's format end with ` R` (received) or ` T` (sent).
@@ -80,7 +80,7 @@ def parse_candump_line(line: str) -> Frame | None:
 
 
 def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
-    """Yields the frames of these lines. Skips empty lines. Raises ToolError for a line that is not a frame."""
+    """Yields a frame for each line. Skips empty lines. Raises ToolError for a line that is not a frame."""
     for number, line in enumerate(lines, 1):
         text = line.rstrip("\r\n ")
         if not text:

@@ -17,14 +17,14 @@ from comanip.errors import ToolError
 
 ATTEMPTS = 5
 ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
-SAVE_S = 2.0  # the firmware answers a save only when the store, which may be a slow card, has the record
+SAVE_S = 2.0  # the firmware answers only after the record is stored, possibly on a slow card
 ACCEPTED = "accepted"
 UNSTABLE = "parameters_unstable"
 
 
 class RefusedError(ToolError):
-    """The firmware refused a request. result: name of the reason. involved: parameters and their values that the
-    firmware reports together with the refusal."""
+    """The firmware refused a request. result: name of the reason. involved: the parameters that the firmware
+    reports together with the refusal, with their values."""
 
     def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
         self.result, self.involved = result, involved or {}
@@ -110,8 +110,8 @@ class OperatorClient:
     # ---- one request and its answer
 
     def _refused(self, request: str, result: str) -> RefusedError:
-        """Returns the error for a refusal, including the parameters that the firmware reports after its answer, one in
-        each tick."""
+        """Returns the error for a refusal, including the parameters that the firmware reports after its answer, one
+        per tick."""
         involved = {}
         deadline_s = time.monotonic() + self._answer_s
         while result == UNSTABLE and time.monotonic() < deadline_s:

@@ -1,4 +1,4 @@
-"""Computes the state of a bus from its frames: rates, ages, load, errors and latest signals. All times are by the
+"""Computes the state of a bus from its frames: rates, ages, load, errors and latest signals. All times are on the
 frames' clock."""
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class BusState:
         return sum(state.rate_hz(now_us) for state in self.ids.values())
 
     def of(self, name: str) -> IdState | None:
-        """Returns the state of this message's id, or None if no such frame has been received."""
+        """Returns the state of this message's id, or None if no frame with this id has been received."""
         frame_id = next(i for i, message in messages().items() if message.name == name)
         return self.ids.get((frame_id, False))
 

@@ -35,8 +35,8 @@ def profile_of(frame: Frame) -> Profile | None:
 
 
 class Sender:
-    """A sender with its counters. The counters start at random values, because a receiver could take a restart at 0 for
-    a repetition."""
+    """A sender with its counters. The counters start at random values, because a receiver could mistake a restart at 0
+    for a repeated frame."""
 
     def __init__(self, profile: Profile):
         self._profile = profile

@@ -52,7 +52,7 @@ PORT_COUNTS = {  # texts for counts in PortStatus, in the singular and plural
 
 
 def render(state: BusState, now_us: int, source: str) -> Group:
-    """Returns the whole display. now_us: present time by the frames' clock."""
+    """Returns the whole display. now_us: current time on the frames' clock."""
     return Group(_head(state, now_us, source), _table(state, now_us))
 
 
@@ -85,7 +85,7 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
 
 
 def port_faults(signals: dict) -> str:
-    """Returns a PortStatus as one line, or "" if nothing is wrong. Values that the port does not know are left out."""
+    """Returns a PortStatus as one line, or "" if nothing is wrong. Values that are unknown to the port are left out."""
     known = {name: value for name, value in signals.items() if isinstance(value, int)}
     parts = [
         f"{known[name]} {one if known[name] == 1 else many}"

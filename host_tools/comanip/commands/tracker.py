@@ -69,7 +69,7 @@ def _read(lines: queue.Queue, order: str, status_s: float, on_bad) -> Iterator[P
 
 
 class _Pace:
-    """Waits until a pose is due by its time stamp."""
+    """Waits until a pose is due according to its time stamp."""
 
     def __init__(self):
         self._offset_s: float | None = None

@@ -35,8 +35,8 @@ def same_length(first_name: str, first: np.ndarray, second_name: str, second: np
 
 
 def scalar(name: str, value: object, minimum: float = -math.inf, *, above: bool = False) -> float:
-    """Returns the value as a number after checking that it is finite in float32 and not below the minimum; if `above`,
-    it must exceed the minimum."""
+    """Returns the value as a number after checking that it is finite in float32 and not below the minimum. If `above`
+    is True, it must exceed the minimum."""
     bound = "" if minimum == -math.inf else f" {'above' if above else 'of at least'} {minimum:g}"
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, np.floating)):
         raise ValueError(f"{name}: expected a number{bound}, got {type(value).__name__}")

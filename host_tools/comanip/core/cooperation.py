@@ -82,9 +82,9 @@ class Cooperation:
         return np.frombuffer(ffi.buffer(vec8), np.float32).copy()
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
-        """Latches q_task, which is constant from now on. With latch "commanded", q_task keeps its value from the latest
-        target() or start(). With "measured", it becomes the present relative pose of the hands, computed from the end
-        effector's measured pose `robot` (8,)."""
+        """Latches q_task, which is constant from then on. With latch "commanded", q_task keeps its value from the
+        latest target() or start(). With "measured", it becomes the present relative pose of the hands, computed
+        from the end effector's measured pose `robot` (8,)."""
         self._require_start("grasp")
         measured = None if robot is None else _pose("robot", robot)
         if self._latch == "commanded":

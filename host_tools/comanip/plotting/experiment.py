@@ -141,7 +141,7 @@ def _frame(panels: list[Axes]) -> float:
 
 
 def _lay_out(figure: Figure, panels: list[Axes], rows: list[Axes], section: float) -> float:
-    """Places the snapshots in a row that is as high as they need, and the curves below. Returns the figure's height in
+    """Places the snapshots in a row just high enough for them, and the curves below. Returns the figure's height in
     inches."""
     gap, width = 0.1, 10.8 / SNAPSHOTS - 0.1
     panel = min(3.4, width * section)

@@ -1,5 +1,5 @@
-"""Defines for each of the five experiments the snapshots, as in the paper's Figs. 5 to 7, and the curves that show
-whether it succeeded."""
+"""Defines the snapshots of each of the five experiments, as in the paper's Figs. 5 to 7, and the curves that show
+whether the experiment succeeded."""
 
 from __future__ import annotations
 

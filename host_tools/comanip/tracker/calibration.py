@@ -55,8 +55,8 @@ class MoveDetector:
         return self._rest_point is not None
 
     def feed(self, t_s: float, position_m: np.ndarray) -> Move | None:
-        """Processes a position. Returns the move that ended with the present rest when the rest has lasted REST_S,
-        otherwise None."""
+        """Processes a position. Returns the move before the current rest once this rest has lasted REST_S, otherwise
+        None."""
         if self._times and t_s <= self._times[-1]:
             return None
         self._times.append(t_s)

@@ -19,11 +19,11 @@ import numpy as np
 ORDERS = ("wxyz", "xyzw")
 UNIT_TOLERANCE = 1e-3  # as in the firmware
 NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header line
-_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has time stamp
+_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has a time stamp
 
 
 class Pose(NamedTuple):
-    """A pose of the hand. position_m, quaternion: in the tracker's frame. t_s: time stamp of the line, by the tracker's
+    """A pose of the hand. position_m, quaternion: in the tracker's frame. t_s: time stamp of the line, on the tracker's
     clock."""
 
     position_m: tuple[float, float, float]

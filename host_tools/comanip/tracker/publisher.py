@@ -52,7 +52,7 @@ class TrackerPublisher:
             self._lose(t_us)
 
     def lose(self) -> None:
-        """Sends an invalid pose to report a sample without a pose."""
+        """Sends an invalid pose, which reports that the tracker lost a sample."""
         self._lose(round(1e6 * self._clock()) if self._last_us is None else self._last_us + self.period_us)
 
     def _lose(self, t_us: int) -> None:

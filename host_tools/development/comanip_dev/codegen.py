@@ -53,7 +53,7 @@ def drop_unwanted_functions(text: str) -> str:
 
 
 def write_each_byte_once(text: str) -> str:
-    """Replaces the first OR of each byte by an assignment. cantools' packing clears all bytes and then combines the
+    """Replaces the first OR into each byte by an assignment. cantools' packing clears all bytes and then combines the
     signals with OR. This works in straight-line code only, so messages with multiplexed signals are refused."""
 
     def rewritten(match: re.Match) -> str:
@@ -129,7 +129,7 @@ def check_readers(messages: list[Message]) -> None:
 
 
 def check_data_ids(messages: list[Message]) -> None:
-    """Checks that no two frames of a profile have one Data ID: otherwise one could pass for the other."""
+    """Checks that no two frames of a profile share a Data ID, because one could then be mistaken for the other."""
     used: dict[tuple[bool, int], str] = {}
     for message in messages:
         data_id = attribute(message, "E2EDataId")
@@ -139,7 +139,7 @@ def check_data_ids(messages: list[Message]) -> None:
 
 
 def check_trace(messages: list[Message]) -> None:
-    """Checks that TickTrace has a counter for each frame that the firmware receives, and `received` a bit for each."""
+    """Checks that TickTrace has a counter, and a bit in `received`, for each frame that the firmware receives."""
     trace = next(message for message in messages if message.name == "TickTrace")
     counters = [s.name for s in trace.signals if s.name.endswith("_counter") and not s.name.startswith("e2e_")]
     expected = [trace_counter(message) for message in to_firmware(messages)]

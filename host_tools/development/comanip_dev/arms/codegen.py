@@ -1,11 +1,11 @@
 """``make arms``: generates the C sources of each arm from its description, firmware/arms/NAME.toml.
 
 firmware/arms/NAME.[ch] contain the arm's table and its forward kinematics, and firmware/control/arms/NAME_ik.[ch] its
-inverse kinematics, both as straight-line code for this arm. The generated files are committed. The names of all arms
-by their id go into comanip.dbc.
+inverse kinematics, both as straight-line code for this arm. The generated files are committed. The ids and names of
+all arms are entered in comanip.dbc.
 
-``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]`` writes to ROOT/arms and ROOT/control/arms, and without
-arguments to ROOT/schema/comanip.dbc as well.
+``python -m comanip_dev.arms.codegen [ROOT/arms/NAME.toml...]`` writes to ROOT/arms and ROOT/control/arms. Without
+arguments it processes all arms and updates comanip.dbc as well.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def files(path: Path) -> dict[Path, str]:
 
 
 def dbc_with_arms(root: Path) -> dict[Path, str]:
-    """Returns ROOT/schema/comanip.dbc with the names of all arms of ROOT/arms. Raises ArmError if two have one id."""
+    """Returns ROOT/schema/comanip.dbc with the names of all arms of ROOT/arms. Raises ArmError if two share an id."""
     names: dict[int, str] = {}
     for path in sorted((root / "arms").glob("*.toml")):
         arm = read(path)
@@ -125,7 +125,7 @@ def dbc_with_arms(root: Path) -> dict[Path, str]:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Writes the files of these arms; without arguments, of all arms, and the DBC."""
+    """Writes the files of these arms or, without arguments, those of all arms and the DBC."""
     jobs = [partial(files, Path(argument)) for argument in argv] or [
         partial(dbc_with_arms, ARMS.parent),
         *(partial(files, path) for path in sorted(ARMS.glob("*.toml"))),

@@ -113,7 +113,7 @@ class Seen:
 def to_middle(
     block: Block, arm: Arm, joints: list[Joint], middle: int, v: Vector, start: int, is_point: bool
 ) -> Vector:
-    """Transforms from the moving frame of joint start - 1 (for 0: the torso) to the fixed frame of joint `middle`."""
+    """Transforms v from the moving frame of joint start - 1 (for 0: the torso) to the fixed frame of joint `middle`."""
     for i in range(start, middle + 1):
         if is_point:
             v = add(block, v, constants(-arm.twist[i].translation_m))
@@ -135,7 +135,7 @@ def see(
     n = len(arm.twist)
 
     def from_hand_side(v: Vector, end: int, is_point: bool) -> Vector:
-        """Transforms from the fixed frame of joint `end` (for n: the end effector) to the fixed frame of joint
+        """Transforms v from the fixed frame of joint `end` (for n: the end effector) to the fixed frame of joint
         `middle`."""
         for i in range(end, middle, -1):
             pose = arm.twist[i] if i < n else arm.effector
@@ -146,7 +146,7 @@ def see(
         return v
 
     def seen(v: Vector, joint: int, is_point: bool) -> Vector:
-        """Transforms from the fixed frame of `joint`, which may be on either side of `middle`, to that of `middle`."""
+        """Transforms v from the fixed frame of `joint`, on either side of `middle`, to the fixed frame of `middle`."""
         if joint >= middle:
             return from_hand_side(v, joint, is_point)
         return to_middle(block, arm, joints, middle, joints[joint].turned(block, v, -1), joint + 1, is_point)

@@ -51,9 +51,9 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class Row:
-    """The worst case of a frame, as times in ms to the end of the frame. queued_ms: from its queueing. response_ms:
-    from its event. The event is the tick for frames of firmware and drives, and the queueing for frames that are sent
-    on events. None: unbounded, because the bus is overloaded."""
+    """The worst case of a frame. queued_ms: time from the queueing of the frame to its end. response_ms: time from its
+    event to its end. The event is the tick for frames of firmware and drives, and the queueing for frames that are
+    sent on events. None: unbounded, because the bus is overloaded."""
 
     name: str
     id: int

@@ -35,7 +35,7 @@ class Stream:
     20 ms and a jitter of 19 ms, two frames are at least 1 ms apart, and there is on average one frame in 20 ms.
 
     batch: streams of one batch are queued at the same instants. Those with the same period are always queued together.
-    one_of: only one of the streams with this name, which have the same period and jitter, is sent at a time.
+    one_of: name of a group of streams, only one of which is sent at a time. They have the same period and jitter.
     answers: name of the frame that this frame answers. The answer is queued answer_delay_ns after the end of that frame
         and has the same event and period. `analyse` computes its earliest_ns and jitter_ns.
     """
@@ -79,7 +79,7 @@ def one_of_each(streams: Iterable[Stream]) -> list[Stream]:
 
 def analyse(streams: Sequence[Stream], bit_ns: int) -> dict[str, Response]:
     """Returns the response times by name. bit_ns: bit time of the arbitration phase. Raises KeyError if a stream
-    answers an unknown one."""
+    answers an unknown stream."""
     known = {stream.name: Response(0, 0) for stream in streams}
     while True:
         by_name = {stream.name: stream for stream in streams}
@@ -118,7 +118,7 @@ def _instances(stream: Stream, window_ns: int) -> int:
 
 
 def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
-    """Returns the shortest window that is exactly as long as the work queued in it."""
+    """Returns the shortest window of at least start_ns that is exactly as long as the work queued in it."""
     window_ns = start_ns
     while (needed_ns := work_ns(window_ns)) != window_ns:
         window_ns = needed_ns
@@ -126,8 +126,8 @@ def _least_window(start_ns: int, work_ns: Callable[[int], int]) -> int:
 
 
 def _waits(base_ns: int, higher: Sequence[Stream], bit_ns: int, at_least_ns: int = 0) -> int:
-    """Returns the time until a frame starts. It consists of base_ns of work and of all frames of higher priority that
-    are queued in the meantime, up to the bit in which arbitration starts."""
+    """Returns the time until a frame starts. The frame waits for base_ns of work and for all frames of higher priority
+    that are queued before or in the bit in which its arbitration starts."""
     return _least_window(
         max(base_ns, at_least_ns),
         lambda ns: base_ns + sum(_instances(other, ns + bit_ns) * other.longest_ns for other in higher),
@@ -179,7 +179,7 @@ def _answer(
     connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)
 
     follows = [o for o in together if o.identifier > asked.identifier and o.shortest_ns >= stream.answer_delay_ns]
-    if follows:  # such a frame is sent after the request, so the busy period lasts until the answer is queued
+    if follows:  # a frame sent after the request extends the busy period until the answer is queued
         return connected
     ends_ns = _waits(base_ns, [other for other in rest if other not in batch], bit_ns) + stream.longest_ns
     apart = Response(ends_ns, known[asked.name].event_ns + stream.answer_delay_ns + ends_ns)

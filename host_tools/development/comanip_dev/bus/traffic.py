@@ -1,7 +1,7 @@
 """Derives the traffic on the bus, CAN FD or classic, from the DBC, as streams for ``response_time``.
 
 The DBC does not contain the rate of frames that are sent on events, the computing time of the firmware, or the response
-time of the drives. They are assumed here, and ``make bus-report`` prints the assumptions.
+time of the drives. These are assumed here, and ``make bus-report`` prints the assumptions.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Frame:
-    """Frames of one kind, which are sent every period_ms, or on events with an average of one per period. batch, one_of
-    and answers have the same meaning as in Stream."""
+    """Frames of one kind, which are sent every period_ms, or on events that occur once per period on average. batch,
+    one_of and answers have the same meaning as in Stream."""
 
     name: str
     identifier: int
@@ -53,7 +53,7 @@ class Frame:
     batch: str | None = None
     one_of: str | None = None
     answers: str | None = None
-    early_ms: int = 0  # a frame may be sent this much before its period has elapsed
+    early_ms: int = 0  # a frame may be sent this long before its period has elapsed
 
     @property
     def is_cyclic(self) -> bool:

@@ -275,7 +275,7 @@ def run_search(arguments: argparse.Namespace) -> int:
             for seed in range(1, seeds + 1)
         ]
         for job in jobs:
-            (job.out / "trace.csv").unlink(missing_ok=True)  # remove that of the previous candidate
+            (job.out / "trace.csv").unlink(missing_ok=True)  # remove the previous candidate's trace
         outcomes = run_jobs(jobs, arguments.simulator, arguments.jobs)
         if not search.tried and not any(o.summary for o in outcomes):
             raise CampaignError(f"no run could be scored: {outcomes[0].job.label}: {outcomes[0].reason}")

@@ -32,8 +32,8 @@ def record(outcome: Outcome) -> dict:
 @dataclass(frozen=True)
 class Condition:
     """A scenario with its built-in motion or a recording, with all of its seeds. They are judged together because in a
-    single run of `pour` only about 60 of 160 particles leave the glass. 5 % of these are three particles, so that the
-    verdict would depend on chance."""
+    single run of `pour` only about 60 of 160 particles leave the glass. The permitted loss of 5 % would be three
+    particles, so the verdict on a single run would depend on chance."""
 
     scenario: str
     recording: str | None

@@ -21,7 +21,7 @@ def _tracking(key: str) -> Callable[[dict], float | None]:
 
 
 def _force(key: str) -> Callable[[dict], float | None]:
-    """Returns a function that reads a value from a summary, the largest of all people."""
+    """Returns a function that reads the value from a summary, taking the largest over all people."""
 
     def read(summary: dict) -> float | None:
         values = [person[key] for person in summary.get("people") or [] if person.get(key) is not None]
@@ -44,7 +44,7 @@ def law_figures(outcomes: Sequence[Outcome]) -> dict:
 
 
 def compare_laws(ours: Sequence[Outcome], paper: Sequence[Outcome]) -> list[dict]:
-    """Returns a row per scenario, which compares both laws over the same seeds."""
+    """Returns one row per scenario that compares both laws over the same seeds."""
     rows = []
     for name in SCENARIOS:
         theirs = [o for o in paper if o.job.scenario == name]

@@ -14,7 +14,7 @@ from comanip_dev.following.recorded_hand import HandMotion, Recording
 from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import Samples, Tracker, measure
 
-BEGIN_S = 3.0  # start of the motion, when the cooperation has started and the transition to the task is complete
+BEGIN_S = 3.0  # start of the motion; by then the cooperation has started and the transition to the task is complete
 AFTER_S = 0.5
 REST_S = 20.0  # duration of the hand's rest in which the noise is measured
 ACCELERATION_MAX_RADPS2 = 25.0

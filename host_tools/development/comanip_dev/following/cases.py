@@ -90,7 +90,7 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 
 
 def measure(case: Case) -> tuple[Key, dict]:
-    """Measures a case in the loop without physics. If the arm does not cooperate, this is stored as the result."""
+    """Measures a case in the loop without physics. If the arm does not cooperate, returns the error as the result."""
     follower = followers.named(case.follower)
     tracker = case.condition.tracker(case.seed)
     try:

@@ -64,7 +64,7 @@ class Judge:
         self, loop: str, what: str, setting: Setting, limit: float, one: Callable[[str], float], unit: str = "",
         without: Sequence[str] = (),
     ) -> list[Criterion]:  # fmt: skip
-        """Returns a criterion for each fold, whose value is the mean of one(name) over the fold's recordings."""
+        """Returns a criterion for each fold. Its value is the mean of one(name) over the recordings of the fold."""
         found = []
         for number, fold in enumerate(self.folds(setting), 1):
             values = [one(name) for name in fold if name not in without]

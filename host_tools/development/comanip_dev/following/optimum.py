@@ -88,7 +88,7 @@ def within_limits(
 
 
 def optimum(arm: ArmModel, scene: Scene) -> Optimum:
-    """Returns the optimum over the motion, before which the arm rests in its start posture."""
+    """Returns the optimum over the motion. Before the motion, the arm rests in its start posture."""
     motion = scene.motion
     t_s = np.arange(motion.begin_s - 0.5, motion.end_s, STEP_S)
     target_m, _ = target_path(arm, scene, t_s)

@@ -31,7 +31,7 @@ def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # with these the former default locks at rotation scale 1
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former default locks on these at rotation scale 1
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 

@@ -12,9 +12,9 @@ COARSE_S = 0.05
 def posture_path(
     arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns postures (N, n) within the joint limits with the end effector as close as possible to the targets (N, 3)
-    at the times t_s (N,), and the remaining distances in m (N,). On a coarse time grid, the search for each posture
-    starts from the previous one. Between the grid points it starts from the interpolated posture."""
+    """Returns postures (N, n) within the joint limits that bring the end effector as close as possible to the targets
+    (N, 3) at the times t_s (N,), and the remaining distances in m (N,). On a coarse time grid, the search for each
+    posture starts from the previous one. Between the grid points it starts from the interpolated posture."""
     stride = max(1, round(COARSE_S / float(np.median(np.diff(t_s)))))
     coarse = np.unique(np.append(np.arange(0, len(t_s), stride), len(t_s) - 1))
     postures = [start_rad]

@@ -19,8 +19,8 @@ BISECTIONS = 8
 def largest_scale(
     arm: ArmModel, task: str, start_rad: np.ndarray, recording: Recording, rotation_scale: float
 ) -> float:
-    """Returns the largest position scale up to which every target of the motion can be reached within the joint limits,
-    at this and at all smaller scales."""
+    """Returns the largest position scale such that, at this and at all smaller scales, the arm can reach every target
+    of the motion within the joint limits."""
     start_m, start_rotation = arm.hand(start_rad[None])
     at_s = np.linspace(0.0, recording.duration_s, POINTS)
     displacement_m, turn = HandMotion(recording, 1.0, rotation_scale, 0.0, 0.0).displacement(at_s)

@@ -12,7 +12,7 @@ from comanip_dev.following import rotations
 from comanip_dev.following.recorded_hand import HandMotion
 
 TRANSPORT_S = 150e-6  # from the queueing of a sample to the end of its frame, as on the simulated bus
-# The same ratio as in the simulator's tracker: 0.02 degrees at 0.05 mm.
+# Ratio of rotation noise to position noise, as in the simulator's tracker: 0.02 degrees at 0.05 mm.
 NOISE_RAD_PER_M = np.radians(0.02) / 0.05e-3
 MOUNT_M = np.array([0.3, 1.5, 0.2])
 MOUNT_ROTATION = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])

@@ -37,7 +37,8 @@ class UnboundedError(Exception):
 
 @dataclass
 class Graph:
-    """A call graph. Static functions are named FILE:NAME. frame: bytes on the stack, by function."""
+    """A call graph. Static functions are named FILE:NAME. frame: bytes on the stack for each function. calls: functions
+    that each function calls."""
 
     frame: dict[str, int] = field(default_factory=dict)
     calls: dict[str, set[str]] = field(default_factory=dict)
@@ -103,7 +104,8 @@ def read_disassembly(listing: str, graph: Graph) -> None:
 
 
 def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
-    """Resolves calls through pointers and by plain names. Functions that are not found were inlined or removed."""
+    """Replaces calls through pointers by calls to the targets that the budget lists. Drops callees that are not in the
+    graph, because they were inlined or removed."""
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:
@@ -140,7 +142,7 @@ def worst_case(graph: Graph, rules: dict) -> dict:
 
 
 def read_budgets(paths: Sequence[str]) -> tuple[dict[str, list[str]], list[dict]]:
-    """Returns the targets of calls through pointers by the caller's prefix, and the sections of all files."""
+    """Returns the targets of calls through pointers for each caller, and the other sections of all files."""
     documents = [tomllib.loads(Path(path).read_text()) for path in paths]
     indirect = {caller: targets for document in documents for caller, targets in document.get("indirect", {}).items()}
     return indirect, [table for document in documents for name, table in document.items() if name != "indirect"]

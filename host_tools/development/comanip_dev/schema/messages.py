@@ -54,7 +54,7 @@ def family(message: Message) -> str | None:
 
 
 def leads(message: Message) -> bool:
-    """Returns True for a message that is the only one, or the first one, with its codec."""
+    """Returns True if the message is the only one with its codec, or the first of several."""
     return family(message) is None or message.name.endswith("0")
 
 

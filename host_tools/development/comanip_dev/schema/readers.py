@@ -38,8 +38,8 @@ def without_reader(messages: Sequence[Message], simulator: str, tools: str) -> I
 
 
 def unused(parameters: Iterable[Parameter], firmware: str) -> list[str]:
-    """Returns the names of parameters that the firmware does not use, of a vector its name. firmware: text of its
-    sources."""
+    """Returns the names of the parameters and vectors of parameters that the firmware does not use. firmware: text of
+    the firmware's sources."""
     vectors = dict.fromkeys(parameter.vector for parameter in parameters)
     return [vector for vector in vectors if not re.search(rf"\bPARAMETER_{vector.upper()}\b", firmware)]
 

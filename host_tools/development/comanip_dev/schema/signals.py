@@ -77,14 +77,14 @@ class Group:
 
 @dataclass
 class Layout:
-    """The layout of a message. groups: in the order of the signals."""
+    """The layout of a message, with its groups in the order of the signals."""
 
     message: Message
     groups: list[Group] = field(default_factory=list)
 
     @property
     def poses(self) -> set[str]:
-        """The bases that have a name and both a vector and a quaternion."""
+        """The bases of poses, which have a name and both a vector and a quaternion."""
         bases = {kind: {g.base for g in self.groups if g.kind == kind} for kind in ("vector", "quaternion")}
         return {base for base in bases["vector"] & bases["quaternion"] if base}
 

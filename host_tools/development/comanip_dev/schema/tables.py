@@ -82,7 +82,7 @@ def with_names(text: str, signal: str, names: dict[int, str]) -> str:
 
 
 def _with_table(text: str, signal: str, names: dict[int, str]) -> str:
-    """Returns the DBC with this value table, and the range that results from it, in all signals of this name."""
+    """Returns the DBC with this value table, and the resulting range, in all signals of this name."""
     text = with_names(text, signal, names)
     return re.sub(rf"^( SG_ {signal} : \S+ \(1,0\)) \[0\|\d+\]", rf"\1 [0|{max(names)}]", text, flags=re.MULTILINE)
 
