@@ -54,7 +54,7 @@ def recorded(log: Path) -> Iterator[bytes]:
 
 
 class Vectors:
-    """Generates authentic frames with all kinds of contents: the arm at rest, in motion and at limits, and nonsense."""
+    """Generates valid frames with all kinds of contents: the arm at rest, in motion and at limits, and nonsense."""
 
     def __init__(self, rng: np.random.Generator, profile: int):
         self._rng, self._profile = rng, profile
