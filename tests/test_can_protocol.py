@@ -1,4 +1,4 @@
-"""Checks the frames against cantools and the DBC in both directions, the handling of values that no frame can carry,
+"""Checks the frames against cantools and the DBC in both directions, the handling of values that do not fit in a frame,
 and end-to-end protection."""
 
 from __future__ import annotations

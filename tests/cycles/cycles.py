@@ -90,8 +90,8 @@ def recorded(folder: Path, *options: str) -> bytes:
 
 
 def adversarial(rng: np.random.Generator) -> bytes:
-    """Generates frames with all kinds of contents, and states at limits, singular or out of range, with targets near
-    and far."""
+    """Generates frames with all kinds of contents, and arm states at joint limits, at singularities and out of range,
+    with near and far targets."""
     parts = list(stimulus.vectors(STATES, 1))
     parts.append(stimulus.boot(0))
     low, high = np.radians([-90, -95, -90, -114]), np.radians([150, 0, 90, 0])
