@@ -21,7 +21,7 @@ except ImportError as error:
 REPOSITORY = Path(__file__).resolve().parents[1]
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # independent of the machine's load
 hypothesis.settings.load_profile("suite")
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # when started with a shell's `&`; children would ignore it too
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # started with `&` in a shell; child processes inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -39,7 +39,7 @@ def dbc():
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_runs(tmp_path_factory):
-    """Sets one folder for all workers, next to their own folders."""
+    """Sets the folder that all workers share, next to the folder of each worker."""
     own = tmp_path_factory.getbasetemp()
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 

@@ -19,9 +19,9 @@ class Bench:
     """A controller with simulated drives, tracker and operator.
 
     position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None to send no tracker
-    frames. prediction: whether prediction is on; None selects Bench.prediction. Prediction is off by default, so that a
-    test may let the hand jump and control law (4) follows it. store_result: the result that the port reports
-    store_ticks after a save has started. stored: the values of each save.
+    frames. prediction: whether prediction is on; None selects Bench.prediction. Prediction is off by default, so that
+    control law (4) follows the hand even if a test makes it jump. store_result: the result that the port reports
+    store_ticks after a save has started. stored: the values written by each save.
     """
 
     prediction = False
@@ -122,7 +122,7 @@ class Bench:
         return self._ask(lib.parameter_access_pack, message)
 
     def save(self, parameter: int = 0, ticks: int = 10) -> int:
-        """Sends a save and returns its result, which arrives when the store has finished."""
+        """Sends a save command and returns its result, which arrives once the values have been stored."""
         message = ffi.new("parameter_access_t *", {"operation": lib.PARAMETER_SAVE, "parameter": parameter})
         message.sequence = self._next_sequence()
         self.ask(message)

@@ -11,7 +11,7 @@ MASSES_KG = np.array([0.210, 0.234, 0.1965, 0.216])
 GRAVITY = np.array([0.0, 0.0, -9.80665])
 PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
-# Columns: alpha and a of the previous row, d, offset of theta. Rows: from WAIST over CHEST and RARM[0] to joint 4.
+# Columns: alpha and a of the previous row, d, offset of theta. Rows: from WAIST through CHEST and RARM[0] to joint 4.
 MODIFIED_DH = [
     (0.0, -0.035, 0.125, 0.0),
     (-90.0, 0.0, -0.111, 0.0),

@@ -1,5 +1,5 @@
 """Simulates an ideal control loop without bus or encoder, with dqrobotics' kinematics in double precision and drives
-that follow each command at once. Written from the paper and from the description of the limits in the C headers."""
+that follow each command at once. Based only on the paper and on the description of the limits in the C headers."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the decele
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
 # distance from the limit at which the stopping speed is 0
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # the change per tick that can be ramped down within 0, 1, 2... ticks
-RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # the total velocity change of each of these ramps
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # velocity change per tick that 0, 1, 2... ticks can ramp down to 0
+RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # total velocity change of each of these ramps
 
 
 def limited(demanded, last, last_change, q, gain, acceleration=25.0):
     """Applies the limits of joint_limits.h: approach speed, common scaling to the speed limits, stopping distance,
     acceleration and jerk.
 
-    Returns the limited change of velocity.
+    Returns the velocity change after limiting.
     """
     speed = np.abs(demanded)
     a = BRAKING_RESERVE * acceleration

@@ -34,8 +34,8 @@ class Image:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
-    """Runs make. Runs in the build folder take turns, across all test processes, whereas runs in a test's own folder
-    may overlap."""
+    """Runs make. Runs in the build folder never overlap, even between test processes, whereas runs in a test's own
+    folder may."""
     elsewhere = any(argument.startswith("TARGET_BUILD=") for argument in arguments)
     with contextlib.nullcontext() if elsewhere else lock(MAKE_LOCK):
         return _make(*arguments)

@@ -1,5 +1,5 @@
-"""Provides double-precision references for the firmware, written independently of its code: the paper's equations, both
-in numpy for arrays and literally in dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
+"""Provides double-precision references for the firmware, written independently of its code: the paper's equations, in
+numpy for arrays and, term by term, in dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
 
 Quaternions are (..., 4) in the order w x y z, dual quaternions (..., 8), as in the paper.
 """

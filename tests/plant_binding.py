@@ -14,7 +14,7 @@ MODULES = (
     "sim/scene/water",
 )  # fmt: skip
 
-# ODE functions for the forces and energies of bodies, for which the product provides no functions.
+# ODE functions that return the forces and energies of bodies. The product itself has no such functions.
 ODE = """
 struct dxBody; struct dxWorld; struct dxJointGroup;
 const double *dBodyGetPosition(struct dxBody *);

@@ -15,9 +15,9 @@ from once import lock
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
-SCENARIOS = ("pour", "teleop", "mirror")  # in tests/scenarios: the tasks without objects
+SCENARIOS = ("pour", "teleop", "mirror")  # in tests/scenarios: hand motions without objects
 EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # in sim/scenarios
-SHIPPED = tuple(sorted(path.stem for path in (REPOSITORY / "sim" / "scenarios").glob("*.yaml")))  # these and further
+SHIPPED = tuple(sorted(path.stem for path in (REPOSITORY / "sim" / "scenarios").glob("*.yaml")))  # includes EXPERIMENTS
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
 PATIENCE_S = 600  # wall time; an idle machine needs a hundredth of this, but a busy one may be slow

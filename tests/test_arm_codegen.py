@@ -174,7 +174,7 @@ def test_any_other_diagonal_is_general(part, component):
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("where", ["q", "target"])
 def test_non_finite_input_gives_non_finite_output(arm, inputs, value, where):
-    """Non-finite input must never produce a finite velocity, so that the joint limits can detect it."""
+    """Non-finite input always produces a non-finite velocity, which the joint limits detect."""
     q, target = (x.copy() for x in inputs[0])
     (q if where == "q" else target)[1] = value
     assert not np.isfinite(solve(for_this_arm, arm, config(), q, target)).all()
@@ -249,7 +249,7 @@ RIGHT_ANGLES = (-90.0, 0.0, 90.0)
 @pytest.mark.parametrize("angles", ["right", "any"])
 @pytest.mark.parametrize("n", range(1, 9))
 def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
-    """The arms include some with the zero offsets and lengths of real arms, where the generator folds most terms."""
+    """Some of the arms have zero offsets and lengths, as real arms do, so that the generator eliminates most terms."""
     right = angles == "right"
     rows = []
     for _ in range(n + 1):
@@ -299,7 +299,7 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
                 )
                 sent = [(1 << i) * (written[i] > 0) for i in range(n)], [(1 << i) * (written[i] < 0) for i in range(n)]
                 assert sum(sent[0]) & upper == 0 and sum(sent[1]) & lower == 0
-                if np.array_equal(written == 0, general == 0):  # otherwise they blocked different joints
+                if np.array_equal(written == 0, general == 0):  # otherwise the two laws blocked different joints
                     assert np.abs(written - general).max() / max(3.5, np.abs(general).max()) < 2 * bound
                 else:
                     otherwise += 1

@@ -1,4 +1,4 @@
-"""Checks `make bench`: how it evaluates its measurements, and that the inputs it gives to all contenders follow
+"""Checks that `make bench` evaluates its measurements correctly, and that the inputs it gives to all contenders follow
 Algorithm 1."""
 
 from __future__ import annotations

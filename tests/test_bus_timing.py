@@ -120,8 +120,8 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """A joint state that arrives in time takes exactly as long as the bound, less the nanosecond by which the frame of
-    lower priority starts earlier."""
+    """A joint state that arrives within one tick takes exactly as long as its bound, less the nanosecond by which the
+    frame of lower priority starts earlier."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
@@ -274,9 +274,9 @@ BOOT_NS = 100 * MS_NS  # at a tick rate of 1 kHz
 
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
-    """The bounds are not overly pessimistic: the longest response of each control frame is a fair share of its bound
-    (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never compete with others stay far below their
-    bound, because the phases in the simulator are fixed."""
+    """No response exceeds its bound, and the bounds are not overly pessimistic: the longest response of each control
+    frame is a fair share of its bound (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never compete
+    with others stay far below their bound, because the phases in the simulator are fixed."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)

@@ -1,4 +1,4 @@
-"""Checks the frames against cantools and the DBC in both directions, the handling of values that no frame can carry,
+"""Checks the frames against cantools and the DBC in both directions, the handling of values that do not fit in a frame,
 and end-to-end protection."""
 
 from __future__ import annotations
@@ -397,7 +397,7 @@ def test_check_refuses_and_counts(dbc):
     frame.length = 24
     assert checked(receiver, frame) == lib.PROTOCOL_WRONG_LENGTH
     frame.id, frame.length = dbc.get_message_by_name("JointCmd").frame_id, 64
-    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # it has the protection of another id
+    assert checked(receiver, frame) == lib.PROTOCOL_NOT_AUTHENTIC  # protected as a frame with another id
     assert receiver.rejected == 4
 
 

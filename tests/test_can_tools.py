@@ -18,7 +18,7 @@ from e2e import p05
 from hub import CAN_EFF_FLAG, PATIENCE_S, SCRIPTS, WITH_CAN, Hub, Tool, classic, fd, running, tool, wait_until
 from simulation import SIMULATOR, Run, run
 
-# The run has 14,000 frames. The hub queues more than that for a slow listener, so no listener is dropped, however slow
+# The run has 14,000 frames. The hub can queue more than that for a slow listener, so it drops no listener, however slow
 # the machine is.
 PLAIN = Path(__file__).parent / "scenarios" / "teleop_moves.yaml"  # the file that run() uses for "teleop"
 SCENARIO = ("--scenario", "teleop", "--duration", 2)

@@ -362,7 +362,7 @@ def test_parts_of_different_poses_are_never_mixed(rng, lost):
     used = 0
     for number in range(3000):
         position, rotation = sample(number)
-        burst = (number // 100) % 3 == 2  # for 100 samples, only one kind of part is received at a time
+        burst = (number // 100) % 3 == 2  # one kind of part is lost; the kind alternates every 7 samples
         for place, part in enumerate(sender.send(pose_message(position, rotation), number * POSE_PERIOD_US)):
             gone = rng.random() < lost or (burst and place == (number // 7) % 2)
             if gone:

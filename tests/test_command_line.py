@@ -1,4 +1,4 @@
-"""Checks the simulator's command line. Wrong use produces one clear line and has no other effect. The help is correct.
+"""Checks the simulator's command line. Wrong use prints one clear line and has no other effect. The help is correct.
 A run that fails or is interrupted reports so in its exit status and its files."""
 
 from __future__ import annotations

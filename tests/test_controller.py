@@ -260,7 +260,7 @@ def test_unknown_commands_and_tasks_are_refused():
     assert bench.define(q_inv=(0, 0, 0, 0)) == lib.RESULT_NOT_A_UNIT_QUATERNION
     assert bench.write(lib.PARAMETER_COUNT, 1.0) == lib.RESULT_UNKNOWN_PARAMETER
     assert bench.write(lib.PARAMETER_MOTION_SCALE, -1.0) == lib.RESULT_OUT_OF_RANGE
-    assert bench.controller.task_id == lib.TASK_TELEOP  # as it was at boot
+    assert bench.controller.task_id == lib.TASK_TELEOP  # unchanged since boot
 
 
 @pytest.mark.parametrize("result", [lib.RESULT_NOT_SUPPORTED, lib.RESULT_STORE_FAILED, lib.RESULT_ACCEPTED])
@@ -702,6 +702,6 @@ def test_restarted_operator_is_accepted():
     bench = Bench().until_ready()
     for _ in range(30):
         assert bench.command(lib.COMMAND_STOP) == ACCEPTED
-    bench.sender = ffi.new("protocol_sender_t *")  # this restarts the drives and the tracker too
+    bench.sender = ffi.new("protocol_sender_t *")  # a restart; the drives and the tracker share this sender
     bench.tick(3)
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED

@@ -178,7 +178,7 @@ def test_mirror_signs_and_scale(rng, scale):
 
 
 def test_mirror_needs_the_hands_z_axis_forward():
-    """With the z axis along -x of the torso, the same formula results in 3 dx."""
+    """With the end effector's z axis along -x of the torso, a displacement dx becomes 3 dx instead of -dx."""
     backwards = oracle.pose(oracle.rotation([0, 1, 0], -np.pi / 2), [0.1, -0.1, 0])
     hands = np.array([hand_in_tracker(ONE, [x, 0, 0]) for x in (0, 0.02)])
     assert np.abs(displacement(follow("mirror", hands, backwards)) - [0.06, 0, 0]).max() < 1e-6
@@ -360,7 +360,7 @@ def test_select_right_after_a_measured_latch_continues_from_the_robots_pose(rng)
 @pytest.mark.parametrize("motion_scale", [1.0, 0.3])
 def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
     """The target's motion agrees with the difference between the targets that Algorithm 1, tested above, computes for
-    two slightly different hands."""
+    two slightly different hand poses."""
     apart_s = 0.01
     for _ in range(20):
         cooperation = core.Cooperation(task, scale=motion_scale)

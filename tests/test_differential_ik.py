@@ -65,9 +65,9 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
-    """The law keeps the tolerance for a uniform weight and every lambda. A uniform weight worsens the conditioning but
-    does not raise the minimum of the tolerance, which would therefore be exceeded without iterative refinement. Errors
-    are relative to the largest component of u."""
+    """The law keeps the tolerance for a large uniform weight and every lambda. The normal equations are then worst
+    conditioned, and without iterative refinement the law would exceed the tolerance. Errors are relative to the largest
+    component of u."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)

@@ -121,7 +121,7 @@ def test_what_is_named_exists(name, missing):
 
 
 def test_what_is_missing_is_found():
-    """Each check can fail, because it finds names that do not exist."""
+    """Each check can fail: it reports names that do not exist."""
     assert missing_paths("`firmware/no_such.c`, `no_such.c`, `hal/linux/`, docs/no_such.md, [x](bus.md)") == {
         "firmware/no_such.c",
         "no_such.c",

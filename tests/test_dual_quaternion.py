@@ -106,7 +106,7 @@ def test_quaternion_from_rotation_vector(rng, scale):
         got = lib.quaternion_from_rotation_vector(ffi.new("vector3_t *", vector.tolist())[0])
         angle = np.linalg.norm(vector.astype(float))
         expected = oracle.rotation(vector if angle else [1, 0, 0], angle)
-        # the half angle is a float32, and its rounding error grows with it
+        # the half angle is a float32, so its rounding error grows with the angle
         assert np.abs(np.array([got.w, got.x, got.y, got.z]) - expected).max() < 4e-7 + 1.2e-7 * angle
 
 

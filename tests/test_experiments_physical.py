@@ -222,8 +222,8 @@ DO_NOT_TILT = ("name: pouring, task: pour, after", "name: pouring, task: upright
     ],
 )  # fmt: skip
 def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
-    """The other criteria fail for a glass that is never tilted, and for a hand that releases too early, moves too fast,
-    turns too little or is too weak."""
+    """The other criteria fail if the glass is never tilted, or if the hand releases too early, moves too fast, turns
+    too little or is too weak."""
     done = run(tmp_path / "out", "--scenario", variant(tmp_path, name, change))
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)

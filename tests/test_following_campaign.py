@@ -165,8 +165,8 @@ def test_a_missing_measurement_does_not_pass(lost):
 
 
 def test_peers_are_tuned_on_the_other_half():
-    """Each half is judged with the setting that is best on the other half. In this test, that setting is the worst
-    one."""
+    """Each half is judged with the setting that is best on the other half. In this test, that setting is bad for
+    the half that is judged."""
     first, second = plan.folds(NAMES)
     good_for = dict.fromkeys(first, "qp 20") | dict.fromkeys(second, "qp 35")
 

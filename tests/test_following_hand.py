@@ -57,8 +57,8 @@ def test_one_parameter_switches_prediction_off():
 
 
 def test_a_clutch_in_motion_keeps_the_hands_speed():
-    """After the clutch, the target starts at the robot's pose and moves with the hand, so the robot keeps its speed,
-    which once dropped from 0.156 to 0.043 m/s."""
+    """After the clutch, the target starts at the robot's pose and moves with the hand, so the robot keeps its speed.
+    An earlier version slowed it from 0.156 to 0.043 m/s."""
     bench = started()
     before = move(bench, [0, SPEED_MPS, 0], 600)
     assert bench.command(lib.COMMAND_CLUTCH) == lib.RESULT_ACCEPTED

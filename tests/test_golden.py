@@ -172,7 +172,7 @@ def test_a_message_missing_from_the_log_is_left_out_and_named(handover):
     frames = [frame for frame in identity_changed(handover, build_hash=2) if frame.name != "FirmwareStatus"]
     report = replayed(frames)
     assert report.difference is None
-    always = {"FirmwareIdentity", "PortStatus"}  # of another build; it depends on more than the log
+    always = {"FirmwareIdentity", "PortStatus"}  # the first always differs; the second depends on more than the log
     assert always | {"FirmwareStatus"} <= set(report.left_out)
     assert not {frame.name for frame in frames} & (set(report.left_out) - always)
 

@@ -3,11 +3,12 @@ simulator's speed.
 
 ``bench.py BUILD``. A tick consists of Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4);
 see contender.hpp. First, the joint velocities of all contenders are checked against the paper's equations in double
-precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each contender feeds its own
-angles back. The table shows the median of the rounds and the 10th and 90th percentiles. callgrind counts instructions,
-as the difference between two runs. Prints a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json.
-Exit status: 1 if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on
-the host do not apply to a microcontroller.
+precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each contender starts the next
+tick from its own integrated angles. The table shows the median of the rounds and the 10th and 90th percentiles. The
+instructions per tick are the difference between callgrind's counts of two runs, divided by the additional ticks. Prints
+a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json. The exit status is 1 if contenders disagree,
+if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do not apply to a
+microcontroller.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ def row(rotation: np.ndarray, translation: np.ndarray) -> str:
 
 def make_case(n: int, folder: Path, rng: np.random.Generator) -> Case:
     arm = arm_description.read(ARMS[n])
-    turn = 2 * np.pi * np.arange(HANDS) / HANDS  # one closed hand movement lasts a second
+    turn = 2 * np.pi * np.arange(HANDS) / HANDS  # the hand goes round its closed path once a second
     rotations = oracle.rotation(np.stack([np.sin(turn), np.cos(turn), 0 * turn + 0.5], axis=1), 0.4 * np.sin(2 * turn))
     places = single(
         np.stack([0.06 * np.sin(turn), 0.05 * np.sin(2 * turn), 0.04 - 0.04 * np.cos(turn)], axis=1) + [0.4, -0.2, 0.9]
@@ -182,7 +183,7 @@ def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str
 
 
 def instructions(case: Case, program: Path, name: str) -> float:
-    """Returns the instructions per tick, which callgrind counts as the cost of CALLGRIND_TICKS additional ticks."""
+    """Returns the instructions per tick, from callgrind's counts of two runs that differ by CALLGRIND_TICKS ticks."""
     counts = []
     for ticks in (CALLGRIND_TICKS, 2 * CALLGRIND_TICKS):
         out = case.model.with_suffix(f".{name.replace(' ', '').replace(',', '-')}.{ticks}")
@@ -197,7 +198,7 @@ def instructions(case: Case, program: Path, name: str) -> float:
 
 
 class Dqrobotics:
-    """The same tick with DQ and numpy, with n x n matrices."""
+    """The same tick, written with dqrobotics' DQ and with n x n matrices in numpy."""
 
     name = "dqrobotics, from Python"
 
@@ -250,7 +251,7 @@ class Dqrobotics:
 
 
 def times_ours(times: dict[str, list[float]], name: str) -> float:
-    """Returns the median of the ratios in the rounds. A disturbance in a round affects both sides of its ratio."""
+    """Returns the median of the rounds' ratios. A disturbance affects both times of its round."""
     return float(np.median(np.array(times[name]) / np.array(times[OURS[0]])))
 
 
@@ -260,7 +261,7 @@ def summary(values: list[float]) -> dict[str, float]:
 
 
 def measure(case: Case, program: Path) -> dict[str, dict]:
-    """Returns ns, heap allocations and instructions per tick for each contender."""
+    """Measures the time [ns], the heap allocations and the instructions per tick of each contender."""
     peer = Dqrobotics(case)
     times: dict[str, list[float]] = {}
     heap: dict[str, float] = {}

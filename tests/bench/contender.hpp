@@ -18,7 +18,7 @@ struct Pose {
 // The model that bench.py writes.
 struct Model {
     std::string arm;            // name of the specialised arm
-    int n;                      // joints, each about the z axis of the frame after its `fixed`
+    int n;                      // number of joints; each turns about z of the frame given by its `fixed`
     std::vector<Pose> fixed;
     Pose effector;
     // Algorithm 1: the target's rotation is left r right, and its translation is

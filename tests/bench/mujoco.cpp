@@ -1,4 +1,4 @@
-// MuJoCo's kinematics, centres of mass, which its Jacobian needs, and Jacobian of a site.
+// MuJoCo's kinematics, centres of mass (which its Jacobian needs) and Jacobian of a site.
 #include <mujoco/mujoco.h>
 
 #include <cstdio>

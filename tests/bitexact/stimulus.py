@@ -39,8 +39,8 @@ def now_us(trace: Frame) -> int:
 
 
 def recorded(log: Path) -> Iterator[bytes]:
-    """Yields the ticks of a recorded run from its boot on, each with the frames that the firmware read, as found by the
-    replay."""
+    """Yields the ticks of a recorded run, starting at boot. Each tick has the frames that the firmware read in it, as
+    determined by the replay."""
     frames = list(logs.read(log))
     replaying = Replay(frames)
     state = replaying._state
@@ -54,7 +54,7 @@ def recorded(log: Path) -> Iterator[bytes]:
 
 
 class Vectors:
-    """Generates authentic frames with all kinds of contents: the arm at rest, in motion and at limits, and nonsense."""
+    """Generates valid frames with all kinds of contents: the arm at rest, in motion and at limits, and nonsense."""
 
     def __init__(self, rng: np.random.Generator, profile: int):
         self._rng, self._profile = rng, profile

@@ -175,7 +175,7 @@ def problems(root: Path) -> list[str]:
     own = [include for include in found if include.is_own]
     files = {name for include in own for name in (include.file, include.target)}
     lines = [f"{i.file}:{i.line}: includes {i.target}; {wrong}" for i in found if (wrong := wrong_include(i))]
-    if lines:  # most cycles follow from one of these
+    if lines:  # most cycles are caused by one of these forbidden includes
         return lines
     for what, name in (("files", lambda file: module_of(file, files)), ("folders", folder_of)):
         graph = graph_of((name(i.file), name(i.target)) for i in own if i.file != "firmware/main.c")

@@ -1,10 +1,10 @@
-"""``make cycles``: instructions and modelled cycles of one tick in each image, for recorded, operated and adversarial
-inputs.
+"""``make cycles``: determines the instructions and modelled cycles of one tick in each image, for recorded, operated
+and adversarial inputs.
 
 ``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c. Cycles are computed from ARM's
 tables (arm_costs.py) for Cortex-M4F, M3 and M0+; they have never been measured on silicon. Prints a table, writes
-BUILD/reports/cycles.json and compares the maxima with BUDGET.toml. If a budget or a requirement is exceeded, reports
-the differences, and the exit status is 1. --update rewrites the budget.
+BUILD/reports/cycles.json and compares the maxima with BUDGET.toml. If a budget or a requirement is exceeded, prints
+the differences and exits with status 1. --update rewrites the budget.
 
 The quantities are:
 
@@ -53,7 +53,7 @@ STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
 TIMEOUT_S = 900  # an image that panics does not end
 STATE = 3  # as in records.h
-NOTHING = 0  # as in program.c, as are the keys of QUANTITIES
+NOTHING = 0  # as in program.c, like the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
               7: "tick_blend",
@@ -67,7 +67,7 @@ LABELS = {"step": "controller_step()", "tick": "law (4)", "tick_torso": "(4), to
 MODELLED = ("cortex-m3", "cortex-m4f", "cortex-m0plus")
 NOT_PREDICTED = {"step_not_predicted"}  # the only quantities counted with prediction off
 INPUTS = ("recorded", "not_predicted", "operated", "adversarial")
-# Requirements of the product: image, input, quantity, unit, figure, upper limit.
+# Requirements of the product: image, input, quantity, unit, statistic, upper limit.
 REQUIRED = (("cortex-m4f", "recorded", "tick", "instructions", "maximum", 800),
             ("cortex-m4f", "recorded", "tick", "cycles", "maximum", 850),
          ("cortex-m4f", "recorded", "step", "instructions", "maximum", 8000),
@@ -90,8 +90,8 @@ def recorded(folder: Path, *options: str) -> bytes:
 
 
 def adversarial(rng: np.random.Generator) -> bytes:
-    """Generates frames with all kinds of contents, and states at limits, singular or out of range, with targets near
-    and far."""
+    """Generates frames with all kinds of contents, and arm states at joint limits, at singularities and out of range,
+    with near and far targets."""
     parts = list(stimulus.vectors(STATES, 1))
     parts.append(stimulus.boot(0))
     low, high = np.radians([-90, -95, -90, -114]), np.radians([150, 0, 90, 0])
@@ -142,7 +142,7 @@ def symbol(image: str, elf: Path, name: str) -> int:
 
 
 def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict[str, np.ndarray]]:
-    """Returns, for each quantity, the instructions and cycles of each time it was counted."""
+    """Returns, for each quantity, the instructions and cycles of every pass that was counted."""
     elf = folder / "target" / image / "comanip.elf"
     place = folder / f"{image}-{states}"
     place.mkdir(exist_ok=True)

@@ -100,7 +100,7 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     }
 }
 
-/* Runs a generated state. The end effector's initial pose follows from the joint positions. */
+/* Runs the counted parts in a generated state. The end effector's initial pose follows from the joint positions. */
 static void run_state(const record_t *record, const controller_t *controller) {
     struct {
         float position_rad[4];

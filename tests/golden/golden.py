@@ -27,12 +27,12 @@ REPOSITORY = FOLDER.parents[1]
 SCENES, EXPERIMENTS = FOLDER / "scenes", REPOSITORY / "sim" / "scenarios"
 SIMULATOR = REPOSITORY / "build" / "host" / "comanip-sim"
 PROFILES = ("fd", "classic")
-MAX_BYTES = 12_000_000  # of all golden logs
+MAX_BYTES = 12_000_000  # total size of all golden logs
 
 
 @dataclass(frozen=True)
 class Run:
-    """A golden log is NAME-PROFILE.log.xz. shows: its contents besides start and stop."""
+    """A run whose golden logs are NAME-PROFILE.log.xz. shows: what the logs contain besides the start and the stop."""
 
     name: str
     scenario: Path
@@ -58,13 +58,13 @@ def path_of(run: Run, profile: str) -> Path:
 
 
 def of_the_firmware(path: Path) -> Iterator[str]:
-    """The log lines of the frames that the firmware receives or sends."""
+    """Returns the log lines of the frames that the firmware receives or sends."""
     ids = {m.frame_id for m in messages().values() if "Firmware" in (*m.senders, *m.receivers)}
     return (logs.candump_line(frame) + "\n" for frame in logs.read(path) if frame.frame_id in ids)
 
 
 def record(run: Run, profile: str, simulator: Path) -> None:
-    """Exit status 1, a failed check, is accepted: only the firmware's behaviour matters here."""
+    """Records a golden log. Accepts exit status 1, a failed check, as only the firmware's behaviour matters here."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
             simulator,

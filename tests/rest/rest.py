@@ -7,7 +7,7 @@ drives (loop.c), and some of them in the simulator (rest_ode.py). The requiremen
     rest      in the last 2 s of 8 s, no case oscillates and at most 1.5 % creep; in the last 2 s of 20 s, no case
               oscillates and at most 0.2 % creep (rest_judgement.py)
     ode       the same, for a hundred cases in the simulator
-    position  of the cases with a reachable target position (rest_arm.py), 95 % are within 1 mm of it after 8 s
+    position  95 % of the cases with a reachable target position (rest_arm.py) are within 1 mm of it after 8 s
     pairs     any two parameters are set to the ends of their ranges, including groups of components of K and W; either
               the firmware rejects the set, or, after 8 s and the travel time at the allowed speed, no joint is faster
               than 0.02 rad/s or 10 % of that speed, and none oscillates (rest_pairs.py)
@@ -118,8 +118,8 @@ class Campaign:
 
 
 def position_cause(left_m: float) -> str:
-    """Returns the cause of a remaining error. `left_m`: the error that remains after a further descent by position
-    alone."""
+    """Returns the reason why a position error remains. `left_m`: the error that is left after descending further by
+    position alone."""
     return (
         "a local minimum of the distance"
         if left_m >= WITHIN_M
@@ -128,7 +128,7 @@ def position_cause(left_m: float) -> str:
 
 
 def motion_cause(valley: arm.Valley) -> str:
-    """Returns the cause of a motion that continues."""
+    """Returns the reason why the arm is still moving."""
     if not valley.curvature_m2.size:
         return "all joints at their limits with a small pull"
     least = valley.curvature_m2[0]

@@ -11,7 +11,7 @@ import numpy as np
 SHOULDER_M = np.array([-0.035, -0.111, 0.125])
 UPPER_M, FORE_M = 0.111, 0.171
 RANGE_RAD = np.radians([[-90.0, 150.0], [-95.0, 0.0], [-90.0, 90.0], [-114.0, 0.0]])
-SWIVELS = 1801  # number of the upper arm's torsion angles tried for a position, one every 0.1 degree
+SWIVELS = 1801  # number of upper arm torsion angles tried for each position, one every 0.1 degree
 STEP_RAD = 1e-4  # step of the finite differences
 
 
@@ -26,8 +26,8 @@ def hand_m(q: np.ndarray) -> np.ndarray:
 
 
 def reaching(position_m: np.ndarray) -> np.ndarray:
-    """Returns postures (n, 4) within the joint limits that bring the end effector to the position. There is at most one
-    per 0.1 degree of torsion and per side, and none if the position is out of reach. The elbow angle follows from the
+    """Returns postures (n, 4) within the joint limits that bring the end effector to the position. There are at most
+    two for each torsion angle tried, and none if the position is out of reach. The elbow angle follows from the
     distance, and the first two joints follow from each torsion angle."""
     w = np.asarray(position_m, float) - SHOULDER_M
     cosine = (w @ w - UPPER_M**2 - FORE_M**2) / (2 * UPPER_M * FORE_M)
@@ -54,18 +54,18 @@ def reaching(position_m: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Valley:
-    """Describes half the squared distance to a position around a posture. Joints at a limit that the slope would push
-    further are left out of slope, curvature and singular value, as in the control law."""
+    """Describes how half the squared distance to a position varies around a posture. Slope, curvature and singular
+    value leave out the joints at a limit that the slope would push further, as the control law does."""
 
     error_m: float
     limits: tuple[int, ...]  # joints at a limit, counted from 1
-    slope_m2: float  # slope of the steepest descent of the remaining joints [m^2/rad]
+    slope_m2: float  # slope of the steepest descent by the remaining joints [m^2/rad]
     curvature_m2: np.ndarray  # eigenvalues of the Hessian [m^2/rad^2], ascending
     singular_m: float  # the Jacobian's smallest singular value [m/rad]
     reachable: bool
 
 
-AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as at it, because the firmware stops joints short of limits
+AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as at it; the firmware stops joints short of limits
 
 
 def jacobian_m(q: np.ndarray) -> np.ndarray:
@@ -102,8 +102,8 @@ CAP_M, STEP_SHARE, STEP_MAX_RAD, DESCENT_STEPS, DAMPING_M2 = 0.015, 0.2, 0.02, 1
 
 
 def descend(q: np.ndarray, position_m: np.ndarray) -> np.ndarray:
-    """Returns where descending by position alone ends from the postures (n, 4). Takes small Gauss-Newton steps within
-    the joint limits, and ignores orientation. The error that remains is a local minimum of the distance."""
+    """Descends from the postures (n, 4) towards the position, ignoring orientation, and returns the final postures.
+    Takes small Gauss-Newton steps within the joint limits. The remaining error is a local minimum of the distance."""
     low, high = RANGE_RAD.T
     q = np.clip(q, low, high)
     for _ in range(DESCENT_STEPS):

@@ -13,12 +13,12 @@ CREEPING_SHARE = (0.015, 0.002)  # share of the cases that may creep in each win
 
 
 def moves(outcomes: np.ndarray, window: int) -> np.ndarray:
-    """Returns in which cases some joint is commanded to move faster than CREEP_RADPS."""
+    """Returns, for each case, whether any joint is commanded to move faster than CREEP_RADPS."""
     return (outcomes["peak_radps"][:, window] > CREEP_RADPS).any(axis=1)
 
 
 def oscillates(outcomes: np.ndarray, window: int) -> np.ndarray:
-    """Returns in which cases the commanded velocity of a joint faster than CREEP_RADPS changes sign more than twice."""
+    """Returns, for each case, whether a joint is commanded faster than CREEP_RADPS and reverses more than twice."""
     fast = outcomes["peak_radps"][:, window] > CREEP_RADPS
     return (fast & (outcomes["sign_changes"][:, window] > SIGN_CHANGES)).any(axis=1)
 

@@ -33,8 +33,8 @@ class End:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on a pair. `what` is refused, rests, oscillates, moves or was interrupted; `warned`: the firmware
-    reports that it cannot ensure rest."""
+    """The verdict on a pair. `what` is "refused", "rests", "oscillates", "moves" or "was interrupted". `warned` is set
+    if the firmware reports that it cannot ensure rest."""
 
     pair: str
     what: str
@@ -59,7 +59,7 @@ def ends(loop: Loop) -> list[End]:
 
 
 def pairs(loop: Loop) -> list[tuple[End, End]]:
-    """Returns the pairs of ends without a parameter in common, so that no parameter is at both ends of its range."""
+    """Returns the pairs of ends that share no parameter, because a parameter cannot be at both ends of its range."""
     return [(a, b) for a, b in itertools.combinations(ends(loop), 2) if not a.parameters & b.parameters]
 
 
@@ -72,8 +72,8 @@ def speed_radps(parameters: dict[str, float]) -> float:
 
 
 def travel_s(parameters: dict[str, float]) -> float:
-    """Returns the time for all joints to cross their ranges one after the other at the allowed speed, in excess of the
-    time at full speed, which is already included in the 8 s."""
+    """Returns how much longer all joints take to cross their ranges, one after the other, at the allowed speed than at
+    full speed. The time at full speed is already included in the 8 s."""
     way_rad = float(np.ptp(arm.RANGE_RAD, axis=1).sum())
     return way_rad / speed_radps(parameters) - way_rad / SPEED_RADPS
 

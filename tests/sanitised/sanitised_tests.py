@@ -82,7 +82,7 @@ def test_a_child_process_has_the_sanitised_core(environment):
 
 def test_tests_of_the_core_are_found_by_their_imports():
     names = {file.name for file in core_users.test_files()}
-    # These call controller_step() on a test bench, in the replay, in the loop of `make following`, and in a loop in C.
+    # These tests call controller_step() on a test bench, in the replay, in the loop of `make following`, and from C.
     assert names >= {"test_controller.py", "test_replay.py", "test_following.py", "test_rest.py"}
     direct = {file.name for file in core_users.TESTS.glob("test_*.py") if "\nfrom comanip._core " in file.read_text()}
     assert len(direct) > 20 and names >= direct - core_users.OTHER_PROCESSES
@@ -91,8 +91,8 @@ def test_tests_of_the_core_are_found_by_their_imports():
 
 @pytest.fixture
 def seeded_run(tmp_path, capfd):
-    """Returns a function that runs a test with the given text as `make test-sanitised` does, and that returns the exit
-    status and the output."""
+    """Returns a function that runs the given source code of a test as `make test-sanitised` does, and returns the
+    exit status and the output."""
 
     def run_it(text: str) -> tuple[int, str]:
         file = tmp_path / "test_seeded.py"

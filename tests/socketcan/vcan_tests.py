@@ -262,7 +262,7 @@ def test_remote_and_extended_frames_are_ignored(alone):
 
 
 def test_error_frames_are_reported(alone):
-    """vcan has no errors of its own, but a frame sent with the error flag is received as an error frame."""
+    """vcan never has bus errors, but a frame sent with the error flag is received as an error frame."""
     bus, firmware = alone
     for classes, controller in ((ERROR_CONTROLLER, TX_PASSIVE), (ERROR_BUS_OFF, 0), (ERROR_RESTARTED, 0)):
         bus.send_packet(CAN_FRAME.pack(ERROR_FLAG | classes, 8, 0, 0, 0, bytes([0, controller]) + bytes(6)))
