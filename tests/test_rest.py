@@ -199,8 +199,8 @@ def test_all_pairs_are_counted(loop):
         for vector in ("gain", "weight")
         for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
     }
-    # Disjoint pairs within a vector of 8 components and 3 groups: 28 of two components, 4 + 4 of a component and the
-    # group of the other half, and the two halves.
+    # Disjoint pairs within a vector of 8 components and 3 groups: 28 pairs of two components, 4 + 4 pairs of a
+    # component and the group of the other half, and the pair of the two halves.
     within = 28 + 8 + 1
     apart = (n + 6) * (n + 5) // 2 - 2 * (11 * 10 // 2) + 2 * within
     found = rest_pairs.pairs(loop)

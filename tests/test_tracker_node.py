@@ -151,8 +151,8 @@ def test_hand_out_of_sight_is_invalid(dbc):
 
 @pytest.mark.parametrize("latency_s", [0.0, 0.0005, 0.5])
 def test_hand_is_measured_between_the_ticks(dbc, latency_s):
-    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated, or without latency extrapolated by less than
-    a tick. Either error is at most f'' h^2 for a displacement f, with h = 1 ms, plus half a micrometre of
+    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated or, without latency, extrapolated by less
+    than a tick. Either error is at most f'' h^2 for a displacement f, with h = 1 ms, plus half a micrometre of
     resolution."""
     poses, *_ = play(
         dbc,
