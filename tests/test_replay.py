@@ -284,8 +284,8 @@ def test_a_boot_with_an_invalid_store():
 
 @pytest.mark.parametrize("early_ticks", range(0, 45, 4))
 def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
-    """A stored parameter may be overwritten before or after it is announced. Each status contains the speed fraction,
-    so a wrong guess would show."""
+    """A stored parameter may be overwritten before or after it is announced. The replay must find out which, and
+    because each status contains the speed fraction, a wrong guess would show."""
     bench = RecordingBench(parameters=stored_parameters(rng))
     bench.tick(early_ticks)
     bench.write(lib.PARAMETER_SPEED_FRACTION, 0.5)

@@ -90,8 +90,8 @@ def changed(old: str, new: str, text: str = SCENE) -> tuple[str, int]:
 
 
 def assert_refused(tmp_path: Path, file: Path, start: str, *words: str) -> None:
-    """Checks that the simulator refuses the file with the right status and one line that starts with this text and
-    contains these words, and that it writes no files."""
+    """Checks that the simulator refuses the file with the right status and one line that starts with `start` and
+    contains `words`, and that it writes no files."""
     done = run(tmp_path / "out", "--scenario", file)
     assert done.status == EXIT_WRONG_USE, done.stderr
     assert done.stdout == ""
@@ -450,7 +450,7 @@ def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
 
 def test_an_object_inside_another(tmp_path):
     """The rod, with a radius of 10 mm and its axis at z = 30 mm, lies on the stand, whose top is at 20 mm. When the
-    stand is raised, it overlaps the rod."""
+    stand is raised by more than 1 mm, the overlap is refused."""
     for raised_m in (0.0005, 0.0009):
         assert refusal_of(tmp_path, ("[0.5, -0.5, 0]", f"[0.5, -0.5, {raised_m}]")) == ""
     for raised_m in (0.0015, 0.004):

@@ -228,7 +228,8 @@ def test_nothing_bounces():
 
 
 def test_energy_never_grows_in_a_still_cup():
-    """The cup has stopped abruptly from 0.16 m/s. Contacts may store and return 1 % of the heap's potential energy."""
+    """After the cup has stopped abruptly from 0.16 m/s, the energy does not grow, except that contacts may store and
+    return 1 % of the heap's potential energy."""
     with water_in(CUP, 72) as water:
         for i in range(1, 101):
             water.step(START_M + [0.005 * np.sin(np.pi * i / 100), 0.0, 0.0])
@@ -294,7 +295,7 @@ def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
 
 def require_kept_as_a_liquid(water, cup, degrees, fill_m):
     """Checks that the cup keeps at least as much as it would keep of a liquid filled to fill_m, and at most as much as
-    if the surface were 15 degrees steep and the rim a particle's diameter higher. Tolerance: six particles."""
+    if the surface were inclined by 15 degrees and the rim a particle's diameter higher. Tolerance: six particles."""
     radius_m, height_m = cup["radius_m"], cup["height_m"]
     kept = water.counts().in_robot_cup / water.count
     least = liquid_left(radius_m, height_m, fill_m, degrees)
