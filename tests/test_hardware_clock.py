@@ -59,8 +59,8 @@ SETTLED = 400  # frames (100 ms) until the mapping has settled
 
 @pytest.mark.parametrize("ppm", [0, 20, 100, -100, 500, -500])
 def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
-    """The remaining error, including the least delay, is at most 0.1 ms, although the kernel's timestamps are up to 8
-    ms late."""
+    """The remaining error, which includes the minimum interrupt delay, is at most 0.1 ms, although the kernel's
+    timestamps are up to 8 ms late."""
     true, hardware, kernel = bus(rng, 20, ppm)
     late = (mapped(library, hardware, kernel) - true)[SETTLED:]
     assert (kernel - true).max() >= 7_000_000
@@ -71,7 +71,7 @@ def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
 
 def test_no_frame_looks_later_than_the_kernel_saw_it(library, rng):
     _, hardware, kernel = bus(rng, 5, -300)
-    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # some are nonsense
+    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # 1 % are nonsense
     assert (mapped(library, hardware, kernel) <= kernel).all()
 
 

@@ -133,7 +133,7 @@ def test_no_limit_is_ever_exceeded(start, commanded, delay_ticks, acceleration, 
 
 LONGEST_HOLD = {"a tick": 1, "some ticks": 30, "until it is there": 500}
 LAG_AS_DELAY = (
-    1.42  # sqrt(2): a first-order lag leaves v lag + a lag^2 to travel, a delay leaves v delay + a delay^2 / 2
+    1.42  # sqrt(2), because a lag adds v lag + a lag^2 to the stopping distance, and a delay v delay + a delay^2 / 2
 )
 
 
@@ -165,7 +165,7 @@ def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, commanded=commands)
 def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
-    """The joints stop from any state, mostly from full acceleration, within v/a + 2.5 a/j and two ticks, where a and j
+    """The joints stop from any state, mostly from full acceleration, within v/a + 2.5 a/j plus two ticks, where a and j
     are rounded down to whole steps of the resolution. The brakes may close only after the stop."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, jerk, tick_s=tick_s, approach_gain_per_s=0.0)
     change_max = math.floor(acceleration * tick_s / RESOLUTION_RADPS + 1e-3)
@@ -256,8 +256,8 @@ def test_speed_limits_keep_the_direction(demanded):
     gain=st.floats(10, 200),
 )
 def test_feedforward_is_not_reduced_for_the_stopping_distance(error, feedforward, gain):
-    """Only the part of the demand that corrects the error is reduced, to the speed from which a demand of K times the
-    error can still stop. The sum with the feedforward is then scaled to the speed limit."""
+    """Only the part of the demand that corrects the error is reduced, to the speed from which a joint whose demand is K
+    times the error can still stop. The sum with the feedforward is then scaled to the speed limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=gain, command_delay_s=0.0)
     error, feedforward = np.array(error), np.array(feedforward)
     linear = 0.9 * 25.0 / gain
@@ -303,7 +303,7 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
 
 AT_LIMIT_RAD = 2e-3  # the same as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# distance from the limit at which the stopping speed of a joint is 0
+# distance from the limit at which the highest speed from which a joint can still stop is 0
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 

@@ -104,8 +104,8 @@ def test_an_unmeasurable_latency_is_null_with_a_reason(tmp_path, arguments, word
 
 @pytest.mark.parametrize("delay_ms", [-7.3, 0.0, 37.6, 180.2])
 def test_a_known_delay_is_found(rng, delay_ms):
-    """The fit finds the delay of a hand that moves and turns, with a lever arm of 0.1 m, an offset and 0.2 mm of noise,
-    in two intervals with different constants."""
+    """The fit finds the delay of a hand that moves and turns, with an offset, a lever arm and 0.2 mm of noise. Offset
+    and lever arm differ between the two intervals."""
 
     def hand(t_s):
         """Returns positions (N, 3) and rotations (N, 3, 3) at the given times."""

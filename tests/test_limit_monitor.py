@@ -49,7 +49,7 @@ def test_a_ramp_at_the_limits_is_not_a_violation():
 
 def test_each_frame_of_a_fourfold_tick():
     """With frames every 4 ms, as on classic CAN, one tick suffices for the acceleration to rise from zero to its limit,
-    and one to fall back."""
+    and one more for it to fall back."""
     watch = Watch()
     for velocity in (0, 0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.24, 0.14):
         assert watch.command([velocity] * 4, ticks=4) == 0

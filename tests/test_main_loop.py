@@ -9,7 +9,7 @@ import pytest
 from simulation import REPOSITORY
 
 PLACES = 15  # capacity of the smallest receive queue, see hal/slcan/slcan_link.h
-# A tick of classic CAN lasts 4 ms. In one tick of every ten, this many frames arrive in each of three milliseconds. The
+# A tick of classic CAN lasts 4 ms. In every tenth tick, FRAMES_A_MS frames arrive in each of three milliseconds. These
 # 18 frames are more than the queue holds, but fewer than queue and inbox hold together.
 FRAMES_A_MS = 6
 

@@ -99,7 +99,7 @@ def test_parameters_are_written_and_read_back(live, comanip):
 
 
 def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monkeypatch):
-    """If a save takes longer than the deadline of an attempt, the request is repeated with the same number, and the
+    """If a save takes longer than one attempt may take, the request is repeated with the same number, and the
     parameters are saved only once."""
     monkeypatch.setattr("comanip.bus.operator_client.SAVE_S", 0.0)
     live.bench.store_result = lib.RESULT_ACCEPTED
@@ -109,7 +109,7 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
     def end_when_repeated() -> None:
         wait_until(lambda: len(live.received) >= 3, "three requests")
-        stored.extend(live.bench.stored)  # a request still on its way when the save ends starts another save
+        stored.extend(live.bench.stored)  # copied before the save ends, because a late request then starts another
         live.bench.store_until = 0
 
     ending = threading.Thread(target=end_when_repeated)

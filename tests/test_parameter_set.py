@@ -88,7 +88,7 @@ def test_the_papers_law_gives_a_warning_and_is_not_refused():
 
 def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
     """Confirms the assumption of the criterion in double precision: for any posture and weights, no eigenvalue of J
-    N^-1 J^T W K, with dqrobotics' Jacobian, exceeds the largest gain among those with a weight."""
+    N^-1 J^T W K, with dqrobotics' Jacobian, exceeds the largest gain whose weight is not zero."""
     arm = oracle.hoap3()
     _, jacobians = oracle.evaluate(arm, rng.uniform(*np.radians(oracle.HOAP3_RANGE_DEG), size=(50, 4)))
     for jacobian in jacobians:
@@ -104,8 +104,8 @@ def test_no_error_shrinks_faster_than_the_largest_gain_with_a_weight(rng):
 
 
 def named(bench: Bench, ticks: int) -> list[tuple[int, int]]:
-    """Returns (parameter, sequence) of each ParameterValue that reports parameters_unstable. At most one is sent per
-    tick."""
+    """Returns (parameter, sequence) of each ParameterValue that reports parameters_unstable. At most one is expected
+    per tick."""
     found = []
     for _ in range(ticks):
         bench.tick()

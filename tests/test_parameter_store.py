@@ -119,8 +119,8 @@ def test_missing_parameters_get_defaults_and_unknown_numbers_are_skipped(rng):
 
 
 def test_the_former_format_is_read(rng):
-    """Firmware still reads the records of firmware with 38 to 43 parameters, which contain the values in the order of
-    their numbers."""
+    """The firmware still reads the records written by earlier firmware with 38 to 43 parameters, in which the values
+    are in the order of their numbers."""
     values = random_values(rng)
     for count in FORMER_COUNTS:
         expected = [*values[:count], *DEFAULTS[count:]]

@@ -171,7 +171,7 @@ def test_moves_are_minimum_jerk_for_any_step_size(step_s):
 
 
 def test_a_move_turns_in_the_shorter_direction():
-    """The person turns by 3.6 rad about an axis by turning by 2 pi - 3.6 rad in the other direction."""
+    """To turn by 3.6 rad about an axis, the person turns by 2 pi - 3.6 rad in the other direction."""
     axis = np.array([0.6, 0.0, 0.8])
     person = Person({"action": "move", "duration_s": 1.0, "rotation_vector_rad": (3.6 * axis).tolist()})
     t, _, rotation = person.run(1.0)
@@ -195,7 +195,7 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
             person.raise_event("robot.holds")
 
     t, position_m, _ = person.run(1.3, before=before)
-    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the third event came earlier, so nobody waits
+    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the third event came earlier, so there is no wait
     expected_m = START_M[0] + 0.1 * sum(share((t - begin) / 0.1) for begin in begins_s)
     np.testing.assert_allclose(position_m[:, 0], expected_m, atol=1e-12)
     assert person.done
@@ -230,8 +230,8 @@ def test_empty_program_is_done_at_once():
 
 
 def test_reach_corrects_for_a_sagging_arm():
-    """The first move follows an arc of the given height. Corrections follow, each of 0.4 s and by the remaining
-    distance, until the hand is close enough."""
+    """The first move follows an arc of the given height. Corrections of 0.4 s, each by the remaining distance, follow
+    until the hand is close enough."""
     reach = {"action": "reach", "to": PIPE_END, "offset_m": [0, 0, 0.03], "duration_s": 1.0, "lift_m": 0.05}
     person = Person({**reach, "tolerance_m": 0.001, "name": "there"})
     goal_m = PIPE_END_M + [0, 0, 0.03]
@@ -428,8 +428,8 @@ def play(**changes):
 
 
 def test_recorded_steps_play_the_recording_from_here(tmp_path):
-    """Recorded steps play the recording from where a move left the hand, with the axes of the command line. In a gap of
-    the recording the hand continues to move, but is hidden."""
+    """Recorded steps play the recording from where a move left the hand, with the axes given on the command line. In a
+    gap of the recording the hand continues to move, but is hidden."""
     times_s = [i / 100 for i in range(201) if not 60 < i < 80]
     path = write(tmp_path / "hand.csv", times_s, times_s)
     person = Person(

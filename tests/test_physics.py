@@ -106,8 +106,8 @@ def test_pendulums_energy_does_not_drift_and_its_error_shrinks_with_the_step():
 
 
 def lagrange(start: np.ndarray, duration_s: float) -> np.ndarray:
-    """Returns the angles (4,) of the arm with all joints free, `duration_s` after release from rest, by Hamilton's
-    equations in numpy."""
+    """Returns the angles (4,) of the arm with all joints free, `duration_s` after release from rest, computed from
+    Hamilton's equations in numpy."""
 
     def motion(_, state):
         q, momentum = state[:4], state[4:]

@@ -146,7 +146,7 @@ def test_same_commands_same_bits(sim, rng):
 
 
 class Drives:
-    """Plant and drives on a bus. JointCmd is sent from here; JointState is decoded with cantools."""
+    """Plant and drives on a bus. The class sends JointCmd and decodes JointState with cantools."""
 
     def __init__(self, sim, dbc, plant, step):
         self.ffi, self.lib = sim
@@ -215,7 +215,7 @@ def test_reported_velocity_and_torque(sim, drives):
     for _ in range(100):
         drives.tick([0.3, -0.2, 0.25, 0.15])
     for i, velocity in enumerate([0.3, -0.2, 0.25, 0.15]):
-        # eight samples span 7 ms, so one pulse more or less is 12 mrad/s
+        # eight samples span 7 ms, so one pulse more or less changes the velocity by 12 mrad/s
         assert drives.states[i]["velocity_radps"] == pytest.approx(velocity, abs=0.013)
     for _ in range(100):
         drives.tick([0.0] * 4)

@@ -188,7 +188,7 @@ def test_a_stale_picture_is_removed(tmp_path):
 
 
 def test_a_run_without_targets_and_events_is_drawn(tmp_path):
-    """A run that never cooperated has neither targets nor events, and is drawn."""
+    """A run that never cooperated has neither targets nor events, but is drawn nevertheless."""
     folder = tmp_path / "run"
     idle = [{"t_s": 0.0, "mode": "idle", "reason": "waiting_for_tracker"}]
     synthetic_run.write(folder, "mirror", duration_s=0.4, events=[], modes=idle)

@@ -52,7 +52,7 @@ def reported(bench: Bench) -> bool | None:
 
 
 def carry(bench: Bench, way_m, duration_s: float = MOVE_S) -> list[int]:
-    """Moves the hand by `way_m` with minimum jerk. Returns the phase in each tick."""
+    """Moves the hand by `way_m` along a minimum-jerk profile. Returns the phase in each tick."""
     s = np.arange(1, round(duration_s / TICK_S) + 1) * TICK_S / duration_s
     steps = np.diff(s**3 * (10 - 15 * s + 6 * s**2), prepend=0.0)
     phases = []
@@ -114,7 +114,7 @@ def test_a_dead_end_is_left(dead_end):
             reported_when.add((phases[-1] == lib.POSTURE_CHANGING, reported(bench)))
     assert reported_when == {(False, False), (True, True)}
     assert 0.5 * JOINT_RADPS < fastest_radps <= JOINT_RADPS + 1e-3
-    assert fastest_mps < 1.03 * HAND_MPS  # the jerk limit of the joints adds a lag
+    assert fastest_mps < 1.03 * HAND_MPS  # slightly above the limit, because the jerk limit of the joints adds a lag
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_CHANGED
     assert error_m(bench) < 1e-3
     assert (bench.velocity_radps == 0).all()
@@ -128,7 +128,7 @@ def test_one_parameter_switches_it_off(dead_end):
 
 
 def test_the_end_effectors_speed_limit_applies_where_it_binds():
-    """While the stretched arm reaches round, the limit on joint speeds alone would allow the end effector 0.3 m/s, so
+    """While the stretched arm swings round, the limit on joint speeds alone would allow the end effector 0.3 m/s, so
     the end effector's own limit applies."""
     bench = started((128, -54, -68, -99))
     carry(bench, (-0.04, -0.16, 0.11))
@@ -264,7 +264,8 @@ def test_out_of_reach_one_search_and_the_arm_stays():
 
 
 def test_not_while_the_hand_moves():
-    """At 25 mm/s, out of reach and with joints at their limits, no posture change starts."""
+    """While the hand moves at 25 mm/s, no posture change starts, although the target is out of reach and some joints
+    are at their limits."""
     bench = started((90, -5, 0, -90))
     carry(bench, [0, 0.5, 0.3])
     for _ in range(1500):

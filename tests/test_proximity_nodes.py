@@ -189,8 +189,8 @@ def test_cups_count_as_solid():
     ]  # 2 m in front of the hand, so that no other part of the person is close
     at = np.array([0.3, -0.6, 0.3])
     scene.set_pose(scene.scene.robot_cup, at)
-    # First side by side, with the outer surfaces 10 mm apart. Then one above the other, with the bottom 2 mm below the
-    # frame and the rim 80 mm above it.
+    # The cups are first side by side, with their outer surfaces 10 mm apart, and then one above the other. A cup's
+    # bottom is 2 mm below its frame, and its rim 80 mm above it.
     for offset, clearance_m in (([0.064 + 0.01, 0, 0], 0.01), ([0, 0, 0.08 + 0.002 + 0.005], 0.005)):
         scene.set_hand(at + offset - [0, 0, 2], Rotation.identity())
         found_m, pair, *_ = scene.measure()
@@ -219,8 +219,8 @@ def test_a_rod_that_the_person_will_take_may_touch_hand_and_forearm():
             scene.add_grip(0, rod)
         scene.set_hand(HAND + [0.22, 0, 0])  # with the finger tips over the rod
         found_m, pair, *_ = scene.measure()
-        # curled fingers end 45 mm in front of the palm; the next part is the gripper, 55 mm in front of the end
-        # effector
+        # curled fingers end 45 mm in front of the palm; the closest part of the robot is then the gripper's face, 55 mm
+        # in front of the end effector
         if takes:
             assert (found_m, pair) == (pytest.approx(0.22 - 0.045 - 0.055, abs=ERROR_M), "person.hand - robot.gripper")
         else:
@@ -491,8 +491,8 @@ def test_states_of_the_gripper(dbc, action, opening, holds, state):
 
 
 def test_the_firmware_ignores_the_simulators_frames(dbc):
-    """Frames that only concern the simulator's nodes reach the firmware without being counted as refused, appearing in
-    TickTrace or changing a command."""
+    """Frames that only concern the simulator's nodes do not count as refused when they reach the firmware, do not
+    appear in TickTrace and do not change any command."""
     benches = [controller_bench.Bench().until_ready().start(core.TASK_TELEOP) for _ in range(2)]
     for tick in range(200):
         for name, kind in (("clearance", "clearance_t"), ("gripper_state", "gripper_state_t"),

@@ -97,8 +97,9 @@ def test_first_and_last_pose_are_held(tmp_path, rng):
 
 
 def test_gap_is_an_interval_above_one_and_a_half_medians(tmp_path):
-    """Intervals longer than 1.5 medians are gaps, in which no pose is valid. Both ends of a gap are valid."""
-    # The median interval is 10 ms. Of the intervals, 14 ms is below 1.5 times the median, and 16 ms is above.
+    """Intervals longer than 1.5 times the median are gaps, in which no pose is valid. The samples at both ends of a gap
+    are valid."""
+    # The median interval is 10 ms, so the interval of 14 ms is not a gap, but the one of 16 ms is.
     times_s = np.array([0, 10, 20, 30, 44, 54, 70, 80, 90, 100]) / 1000
     still = Rotation.identity(len(times_s))
     motion = open_recording(write(tmp_path / "a.csv", times_s, times_s[:, None] * [1, 0, 0], still))

@@ -167,7 +167,7 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
     ticks = np.arange(len(speed))[:, None]
     assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it accelerates"
     assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
-    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # sum of the steps while the deceleration shrinks, plus one
+    shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # below this speed the deceleration may already shrink
     before, after = speed[:-1], speed[1:]
     steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
     assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes with less than the limit"
@@ -220,7 +220,7 @@ def assert_finite(trace: Path, ticks: int) -> None:
 
 def assert_finite_summary(value: object, path: str = "summary") -> None:
     if isinstance(value, dict):
-        reason = value.get("not_measured")  # why figures of this group are missing; null if none is
+        reason = value.get("not_measured")  # why figures of this group are missing; null if none is missing
         assert reason is None or reason.strip(), f"{path}.not_measured is {reason!r}"
         for key, item in value.items():
             if key != "not_measured" and not (reason and item is None):

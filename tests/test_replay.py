@@ -284,8 +284,8 @@ def test_a_boot_with_an_invalid_store():
 
 @pytest.mark.parametrize("early_ticks", range(0, 45, 4))
 def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
-    """A stored parameter may be overwritten before or after it is announced. Each status contains the speed fraction,
-    so a wrong guess would show."""
+    """A stored parameter may be overwritten before or after it is announced. The replay must find out which, and
+    because each status contains the speed fraction, a wrong guess would show."""
     bench = RecordingBench(parameters=stored_parameters(rng))
     bench.tick(early_ticks)
     bench.write(lib.PARAMETER_SPEED_FRACTION, 0.5)
@@ -295,11 +295,12 @@ def test_a_stored_parameter_that_is_written_at_once(early_ticks, rng):
 
 @pytest.mark.parametrize("result", [lib.RESULT_ACCEPTED, lib.RESULT_STORE_FAILED, lib.RESULT_NOT_SUPPORTED])
 def test_saves_end_with_the_recorded_result(result, rng):
-    """Saves end with the recorded result, even if other answers with the same parameter and number come in between."""
+    """Saves end with the recorded result, even if other answers with the same parameter and sequence number come in
+    between."""
     bench = RecordingBench(parameters=stored_parameters(rng)).until_ready()
     assert (
         bench.access(lib.PARAMETER_READ, 0, 0.0) == lib.RESULT_ACCEPTED
-    )  # only one first request: if there are several at boot, the replay can be certain only of the last one
+    )  # a single request: among several at boot, the replay can be certain only of the last one
     bench.store_result = result
     for bench.store_ticks in (1, 2, 7, 40):
         sequence = bench.store_ticks
@@ -359,7 +360,7 @@ def test_at_recorded_pace(tmp_path, short):
 # ---- differences
 
 
-LATEST_FRAMES = 2000  # frames replayed after a defect; within 0.3 s the firmware reads and reports each frame
+LATEST_FRAMES = 2000  # number of frames replayed after a defect: 0.3 s, enough for the firmware to read and report it
 
 
 def flipped(frames: list[Frame], place: int, bit: int) -> list[Frame]:

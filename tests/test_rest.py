@@ -139,7 +139,7 @@ def test_oscillating_and_creeping_are_told_apart(peak_radps, sign_changes, expec
 
 
 def test_the_checks_and_their_limits():
-    """Each check passes if all cases are at rest, and fails if one more case is bad than it tolerates."""
+    """Each check passes if all cases are at rest, and fails with one bad case more than it tolerates."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
     for count, bad, failed in (
@@ -158,8 +158,8 @@ def test_the_checks_and_their_limits():
 
 
 def test_the_drive_is_a_dead_time_and_a_lag(loop):
-    """A joint follows its command, a whole number of milliradians, with dead time and lag. If the hand never moves,
-    neither does the joint."""
+    """The drives follow their commands with a dead time and a first-order lag, and do not drift. If the hand never
+    moves, no joint moves."""
     cases = rest_cases.random_cases("choice", range(5))
     cases["way_m"], cases["turn_rad"], cases["end_s"] = 0.0, 0.0, 3.0
     outcomes = loop.run(cases, {})
@@ -199,8 +199,8 @@ def test_all_pairs_are_counted(loop):
         for vector in ("gain", "weight")
         for group, size in (("rotation", 4), ("translation", 4), ("all", 8))
     }
-    # Disjoint pairs within a vector of 8 components and 3 groups: 28 of two components, 4 + 4 of a component and the
-    # group of the other half, and the two halves.
+    # Disjoint pairs within a vector of 8 components and 3 groups: 28 pairs of two components, 4 + 4 pairs of a
+    # component and the group of the other half, and the pair of the two halves.
     within = 28 + 8 + 1
     apart = (n + 6) * (n + 5) // 2 - 2 * (11 * 10 // 2) + 2 * within
     found = rest_pairs.pairs(loop)

@@ -90,8 +90,8 @@ def changed(old: str, new: str, text: str = SCENE) -> tuple[str, int]:
 
 
 def assert_refused(tmp_path: Path, file: Path, start: str, *words: str) -> None:
-    """Checks that the simulator refuses the file with the right status and one line that starts with this text and
-    contains these words, and that it writes no files."""
+    """Checks that the simulator refuses the file with the right status and one line that starts with `start` and
+    contains `words`, and that it writes no files."""
     done = run(tmp_path / "out", "--scenario", file)
     assert done.status == EXIT_WRONG_USE, done.stderr
     assert done.stdout == ""
@@ -174,7 +174,7 @@ def test_rotations_are_products_from_left_to_right(tmp_path):
     assert abs(got @ quaternion(("z", 45), ("x", 180))) < 0.8, "the opposite order is another rotation"
 
 
-# ---- invalid values: text and replacement, path of keys, value shown, words of the answer
+# ---- invalid values: text and replacement, path of keys, value shown, part of the message
 
 WRONG = [
     ("radius_m: 0.01", "radius_m: 8 mm", "objects.pipe.radius_m", "8 mm", "a plain number in m, without a unit, from "),
@@ -450,7 +450,7 @@ def refusal_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
 
 def test_an_object_inside_another(tmp_path):
     """The rod, with a radius of 10 mm and its axis at z = 30 mm, lies on the stand, whose top is at 20 mm. When the
-    stand is raised, it overlaps the rod."""
+    stand is raised by more than 1 mm, the overlap is refused."""
     for raised_m in (0.0005, 0.0009):
         assert refusal_of(tmp_path, ("[0.5, -0.5, 0]", f"[0.5, -0.5, {raised_m}]")) == ""
     for raised_m in (0.0015, 0.004):
@@ -505,7 +505,7 @@ def test_an_object_held_by_the_robot_is_in_its_gripper(tmp_path):
 
 @pytest.mark.parametrize("program", ["program", "program_with_recording"])
 def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
-    """The peak speed of a minimum-jerk move is 15/8 of the mean speed (Flash, Hogan 1985). The distance of the last
+    """The peak speed of a minimum-jerk move is 15/8 of the mean speed (Flash and Hogan, 1985). The distance of the last
     move follows from the steps before it: a rest keeps the hand's position, and a move by_m adds to it."""
     way_m = 0.3 - 0.03 + 0.1
     least_s = 15 / 8 * way_m / 5

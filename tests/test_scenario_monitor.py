@@ -178,8 +178,8 @@ def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
 
 
 def test_aim_uses_the_mean_position(rng):
-    """Unlike the relation, the aim is not relative to the window's start. An error that averages to zero is not an
-    aiming error."""
+    """Unlike the measure relation_rms, aim compares positions, not displacements since the window's start. An error
+    that averages to zero is not an aiming error."""
     robot, person, expected_m = random_walk(rng, 400), random_walk(rng, 400), (0.1, -0.2, 0.3)
     watch = Watch(Check("aim", 0.1, 0.3, expected_m=expected_m), motion_scale=0.5)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -211,7 +211,7 @@ def test_half_of_the_window_needs_a_target(with_target, measured):
 def test_displacements_and_paths(rng, motion_scale):
     hand = random_walk(rng, 300)
     expected = np.array([0.03, -0.02, 0.01])
-    # the first from tick 0 to 200, the second from tick 90 to 240
+    # `whole` covers ticks 0 to 200, and `part` covers ticks 90 to 240
     whole, part = (None, 0.2), (("operator.latched", 0.05), "person.done")
     checks = [
         Check(measure, *window, expected_m=tuple(expected))
@@ -289,7 +289,7 @@ def test_flow_while_moving(speed_mps, expected):
     person = np.full((1000, 3), 0.5)
     person[:, 1] += speed_mps * t_s
     person[:, 2] += 0.1e-3 * np.sin(2 * np.pi * 9 * t_s)
-    left = np.where(t_s < 0.6, 7, 19)  # seven at once, before any motion can be detected, and twelve during the motion
+    left = np.where(t_s < 0.6, 7, 19)  # seven leave before any motion can be detected, and twelve during the motion
     assert np.abs(np.diff(person[:, 2])).max() / TICK_S > 0.005
     ticks = [Tick(person_m=p, water=(50 - int(n), int(n), 0, int(n))) for p, n in zip(person, left, strict=True)]
     assert Watch(Check("flow_while_moving")).sample(*ticks).value() == expected

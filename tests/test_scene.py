@@ -204,7 +204,7 @@ def test_gripper_holds_what_lies_between_its_jaws(share_of_capture, holds):
 
 
 def test_pads_deflect_by_force_over_stiffness():
-    """The rod hangs below its position by the deflection of the pads. The arm itself holds still."""
+    """The rod hangs below the gripper's middle by the deflection of the pads. The arm itself holds still."""
     with Scene([], [rod_at(gripper_at(), held_by_robot=True)], gripper={"stiffness_Npm": 400.0}) as scene:
         scene.step(2000)
         sag_m = scene.thing()[0] - scene.point("POINT_ROBOT_GRIPPER")
@@ -247,15 +247,15 @@ def test_robots_fixed_grip_slips_at_its_torque_limit():
 
 
 def test_a_shock_of_one_step_does_not_open_the_jaws():
-    """A sudden tug by the hand far exceeds the force limit, but lasts only a step or two, less than the 5 ms that open
-    the jaws."""
+    """A sudden tug by the hand far exceeds the force limit, but lasts only a step or two. Only an overload of 5 ms
+    opens the jaws."""
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True)
     with Scene([person_at(at)], [rod], gripper={"force_limit_N": 10.0, "stiffness_Npm": 1e5}) as scene:
         scene.set_gravity(0.0)
         scene.step(10)
         assert scene.grip()
-        # the hand's aim jumps: 1.5 kg are accelerated to 0.2 m/s and stopped within two steps
+        # the hand's aim jumps: its 1.5 kg are accelerated to 0.2 m/s and stopped within two steps
         scene.aim(0, at + [0, 0, 2e-4])
         scene.step(1)
         peak_N = np.linalg.norm(scene.hand_force())
@@ -277,7 +277,7 @@ def test_a_handed_over_object_is_not_dropped_and_a_released_one_is():
         scene.step(100)
         lib.scene_command_gripper(scene.scene, False)
         scene.step(1)
-        assert not lib.scene_robot_holds(scene.scene)  # it lets go as soon as the jaws start to open
+        assert not lib.scene_robot_holds(scene.scene)  # the robot lets go as soon as the jaws start to open
         scene.step(400)
         assert scene.times("object0.dropped") == 0
         scene.step(2000)  # until the rod hangs still
@@ -318,8 +318,8 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
 @pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
 def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
     """With a friction coefficient of 0.6, the two sides of a V of 90 degrees resist sliding with 0.6 sqrt(2) times the
-    force that presses the rod into the V. They resist with less while the rod settles, because lateral friction carries
-    part of the weight. A rod that is held creeps by 1 mm/s per N at each of its four contacts."""
+    force that presses the rod into the V. They resist less while the rod settles, because lateral friction carries part
+    of the weight. A rod that is held creeps by 1 mm/s per N at each of its four contacts."""
     slope = Rotation.from_euler("x", slope_deg, degrees=True)
     rod, stand = rod_on_stand(HAND_M)
     stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))

@@ -49,7 +49,7 @@ def test_a_complete_script_has_all_its_checks(tmp_path, scenario):
     assert "left out" not in done.summary["reason"]
 
 
-@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # covers the whole second at the spot, or 0.9 s of it
+@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the gap covers the whole second at the spot, or 0.9 s of it
 def test_check_that_could_not_be_measured_fails(tmp_path, gap_s):
     """In hold there is no target at which the arm could settle, so the check fails."""
     gap = ("--gap", f"2.4:{gap_s}")
@@ -80,8 +80,8 @@ def test_without_the_trace_only_checks_that_need_it_are_left_out(tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["--param", "acceleration_limit_radps2=1"],  # at the acceleration limit whenever it moves
-        ["--dropout", 0.5],  # repeatedly in hold
+        ["--param", "acceleration_limit_radps2=1"],  # the arm is at its acceleration limit whenever it moves
+        ["--dropout", 0.5],  # the arm is repeatedly in hold
         ["--param", "speed_fraction=0.02"],
     ],
     ids=lambda arguments: "=".join(map(str, arguments)),

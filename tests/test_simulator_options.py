@@ -145,7 +145,7 @@ def test_latency_delays_the_motion_and_nothing_else(tmp_path):
         hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--param", "prediction=0", "--latency-ms", ms))
         for ms in (4, 24)
     )
-    moving = slice(1900, 11400)  # from after the start command to the stop
+    moving = slice(1900, 11400)  # from just after the start command to the stop
     shifted = late[20:][moving, :3] - early[:-20][moving, :3]
     assert np.linalg.norm(shifted, axis=1).max() < 1e-4
     assert np.linalg.norm(late[moving, :3] - early[moving, :3], axis=1).max() > 5e-4

@@ -42,7 +42,7 @@ def test_totals_match_the_toolchains_size(maps):
 
 
 def test_functions_are_counted_in_their_module(maps):
-    """The sizes that nm lists for the symbols of a module are part of the module's figure."""
+    """The sizes that nm lists for the symbols of a module are included in the module's figure."""
     listing = subprocess.run(
         [IMAGES["cortex-m4f"].prefix + "nm", "-S", maps["cortex-m4f"].with_suffix(".elf")],
         capture_output=True,

@@ -1,7 +1,7 @@
 """The results of the five experiments do not depend on whether ODE's time step is 0.5, 1 or 2 ms. The controller's tick
 remains 1 ms. With steps of 2 ms, nothing moves in every other tick, so paths are compared every 2 ms. Because grains
-are chaotic, the number of particles that leave the glass varies as much as between seeds, but in every case the
-particles are caught."""
+are chaotic, the number of particles that leave the glass varies as much between step sizes as between seeds, but in
+every case the particles are caught."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from simulation import EXPERIMENTS, Run, experiment, shared
 
-# Allowed differences between the values of a check: 1 % of the allowed 5 N, 2 degrees of three turns, 0.02 mm, 0.1
+# Allowed differences between the values of a check: 1 % of the allowed 5 N, 2 degrees in three turns, 0.02 mm, 0.1
 # degree.
 AGREE = {
     "crank": {"force_rms": 0.05, "turns": 0.005},

@@ -1,4 +1,4 @@
-"""Every transition of mode and reason that the header lists is possible, and no other."""
+"""The possible transitions of mode and reason are exactly those that the header lists."""
 
 from __future__ import annotations
 

@@ -357,7 +357,7 @@ def ticks_us(text: str) -> list[int]:
 
 
 def busy(milliseconds: int) -> str:
-    """Returns a statement that spins for this time, in rounds of two instructions of 2 ns each."""
+    """Returns a statement that spins for the given time, in rounds of two instructions of 2 ns each."""
     return f"spin({milliseconds * 250_000}ul)"
 
 

@@ -22,8 +22,8 @@ def rotation(wxyz) -> Rotation:
 
 
 def legs(*, displacement_m=(0.1, -0.2, 0.3), turn_rad=(0.5, -0.4, 0.9), start_s=0.5, start=(0.2, -0.1, 0.1)):
-    """Returns a motion for play(): a function that sets the pose at a time during a move of 1 s. It returns True,
-    because the tracker always sees the hand."""
+    """Returns a motion for play(): a function that sets `pose` to the hand's pose at the given time, during a move of 1
+    s. It returns True, because the tracker always sees the hand."""
     path = ffi.new("hand_path_t *")
     turn = Rotation.from_rotvec(turn_rad).as_quat(scalar_first=True).tolist()
     first = ffi.new("rigid_pose_t *", {"position_m": start, "rotation": [1, 0, 0, 0]})
@@ -51,7 +51,7 @@ def quiet(**changes):
 
 def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
     """Returns poses, statuses and statistics of a run. Each frame is paired with the time in ns at which it ends on the
-    bus. The hand's pose is known for each tick that has started."""
+    bus. The tracker gets the hand's pose of each tick that has started."""
     frames = []
 
     @ffi.callback("bus_handler_t")
@@ -151,8 +151,8 @@ def test_hand_out_of_sight_is_invalid(dbc):
 
 @pytest.mark.parametrize("latency_s", [0.0, 0.0005, 0.5])
 def test_hand_is_measured_between_the_ticks(dbc, latency_s):
-    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated, or without latency extrapolated by less than
-    a tick. Either error is at most f'' h^2 for a displacement f, with h = 1 ms, plus half a micrometre of
+    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated or, without latency, extrapolated by less
+    than a tick. Either error is at most f'' h^2 for a displacement f, with h = 1 ms, plus half a micrometre of
     resolution."""
     poses, *_ = play(
         dbc,

@@ -157,8 +157,8 @@ def test_each_process_names_its_bus(together):
 
 
 def test_the_plants_log_matches_the_bus(together):
-    """If the kernel returns the plant's own frames, the log is in bus order. Otherwise the frames of each id are in
-    order."""
+    """If the kernel passes the plant's own frames back to it, the log is in bus order. Otherwise only the frames of
+    each id are in order."""
     folder, seen, _, _ = together
     logged = [(frame.frame_id, frame.data) for frame in logged_frames(folder / "plant" / "bus.log")]
     tapped = [(frame.frame_id, frame.data) for frame in seen]
@@ -292,7 +292,7 @@ def require_brake_after_timeout(bus: Bus, start: int) -> None:
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         late = [state for state in states if str(state["error"]) == "command_timeout"]
         assert len(late) > 1
-        # the first of these states still reports the mode before the timeout
+        # the first state with this error still reports the mode before the timeout
         assert {str(state["mode"]) for state in late[1:]} == {"brake"}
 
 

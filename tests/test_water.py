@@ -228,7 +228,8 @@ def test_nothing_bounces():
 
 
 def test_energy_never_grows_in_a_still_cup():
-    """The cup has stopped abruptly from 0.16 m/s. Contacts may store and return 1 % of the heap's potential energy."""
+    """After the cup has stopped abruptly from 0.16 m/s, the energy does not grow, except that contacts may store and
+    return 1 % of the heap's potential energy."""
     with water_in(CUP, 72) as water:
         for i in range(1, 101):
             water.step(START_M + [0.005 * np.sin(np.pi * i / 100), 0.0, 0.0])
@@ -294,7 +295,7 @@ def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
 
 def require_kept_as_a_liquid(water, cup, degrees, fill_m):
     """Checks that the cup keeps at least as much as it would keep of a liquid filled to fill_m, and at most as much as
-    if the surface were 15 degrees steep and the rim a particle's diameter higher. Tolerance: six particles."""
+    if the surface were inclined by 15 degrees and the rim a particle's diameter higher. Tolerance: six particles."""
     radius_m, height_m = cup["radius_m"], cup["height_m"]
     kept = water.counts().in_robot_cup / water.count
     least = liquid_left(radius_m, height_m, fill_m, degrees)
@@ -316,8 +317,8 @@ def test_tilted_cup_keeps_as_much_as_a_liquid(cup, particles, degrees):
 
 @pytest.mark.parametrize(("cup", "particles", "degrees"), [(CUP, 72, 70), (BOWL, 84, 39)])
 def test_settled_water_stays_at_rest_and_pours_when_tilted(cup, particles, degrees):
-    """Once settled, particles move by less than a thousandth of their radius in a second. When tilted, they flow
-    normally."""
+    """Once settled, particles move by less than a thousandth of their radius in a second. When the cup is tilted, they
+    flow normally."""
     with water_in(cup, particles) as water:
         for _ in range(1000):
             water.step()
@@ -364,8 +365,8 @@ def test_step_size_does_not_matter():
 def test_poured_into_a_wider_cup(direction):
     """All particles that leave the bowl land in a cup whose rim is 30 mm below the lip and whose axis is 16 mm beyond
     it."""
-    # horizontal distance of the bowl's lip from its frame at 39 degrees; the frame does not move, so the lip sinks to
-    # 6.5 mm below it
+    # horizontal distance of the bowl's lip from the bowl's frame at a tilt of 39 degrees; the frame does not move, so
+    # the lip sinks to 6.5 mm below the frame
     lip_m = 0.0398
     beyond = (lip_m + 0.016) * np.array([np.cos(direction), np.sin(direction)])
     glass_m = [*(START_M[:2] + beyond), START_M[2] - 0.0065 - 0.030 - GLASS["height_m"]]
