@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 from bus_log import DBC
 from comanip._core import ffi, lib
+from comanip.bus.frame import Frame
+from comanip.bus.operator_client import OperatorClient
+from comanip.bus.transport import Profile
+from comanip.errors import ToolError
 from comanip_command import WRONG_USE, call, call_here, require_refusal
 from e2e import p05
 from hub import wait_until
@@ -123,8 +127,6 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 def test_a_value_that_reads_back_differently_is_reported(live, comanip, monkeypatch):
     """A value that reads back differently is reported. In this test the value differs as if another client had
     overwritten it."""
-    from comanip.bus.operator_client import OperatorClient
-
     monkeypatch.setattr(OperatorClient, "read", lambda self, name: 0.75)
     require_refused(comanip("param", "set", "motion_scale", 0.5, *BUS), "accepted as 0.5", "0.75")
 
@@ -142,6 +144,28 @@ def test_no_answer_is_an_error_with_a_deadline(live, comanip):
     live.mute = True
     require_refused(comanip("task", "stop", *BUS), "OperatorCommand", "no CommandAck", "5 attempts")
     wait_until(lambda: len(live.received) == 5, "five requests")
+
+
+class FloodedBus:
+    """A bus on which another frame is always waiting, as when frames arrive faster than they are read."""
+
+    profile = Profile.FD
+
+    def __init__(self):
+        self.requests = 0
+
+    def send(self, name: str, signals: dict) -> None:
+        self.requests += 1
+
+    def receive_until(self, deadline_s: float) -> Frame:
+        return Frame(0, DBC.get_message_by_name("TickTrace").frame_id, bytes(64))
+
+
+def test_the_deadline_holds_on_a_flooded_bus():
+    bus = FloodedBus()
+    with pytest.raises(ToolError, match="no CommandAck in 3 attempts"):
+        OperatorClient(bus, attempts=3, answer_s=0.01).command("stop")
+    assert bus.requests == 3
 
 
 def test_no_bus_is_one_clear_line():

@@ -9,9 +9,10 @@ from __future__ import annotations
 import random
 import struct
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from comanip.bus.frame import database, decode
+from comanip.bus.frame import Frame, database, decode
 from comanip.bus.live import LiveBus
 from comanip.errors import ToolError
 
@@ -133,14 +134,23 @@ class OperatorClient:
         expected = expected | {"sequence": self._sequence}
         for _ in range(self._attempts):
             self._bus.send(request, signals | {"sequence": self._sequence})
-            deadline_s = time.monotonic() + answer_s
-            while (frame := self._bus.receive_until(deadline_s)) is not None or time.monotonic() < deadline_s:
-                if frame is None or frame.name != answer:
-                    continue
-                found = decode(frame)
+            for frame in self._received(answer_s):
+                found = decode(frame) if frame.name == answer else None
                 if found and all(found[name] == value for name, value in expected.items()):
                     return found
         raise ToolError(
             f"{request}: no {answer} in {self._attempts} attempts of {1000 * answer_s:g} ms: "
             "does the firmware run on this bus?"
         )
+
+    def _received(self, duration_s: float) -> Iterator[Frame]:
+        """Yields the frames received within the duration, and then those that are still waiting to be read, for at most
+        as long again, because a busy bus may deliver frames faster than this process reads them."""
+        deadline_s = time.monotonic() + duration_s
+        while True:
+            frame = self._bus.receive_until(deadline_s)
+            if frame is not None:
+                yield frame
+            late_s = time.monotonic() - deadline_s
+            if late_s >= duration_s or (late_s >= 0 and frame is None):
+                return
