@@ -9,12 +9,14 @@ interrupted.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
+import multiprocessing
 import os
 import signal
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
@@ -50,9 +52,15 @@ class Progress:
             print(f"{self._what}: {self._done}/{self._count}", flush=True)
 
 
-def _leave_signals_to_the_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+@contextlib.contextmanager
+def _interrupts_postponed() -> Iterator[None]:
+    """Blocks SIGINT until the end of the block. Processes started within it keep SIGINT blocked, so that on Ctrl-C only
+    this process acts."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
@@ -60,9 +68,13 @@ def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: s
     returns."""
     work = list(work)
     progress = Progress(what, len(work))
-    with ProcessPoolExecutor(workers, initializer=_leave_signals_to_the_parent) as pool:
+    # A forked worker would hang if another thread held a lock, such as the allocator's, at the moment of the fork.
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, spawn) as pool:
         try:
-            for done in as_completed([pool.submit(*item) for item in work]):
+            with _interrupts_postponed():
+                pending = [pool.submit(*item) for item in work]
+            for done in as_completed(pending):
                 results.add(*done.result())
                 progress.step()
         except BaseException:
