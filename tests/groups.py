@@ -21,8 +21,8 @@ class Group:
 GROUPS = (
     Group(
         "real time",
-        ("two_processes", "comanip_on_a_hub", "can_tools", "parameter_file", "hub", "operator_commands", "monitor",
-         "calibrate"),
+        ("two_processes", "comanip_on_a_hub", "can_tools", "parameter_file", "port_status", "hub", "operator_commands",
+         "monitor", "calibrate"),
         "they run processes or threads on a live bus in real time and must not compete for the processor",
     ),
     Group(

@@ -153,6 +153,11 @@ class Tool:
         self.output.flush()
         return everything_in(self.output)
 
+    def require_running(self) -> None:
+        """Fails with the program's output if it has ended, because waiting for what it sends would be in vain."""
+        status = self.process.poll()
+        assert status is None, f"{self.process.args[0]} has ended with exit status {status}: {self.text()}"
+
     def wait(self) -> str:
         self.process.wait(PATIENCE_S)
         return self.text()

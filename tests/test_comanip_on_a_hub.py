@@ -57,11 +57,13 @@ def accepted(hub: Hub, through: str, *arguments: object) -> bool:
 
 @pytest.mark.parametrize("through", ["socketcand", "shim"])
 def test_watch_and_operate(session, through):
-    hub = session[0]
+    hub, plant, firmware, _ = session
 
     def monitored() -> object:
         """Monitors for one second. Returns a true value if the firmware and all drives were seen. They may be missing
         if the firmware has only just started."""
+        plant.require_running()
+        firmware.require_running()
         shown = comanip(hub, through, "monitor", "--once", "--duration", 1)
         assert shown.returncode == 0, shown.stderr
         assert " wrong" not in shown.stdout

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 from bus_log import DBC
-from comanip.bus.live import BusAddress, open_bus
+from comanip.bus.live import BusAddress, LiveBus, open_bus
 from comanip.bus.operator_client import OperatorClient, RefusedError
 from comanip.errors import ToolError
 from comanip_command import COMANIP, WRONG_USE, call
-from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool
+from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool, wait_until
 from live import FIRMWARE, INTERFACE, Bus, has_kernel_can
 from simulation import REPOSITORY
 from test_comanip_on_a_hub import comanip
@@ -46,19 +46,24 @@ def file(tmp_path) -> Path:
     return tmp_path / "parameters"
 
 
-@contextlib.contextmanager
-def operator(hub: Hub, **options):
-    with open_bus(BusAddress("socketcand", hub.bus, "127.0.0.1", hub.port)) as bus:
-        yield OperatorClient(bus, **options)
+def bus_of(hub: Hub) -> LiveBus:
+    return open_bus(BusAddress("socketcand", hub.bus, "127.0.0.1", hub.port))
 
 
 @contextlib.contextmanager
 def firmware(hub: Hub, *arguments: object):
     """Runs the firmware and an operator's client, and waits until the firmware has booted."""
-    with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, *arguments) as process:
-        with operator(hub, attempts=PATIENCE_S, answer_s=1.0) as client:
-            client.read("motion_scale")
-            yield process, client
+    with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, *arguments) as process, bus_of(hub) as bus:
+
+        def answers() -> bool:
+            process.require_running()
+            with contextlib.suppress(ToolError):
+                OperatorClient(bus, attempts=1, answer_s=1.0).read("motion_scale")
+                return True
+            return False
+
+        wait_until(answers, "the firmware's answer")
+        yield process, OperatorClient(bus, attempts=10, answer_s=1.0)
 
 
 def end(process: Tool) -> str:
@@ -127,8 +132,12 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
 def boot_results(hub: Hub, file: Path) -> tuple[set[str], dict[str, float]]:
     """Returns the results and values that the firmware announces at boot."""
     values, results = {}, set()
-    with hub.connect() as tap, tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--parameters", file):
+    command = [FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--parameters", file]
+    with hub.connect() as tap, tool(hub, *command) as process:
+        deadline_s = time.monotonic() + PATIENCE_S
         while len(values) < len(NAMES):
+            process.require_running()
+            assert time.monotonic() < deadline_s, f"not announced: {set(NAMES) - set(values)}; {process.text()}"
             packet = tap.recv(72)
             frame_id, length = struct.unpack_from("=IB", packet)
             if frame_id == DBC.get_message_by_name("ParameterValue").frame_id:
@@ -183,8 +192,8 @@ def test_killed_during_the_write(hub, file, bytes_written):
     with firmware(hub, "--parameters", file) as (process, client):
         client.write("motion_scale", 0.25)
         resource.prlimit(process.process.pid, resource.RLIMIT_FSIZE, (bytes_written, bytes_written))
-        with pytest.raises(ToolError, match="no ParameterValue"), operator(hub, attempts=1) as impatient:
-            impatient.save()
+        with pytest.raises(ToolError, match="no ParameterValue"), bus_of(hub) as bus:
+            OperatorClient(bus, attempts=1).save()
         process.wait()
         assert process.process.returncode == KILLED_BY_LIMIT
     assert file.read_bytes() == with_scale(0.5)
