@@ -34,7 +34,7 @@ void controller_send_parameter(controller_t *self, uint8_t parameter, uint8_t se
 /* ---- sent in each tick */
 
 static void send_joint_command(controller_t *self, controller_outbox_t *outbox) {
-    /* The brakes close only after the arm has stopped. */
+    /* The brakes engage only after the arm has stopped. */
     bool moving = supervisor_is_engaged(&self->supervisor) || !joint_limits_at_rest(&self->limits, self->arm);
     outbox->enable_drives = moving || self->moving;
     self->moving = moving;

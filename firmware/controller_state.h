@@ -38,7 +38,7 @@ typedef struct {
     bool save;       /* request to save the parameters; not set again until an inbox reports that the save has ended */
     /* Enables the drives' power while the arm cooperates or holds, and until it has come to rest after a stop or a
      * fault. It is true from the tick of the first JointCmd in velocity mode until the tick after the first JointCmd in
-     * brake mode, so that the brakes close before the power is switched off. */
+     * brake mode, so that the brakes engage before the power is switched off. */
     bool enable_drives;
 } controller_outbox_t;
 

@@ -204,7 +204,7 @@ def test_bad_recordings(tmp_path):
     (tmp_path / "bad.csv").write_text("0,1,2,3,1,0,0,0\n0.1,1,2,x,1,0,0,0\n")
     require_refusal(call("calibrate", "--from", tmp_path / "bad.csv"), "bad.csv:2", "'x' is not a number")
     (tmp_path / "untimed.csv").write_text("1,2,3,1,0,0,0\n")
-    require_refusal(call("calibrate", "--from", tmp_path / "untimed.csv"), "untimed.csv:1", "time stamp")
+    require_refusal(call("calibrate", "--from", tmp_path / "untimed.csv"), "untimed.csv:1", "timestamp")
     (tmp_path / "rest.csv").write_text("".join(f"{0.01 * i},1,2,3,1,0,0,0\n" for i in range(300)))
     require_refusal(call("calibrate", "--from", tmp_path / "rest.csv"), "0 moves found")
     require_refusal(call("calibrate", "--from", tmp_path / "none.csv"), "none.csv")

@@ -159,7 +159,7 @@ def test_fault_latches_until_the_operator_clears_it(fail, mend, reason):
 
 
 def test_stop_brakes_within_the_limits_then_closes_the_brakes():
-    """The arm decelerates within the limits of acceleration and jerk. The brakes close once the velocity is 0 and no
+    """The arm decelerates within the limits of acceleration and jerk. The brakes engage once the velocity is 0 and no
     longer changes."""
     bench = Bench().until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0.08, 0.05, 0.03])
@@ -217,7 +217,7 @@ def test_drives_are_enabled_from_the_first_command_until_the_brakes_close(end):
         assert closed == 0 and bench.drive_modes == [brake] * JOINTS  # the arm was already at rest
         assert {enabled for enabled, _ in rows} == {
             False
-        }  # the brakes closed in the tick of the stop command, just before the first of these rows
+        }  # the brakes engaged in the tick of the stop command, just before the first of these rows
     else:
         assert closed > 10
         assert rows == [(True, velocity)] * closed + [(True, brake)] + [(False, brake)] * (299 - closed)

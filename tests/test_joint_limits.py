@@ -166,7 +166,7 @@ def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag
 @given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, commanded=commands)
 def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
     """The joints stop from any state, mostly from full acceleration, within v/a + 2.5 a/j plus two ticks, where a and j
-    are rounded down to whole steps of the resolution. The brakes may close only after the stop."""
+    are rounded down to whole steps of the resolution. The brakes may engage only after the stop."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, jerk, tick_s=tick_s, approach_gain_per_s=0.0)
     change_max = math.floor(acceleration * tick_s / RESOLUTION_RADPS + 1e-3)
     second_max = math.floor(jerk * tick_s**2 / RESOLUTION_RADPS + 1e-3)
@@ -185,7 +185,7 @@ def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
 
 
 def test_a_joint_that_passes_zero_is_not_at_rest():
-    """A joint whose velocity passes through 0 is not at rest: the velocity is still changing, so closing the brakes
+    """A joint whose velocity passes through 0 is not at rest: the velocity is still changing, so engaging the brakes
     would exceed the jerk limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=0.0)
     for demanded in (0.1, -0.1):

@@ -113,7 +113,8 @@ def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monk
 
     def end_when_repeated() -> None:
         wait_until(lambda: len(live.received) >= 3, "three requests")
-        stored.extend(live.bench.stored)  # copied before the save ends, because a late request then starts another
+        # copied before the save ends, because a request that arrives afterwards would start another save
+        stored.extend(live.bench.stored)
         live.bench.store_until = 0
 
     ending = threading.Thread(target=end_when_repeated)

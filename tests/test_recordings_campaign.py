@@ -74,7 +74,7 @@ def assert_limits(frames: dict) -> None:
 
     drive_mode = raw_array(commands, "mode_{}")
     assert set(np.unique(drive_mode)) <= {0, 1}
-    assert not np.any(velocity[drive_mode == 0]), "a brake closes on a moving joint"
+    assert not np.any(velocity[drive_mode == 0]), "a brake engages on a moving joint"
     for joint in range(JOINTS, 8):
         for signal in ("mode_{}", "velocity_{}_radps", "torque_{}_Nm"):
             assert not np.any(commands.raw(signal.format(joint))), f"joint {joint}, which does not exist on this arm"

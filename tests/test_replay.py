@@ -67,7 +67,7 @@ def test_all_experiments_replay_byte_for_byte(scenario):
 
 
 def test_log_times_do_not_matter(eventful, rng):
-    """The time stamps may come from another machine's candump, with another clock, drift and jitter."""
+    """The timestamps may come from another machine's candump, with another clock, drift and jitter."""
     jitter_us = rng.integers(0, 400, len(eventful))
     moved = [
         frame._replace(t_us=1_700_000_000_000_000 + int(1.0002 * frame.t_us) + int(late))

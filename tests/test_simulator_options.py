@@ -64,7 +64,7 @@ def test_summary_has_the_fields_of_the_contract(tmp_path, scenario):
 
 
 def poses_of(done: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the time stamp of each HandPose, and whether it contains a pose."""
+    """Returns the timestamp of each HandPose, and whether it contains a pose."""
     poses = bus_log.read(done.log)["HandPose"]
     return poses.raw("t_us"), poses.raw("valid") == 1
 

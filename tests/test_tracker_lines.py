@@ -211,5 +211,5 @@ def test_wrong_use():
     require_refusal(call("tracker"), "--stdin")
     require_refusal(call("tracker", "--stdin", "--quaternion", "zyxw", "-i", "virtual"), "zyxw", "wxyz")
     done = call("tracker", "--stdin", "--pace", "-i", "virtual", text=csv(*POSITION, *WXYZ) + "\n")
-    require_refusal(done, "time stamp")
+    require_refusal(done, "timestamp")
     assert done.returncode == WRONG_USE

@@ -93,7 +93,7 @@ def rearm(bus: Bus) -> None:
 
 
 def require_standstill(bus: Bus, start: int) -> None:
-    """Checks that, from frame `start` on, the brakes are closed and no joint turns by more than the encoder's noise."""
+    """Checks that, from frame `start` on, the brakes are engaged and no joint turns by more than the encoder noise."""
     for joint in range(JOINTS):
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         assert states
@@ -286,7 +286,7 @@ def is_answered(bus: Bus) -> bool:
 
 
 def require_brake_after_timeout(bus: Bus, start: int) -> None:
-    """Checks that each drive closes its brake and reports that commands are missing."""
+    """Checks that each drive engages its brake and reports that commands are missing."""
     for joint in range(JOINTS):
         bus.wait(lambda joint=joint: len(bus.since(start, f"JointState{joint}")) > 15, "JointState")
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
@@ -297,7 +297,7 @@ def require_brake_after_timeout(bus: Bus, start: int) -> None:
 
 
 def require_stop_of_the_commands(bus: Bus, start: int) -> None:
-    """Checks that the firmware reports the cause, and that its commands ramp down and then close the brakes."""
+    """Checks that the firmware reports the cause, and that its commands ramp down and then engage the brakes."""
     bus.wait_mode("fault", start=start)
     assert bus.status()[1] in NAMES_A_LOSS
     faulted = next(

@@ -137,9 +137,9 @@ def test_inner_size_matches_the_cup():
 @pytest.mark.parametrize(
     ("rho_mm", "z_mm", "inside", "left"),
     [
-        # on the axis; at the inner edge of the rim; in the wall, which is neither inside nor left
+        # on the axis; at the inner edge of the rim; within the wall, which counts neither as inside nor as having left
         (0, 20, True, False), (25, 45, True, False), (25.1, 20, False, False),
-        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: left below the rim, but not above it
+        (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: has left if below the rim
         (0, 56.9, False, False), (0, 57.1, False, True), (0, -11.9, False, False), (0, -12.1, False, True),
         (33, 53, False, False), (34, 54, False, True),  # 11.3 and 12.7 mm from the edge of the opening
     ],

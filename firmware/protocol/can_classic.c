@@ -84,7 +84,7 @@ void classic_join(frame_kind_t kind, part_t part[CLASSIC_MAX_PARTS], message_t m
     codec_table[kind].join(part, message);
 }
 
-/* ---- time stamp of a HandPose */
+/* ---- timestamp of a HandPose */
 
 #define STAMP_BYTE COMANIP_HAND_POSE_T_US_BYTE
 

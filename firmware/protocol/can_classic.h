@@ -43,7 +43,7 @@ void classic_join(frame_kind_t kind, uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX
 #define CLASSIC_STAMP_STEP_US 1024u
 #define CLASSIC_STAMP_PERIOD_US (256u * CLASSIC_STAMP_STEP_US)
 
-/* Extends the time stamp of a joined HandPose to 32 bits, in place, and returns it. Chooses the candidate closest to
+/* Extends the timestamp of a joined HandPose to 32 bits, in place, and returns it. Chooses the candidate closest to
  * expected_us, so the result is within half a CLASSIC_STAMP_PERIOD_US of it. */
 uint32_t classic_unwrap_stamp(uint8_t message[CAN_FRAME_MAX_BYTES], uint32_t expected_us);
 

@@ -122,7 +122,7 @@ static bool is_too_old(const transport_pending_t *pending, frame_kind_t kind, ui
     return now_us - pending->begun_us > 1000u * (within_ms != 0u ? within_ms : EVENT_PARTS_WITHIN_MS);
 }
 
-/* Extends the time stamp of a valid pose to 32 bits; that of an invalid pose has no meaning. */
+/* Extends the timestamp of a valid pose to 32 bits; that of an invalid pose has no meaning. */
 static void restore_stamp(transport_receiver_t *self, can_frame_t *message) {
     if ((message->data[COMANIP_HAND_POSE_VALID_BYTE] & COMANIP_HAND_POSE_VALID_MASK) == 0u) {
         return;

@@ -16,7 +16,7 @@ void stack_guard_start(void) {
 #if defined(__ARM_ARCH_8M_MAIN__)
     __asm__ volatile("msr psplim, %0" ::"r"(link_thread_stack_end));
 #elif defined(__ARM_ARCH_7M__) || defined(__ARM_ARCH_7EM__)
-    enum { GUARD_LOG2_BYTES = 12 }; /* larger than any function's frame, which could jump over a smaller guard */
+    enum { GUARD_LOG2_BYTES = 12 }; /* larger than any stack frame, because a larger frame could jump over the guard */
     MPU_REGION_BASE = ((uint32_t)link_thread_stack_end - (1u << GUARD_LOG2_BYTES)) | MPU_REGION_BASE_VALID;
     MPU_REGION_ATTRIBUTES = MPU_REGION_EXECUTE_NEVER | MPU_REGION_SIZE(GUARD_LOG2_BYTES) | MPU_REGION_ENABLE;
     MPU_CONTROL = MPU_CONTROL_ENABLE | MPU_CONTROL_DEFAULT_MAP;

@@ -53,7 +53,7 @@ static bool set_filters(int fd, const can_selection_t *selection) {
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filter, (socklen_t)(selection->count * sizeof filter[0])) == 0;
 }
 
-/* Requests the kernel's time stamps, which candump logs too, and those of the controller, if it provides any. */
+/* Requests the kernel's timestamps, which candump logs too, and those of the controller, if it provides any. */
 static bool set_options(int fd, const can_selection_t *selection) {
     const can_err_mask_t errors =
         CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_BUSERROR;

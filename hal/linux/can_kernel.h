@@ -17,7 +17,7 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
 
 /* Metadata of a packet from the kernel. */
 typedef struct {
-    int64_t unix_ns, hardware_ns; /* as in can_reception_t of can_socket.h; 0: no time stamp */
+    int64_t unix_ns, hardware_ns; /* as in can_reception_t of can_socket.h; 0: no timestamp */
     bool own;
     bool has_drops;
     uint32_t drops; /* frames dropped by this socket since it was opened, modulo 2^32 */

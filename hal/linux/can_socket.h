@@ -29,8 +29,8 @@ typedef struct {
 } can_socket_t;
 
 typedef struct {
-    int64_t unix_ns;     /* the kernel's time stamp of the frame (CLOCK_REALTIME); 0 from a hub, which provides none */
-    int64_t hardware_ns; /* the controller's time stamp, by its own clock; 0 if it provides none */
+    int64_t unix_ns;     /* the kernel's timestamp of the frame (CLOCK_REALTIME); 0 from a hub, which provides none */
+    int64_t hardware_ns; /* the controller's timestamp, by its own clock; 0 if it provides none */
     bool own;            /* the frame was sent by this socket */
 } can_reception_t;
 

@@ -1,4 +1,4 @@
-/* Converts a CAN controller's time stamps to the clock of the kernel's time stamps.
+/* Converts a CAN controller's timestamps to the clock of the kernel's timestamps.
  *
  * The controller stamps a frame on the bus, by its own clock with an arbitrary origin. The kernel stamps the frame when
  * it serves the interrupt, after a varying delay. The minimum difference of the two stamps over all frames is therefore

@@ -3,7 +3,7 @@
  * The loop's clock is Unix time divided by the time scale. The time of a frame in a log of the same bus (candump's, or
  * the plant's own) is therefore the time that the firmware used, modulo 2^32 us, so logs can be replayed. Ticks occur
  * at whole milliseconds of the loop's clock. If the system's clock is set, the loop's clock continues unchanged, and
- * the step is subtracted from the kernel's time stamps. */
+ * the step is subtracted from the kernel's timestamps. */
 #ifndef COMANIP_PACE_H
 #define COMANIP_PACE_H
 
@@ -31,7 +31,7 @@ bool pace_wait_tick(pace_t *self);
 /* Returns the current wall time, ignoring any steps of the system clock since the start. */
 int64_t pace_now_unix_ns(const pace_t *self);
 
-/* Corrects a kernel time stamp for any steps of the system clock since the start, and returns it. */
+/* Corrects a kernel timestamp for any steps of the system clock since the start, and returns it. */
 int64_t pace_stamp_unix_ns(const pace_t *self, int64_t stamp_unix_ns);
 
 /* Returns true once after each step of the system clock. */

@@ -90,7 +90,7 @@ bool hal_wait_tick(uint32_t *now_us) {
     return stopped == 0;
 }
 
-/* A hub provides no time stamps. A frame is then stamped with the earliest time at which it can have arrived, so that
+/* A hub provides no timestamps. A frame is then stamped with the earliest time at which it can have arrived, so that
  * it does not look fresher than it is. */
 static int64_t time_of_reception_ns(const can_reception_t *reception) {
     if (reception->unix_ns == 0) {
@@ -101,7 +101,7 @@ static int64_t time_of_reception_ns(const can_reception_t *reception) {
                                        : hardware_clock_map(&port.hardware_clock, reception->hardware_ns, kernel_ns);
 }
 
-/* Reports the kind of time stamp once, at the first frame, because it does not change. */
+/* Reports the kind of timestamp once, at the first frame, because it does not change. */
 static void report_stamps(const can_reception_t *reception) {
     if (!port.has_reported_stamps) {
         port.has_reported_stamps = true;

@@ -71,7 +71,7 @@ static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
     case 'M': /* silent mode, filter */
     case 'm':
     case 'A': /* automatic retransmission */
-    case 'E': /* error register, flags, version, serial number, time stamps */
+    case 'E': /* error register, flags, version, serial number, timestamps */
     case 'F':
     case 'V':
     case 'v':

@@ -4,7 +4,7 @@
  *
  * Time is wall time since live_bus_start(), divided by the time scale. bus_run_until() waits until that time and
  * delivers each frame as it arrives. The nodes' own frames are delivered when the bus echoes them, in bus order and
- * with the kernel's time stamps; a hub does not echo, so there they are delivered when they are sent. A run that falls
+ * with the kernel's timestamps; a hub does not echo, so there they are delivered when they are sent. A run that falls
  * behind catches up tick by tick and counts the late ticks; if it falls more than 200 ms behind, its clock is set back
  * instead. */
 #ifndef COMANIP_SIM_LIVE_BUS_H

@@ -18,7 +18,7 @@ typedef struct {
     float parameter_value[PARAMETER_COUNT];
     bool defines_task; /* `task` replaces the scenario's first task */
     task_define_t task;
-    double clutch_s; /* 0: no clutch; otherwise its time, but not before the arm cooperates */
+    double clutch_s; /* time of the clutch command, which waits until the arm cooperates; 0: no clutch */
 } operator_overrides_t;
 
 /* Fills `steps` (OPERATOR_SCRIPT_MAX_STEPS) and returns their number: parameters, the wait for mode ready, and the

@@ -141,7 +141,8 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     output_folder_t folder;
     int status = EXIT_WRONG_USE;
     if (output_folder_open(&folder, out, error, sizeof error)) {
-        /* sigaction() keeps the handler installed, because `timeout` and some shells send the signal twice. */
+        /* sigaction() rather than signal(): the handler must stay installed, because `timeout` and some shells send the
+         * signal twice. */
         const struct sigaction action = {.sa_handler = on_interrupt};
         (void)sigaction(SIGINT, &action, NULL);
         (void)sigaction(SIGTERM, &action, NULL);

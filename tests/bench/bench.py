@@ -335,7 +335,7 @@ def draw(results: dict[int, dict[str, dict]], path: Path) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.grid(axis="x", alpha=0.3)
     axes.set_axisbelow(True)
-    axes.set_title("Algorithm 1, kinematics and control law (4): our tick and its peers")
+    axes.set_title("Algorithm 1, kinematics and control law (4): our tick compared with its peers")
     axes.invert_yaxis()
     axes.set_xlabel("one tick on this machine [ns], median, 10th to 90th percentile")
     axes.legend()

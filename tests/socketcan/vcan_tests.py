@@ -143,7 +143,7 @@ def session(tmp_path_factory) -> Path:
 
 
 def test_candump_and_the_plants_log_are_the_same(session):
-    """candump's log and the plant's log contain the same frames in the same order. The kernel's time stamps are the
+    """candump's log and the plant's log contain the same frames in the same order. The kernel's timestamps are the
     same in both, except that the plant's log scales them to the slowed clock."""
     dumped, logged = read_log(session / "candump.log"), read_log(session / "plant" / "bus.log")
     assert len(logged) > 15_000

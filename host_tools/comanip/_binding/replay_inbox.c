@@ -126,7 +126,7 @@ bool replay_read_refused(replay_t *self) {
 
 /* ---- times of reception */
 
-/* Returns the oldest time stamp with which the drive is fresh in every tick whose trace reports fresh drives, until the
+/* Returns the oldest timestamp with which the drive is fresh in every tick whose trace reports fresh drives, until the
  * drive's next frame. */
 static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);

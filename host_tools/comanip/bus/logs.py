@@ -31,7 +31,7 @@ _LOG_LINE = re.compile(
     r"#(?:#([0-9A-F])((?:[0-9A-F]{2})*)|R([0-8]?)|((?:[0-9A-F]{2}){0,8}))(?: [RT])?",
     re.IGNORECASE,
 )
-# candump's output without -L, with time stamps (-ta or -tz) or without. Two digits in brackets indicate CAN FD.
+# candump's output without -L, with timestamps (-ta or -tz) or without. Two digits in brackets indicate CAN FD.
 _SCREEN_LINE = re.compile(
     r" *(?:\((\d+)\.(\d{1,9})\) +)?(\S+) +([0-9A-F]{3}|[0-9A-F]{8}) +\[(\d{1,2})\]"
     r" *((?:[0-9A-F]{2} *)*|remote request)",

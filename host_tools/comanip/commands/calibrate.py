@@ -78,7 +78,7 @@ def recorded_samples(path: Path) -> Iterator[Sample]:
                 if pose is None:
                     continue
                 if pose.t_s is None:
-                    raise ToolError(f"{path}:{number}: no time stamp, expected one at the start of each line")
+                    raise ToolError(f"{path}:{number}: no timestamp, expected one at the start of each line")
                 yield pose.t_s, np.array(pose.position_m)
     except (OSError, UnicodeDecodeError) as error:
         raise ToolError(f"{path}: cannot be read as text: {error}") from error

@@ -69,14 +69,14 @@ def _read(lines: queue.Queue, order: str, status_s: float, on_bad) -> Iterator[P
 
 
 class _Pace:
-    """Waits until a pose is due according to its time stamp."""
+    """Waits until a pose is due according to its timestamp."""
 
     def __init__(self):
         self._offset_s: float | None = None
 
     def wait(self, pose: Pose) -> None:
         if pose.t_s is None:
-            raise ToolError("--pace: a line has no time stamp, expected one at the start of each line")
+            raise ToolError("--pace: a line has no timestamp, expected one at the start of each line")
         if self._offset_s is None:
             self._offset_s = time.monotonic() - pose.t_s
         time.sleep(max(0.0, self._offset_s + pose.t_s - time.monotonic()))
@@ -89,7 +89,7 @@ def tracker(
     ] = "wxyz",
     rate: Annotated[
         float | None,
-        typer.Option(min=10, max=1000, help="Rate of the tracker in Hz. By default estimated from the time stamps."),
+        typer.Option(min=10, max=1000, help="Rate of the tracker in Hz. By default estimated from the timestamps."),
     ] = None,
     pace: Annotated[bool, typer.Option("--pace", help="Send each pose at its recorded time: for a recording.")] = False,
     interface: Interface = INTERFACE,
@@ -100,7 +100,7 @@ def tracker(
 ) -> None:
     """Publish poses as HandPose and TrackerStatus, with end-to-end protection.
 
-    Lines are CSV or JSON, in metres, in the tracker's frame, with or without a leading time stamp in seconds:
+    Lines are CSV or JSON, in metres, in the tracker's frame, with or without a leading timestamp in seconds:
 
     x,y,z,qw,qx,qy,qz   or 12 or 16 numbers of a matrix, row by row   or
     {"t": 0.1, "position": [x,y,z], "quaternion": [w,x,y,z]}   or {"matrix": [[...],[...],[...]]}.

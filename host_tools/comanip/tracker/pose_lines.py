@@ -1,6 +1,6 @@
 """Parses poses of a hand from lines of CSV or JSON, so that any tracker can be connected.
 
-CSV, with values separated by commas, semicolons or blanks, and an optional leading time stamp in seconds:
+CSV, with values separated by commas, semicolons or blanks, and an optional leading timestamp in seconds:
     x, y, z, qw, qx, qy, qz                  metres and a unit quaternion (order `wxyz`, or `xyzw` as an option)
     3 x 4 or 4 x 4 numbers, row by row       a homogeneous matrix
 JSON, one object per line:
@@ -19,11 +19,11 @@ import numpy as np
 ORDERS = ("wxyz", "xyzw")
 UNIT_TOLERANCE = 1e-3  # as in the firmware
 NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header line
-_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has a time stamp
+_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has a timestamp
 
 
 class Pose(NamedTuple):
-    """A pose of the hand. position_m, quaternion: in the tracker's frame. t_s: time stamp of the line, on the tracker's
+    """A pose of the hand. position_m, quaternion: in the tracker's frame. t_s: timestamp of the line, on the tracker's
     clock."""
 
     position_m: tuple[float, float, float]
@@ -125,7 +125,7 @@ def parse(line: str, order: str = "wxyz") -> Pose | None:
     if len(numbers) not in _COUNTS:
         raise ValueError(
             f"{len(numbers)} numbers, expected 7 (position, quaternion) or 12 or 16 (matrix), "
-            "and one more for a leading time stamp"
+            "and one more for a leading timestamp"
         )
     t_s = numbers.pop(0) if _COUNTS[len(numbers)] else None
     if len(numbers) == 7:

@@ -22,8 +22,8 @@ def status_period_s(bus: LiveBus) -> float:
 
 
 class TrackerPublisher:
-    """Publishes poses. rate_hz: rate of the tracker; None: estimated from the poses' time stamps. clock: returns the
-    time for poses without a time stamp."""
+    """Publishes poses. rate_hz: rate of the tracker; None: estimated from the poses' timestamps. clock: returns the
+    time for poses without a timestamp."""
 
     def __init__(self, bus: LiveBus, rate_hz: float | None = None, clock=time.monotonic):
         self._bus, self._clock = bus, clock

@@ -113,7 +113,7 @@ def _response(streams: Sequence[Stream], stream: Stream, known: dict[str, Respon
 
 
 def _instances(stream: Stream, window_ns: int) -> int:
-    """Returns the maximum number of instances that are queued in a window."""
+    """Returns the maximum number of instances that can be queued in a window of this length."""
     return -(-(window_ns + stream.jitter_ns) // stream.period_ns)
 
 

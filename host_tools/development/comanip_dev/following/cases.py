@@ -110,8 +110,8 @@ def _with_rest(loop: str, follower: str, condition: Condition, setting: Setting,
 
 
 def all_cases(choice: Choice, scenes: dict[Setting, list[tuple[Path, float]]]) -> list[Case]:
-    """Returns all cases. scenes: the recordings that can be followed in each setting, with their scales. Judged cases
-    also run in ODE."""
+    """Returns all cases. scenes: the recordings that can be followed in each setting, with their scales. Cases of
+    the former and the default follower, under the conditions that the criteria judge, also run in ODE."""
     cases: list[Case] = []
     for condition in choice.conditions:
         for follower in plan.FIRMWARE:
