@@ -3,8 +3,6 @@
 
 #include "comanip_dbc.h"
 
-#define TRACED_AGE_MAX_US 0xFFFFFFu /* 24 bits in TickTrace */
-
 void controller_send(controller_t *self, can_frame_t *frame, controller_outbox_t *outbox) {
     (void)transport_send(&self->sender, frame, &outbox->sink);
 }
@@ -60,7 +58,7 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
     trace.target_valid = self->supervisor.mode == MODE_COOPERATING;
     trace.target = trace.target_valid ? self->cooperation.target : no_target;
     const uint32_t age_us = hand_tracker_age_us(&self->hand_tracker, now_us);
-    trace.hand_age_us = age_us < TRACED_AGE_MAX_US ? age_us : TRACED_AGE_MAX_US;
+    trace.hand_age_us = age_us < TRACE_AGE_MAX_US ? age_us : TRACE_AGE_MAX_US;
     trace.drives_fresh = self->supervisor_inputs.drives_fresh;
     trace.rejected_frames = (uint8_t)self->receiver.protocol.rejected;
     protocol_trace_inputs(self->receiver.protocol.e2e, &trace);

@@ -12,7 +12,10 @@ import numpy as np
 import pytest
 from bus_log import CLASSIC_MESSAGES, DBC
 from can_classic_bits import frame_duration_ns
+from comanip._core import ffi, lib
 from comanip.bus import logs
+from comanip.bus.frame import Frame
+from comanip.bus.transport import Profile, Sender
 from comanip.replay import Replay, Report
 from comanip_command import call
 from live import Seen, is_authentic
@@ -252,3 +255,51 @@ def test_other_profiles_are_refused(tmp_path, value):
     assert done.status == EXIT_WRONG_USE
     assert f"--profile '{value}': expected fd or classic" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+# ---- a hand that is forgotten in the tick in which its pose arrives
+
+
+TICK_US = 4000
+NO_AGE = b"\xff\xff\xff"
+
+
+def pose_signals(t_us: int) -> dict:
+    return {"t_us": t_us, "x_m": 0.1, "y_m": 0.2, "z_m": 0.3, "qw": 0.5, "qx": 0.5, "qy": 0.5, "qz": 0.5, "valid": 1}
+
+
+STATE = {
+    "position_rad": 0.1, "velocity_radps": 0, "torque_Nm": 0, "mode": "brake", "error": "none", "temperature_degC": 20,
+}  # fmt: skip
+
+
+def log_with_late_poses(late_us: int, late_from_us: int, end_us: int) -> list[Frame]:
+    """Returns all frames of a firmware with drives that stand still and a tracker whose poses arrive late from
+    late_from_us on."""
+    sender, log = Sender(Profile.CLASSIC), []
+    controller, outbox = ffi.new("controller_t *"), ffi.new("outbox_t *")
+    lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_CLASSIC)
+    for now_us in range(TICK_US, end_us, TICK_US):
+        captured_us = now_us if now_us < late_from_us else max(late_from_us, now_us - late_us)
+        messages = [(f"JointState{joint}", STATE) for joint in range(4)]
+        if now_us % (2 * TICK_US) == 0:
+            messages.append(("HandPose", pose_signals(captured_us)))
+        received = [frame for message in messages for frame in sender.frames(*message)]
+        inbox = ffi.new("controller_inbox_t *", {"count": len(received)})
+        for i, (frame_id, data) in enumerate(received):
+            inbox.frame[i].id, inbox.frame[i].length, inbox.frame[i].timestamp_us = frame_id, len(data), now_us - 1000
+            ffi.memmove(inbox.frame[i].data, data, len(data))
+        lib.outbox_step(outbox, controller, now_us, inbox)
+        sent = [(frame.id, bytes(frame.data[0 : frame.length])) for frame in outbox.frame[0 : outbox.count]]
+        log += [Frame(now_us, *frame, fd=False, brs=False) for frame in received + sent]
+    return log
+
+
+def test_a_hand_forgotten_as_its_pose_arrives_replays():
+    """Poses that are 30 ms late are stale. After a second, in a tick in which a pose arrives, the firmware forgets the
+    hand and the offset of its clock. TickTrace then reports no age that would show when the pose was received."""
+    log = log_with_late_poses(late_us=30_000, late_from_us=400_000, end_us=2_500_000)
+    ages = [frame.data[2:5] for frame in log if frame.name == "ClassicTickTraceAge"]
+    stale = next(i for i, age in enumerate(ages) if age == NO_AGE and i > 100)
+    assert int.from_bytes(ages[stale - 1], "little") > 20_000 and ages[-1] != NO_AGE
+    assert replay(log).difference is None

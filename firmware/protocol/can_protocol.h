@@ -36,7 +36,9 @@ void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
  * restarted must get through; only a repetition is refused. Every refusal is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
-/* ---- the input frames of a tick, as recorded in TickTrace */
+/* ---- the input of a tick, as recorded in TickTrace */
+
+#define TRACE_AGE_MAX_US 0xFFFFFFu /* hand_age_us has 24 bits; also means that there is no hand */
 
 /* Convert between the input frames and their record in a TickTrace. last: for each frame kind, the last frame received
  * with a correct CRC. */

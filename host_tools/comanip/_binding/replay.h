@@ -8,7 +8,8 @@
  * everything that depends on when a frame was received:
  *
  *   hand_age_us      A HandPose is stamped now - hand_age. This reproduces the recorded clock offset and age whatever
- *                    the true stamp was, because both follow from now, the age and the tracker's stamp.
+ *                    the true stamp was, because both follow from now, the age and the tracker's stamp. If there is no
+ *                    age, the firmware has forgotten the hand in this tick, and a HandPose is stamped now.
  *   drives_fresh     A JointState is stamped with the oldest time at which its drive is still fresh for as long as the
  *                    trace reports fresh drives.
  *   rejected_frames  The increase is the number of frames without a recorded counter (wrong CRC, wrong length or

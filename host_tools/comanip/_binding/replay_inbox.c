@@ -156,7 +156,7 @@ void replay_stamp_inbox(replay_t *self, const replay_trace_t *trace) {
         const frame_kind_t kind = self->stream[self->stream_of[self->place_of[i]]].kind;
         uint32_t stamp_us = trace->message.now_us;
         if (kind == FRAME_HAND_POSE) {
-            stamp_us -= trace->message.hand_age_us;
+            stamp_us -= trace->message.hand_age_us < TRACE_AGE_MAX_US ? trace->message.hand_age_us : 0u;
         } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
             stamp_us = joint_stamp_us(self, kind, trace);
         }
