@@ -17,7 +17,7 @@ int unix_endpoint_open(const char *path, char error[], size_t error_size) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     memcpy(address.sun_path, path, strnlen(path, HUB_PATH_BYTES - 1));
     const int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    (void)unlink(path); /* left by a hub that was killed; because of the lock it cannot belong to a running hub */
+    (void)unlink(path); /* an old socket is that of a killed hub: the lock ensures that no other hub is running */
     const mode_t mask = umask(S_IRWXG | S_IRWXO);
     const bool is_open =
         fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 && listen(fd, HUB_MAX_CLIENTS) == 0;

@@ -30,7 +30,8 @@ static void emit_return(program_t *self, uint32_t verdict) {
     emit(self, BPF_RET | BPF_K, 0, 0, verdict);
 }
 
-/* Emits code that returns the verdict if the id matches the filter or, if when_matching is false, does not match it. */
+/* Emits code that returns the verdict for ids that match the filter (when_matching) or for ids that do not
+ * (!when_matching). */
 static void emit_filter(program_t *self, const struct can_filter *filter, bool when_matching, uint32_t verdict) {
     const bool is_inverted = (filter->can_id & CAN_INV_FILTER) != 0;
     uint32_t mask = filter->can_mask & ~CAN_ERR_FLAG;

@@ -51,8 +51,8 @@ bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns)
  * call. */
 void bus_run_until(bus_t *self, int64_t time_ns);
 
-/* Returns the reading, at time 0, of the clock that stamps the log. Modulo 2^32 us, the firmware's clock then has the
- * same reading. Returns 0 in virtual time. */
+/* Returns the reading, at time 0, of the clock that stamps the log. At time 0, the firmware's clock has the same
+ * reading modulo 2^32 us. Returns 0 in virtual time. */
 int64_t bus_epoch_ns(const bus_t *self);
 
 bus_statistics_t bus_statistics(const bus_t *self);

@@ -24,8 +24,8 @@ bool hub_publisher_open(hub_publisher_t *self, const char *bus, char error[], si
 /* Handler for bus_listen(). context: the hub_publisher_t. */
 void hub_publisher_send(void *context, const can_frame_t *frame, int64_t end_ns);
 
-/* Closes the connection. If this program started the hub, also stops it, once all listeners have received all
- * frames. */
+/* Closes the connection. If this program started the hub, also stops the hub, which first sends the remaining frames to
+ * its clients. */
 void hub_publisher_close(hub_publisher_t *self);
 
 #endif

@@ -15,12 +15,12 @@ bool scenario_check_geometry(const scenario_t *self, char error[], size_t error_
  * needs to be called once. */
 bool scenario_check_water(const scenario_t *self, char error[], size_t error_size);
 
-/* Checks that no program moves a hand faster or farther than a person can. Moves to an object are not checked, because
- * their length is not known in advance (scenario_motion.c). */
+/* Checks that no program moves a hand faster or farther than a person can. A move to an object is not checked, because
+ * its length is not known in advance (scenario_motion.c). */
 bool scenario_check_motion(const scenario_t *self, char error[], size_t error_size);
 
-/* Checks that at the start no object, cup, person or part of the robot is inside another, except what the robot is
- * about to grip (scenario_overlap.c). */
+/* Checks that at the start no object, cup, person or part of the robot is inside another. Objects may overlap hands,
+ * forearms and the gripper, ready to be gripped (scenario_overlap.c). */
 bool scenario_check_overlap(const scenario_t *self, char error[], size_t error_size);
 
 #endif

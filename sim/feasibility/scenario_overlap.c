@@ -8,7 +8,7 @@
 #include "comanip_schema.h"
 #include "scenario_geometry.h"
 
-#define CONTACT_M 0.001 /* allowed overlap of an object with what it rests on */
+#define CONTACT_M 0.001 /* overlap that still counts as contact, for example of a rod with its stand */
 #define SOLIDS_MAX (SCENARIO_MAX_OBJECTS + BODIES_ROBOT_PARTS + SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS)
 #define NAME_BYTES 80
 #define KEY_BYTES 100
@@ -18,7 +18,7 @@ typedef enum {
     SOLID_ROBOT_CUP,
     SOLID_PERSON_CUP,
     SOLID_PERSON,    /* a person's hand and forearm */
-    SOLID_FOREARM,   /* the robot's forearm and gripper; an object to be gripped may overlap them */
+    SOLID_FOREARM,   /* the robot's forearm and gripper; objects may overlap them, ready to be gripped */
     SOLID_UPPER_ARM, /* the robot's upper arm and shoulder */
     SOLID_BODY,      /* the robot's torso and head */
 } solid_kind_t;
@@ -26,8 +26,8 @@ typedef enum {
 #define BIT(kind) (1u << (kind))
 #define ROBOT (BIT(SOLID_FOREARM) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY))
 
-/* For each kind, the kinds that it must not overlap. Each pair is listed once. A person's hand may overlap an object
- * that it will hold. */
+/* For each kind, the kinds that it must not overlap. Each pair is listed once. A person's hand and forearm may overlap
+ * objects, because the person may grip any object. */
 static const unsigned must_not_overlap[] = {
     [SOLID_OBJECT] =
         BIT(SOLID_OBJECT) | BIT(SOLID_ROBOT_CUP) | BIT(SOLID_PERSON_CUP) | BIT(SOLID_UPPER_ARM) | BIT(SOLID_BODY),

@@ -6,7 +6,7 @@
 
 typedef struct {
     int64_t time_ns;
-    rigid_pose_t pose; /* quaternion sign chosen closest to the previous entry */
+    rigid_pose_t pose; /* the quaternion has the sign that is closer to the previous entry */
     bool visible;
 } entry_t;
 
@@ -43,7 +43,7 @@ void hand_history_push(hand_history_t *self, int64_t time_ns, const rigid_pose_t
     }
 }
 
-/* Returns the index of the last entry at or before time_ns, but at most the second to last, so that it has a
+/* Returns the index of the last entry at or before time_ns, but never that of the newest entry, which has no
  * successor. */
 static size_t find_before(const hand_history_t *self, int64_t time_ns) {
     size_t from = 0;

@@ -6,7 +6,7 @@
 #include "../common/rigid_pose.h"
 
 typedef struct {
-    rigid_pose_t from, to; /* the quaternion sign of `to` is chosen closest to `from` */
+    rigid_pose_t from, to; /* the quaternion of `to` has the sign that is closer to `from` */
     double bow_m[3];       /* offset of the midpoint from the straight line */
     double begin_s, duration_s;
 } hand_path_t;

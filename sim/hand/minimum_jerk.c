@@ -21,7 +21,7 @@ typedef struct {
 static turn_profile_t profile_of(double turns, double turn_s) {
     const double whole_rad = 2.0 * PI * fabs(turns);
     turn_profile_t profile = {.speed_radps = 2.0 * PI / turn_s, .rise_rad = fmin(PI, 0.5 * whole_rad)};
-    profile.rise_s = 2.0 * profile.rise_rad / profile.speed_radps; /* its mean speed is half its final speed */
+    profile.rise_s = 2.0 * profile.rise_rad / profile.speed_radps; /* the mean speed is half the final speed */
     profile.cruise_s = (whole_rad - 2.0 * profile.rise_rad) / profile.speed_radps;
     return profile;
 }

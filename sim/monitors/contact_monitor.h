@@ -1,5 +1,5 @@
-/* Records, over the whole run, the smallest clearances, and the forces at each hand and in the gripper while it holds
- * an object. */
+/* Records the smallest clearances of the whole run, and the force at each hand and gripper in the ticks in which this
+ * hand or gripper holds an object. */
 #ifndef COMANIP_SIM_CONTACT_MONITOR_H
 #define COMANIP_SIM_CONTACT_MONITOR_H
 

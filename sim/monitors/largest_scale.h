@@ -1,7 +1,7 @@
-/* Finds the largest motion scale at which the arm could have reached every target of a played recording. The
- * target's displacement since the start of the recording is assumed to be proportional to the scale, and its start
- * position to be independent of it. This is exact for `teleop`. If a task has a lever between the hands, rotations of
- * the wrist add a displacement that does not depend on the scale. */
+/* Finds the largest motion scale at which the arm could have reached every target of a played recording. The target's
+ * displacement since the start of the recording is assumed to be proportional to the scale; the target's start position
+ * is assumed not to depend on the scale. This is exact for `teleop`. If a task has a lever between the hands, rotations
+ * of the wrist add a displacement that does not depend on the scale. */
 #ifndef COMANIP_SIM_LARGEST_SCALE_H
 #define COMANIP_SIM_LARGEST_SCALE_H
 

@@ -16,7 +16,8 @@ static latency_tick_t *past(latency_t *self, uint64_t tick) {
 }
 
 /* Adds the hand's contribution to the target. If the task mirrors, uses the z axis of the target that the firmware last
- * reported. Its delay does not matter, because the displacement along the axis is short and the axis rotates slowly. */
+ * reported. The delay of this report does not matter, because the displacement along the axis is short and the axis
+ * rotates slowly. */
 static void add_hand(latency_t *self, latency_tick_t *now, const tick_record_t *tick, const rigid_pose_t *hand,
                      const double gain[3]) {
     const double scale = gain[1];

@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     latency_tick_t past[LATENCY_PAST_TICKS]; /* ring buffer, indexed by tick number */
     uint64_t ticks;
-    uint64_t stretch_from; /* tick at which the cooperation last changed */
+    uint64_t stretch_from; /* last tick without cooperation, with a new command or during a blend */
     int64_t settled_ns;
     int64_t target_ns; /* time of the last target received */
     double forward_m;  /* x position of the hand at stretch_from, the origin of mirroring */

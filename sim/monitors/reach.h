@@ -29,9 +29,9 @@ void reach_init(reach_t *self);
  * descent ends as soon as the distance is below REACH_TOLERANCE_M / 10. */
 double reach_distance_m(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]);
 
-/* Returns true if the result of reach_distance_m() is at most REACH_TOLERANCE_M. Searches only if the last search does
- * not already decide the answer, since the smallest distance changes by at most s metres if the target moves by s
- * metres. */
+/* Returns true if the result of reach_distance_m() is at most REACH_TOLERANCE_M. Does not search if the result of the
+ * last search already decides the answer: if the target has moved by s metres since then, the smallest distance has
+ * changed by at most s metres. */
 bool reach_contains(reach_t *self, const double target_m[3], const double measured_rad[ROBOT_JOINTS]);
 
 #endif

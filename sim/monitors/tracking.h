@@ -36,7 +36,7 @@ typedef struct {
     double mean_velocity_radps[ROBOT_JOINTS];      /* commanded, averaged over about TRACKING_MEAN_TICKS */
     tracking_sums_t all;                           /* every tick in cooperation */
     tracking_sums_t followable;                    /* target in reach, no joint at a limit shortly before or after */
-    tracking_error_t pending[TRACKING_LOOK_AHEAD]; /* ring buffer: followable unless a limit follows */
+    tracking_error_t pending[TRACKING_LOOK_AHEAD]; /* ring buffer: followable unless a joint soon reaches a limit */
     size_t pending_first, pending_count;
 } tracking_t;
 
@@ -45,8 +45,8 @@ void tracking_init(tracking_t *self);
 /* Adds a finished tick. parameter: current values (PARAMETER_COUNT). */
 void tracking_sample(tracking_t *self, const tick_record_t *tick, const float parameter[]);
 
-/* Returns true if, as far as is known in this tick, the arm could follow, because the target is in reach and settled
- * and no joint was recently at a limit. */
+/* Returns true if, as far as is known in this tick, the arm could follow: the target is in reach and settled, and no
+ * joint was recently at a limit. */
 bool tracking_is_followable(const tracking_t *self, const tick_record_t *tick);
 
 double tracking_rms_position_mm(const tracking_sums_t *sums);

@@ -106,7 +106,7 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* If a refusal has arrived, appends one of the parameters that make the parameter set unstable to its text. */
+/* If a refusal has arrived, appends to its text one of the parameters that make the parameter set unstable. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {

@@ -1,7 +1,7 @@
 /* The operator as a node on the bus: executes a script of steps, each at a given time or after events. Every command,
  * parameter write and gripper command must be acknowledged. A frame that is not answered is sent again. If a frame is
- * refused, or is still unanswered after all retries, the run fails with a reason. At the end, the operator stops the
- * arm in any case. */
+ * refused, or is still unanswered after all retries, the run fails with a reason. After the script, the operator stops
+ * the arm, whether or not the script itself stops it. */
 #ifndef COMANIP_SIM_OPERATOR_NODE_H
 #define COMANIP_SIM_OPERATOR_NODE_H
 

@@ -9,7 +9,7 @@
 #include "../scenario/scenario.h"
 #include "operator_node.h"
 
-#define OPERATOR_SCRIPT_CLUTCH_MIN_S 1.0 /* earliest time of a clutch; the cooperation has begun by then */
+#define OPERATOR_SCRIPT_CLUTCH_MIN_S 1.0 /* earliest time that --clutch accepts */
 #define OPERATOR_SCRIPT_MAX_STEPS (PARAMETER_COUNT + SCENARIO_MAX_STEPS + 3)
 
 /* Changes that the command line makes to the scenario's script. */

@@ -33,7 +33,7 @@ void tracker_options_set_defaults(tracker_options_t *options) {
         .noise_position_m = 0.00005,
         .noise_rotation_rad = 0.02 * 3.14159265358979324 / 180.0,
         .mount_translation_m = {0.3, 1.5, 0.2},
-        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z points into the scene; (9) undoes this */
+        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z points into the scene; undone by (9) */
         .seed = 1,
     };
 }

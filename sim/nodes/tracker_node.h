@@ -25,8 +25,8 @@ typedef struct {
 
 typedef struct {
     uint64_t samples;      /* samples sent */
-    uint64_t lost;         /* of these, sent as invalid */
-    uint64_t range_errors; /* of these, out of the frame's range */
+    uint64_t lost;         /* samples sent as invalid */
+    uint64_t range_errors; /* lost samples whose position was beyond the frame's range */
     double longest_gap_s;  /* longest time without a valid sample, including before the first and after the last */
 } tracker_statistics_t;
 

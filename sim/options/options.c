@@ -102,7 +102,7 @@ static bool wrong(char error[], const char *option, const char *value, const cha
     return false;
 }
 
-/* Appends a name to a comma-separated list, truncating it if it does not fit. */
+/* Appends a name to a comma-separated list. A name that does not fit is truncated. */
 static void append_name(char text[], size_t size, const char *name) {
     const size_t used = strlen(text);
     (void)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);

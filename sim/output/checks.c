@@ -152,8 +152,8 @@ static void add_tracking_check(checks_t *self, const world_t *world, const char 
     }
 }
 
-/* Also requires a minimum share of followable motion, so that a controller that keeps the arm at its limits cannot pass
- * unchecked. */
+/* Checks the error and requires a minimum share of followable motion, so that a controller that keeps the arm at its
+ * limits cannot pass unchecked. */
 static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
     const scenario_t *scenario = world->scenario;
     const tracking_t *tracking = &world->tracking;

@@ -36,7 +36,7 @@ typedef struct {
 /* Fills all members but `reason`. */
 void checks_evaluate(checks_t *self, const world_t *world);
 
-/* Returns false if no TickTrace frame was received, because no other frame carries the target. */
+/* Returns false if no TickTrace with a target was received; no other frame carries the target. */
 bool checks_tracking_measured(const world_t *world);
 
 #endif

@@ -23,8 +23,8 @@ static void hull_support(const convex_shape_t *shape, const double direction[3],
     memcpy(point_m, shape->points[best], 3 * sizeof *point_m);
 }
 
-/* Finds the farthest point of the shape's core in a direction, both in the shape's frame. The core of a capsule is its
- * centre line. */
+/* Finds the farthest point of the shape's core in a direction. Point and direction are in the shape's frame. The core
+ * of a capsule is its centre line. */
 static void core_support(const convex_shape_t *shape, const double direction[3], double point_m[3]) {
     double length = 0.0, share = 0.0;
     switch (shape->kind) {

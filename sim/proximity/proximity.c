@@ -74,8 +74,8 @@ static void find_grips(proximity_t *self, const scenario_t *scenario) {
     }
 }
 
-/* Returns true if contact of the pair is intended: if both hold the same rod, or if one part is a rod and the other is
- * a hand, gripper or forearm that may hold this rod in this scenario. */
+/* Returns true if contact of the pair is intended: if both parts are one rod that person and robot hold together, or if
+ * one part is a rod and the other is a hand, gripper or forearm that may hold this rod in this scenario. */
 static bool is_intended(const proximity_t *self, int number) {
     const proximity_pair_t parts = proximity_pair(number);
     if (parts.person < 0) {

@@ -79,9 +79,9 @@ typedef struct {
 
 /* The robot's gripper: two compliant, padded jaws. The object slips out above a load limit. */
 typedef struct {
-    double offset_m[3];                    /* its centre in the frame of the end effector */
+    double offset_m[3];                    /* centre of the gripper in the frame of the end effector */
     double stroke_s;                       /* time from open to closed */
-    double capture_m;                      /* the closing jaws grip an axis within this distance of the centre */
+    double capture_m;                      /* the jaws grip an object if its axis is this close to the centre */
     double stiffness_Npm, damping_Nspm;    /* stiffness and damping of the pads, along each axis */
     double force_limit_N, torque_limit_Nm; /* above either limit the object slips out */
 } gripper_t;

@@ -1,5 +1,5 @@
-/* Determines when a step of a script begins. It begins no earlier than a given time, and no earlier than a given delay
- * after certain events. A timeout limits the wait for the events. */
+/* Determines when a step of a script begins. A step begins no earlier than a given time, and no earlier than a given
+ * delay after certain events. A timeout limits the wait for the events. */
 #ifndef COMANIP_SIM_STEP_WAIT_H
 #define COMANIP_SIM_STEP_WAIT_H
 

@@ -42,7 +42,7 @@ static bool refuse(const screen_t *self, const yaml_event_t *event, const char *
     return false;
 }
 
-/* Reports the line of the parser's problem mark, because its current position is already past the error. */
+/* Reports the line of the parser's problem mark, because the parser's current position is already past the error. */
 static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
     const size_t line = parser->error == YAML_READER_ERROR ? parser->mark.line : parser->problem_mark.line;
     (void)snprintf(self->error, self->error_size, "%s:%zu: expected YAML in UTF-8: %s%s%s", self->path, line + 1,

@@ -51,8 +51,8 @@ static double clamp(double value, double low, double high) {
     return fmin(fmax(value, low), high);
 }
 
-/* Finds the contact between a sphere and the part of the shell around one point of its centre line. Returns false if
- * the two do not touch. */
+/* Finds the contact between a sphere and the part of the shell around one point of the wall's centre line. Returns
+ * false if the two do not touch. */
 static bool touch_around(profile_t on_line, double half_wall_m, profile_t centre, const double outwards[2],
                          double radius_m, cup_contact_t *contact) {
     const double rho = centre.rho - on_line.rho;

@@ -43,8 +43,8 @@ double cup_lattice(const cup_t *self, double radius_m, int count, double point_m
 bool cup_contains(const cup_t *self, const double centre_m[3]);
 
 /* Returns true if a particle that was in the cup has left it, that is, if it is outside the wall and below the rim, or
- * farther from the inner cylinder than its diameter plus the wall thickness. Until then it may lie on the heap or on
- * the rim, and may fall back. */
+ * farther from the inner cylinder than the particle's diameter plus the wall thickness. Until then the particle may lie
+ * on the heap or on the rim, and may fall back. */
 bool cup_is_left_by(const cup_t *self, const double centre_m[3], double radius_m);
 
 #endif

@@ -130,7 +130,8 @@ static void fail_as_overdue(world_t *self) {
     world_fail(self, text);
 }
 
-/* Lets the operator stop the arm when all scripts are done, or half a second before the end of the run. */
+/* Lets the operator stop the arm half a second before the end of the run or, unless --duration was given, as soon as
+ * all scripts are done. */
 static void stop_when_due(world_t *self) {
     const int64_t closing_ns = ns_from_s(SCENARIO_STOP_BEFORE_END_S);
     const bool is_done = all_scripts_done(self);

@@ -88,7 +88,7 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
 /* Advances by one tick of 1 ms. Returns false when the run is over. */
 bool world_advance(world_t *self);
 
-/* Returns true if motion and task are the scenario's own, so that the results can be checked. */
+/* Returns true if motion and task are the scenario's own, rather than a recording or a task from --define. */
 bool world_is_scripted(const world_t *self);
 
 /* Ends the run as failed for this reason. Only the first reason is kept. */

@@ -71,7 +71,7 @@ static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream,
     return !parameters_has(parameter) || parameter >= PARAMETER_NUMBERS || !self->has_parameter[parameter];
 }
 
-/* Skips frames in the log that are not compared. */
+/* Skips recorded ParameterValues whose parameter exists in only one of the two builds. */
 static void skip_recorded(replay_t *self, replay_stream_t *stream) {
     while (stream->cursor != REPLAY_NO_FRAME && is_of_one_build(self, stream, &self->log[stream->cursor])) {
         stream->cursor = self->next[stream->cursor];
@@ -120,7 +120,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     self->compared++;
 }
 
-/* Reports frames that the firmware recorded before index `limit` but the replay has not sent. */
+/* Reports frames of the firmware that the log contains before index `limit` but that the replay has not sent. */
 static void find_unsent(replay_t *self, uint32_t limit) {
     for (int i = 0; i < self->stream_count; i++) {
         replay_stream_t *stream = &self->stream[i];

@@ -7,13 +7,14 @@
  * The timestamps in the log are ignored, because they usually do not come from the firmware's clock. The trace contains
  * everything that depends on when a frame was received:
  *
- *   hand_age_us      A HandPose is stamped now - hand_age. This reproduces the recorded clock offset and age whatever
- *                    the true stamp was, because both follow from now, the age and the tracker's stamp. If there is no
- *                    age, the firmware has forgotten the hand in this tick, and a HandPose is stamped now.
- *   drives_fresh     A JointState is stamped with the oldest time at which its drive is still fresh for as long as the
+ *   hand_age_us      A HandPose is given the time of reception now - hand_age. This reproduces the recorded age and
+ *                    clock offset, although the true time may be later: hand_age includes the frame's delay. If the
+ *                    trace has no age, the firmware has forgotten the hand in this tick, and a HandPose is given the
+ *                    time now.
+ *   drives_fresh     A JointState is given the oldest time of reception that keeps its drive fresh in every tick whose
  *                    trace reports fresh drives.
- *   rejected_frames  The increase is the number of frames without a recorded counter (wrong CRC, wrong length or
- *                    repeated) that the tick read.
+ *   rejected_frames  Its increase in a tick is the number of frames that the tick read but whose counter the trace does
+ *                    not contain (wrong CRC, wrong length or repeated).
  *
  * On classic CAN, all parts of a message are fed in the tick that originally read the last part.
  *
@@ -35,8 +36,8 @@ typedef enum {
         3,              /* the firmware sends `sent` in the tick at `place`, but the log contains no such frame there */
     REPLAY_DAMAGED = 4, /* the firmware read or sent the frame at `place`, but its CRC is wrong in the log */
     REPLAY_LOST = 5,    /* according to the TickTrace at `place`, the tick read a frame that is not in the log, or that
-                         * comes after more frames than a tick can read; `sent` has its id, and its counter as the only
-                         * byte */
+                         * comes after more frames than a tick can read; `sent` has the id of this frame and, as its
+                         * only byte, the counter */
 } replay_result_t;
 
 /* All frames with one id. */
@@ -102,7 +103,8 @@ void replay_leave_out(replay_t *self, const bool left_out[FRAME_KIND_COUNT]);
  * further ticks. */
 bool replay_run(replay_t *self, uint32_t end);
 
-/* Finds recorded frames that the replay has not sent. Call after the last tick. A log may end within a tick. */
+/* Finds recorded frames that the replay has not sent. Call after the last tick. If the log ends within a tick, the
+ * frames after the last replayed TickTrace are ignored. */
 void replay_finish(replay_t *self);
 
 #endif

@@ -8,7 +8,7 @@
  * The replay tries these assumptions in order until the tick sends the recorded TickTrace. */
 typedef enum {
     REPLAY_READ_ALL,            /* all frames up to the traced counter */
-    REPLAY_READ_BRIDGED_STATES, /* of the drives' states, only those needed for the check to accept the counter */
+    REPLAY_READ_BRIDGED_STATES, /* of the drives' states, only those without which the counter check would fail */
     REPLAY_READ_NEWEST_STATES,  /* of the drives' states, only the newest of each drive */
     REPLAY_READ_NEWEST,         /* in addition, only the newest pose */
     REPLAY_READ_PLANS
