@@ -1,5 +1,5 @@
 /* The journal stores the last frames of the bus in the order in which all clients receive them. Each client reads at
- * its own pace, and loses frames if it falls more than JOURNAL_FRAMES behind. */
+ * its own pace, and is dropped if it falls more than JOURNAL_FRAMES behind. */
 #ifndef COMANIP_HUB_JOURNAL_H
 #define COMANIP_HUB_JOURNAL_H
 

@@ -2,11 +2,11 @@
  * socket are delivered to the nodes. The real bus arbitrates and determines the frame durations. A program links this
  * file in place of bus.c.
  *
- * Time is wall time since live_bus_start(), divided by the time scale. bus_run_until() waits until that time and
- * delivers each frame as it arrives. The nodes' own frames are delivered when the bus echoes them, in bus order and
- * with the kernel's timestamps; a hub does not echo, so there they are delivered when they are sent. A run that falls
- * behind catches up tick by tick and counts the late ticks; if it falls more than 200 ms behind, its clock is set back
- * instead. */
+ * Time is wall time since live_bus_start(), divided by the time scale. bus_run_until() returns at the given time and,
+ * until then, delivers each frame as it arrives. The nodes' own frames are delivered when the bus echoes them, in bus
+ * order and with the kernel's timestamps; a hub does not echo, so there they are delivered when they are sent. A run
+ * that falls behind catches up tick by tick and counts the late ticks; if it falls more than 200 ms behind, its clock
+ * is set back instead. */
 #ifndef COMANIP_SIM_LIVE_BUS_H
 #define COMANIP_SIM_LIVE_BUS_H
 

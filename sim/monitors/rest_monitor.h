@@ -37,7 +37,7 @@ typedef struct {
     double phase_s;         /* duration of the current phase */
     double longest_s;       /* longest phase so far, including the current one */
     bool measured;          /* at least one phase was long enough */
-    bool disturbed;         /* a rest of REST_PHASE_S was commanded, but the hand kept moving until its end */
+    bool disturbed;         /* a rest of REST_PHASE_S was commanded, but the hand moved until the rest ended */
     double speed_radps_max; /* largest speed of all measured phases */
 } rest_monitor_t;
 

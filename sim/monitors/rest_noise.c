@@ -9,8 +9,8 @@
 #define ESTIMATE_SHARE 0.25 /* share of a sample's noise that remains in the estimate of a hand at rest */
 #define DAMPING_M2 1e-4 /* for singular start postures; elsewhere the squared singular values are 1e-3 to 1e-1 m^2 */
 
-/* Returns the largest norm [rad/m] of a row of the Jacobian's pseudo-inverse, which is the speed of the fastest joint
- * per unit speed of the hand along each axis. */
+/* Returns the speed of the fastest joint per unit speed of the hand along each axis [rad/m]. This is the largest norm
+ * of a row of the Jacobian's pseudo-inverse. */
 static double largest_row_norm(const double position_rad[ROBOT_JOINTS]) {
     double hand_m[3], jacobian[ROBOT_JOINTS][3], row[3], largest = 0.0;
     position_jacobian(position_rad, hand_m, jacobian);

@@ -24,8 +24,8 @@ double tracking_distance_mm(const tick_record_t *tick) {
 
 /* Returns true if some joint could not follow under any controller, because it is at its position limit, at its speed
  * limit, or too fast to stop within TRACKING_STOP_S at its acceleration limit. Speeds are averaged, because the
- * tracker's noise alone causes single fast ticks while the hand rests. The controller's own parameters are not used, so
- * that it cannot influence its evaluation. */
+ * tracker's noise alone causes single fast ticks while the hand rests. The gains and weights of the control law are not
+ * used, so that the controller cannot influence its own evaluation. */
 static bool is_limited(tracking_t *self, const tick_record_t *tick, const float parameter[]) {
     const double speed_max_radps = fmin((double)parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS,
                                         (double)parameter[PARAMETER_ACCELERATION_LIMIT_RADPS2] * TRACKING_STOP_S);

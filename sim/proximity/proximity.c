@@ -11,8 +11,8 @@
 #define PERSON_PAIRS (SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS * BODIES_ROBOT_PARTS)
 #define SELF_PAIRS (ROBOT_PART_UPPER_ARM * BODY_PARTS)
 
-/* Each pair is searched this far beyond the smallest distance found so far. The pair then need not be searched again
- * until its bodies have travelled about this far. */
+/* The distance of a pair is determined if it is at most this far beyond the smallest one found so far. The pair then
+ * need not be searched again until its bodies have travelled about this far. */
 #define SEARCH_BEYOND_M 0.03
 
 typedef struct {

@@ -233,12 +233,12 @@ typedef struct {
     bool is_lower_bound; /* true: the value must be at least the limit; false: at most */
 } scenario_check_t;
 
-/* Ranges in which the seed varies a scenario. Each quantity changes by a uniform random amount between minus and plus
- * the value. */
+/* Ranges in which the seed varies a scenario. Each quantity changes by a random amount that is uniformly distributed
+ * from minus to plus the value given here. */
 typedef struct {
     double start_m;          /* start position of the tracked person's hand, per axis */
     double move_m;           /* end of each move, per axis; moves to the same position still end at the same position */
-    double object_m[3];      /* position of the objects; all are shifted by the same amount */
+    double object_m[3];      /* position of the objects that the robot does not hold; all shift together */
     double duration_percent; /* duration of each step that has one */
 } variation_t;
 

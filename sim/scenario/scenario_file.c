@@ -101,7 +101,7 @@ static void read_tracking(yaml_reader_t *yaml, scenario_t *self) {
     yaml_get_number(yaml, map, "followable_min_percent", 0.0, 100.0, &self->followable_min_percent);
 }
 
-/* Reads the names first, because any section may refer to them. */
+/* Reads the names before the sections that may refer to them. */
 static void read_sections(yaml_reader_t *yaml, scenario_t *self) {
     read_head(yaml, self);
     read_variation(yaml, self);

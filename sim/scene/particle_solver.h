@@ -1,5 +1,5 @@
 /* Computes the impulses of the contacts in one step: they separate overlapping particles, brake approaching ones, and
- * never pull. A contact is a spring and a damper in parallel, integrated implicitly, with ODE's equations (its User
+ * never pull. A contact is a spring and a damper in parallel, integrated implicitly, with ODE's equations (ODE User
  * Guide, "How To Use ERP and CFM"). All contacts of a step are solved together, by projected Gauss-Seidel iteration
  * with over-relaxation that starts from the impulses of the previous step, so that the solution improves from step to
  * step while the particles rest (Catto, Iterative Dynamics with Temporal Coherence, GDC 2005). */

@@ -11,7 +11,7 @@
 #include "physics.h"
 #include "support.h"
 
-#define HAND_CAPTURE_M 0.025  /* an open hand can close on an axis within this distance of its grip point */
+#define HAND_CAPTURE_M 0.025  /* an open hand can grip an object whose axis is this close to the grip point */
 #define OPENING_ON_OBJECT 0.3 /* opening at which the jaws touch an object */
 #define DROPPED_AFTER_S 0.02  /* an object counts as dropped after nobody has held it for this long */
 #define HOLDERS (SCENARIO_MAX_PEOPLE + 1)

@@ -2,7 +2,7 @@
  * gravity, come to rest where they reach the ground, and do not act on the cups. Their radii differ from the mean by up
  * to 20 %, because particles of equal size settle into layers that do not flow. They still behave like beads rather
  * than a liquid: a heap has a slope of about 15 degrees, and the rim holds back particles by up to their diameter, so
- * less leaves a tilted cup than would with a liquid. */
+ * less flows out of a tilted cup than with a liquid. */
 #ifndef COMANIP_SIM_WATER_H
 #define COMANIP_SIM_WATER_H
 

@@ -104,7 +104,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
-            self->result == REPLAY_EQUAL) { /* not in the last tick, within which the log may end */
+            self->result == REPLAY_EQUAL) { /* not in the last tick: the log may end within it */
             self->sent = *sent;
             replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
@@ -237,7 +237,7 @@ static void replay_tick(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);
     }
-    find_unsent(self, self->former_tick_place); /* not up to this tick, because the order within a tick may differ */
+    find_unsent(self, self->former_tick_place); /* not up to this tick: the order of frames within a tick may differ */
     self->fed += self->inbox.count;
     self->ticks++;
     self->former_tick_place = self->tick_place;

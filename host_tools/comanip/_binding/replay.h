@@ -44,7 +44,7 @@ typedef enum {
 typedef struct {
     const frame_description_t *description;
     frame_kind_t kind;
-    uint32_t cursor; /* index of the next frame that the firmware is to read or expected to send */
+    uint32_t cursor; /* index of the next frame that the firmware is expected to read or send */
 } replay_stream_t;
 
 #define REPLAY_MAX_STREAMS (CLASSIC_FRAME_COUNT + FRAME_KIND_COUNT)
