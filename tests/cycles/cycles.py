@@ -60,9 +60,9 @@ QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick
               8: "estimate", 9: "prediction", 10: "law", 11: "law_ends", 12: "step_not_predicted"}  # fmt: skip
 LABELS = {"step": "controller_step()", "tick": "law (4)", "tick_torso": "(4), torso frame",
           "tick_general": "(4), general", "tick_ends": "(4), joints at limits",
-          "tick_general_ends": "(4) general, at limits", "tick_blend": "(4), a task comes into force",
-          "step_not_predicted": "prediction off", "estimate": "takes a sample",
-          "prediction": "hand's and target's motion", "law": "position first",
+          "tick_general_ends": "(4) general, at limits", "tick_blend": "(4), a task is blended in",
+          "step_not_predicted": "prediction off", "estimate": "one hand sample",
+          "prediction": "hand's and target's motion", "law": "position priority",
           "law_ends": "joints at limits"}  # fmt: skip
 MODELLED = ("cortex-m3", "cortex-m4f", "cortex-m0plus")
 NOT_PREDICTED = {"step_not_predicted"}  # the only quantities counted with prediction off

@@ -20,7 +20,7 @@ typedef struct {
     double hand_rotation[4]; /* rotation in the tracker frame before the move: w x y z, unit */
     double way_m[3];         /* displacement of the minimum-jerk move */
     double turn_rad[3];      /* rotation vector of the move, in tracker axes */
-    double move_s;           /* duration of the move, which starts 0.1 s after the cooperation */
+    double move_s;           /* duration of the move, which starts 0.1 s after cooperation begins */
     double dead_time_s, lag_s;
     double end_s[REST_WINDOWS]; /* ends of the two windows, from the start of the move; not decreasing */
 } rest_case_t;
