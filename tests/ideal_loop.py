@@ -16,7 +16,7 @@ BRAKING_RESERVE = 0.9
 JERK = 1e4
 RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration ramps up
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
-# distance from the limit at which the stopping speed is 0
+# A joint closer than this to a limit counts as at it: 2 mrad before its stopping speed becomes 0.
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
 RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # largest change per tick that ramps down to 0 in 0, 1, 2... ticks
 RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # total velocity change of each of these ramps

@@ -1,5 +1,5 @@
 """Checks distance and overlap of convex shapes (libccd) against closed forms, certified bounds, least squares and
-facets."""
+the facets of hulls."""
 
 from __future__ import annotations
 

@@ -74,8 +74,8 @@ def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
 
 @pytest.mark.parametrize("duration", [[], ["--duration", "150"]])
 def test_waiting_in_vain_fails_at_any_duration(tmp_path, duration):
-    """The run fails if the gripper never closes, so that the teleoperator and the operator wait for robot.holds in
-    vain."""
+    """The run fails if the gripper never closes: the teleoperator waits for robot.holds in vain, and the taker and the
+    operator wait for events that would follow."""
     path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
     done = run(tmp_path / "out", "--scenario", path, *duration)
     assert done.status == EXIT_CHECK_FAILED

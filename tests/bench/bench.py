@@ -177,7 +177,7 @@ def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str
         bound = max(5e-5, 5e-8 * max(4, *WEIGHT) / DAMPING) if single_precision else 1e-9
         if name != OWN_LAW and not found[name] <= bound:
             complaints.append(
-                f"n = {case.n}: {name} is {found[name]:.2g} from the equations in double, bound {bound:.2g}"
+                f"n = {case.n}: {name} differs by {found[name]:.2g} from the equations, bound {bound:.2g}"
             )
     return found, complaints
 
@@ -318,7 +318,7 @@ def show(results: dict[int, dict[str, dict]], console: Console) -> None:
             )
         console.print(table)
         overhead = found[Dqrobotics.name]["calls_overhead_ns"]
-        print(f"About {overhead:.0f} ns of dqrobotics' time are the overhead of the calls from Python.\n")
+        print(f"About {overhead:.0f} ns of dqrobotics' time is the overhead of the calls from Python.\n")
     print(WORK)
 
 

@@ -53,7 +53,7 @@ STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
 TIMEOUT_S = 900  # an image that panics does not end
 STATE = 3  # as in records.h
-NOTHING = 0  # as in program.c, like the keys of QUANTITIES
+NOTHING = 0  # from counted_t in program.c, as are the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
               7: "tick_blend",

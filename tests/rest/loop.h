@@ -27,9 +27,9 @@ typedef struct {
 
 typedef struct {
     parameter_set_verdict_t verdict; /* verdict on the parameters */
-    result_t start;                  /* answer to the start; if not accepted, the members below are not set */
+    result_t start;                  /* answer to the start command; if not accepted, the members below stay 0 */
     control_mode_t mode;             /* mode at the end of the run */
-    int interrupted[REST_WINDOWS];   /* number of a window's ticks without cooperation */
+    int interrupted[REST_WINDOWS];   /* number of ticks without cooperation in a window */
     double peak_radps[REST_WINDOWS][REST_JOINTS]; /* largest commanded speed in a window */
     int sign_changes[REST_WINDOWS]
                     [REST_JOINTS]; /* sign changes of the commanded velocity above REST_CREEP_RADPS. Slower velocities
