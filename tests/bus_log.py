@@ -47,7 +47,7 @@ def read(path: Path) -> dict[str, Frames]:
     with open(path, encoding="ascii") as lines:
         for number, line in enumerate(lines, 1):
             match = LINE.match(line)
-            assert match, f"{path}:{number}: not a candump -L line of a CAN FD frame: {line!r}"
+            assert match, f"{path}:{number}: not a frame in candump -L format: {line!r}"
             assert match[1] >= last, f"{path}:{number}: time goes backwards"
             last = match[1]
             frame_id = int(match[3], 16)

@@ -1,5 +1,5 @@
-"""Constructs a CAN FD frame bit by bit, as ISO 11898-1 defines it, at 1/5 Mbit/s, as a reference for the durations and
-loads of the simulated bus."""
+"""Constructs a CAN FD frame bit by bit, as ISO 11898-1 defines it, with nominal bits at 1 Mbit/s and data bits at
+5 Mbit/s, as a reference for the durations and loads of the simulated bus."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs ``comanip`` as a user would, or in this process when it must share a virtual bus."""
+"""Runs ``comanip`` as a user would, or in the test's own process if the two must share a virtual bus."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Runs controller_step() on a test bench with ideal drives, which follow each command at once, a tracker and an
-operator. They communicate with the controller only through frames."""
+"""Runs controller_step() on a test bench with a tracker, an operator, and ideal drives, which follow each command at
+once. All of them communicate with the controller only through frames."""
 
 from __future__ import annotations
 

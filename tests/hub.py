@@ -154,7 +154,7 @@ class Tool:
         return everything_in(self.output)
 
     def require_running(self) -> None:
-        """Fails with the program's output if it has ended, because waiting for what it sends would be in vain."""
+        """Fails, with the program's output, if the program has ended, because it will send nothing more."""
         status = self.process.poll()
         assert status is None, f"{self.process.args[0]} has ended with exit status {status}: {self.text()}"
 

@@ -1,5 +1,5 @@
 """Loads a hub with RATE frames/s for SECONDS. Four listeners must receive every frame in order, and a listener that
-never reads must be dropped. Usage: hub_load.py [--seconds N] [--rate N]. Exit status 1 if a frame was lost."""
+never reads must be dropped; otherwise the exit status is 1. Usage: hub_load.py [--seconds N] [--rate N]."""
 
 from __future__ import annotations
 

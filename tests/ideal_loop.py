@@ -16,9 +16,9 @@ BRAKING_RESERVE = 0.9
 JERK = 1e4
 RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration ramps up
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
-# distance from the limit at which the stopping speed is 0
+# A joint closer than this to a limit counts as at it: 2 mrad before its stopping speed becomes 0.
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # velocity change per tick that 0, 1, 2... ticks can ramp down to 0
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # largest change per tick that ramps down to 0 in 0, 1, 2... ticks
 RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # total velocity change of each of these ramps
 
 
@@ -57,8 +57,8 @@ def law(jacobian, hand, target, gain, weight, damping):
 
 
 def law_with_blocked_joints(jacobian, hand, target, q, *settings):
-    """Evaluates control law (4) without the joints that a limit keeps from moving as demanded, as
-    joints_at_limit_find() does."""
+    """Evaluates control law (4), repeatedly leaving out each joint that is at a limit and would move beyond it, as
+    joints_at_limit_solve() does."""
     free = np.ones(len(q), bool)
     above, below = JOINT_RANGE[:, 1] - q < AT_LIMIT_RAD, q - JOINT_RANGE[:, 0] < AT_LIMIT_RAD
     while True:

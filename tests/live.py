@@ -1,6 +1,6 @@
-"""Runs firmware and plant as two processes on one bus. The bus is the kernel's CAN interface named by COMANIP_TEST_CAN,
-if it exists (as in tests/socketcan), and otherwise the test's own hub. The test reads and writes SocketCAN structures
-itself and decodes frames with cantools, so it uses none of the code under test."""
+"""Runs firmware and plant as two processes on one bus. If COMANIP_TEST_CAN names a CAN interface of the
+kernel (as in tests/socketcan), the bus is that interface; otherwise it is the test's own hub. The test reads and writes
+SocketCAN structures itself and decodes frames with cantools, so it uses none of the code under test."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """Runs the C core on a python-can `virtual` bus, in its own thread, with drives and optionally a tracker, as the
-counterpart of `comanip`'s live commands. It ticks as fast as it can, not in real time."""
+counterpart of `comanip`'s live commands. The core ticks as fast as it can, not in real time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-// Replaces the scene with ODE: each function returns a fixed value, different from those of the others.
+// Stands in for the scene, which needs ODE: each function returns a fixed value of its own.
 
 #include "../sim/scene/scene.h"
 

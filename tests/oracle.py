@@ -107,8 +107,8 @@ def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def law(
     jacobian: np.ndarray, hand: np.ndarray, target: np.ndarray, gain, weight, damping: float, error_frame: str
 ) -> np.ndarray:
-    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. Uses the sign of the target that is nearer to the
-    end effector."""
+    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. Of x and -x, which are the same target,
+    uses the one nearer to the end effector."""
     gain, weight = np.broadcast_to(gain, 8).astype(float), np.broadcast_to(weight, 8).astype(float)
     sign = np.where((target[:, :4] * hand[:, :4]).sum(1, keepdims=True) < 0, -1.0, 1.0)
     target = sign * target

@@ -14,7 +14,7 @@ MODULES = (
     "sim/scene/water",
 )  # fmt: skip
 
-# ODE functions that return the forces and energies of bodies. The product itself has no such functions.
+# ODE functions with which tests read and change the state of bodies. The product has no functions for this.
 ODE = """
 struct dxBody; struct dxWorld; struct dxJointGroup;
 const double *dBodyGetPosition(struct dxBody *);

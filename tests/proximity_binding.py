@@ -1,5 +1,5 @@
-"""Builds the convex shapes, the proximity computation, and the gripper and proximity nodes with libccd. Tests set up
-their scene through fake_scene.h: ``ffi, lib = load()``."""
+"""Builds the convex shapes, the proximity computation, and the gripper and proximity nodes with libccd: ``ffi, lib =
+load()``. Tests set up their scene through fake_scene.h."""
 
 from __future__ import annotations
 

@@ -21,8 +21,8 @@ SHIPPED = tuple(sorted(path.stem for path in (REPOSITORY / "sim" / "scenarios").
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
 PATIENCE_S = 300  # wall time; an idle machine needs a fiftieth of this, but a busy one may be slow
-# Writes parameters, then commands select, start, clutch, latch and stop. A tracker gap and lost samples cause holds,
-# and the tracker's clock wraps.
+# EVENTFUL: the options of a run that writes parameters and then sends select, start, clutch, latch and stop. A tracker
+# gap and lost samples cause holds, and the tracker's clock wraps.
 WRITTEN = {"task_blend_s": 0.5, "motion_scale": 0.75}
 EVENTFUL = (
     "--scenario", "mirror", "--duration", "13", "--clutch", "7", "--gap", "4:0.2", "--dropout", "0.02",

@@ -141,8 +141,8 @@ def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, 
 
 
 def test_a_target_far_out_of_reach_uses_the_general_law(arm, inputs):
-    """If the damping is too small relative to J^T W J, the generated law returns the bit-identical result of the
-    general law."""
+    """If the damping is too small relative to J^T W J, the generated law returns the general law's result, bit for
+    bit."""
     configuration = config(weight=(0.01, 100.0), damping=1e-3)
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:

@@ -39,8 +39,8 @@ def test_frame_time_equals_bitwise_construction(rng):
 
 @pytest.mark.parametrize("length", WORST_CASE_US)
 def test_worst_frame_is_close_to_the_bound(length):
-    """The longest frame is shorter than the bound by only one nominal stuff bit, which IDE, FDF, res and BRS rule out,
-    and by up to one stuff bit at the end of the data."""
+    """The longest frame falls short of the bound by no more than one nominal stuff bit, which IDE, FDF, res and BRS
+    rule out, and one stuff bit at the end of the data."""
     sent = [0, *bits(0x078, 11), 0, 0, 1, 0, 1, 0, *bits(LENGTHS.index(length), 4)]
     run = next(i for i in range(1, 6) if sent[-1 - i] != sent[-1])
     last, data_bits = sent[-1], []

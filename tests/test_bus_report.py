@@ -102,8 +102,8 @@ def test_late_frames_are_named(written):
 
 def test_the_last_of_four_joint_states_by_hand(by_profile):
     """The response time of the last joint state is the sum of 50 us of computing time, the longest frame of lower
-    priority, one instance of each frame of higher priority, and the joint state itself. Only the longer of the
-    operator's two acknowledgements counts."""
+    priority, one instance of each frame of higher priority, and the joint state itself. Of the two answers
+    to the operator, CommandAck and ParameterValue, only the longer counts."""
     before = ["TaskDefine", "FirmwareStatus", "ParameterValue", "JointCmd", "TickTrace", "Clearance", "HandPose"]
     total_ns = 50_000
     for name in [*before, *(f"JointState{joint}" for joint in range(4))]:

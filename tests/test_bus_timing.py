@@ -211,7 +211,7 @@ class Profile:
     tick_ms: int
     event_ticks: int
     sync: str
-    least_ratio: float  # lower bound on the longest observed response of a control frame, divided by its computed bound
+    least_ratio: float  # minimum of a control frame's longest response, as a share of its computed bound
 
     def plain(self, name: str) -> str:
         return name.removeprefix(self.prefix)

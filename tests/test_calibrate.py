@@ -211,14 +211,14 @@ def test_bad_recordings(tmp_path):
 
 
 def test_guides_a_person_and_sets_the_parameters(monkeypatch, capsys, rng):
-    """The person moves at each prompt; in this test a thread plays back a recorded path instead."""
+    """The person moves at each prompt; in this test a thread plays back a generated path instead."""
     turn = Rotation.from_rotvec([-1.5, 0.2, -0.1])
     samples = path(rng, turn)
     with firmware(has_tracker=False) as live, can.Bus(interface="virtual", channel=CHANNEL, fd=True) as tracker:
         over = threading.Event()
 
         def play() -> None:
-            wait_until(lambda: len(channels[CHANNEL]) == 3, "the command listens")
+            wait_until(lambda: len(channels[CHANNEL]) == 3, "the command to listen")
             for _, data in hand_frames(samples):
                 if over.is_set():
                     return

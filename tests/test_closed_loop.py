@@ -1,5 +1,5 @@
-"""Compares the whole loop with encoder, bus and drives with the ideal loop (ideal_loop.py), and checks its
-stability."""
+"""Compares the whole loop, including encoder, bus and drives, with the ideal loop (ideal_loop.py), and checks that the
+whole loop is stable."""
 
 from __future__ import annotations
 

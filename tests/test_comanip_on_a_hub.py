@@ -34,8 +34,8 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
     """Runs firmware and plant on a hub; yields the hub, the plant, the firmware and the folder of the plant's log. The
-    plant's own operator is set to start the task so late that the test's operator acts first, because the run would end
-    if the firmware refused a start from the plant's operator, as may happen on a busy machine."""
+    plant's own operator starts the task only at 500 s, after the test's operator has acted. On a busy machine the
+    firmware might refuse that start, which would end the run."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))
@@ -70,9 +70,9 @@ def test_watch_and_operate(session, through):
         return "JointState3" in shown.stdout and re.search(STATUS, shown.stdout)
 
     wait_until(monitored, "the firmware's status and the drives' states in the monitor")
-    # Repeat both commands, as the plant's operator may start the task between them.
+    # Repeat both commands, because either may be refused; see accepted().
     write = ("param", "set", "motion_scale", "0.5")
-    wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a parameter at rest")
+    wait_until(lambda: accepted(hub, through, "task", "stop") and accepted(hub, through, *write), "a write at rest")
     read = comanip(hub, through, "param", "get", "motion_scale")
     assert (read.returncode, read.stdout) == (0, "0.5\n"), read.stderr
     refused = comanip(hub, through, "param", "save")

@@ -92,8 +92,8 @@ def assert_oscillates(done) -> None:
 
 
 def test_a_still_hand_out_of_reach_fails_with_the_former_law(tmp_path):
-    """The arm stretches towards a hand that has moved out of reach and stopped, and oscillates forever. Such a run must
-    fail; it once passed."""
+    """The arm stretches towards a hand that has moved out of reach and stopped, and oscillates forever. Such a run once
+    passed, but must fail."""
     file = scene(
         tmp_path,
         by_m="[0.25, 0, 0]",
@@ -120,8 +120,8 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_each_experiment_ends_at_rest(name):
-    """Before the stop, the person's hand is still for 2.5 s and the arm comes to rest, judged by ODE's end effector
-    pose and by the commands."""
+    """Before the stop, the person's hand is still for 2.5 s and the arm comes to rest, according to the hand's
+    positions and the commands in the trace."""
     done = shared("--scenario", experiment(name), "--seed", 2).require_pass()
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
@@ -299,7 +299,8 @@ def test_tremor_counts_as_still_and_a_slow_move_does_not():
 
 def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
     """If an oscillating arm that holds the same pipe shakes a resting person's hand until the end, the phase is
-    reported as disturbed. If the hand settles before the end, it is not, but the rest is too short to be measured."""
+    reported as disturbed. If the hand settles before the end, the phase counts as undisturbed, but is too short to be
+    measured."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()
     assert shaken.disturbed and not shaken.measured
     settled = (

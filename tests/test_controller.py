@@ -290,7 +290,7 @@ def test_a_slow_save_is_one_save_with_one_answer():
     assert answers == [(30, lib.RESULT_ACCEPTED)]
     assert len(bench.stored) == 1
     bench.store_ticks = 5
-    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "a new request is saved again"
+    assert (bench.save(), len(bench.stored)) == (lib.RESULT_ACCEPTED, 2), "a new request causes another save"
 
 
 def test_a_second_save_is_refused_until_the_first_ends():

@@ -1,5 +1,5 @@
 """Checks distance and overlap of convex shapes (libccd) against closed forms, certified bounds, least squares and
-facets."""
+the facets of hulls."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def random_hull(rng) -> np.ndarray:
 
 
 def test_hulls_and_boxes(rng):
-    """Distances between corners agree with least squares, which does not depend on GJK's search directions."""
+    """The distances agree with least squares over the corners, which does not depend on GJK's search directions."""
     overlapping = 0
     for i in range(2000):
         points = random_hull(rng), (random_hull(rng) if i % 2 else CUBE * rng.uniform(0.01, 0.3, 3))

@@ -1,4 +1,4 @@
-"""Checks Algorithm 1 against the paper's lines in dqrobotics, and the paper's claims about it."""
+"""Checks Algorithm 1 against the paper's lines evaluated in dqrobotics, and checks the paper's claims."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ def test_the_other_tasks_follow_the_hand(task):
     assert np.abs(displacement(follow(task, hands, robot_at_check_posture())) - [0.02, -0.03, 0.01]).max() < 1e-6
 
 
-# ---- trap 1: the double cover
+# ---- the double cover
 
 
 @pytest.mark.parametrize("task", TASKS)
@@ -212,7 +212,7 @@ def test_sign_flips_in_the_stream_change_no_output(rng, task):
     assert np.array_equal(np.abs(steady), np.abs(flipped))
 
 
-# ---- trap 4: the latch
+# ---- the latch
 
 
 def mirrored_to_30_mm(latch: str):

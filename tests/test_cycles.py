@@ -121,8 +121,8 @@ def test_the_operated_states_include_each_kind():
     not (shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc")), reason="needs make target-deps"
 )
 def test_the_counter_is_exact(tmp_path):
-    """The counts are exact for a loop of known length, which has `n` subtractions and branches. All branches except the
-    last are taken."""
+    """The counts are exact for a loop of known length, with 100 subtractions and branches. All branches except the last
+    are taken."""
     source = tmp_path / "loop.S"
     source.write_text("""
         .syntax unified

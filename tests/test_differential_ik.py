@@ -141,7 +141,7 @@ def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 def test_no_error_no_velocity(rng, error_frame):
-    """At zero error, neither sign of the target causes a motion. If raw vec8s were subtracted (trap 1), the target -q_d
+    """At zero error, neither sign of the target causes a motion. If the raw components were subtracted, the target -q_d
     would command several rad/s."""
     q = postures(rng, 1000)
     hand = core.forward_kinematics(HOAP3, q)
@@ -224,7 +224,7 @@ def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tup
 @pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
 def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
     """With the error in the target's frame, the orientation that 4 joints cannot reach does not spoil the position.
-    With the error in the torso frame it does (trap 6)."""
+    With the error in the torso frame, it does."""
     start = (90, -5, 0, -90)
     torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
     target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)

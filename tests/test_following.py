@@ -166,8 +166,7 @@ def test_a_run_repeats_with_its_seed_and_differs_with_another():
 
 def test_former_default_lags_by_the_sum_of_its_parts():
     """For a slow sway without noise, the lag is the sum of 4 ms of latency, half a tick until a command is read, one
-    period (4 ms) of interpolation, 1/K, one tick of feedback and 3 ms of the drives, plus or minus the ticks for which
-    frames wait."""
+    period (4 ms) of interpolation, 1/K, and one tick of feedback, to within the ticks for which frames wait."""
     figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
     speed_mps = np.pi * 0.5 * 0.03 * np.linalg.norm([1.0, 0.5, -0.3]) / np.sqrt(2)

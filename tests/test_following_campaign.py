@@ -335,8 +335,8 @@ def test_a_duplicate_recording_with_gaps_is_left_out(tmp_path):
 
 
 def test_limits_match_the_joint_limits_module():
-    """The limits match even for a hand that jumps about, which keeps the kinematic loop at a limit in a large share of
-    the ticks."""
+    """For a hand that jumps about, the commands are at a limit in a large share of the ticks. The share would be small
+    if the metrics assumed limits other than those of the joint limits module."""
     figures = follow(ARM, Scene(sway(4.0, 0.2), "teleop", 1.0, 0.3), plan.FAST.tracker(), followers.named(plan.FORMER))
     assert figures.limit_percent > 30.0
     assert metrics.TICK_S == 1e-3

@@ -58,7 +58,7 @@ def test_one_parameter_switches_prediction_off():
 
 def test_a_clutch_in_motion_keeps_the_hands_speed():
     """After the clutch, the target starts at the robot's pose and moves with the hand, so the robot keeps its speed.
-    An earlier version slowed it from 0.156 to 0.043 m/s."""
+    An earlier version slowed the robot from 0.156 to 0.043 m/s."""
     bench = started()
     before = move(bench, [0, SPEED_MPS, 0], 600)
     assert bench.command(lib.COMMAND_CLUTCH) == lib.RESULT_ACCEPTED
@@ -83,8 +83,8 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
 
 @pytest.mark.parametrize("ticks_lost", [100, 1500])
 def test_after_a_loss_the_start_does_not_use_the_old_hand_position(ticks_lost):
-    """The tracker loses the hand, which moves on by 200 mm and stops. A start as soon as the firmware accepts one does
-    not move the arm."""
+    """The tracker loses the hand, which moves on by 200 mm and stops. Even if the arm is started as soon as the
+    firmware accepts a start, it does not move."""
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     assert bench.write(lib.PARAMETER_TASK_BLEND_S, 0.0) == lib.RESULT_ACCEPTED
     hand, bench.hand = bench.hand, None

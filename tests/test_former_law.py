@@ -1,4 +1,4 @@
-"""Checks that three former laws still compute the same velocities, bit by bit: the paper's law, law (4) with given K
+"""Checks that three former laws still compute the same velocities, bit for bit: the paper's law, law (4) with given K
 and W, and the default law before prediction was added.
 
 before_prediction.txt is the output of digest.c with the firmware at e544a9a, the last commit without prediction.

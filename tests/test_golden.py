@@ -180,4 +180,4 @@ def test_a_message_missing_from_the_log_is_left_out_and_named(handover):
 def test_a_report_names_no_other_build_if_there_is_none(handover):
     report = replayed(identity_changed(handover, build_hash=Replay(handover)._lib.replay_build_hash()))
     assert dataclasses.replace(report, difference=None).other_build is None
-    assert set(report.left_out) <= {"PortStatus"}, "which depends on more than the log"
+    assert set(report.left_out) <= {"PortStatus"}, "PortStatus depends on more than the log"

@@ -2,13 +2,13 @@
 simulator's speed.
 
 ``bench.py BUILD``. A tick consists of Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4);
-see contender.hpp. First, the joint velocities of all contenders are checked against the paper's equations in double
-precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each contender starts the next
-tick from its own integrated angles. The table shows the median of the rounds and the 10th and 90th percentiles. The
-instructions per tick are the difference between callgrind's counts of two runs, divided by the additional ticks. Prints
-a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json. The exit status is 1 if contenders disagree,
-if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do not apply to a
-microcontroller.
+see contender.hpp. First, the joint velocities of all contenders with control law (4) are checked against the paper's
+equations in double precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each
+contender starts the next tick from its own integrated angles. The table shows the median of the rounds and the 10th and
+90th percentiles. The instructions per tick are the difference between callgrind's counts of two runs, divided by the
+additional ticks. Prints a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json. The exit status is
+1 if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do
+not apply to a microcontroller.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ default K, W and lambda; -march=x86-64-v3. Differences:
 - KDL's wdls applies its own control law to the twist, by SVD. It aborts below 6 joints, so n = 4 has two extra locked
   joints.
 - MuJoCo also computes the centres of mass of the bodies, which its Jacobian needs.
-- dqrobotics is called from Python, with numpy for the solution; the cost of the calls alone is below each table.
+- dqrobotics is called from Python, and numpy solves; the cost of the calls alone is printed below each table.
 - KDL and MuJoCo are the libraries shipped by Debian and PyPI; Pinocchio's templates are compiled here."""
 
 
@@ -94,8 +94,8 @@ def kinematics(arm: arm_description.Arm, q: np.ndarray) -> tuple[np.ndarray, np.
 def single(values: np.ndarray) -> np.ndarray:
     """Rounds to float32, so that all contenders get the same input.
 
-    This matters because a rotation with unit norm in double precision does not have unit norm in float32, which the
-    peers handle in different ways.
+    Rotations must not be rounded: in float32 their norm is no longer exactly 1, which the peers handle in different
+    ways.
     """
     return np.asarray(values, np.float32).astype(float)
 
@@ -164,7 +164,7 @@ def rows(output: str) -> dict[str, list[list[float]]]:
 
 def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str]]:
     """Returns the largest difference of each contender from the equations in double precision, relative to
-    max(1, |u|, K / 10), and a complaint for each difference above the bound."""
+    max(1, |u|, K / 10), and a complaint for each difference above the bound. OWN_LAW has no bound."""
     expected = law_in_double(case)
     scale = np.maximum(np.maximum(1.0, GAIN / 10), np.linalg.norm(expected, axis=1, keepdims=True))
     found, complaints = {}, []
@@ -177,7 +177,7 @@ def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str
         bound = max(5e-5, 5e-8 * max(4, *WEIGHT) / DAMPING) if single_precision else 1e-9
         if name != OWN_LAW and not found[name] <= bound:
             complaints.append(
-                f"n = {case.n}: {name} is {found[name]:.2g} from the equations in double, bound {bound:.2g}"
+                f"n = {case.n}: {name} differs by {found[name]:.2g} from the equations, bound {bound:.2g}"
             )
     return found, complaints
 
@@ -251,7 +251,8 @@ class Dqrobotics:
 
 
 def times_ours(times: dict[str, list[float]], name: str) -> float:
-    """Returns the median of the rounds' ratios. A disturbance affects both times of its round."""
+    """Returns the median ratio to our time. Each ratio is formed within one round, because a disturbance during a round
+    affects both times."""
     return float(np.median(np.array(times[name]) / np.array(times[OURS[0]])))
 
 
@@ -317,7 +318,7 @@ def show(results: dict[int, dict[str, dict]], console: Console) -> None:
             )
         console.print(table)
         overhead = found[Dqrobotics.name]["calls_overhead_ns"]
-        print(f"About {overhead:.0f} ns of dqrobotics' time are the overhead of the calls from Python.\n")
+        print(f"About {overhead:.0f} ns of dqrobotics' time is the overhead of the calls from Python.\n")
     print(WORK)
 
 

@@ -29,7 +29,7 @@ struct Model {
     double weight[2], gain_per_s[2], damping;
     std::vector<double> start_rad;
     std::vector<Pose> hand;     // the person's hand in each tick; a closed path that repeats
-    std::vector<std::vector<double>> states; // joint angles for the check, one set per hand pose
+    std::vector<std::vector<double>> states; // joint angles for the check; state i goes with hand pose i
 };
 
 constexpr double TICK_S = 1e-3;

@@ -1,4 +1,4 @@
-// ticks MODEL check            prints the velocities of each contender in each of the model's states, one per line
+// ticks MODEL check            prints each contender's velocities in each of the model's states, one state per line
 // ticks MODEL time TICKS       prints ns and heap allocations per tick of each contender
 // ticks MODEL run TICKS NAME   runs only the contender NAME, for callgrind
 #include <time.h>

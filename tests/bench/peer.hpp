@@ -64,9 +64,9 @@ template <class Scalar, int N, class Kinematics> class Peer : public Contender {
     }
 
     // Control law (4) in the target's frame, multiplied by 4. W and K have one value for rotation and one for
-    // translation. When expressed in the torso frame and multiplied on the right by conj(conj(q_d) q), which is
-    // orthogonal, a joint's column of the dual quaternion Jacobian is (omega; v + t x omega / 2; t . omega / 2) / 2,
-    // where t is the vector from the target to the end effector.
+    // translation. When expressed in the torso frame and multiplied on the right by conj(conj(q_d) q) (an orthogonal
+    // map), a joint's column of the dual quaternion Jacobian is (omega; v + t x omega / 2; t . omega / 2) / 2, where t
+    // is the vector from the target to the end effector.
     void law(const Quaternion &target, const Vector3 &place) {
         Quaternion turn = kinematics_.rotation() * target.conjugate();
         const Vector3 delta = turn.w() < 0 ? Vector3(-turn.vec()) : Vector3(turn.vec());

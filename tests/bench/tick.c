@@ -13,7 +13,7 @@
 
 struct tick {
     arm_ik_t ik;
-    arm_t arm; /* used unless the arm has generated code */
+    arm_t arm; /* used if the model names no generated arm */
     arm_joint_t joints[ARM_MAX_JOINTS];
     cooperation_t cooperation;
     differential_ik_config_t config;

@@ -1,5 +1,6 @@
-/* Feeds a recorded input to controller_step(), and writes a hash of the frames sent in each tick. The same file runs on
- * the host and, replacing firmware/main.c, on a target. bitexact.py writes the input and compares the outputs. */
+/* Feeds a recorded input to controller_step(), and writes a hash of the frames sent in each tick. The same file is
+ * built for the host and, in place of firmware/main.c, for a target. bitexact.py writes the input and compares the
+ * outputs. */
 #include "../../firmware/main.h"
 #include "records.h"
 

@@ -12,7 +12,7 @@ from comanip.bus import logs
 from comanip.bus.frame import Frame
 from comanip.replay import Replay
 
-TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # as in runner.c
+TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # as in records.h
 HEAD, FRAME = struct.Struct("<IBB"), struct.Struct("<IHBB")
 VECTOR_TICKS_PER_BOOT = 500
 SPECIAL_BITS = (  # float32 bit patterns

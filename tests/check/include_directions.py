@@ -1,9 +1,8 @@
-"""Checks the directions of includes: sim -> hal -> firmware, host_tools -> hal, firmware, and between the folders
-within each.
+"""Checks the directions of includes, both between the top folders (sim -> hal -> firmware; host_tools -> hal and
+firmware) and between the folders within each of them.
 
 ``include_directions.py [ROOT]``, part of ``make check``. Reads every #include in the C sources under ROOT. Prints one
-line for each include that MAY_USE forbids or, if there are none, for each cycle; the exit status is 1 if there are
-any.
+line for each forbidden include or, if there are none, for each cycle. The exit status is 1 if any line is printed.
 tests/test_rooms.py does the same for the Python packages.
 """
 

@@ -53,16 +53,16 @@ STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
 TIMEOUT_S = 900  # an image that panics does not end
 STATE = 3  # as in records.h
-NOTHING = 0  # as in program.c, like the keys of QUANTITIES
+NOTHING = 0  # from counted_t in program.c, as are the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
               7: "tick_blend",
               8: "estimate", 9: "prediction", 10: "law", 11: "law_ends", 12: "step_not_predicted"}  # fmt: skip
 LABELS = {"step": "controller_step()", "tick": "law (4)", "tick_torso": "(4), torso frame",
           "tick_general": "(4), general", "tick_ends": "(4), joints at limits",
-          "tick_general_ends": "(4) general, at limits", "tick_blend": "(4), a task comes into force",
-          "step_not_predicted": "prediction off", "estimate": "takes a sample",
-          "prediction": "hand's and target's motion", "law": "position first",
+          "tick_general_ends": "(4) general, at limits", "tick_blend": "(4), a task is blended in",
+          "step_not_predicted": "prediction off", "estimate": "one hand sample",
+          "prediction": "hand's and target's motion", "law": "position priority",
           "law_ends": "joints at limits"}  # fmt: skip
 MODELLED = ("cortex-m3", "cortex-m4f", "cortex-m0plus")
 NOT_PREDICTED = {"step_not_predicted"}  # the only quantities counted with prediction off

@@ -20,16 +20,16 @@ typedef struct {
     double hand_rotation[4]; /* rotation in the tracker frame before the move: w x y z, unit */
     double way_m[3];         /* displacement of the minimum-jerk move */
     double turn_rad[3];      /* rotation vector of the move, in tracker axes */
-    double move_s;           /* duration of the move, which starts 0.1 s after the cooperation */
+    double move_s;           /* duration of the move, which starts 0.1 s after cooperation begins */
     double dead_time_s, lag_s;
     double end_s[REST_WINDOWS]; /* ends of the two windows, from the start of the move; not decreasing */
 } rest_case_t;
 
 typedef struct {
     parameter_set_verdict_t verdict; /* verdict on the parameters */
-    result_t start;                  /* answer to the start; if not accepted, the members below are not set */
+    result_t start;                  /* answer to the start command; if not accepted, the members below stay 0 */
     control_mode_t mode;             /* mode at the end of the run */
-    int interrupted[REST_WINDOWS];   /* number of a window's ticks without cooperation */
+    int interrupted[REST_WINDOWS];   /* number of ticks without cooperation in a window */
     double peak_radps[REST_WINDOWS][REST_JOINTS]; /* largest commanded speed in a window */
     int sign_changes[REST_WINDOWS]
                     [REST_JOINTS]; /* sign changes of the commanded velocity above REST_CREEP_RADPS. Slower velocities

@@ -9,8 +9,8 @@ drives (loop.c), and some of them in the simulator (rest_ode.py). The requiremen
     ode       the same, for a hundred cases in the simulator
     position  95 % of the cases with a reachable target position (rest_arm.py) are within 1 mm of it after 8 s
     pairs     any two parameters are set to the ends of their ranges, including groups of components of K and W; either
-              the firmware rejects the set, or, after 8 s and the travel time at the allowed speed, no joint is faster
-              than 0.02 rad/s or 10 % of that speed, and none oscillates (rest_pairs.py)
+              the firmware rejects the set or warns of it, or, after 8 s and the travel time at the allowed speed, no
+              joint is faster than 0.02 rad/s or 10 % of that speed, and none oscillates (rest_pairs.py)
 
 Each exception is listed with its cause, which is derived from the arm's geometry at the end. Outcomes are stored in
 BUILD/rest under the firmware's fingerprint, so that an interrupted campaign can continue. Prints the figures and writes

@@ -55,7 +55,7 @@ def reaching(position_m: np.ndarray) -> np.ndarray:
 @dataclass(frozen=True)
 class Valley:
     """Describes how half the squared distance to a position varies around a posture. Slope, curvature and singular
-    value leave out the joints at a limit that the slope would push further, as the control law does."""
+    value leave out each joint that is at a limit and that the slope would push beyond it, as the control law does."""
 
     error_m: float
     limits: tuple[int, ...]  # joints at a limit, counted from 1
@@ -65,7 +65,7 @@ class Valley:
     reachable: bool
 
 
-AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as at it; the firmware stops joints short of limits
+AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as being there; the firmware stops joints short of limits
 
 
 def jacobian_m(q: np.ndarray) -> np.ndarray:

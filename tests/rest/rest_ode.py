@@ -1,5 +1,5 @@
-"""Runs the cases in the simulator, which uses an arm in ODE, a drive lag of 3 ms and its own delays in place of those
-of the case."""
+"""Runs the cases in the simulator, with the arm in ODE. The case's lag and dead time are ignored: the simulator has a
+drive lag of 3 ms and delays of its own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rest_cases import in_torso_axes
 from rest_judgement import CREEP_RADPS, WINDOW_S
 from rest_loop import COOPERATING, OUTCOME
 
-SCALE = 2.0  # motion_scale; lets the target move by up to 2 m within the reach of a person's arm
+SCALE = 2.0  # motion_scale; the target can thus move 2 m, although a person's arm does not reach so far
 BEFORE_S = 0.1  # time from the start of the cooperation until the hand moves
 TICK_S = 1e-3
 NO_PLACE = -1

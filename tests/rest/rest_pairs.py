@@ -1,5 +1,5 @@
-"""Checks pairs of parameters at the ends of their ranges: either the firmware rejects the set, or the arm comes to
-rest."""
+"""Checks pairs of parameters at the ends of their ranges: unless the firmware rejects the set or warns of it, the arm
+must come to rest."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ $(SANITISED)/rest/%.o: %.c tests/rest/loop.h $(SANITISED_FROM)
 	@echo "  CC [sanitised] $<"
 	$(Q)clang $(SANITISED_CFLAGS) -fPIC -c $< -o $@
 
-# The sanitised loop for tests/rest, which contains the core. The tests expect the simulator in the same build folder.
+# The sanitised loop of tests/rest. The loop contains the core. The tests expect the simulator in the same build folder.
 $(SANITISED)/rest/loop.so: $(REST_SOURCES:%.c=$(SANITISED)/rest/%.o)
 	@echo "  LINK $@"
 	$(Q)clang $(SANITISED_CFLAGS) -shared $^ -lm -o $@
@@ -34,5 +34,5 @@ sanitised-check:
 	    { echo "make test-sanitised: needs clang and its runtime. On Debian or Ubuntu: make check-deps" >&2; exit 1; }
 
 test-sanitised: sanitised-check build $(VENV)/.installed-tests $(SANITISED)/.core $(SANITISED)/rest/loop.so
-test-sanitised: ## run the tests of the core again, compiled with ASan and UBSan
+test-sanitised: ## run the core's tests again, with the core compiled with ASan and UBSan
 	@$(PYTHON) tests/sanitised/run.py $(SANITISED) $(SANITISER_RUNTIME) $(PYTEST_WORKERS) $(PYTEST_ARGS)

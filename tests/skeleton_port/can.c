@@ -1,4 +1,4 @@
-/* A stub for the driver of a CAN controller, because no emulated board has one. It sends each frame at once, and
+/* A stub CAN driver, because no emulated board has a CAN controller. It sends each frame at once, and
  * receives one frame for each frame sent. After a thousand JointCmd frames, it ends the emulator. */
 #include "can.h"
 

@@ -338,7 +338,7 @@ def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
 def test_classic_candump_python_can_and_the_plants_log_are_the_same(classic_session):
     folder, _ = classic_session
     dumped, logged, python = (read_log(folder / n, fd=False) for n in ("candump.log", "plant/bus.log", "python.log"))
-    assert len(logged) > 2.5 * 8 * 250, "already commands and states of four joints are this many"
+    assert len(logged) > 2.5 * 8 * 250, "the commands and states of four joints alone are this many"
     assert payload(dumped)[: len(logged)] == payload(logged)
     assert payload(python) == payload(dumped)
 
