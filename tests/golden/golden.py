@@ -42,7 +42,7 @@ class Run:
 
 RUNS = (
     Run("pour", SCENES / "pour.yaml", ("--clutch", "4"), "a custom task, a blend, a clutch"),
-    Run("teleop", EXPERIMENTS / "teleop.yaml", (), "played hand motions"),
+    Run("teleop", EXPERIMENTS / "teleop.yaml", (), "a guided hand, a pipe taken and handed over"),
     Run("teleop_gaps", EXPERIMENTS / "teleop.yaml", ("--gap", "4:0.3", "--dropout", "0.03", "--duration", "9"),
         "gaps: hold and return"),
     Run("mirror", SCENES / "mirror.yaml", (), "a latch, forces"),
