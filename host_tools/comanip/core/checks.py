@@ -103,5 +103,5 @@ def rotation_matrices(name: str, value: object) -> np.ndarray:
 
 
 def pointer(kind: str, values: np.ndarray):
-    """Returns a C pointer to the array's memory. The array must outlive it."""
+    """Returns a C pointer to the array's memory. The array must outlive the pointer."""
     return ffi.cast(f"{kind} *", ffi.from_buffer(values)) if values.size else ffi.NULL

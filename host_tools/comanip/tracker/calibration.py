@@ -137,8 +137,8 @@ def rotation_from_vector(vector: np.ndarray) -> np.ndarray:
 
 
 def solve(moves: Iterable[Move]) -> Calibration:
-    """Estimates the rotation from the moves forward, left and up. Raises CalibrationError if they do not determine it
-    with sufficient accuracy."""
+    """Estimates the rotation from the moves forward, left and up. Raises CalibrationError if the moves do not
+    determine the rotation accurately enough."""
     moves = list(moves)
     if len(moves) != len(MOVES):
         raise CalibrationError(

@@ -41,7 +41,7 @@ def run(command: list[str]) -> str:
 
 
 def core_sources() -> list[Path]:
-    """Returns the C sources of the firmware, except main.c, which needs a HAL, and those of the binding."""
+    """Returns the C sources of the binding, and those of the firmware except main.c, which needs a HAL."""
     return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 

@@ -80,7 +80,7 @@ SETTINGS = (TELEOP, TURNING, MIRROR, POUR)
 
 PAPER, FORMER, DEFAULT = "paper", "former", "default"
 FIRMWARE = (PAPER, FORMER, DEFAULT)
-LOOP, ODE = "loop", "ODE"  # without physics, and with
+LOOP, ODE = "loop", "ODE"  # without and with physics
 # Well-known programs and the tuning values that are tried for each of them.
 PEERS = {
     "one-euro": ((3.0, 100.0), (10.0, 300.0), (20.0, 1000.0)),  # minimum cutoff [Hz], beta [Hz s/m]
