@@ -3,8 +3,9 @@
 Each TickTrace records the time of a tick and which frames the firmware read in that tick; see ``_binding/replay.h``.
 The log must begin at the firmware's boot. It may come from another build, provided that TickTrace and the frames that
 the firmware receives have the same layout and meaning in both builds (FirmwareIdentity.trace_version and trace_hash).
-Two kinds of frames are not compared, and the report lists them: frames that only one of the two builds sends, and
-frames that the DBC marks as not replayed because they depend on more than the log contains (PortStatus).
+Some messages are not compared, and the report lists them. These are the messages that the DBC marks as not replayed
+because they depend on more than the log contains (PortStatus) and, for a log from another build, FirmwareIdentity and
+the messages that only one of the two builds sends.
 """
 
 from __future__ import annotations

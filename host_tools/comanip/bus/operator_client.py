@@ -17,7 +17,7 @@ from comanip.bus.live import LiveBus
 from comanip.errors import ToolError
 
 ATTEMPTS = 5
-ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
+ANSWER_S = 0.1  # the firmware answers within two ticks: 2 ms on CAN FD, 8 ms on classic CAN
 SAVE_S = 2.0  # the firmware answers only after the record is stored, possibly on a slow card
 ACCEPTED = "accepted"
 UNSTABLE = "parameters_unstable"

@@ -2,8 +2,8 @@
 
 ``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
 DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
-all criteria passed, or nothing was measured because there are no recordings; 1 a criterion failed, 2 wrong use, 130
-interrupted.
+all criteria passed, or nothing was measured because the default folder of recordings is missing; 1 a criterion failed,
+2 wrong use, 130 interrupted.
 """
 
 from __future__ import annotations

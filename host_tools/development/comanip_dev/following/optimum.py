@@ -1,8 +1,8 @@
 """Estimates how closely the arm could follow a motion that is known in advance, within its limits.
 
 Inverse kinematics computes the joint path for the instantaneous targets. Among the paths that keep the limits of
-position, speed and acceleration, ADMM then finds the one closest to that joint path in the least-squares sense. Since the
-arm could follow the path that ADMM finds, the error of this path is an upper bound of the smallest possible error.
+position, speed and acceleration, ADMM then finds the one closest to that joint path in the least-squares sense. The arm
+could follow the path that ADMM finds, so the error of this path is an upper bound of the smallest possible error.
 """
 
 from __future__ import annotations
