@@ -2,7 +2,7 @@
 
 The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
 between the moves. The tracker measures the three directions. Finding the rotation that best maps the torso's axes to
-these directions in the least squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
+these directions in the least-squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
 Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is the
 inverse of the Fisher information.
 """

@@ -52,8 +52,8 @@ def umbrella(sources: list[Path]) -> str:
 
 
 def preprocessed(includes: str, folder: Path, *options: str) -> str:
-    """Returns the preprocessed headers for cffi. The standard headers are left out, because cffi knows their types, and
-    inline functions are replaced by declarations, because cffi does not parse bodies."""
+    """Returns the preprocessed headers for cffi. Leaves out the standard headers, because cffi knows their types.
+    Replaces inline functions by declarations, because cffi does not parse bodies."""
     source = folder / "umbrella.c"
     source.write_text(includes)
     no_headers = folder / "no_headers"

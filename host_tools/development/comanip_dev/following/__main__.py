@@ -54,8 +54,8 @@ class Progress:
 
 @contextlib.contextmanager
 def _interrupts_postponed() -> Iterator[None]:
-    """Blocks SIGINT until the end of the block. Processes started within it keep SIGINT blocked, so that on Ctrl-C only
-    this process acts."""
+    """Blocks SIGINT until the end of the with statement. Processes started within the statement keep SIGINT blocked, so
+    that on Ctrl-C only this process acts."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

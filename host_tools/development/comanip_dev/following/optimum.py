@@ -2,7 +2,7 @@
 
 Inverse kinematics computes the joint path for the instantaneous targets. Among the paths that keep the limits of
 position, speed and acceleration, ADMM then finds the one closest to that joint path in the least-squares sense. The arm
-could follow the path that ADMM finds, so the error of this path is an upper bound of the smallest possible error.
+could follow the path that ADMM finds, so the error of this path is an upper bound on the smallest possible error.
 """
 
 from __future__ import annotations

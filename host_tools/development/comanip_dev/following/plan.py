@@ -31,7 +31,7 @@ def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former default locks on these at rotation scale 1
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former law locks the arm on these (rotation scale 1)
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 
@@ -94,8 +94,8 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
 
 
 def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
-    """Returns the seeds for the tracker's noise. There are several if the noise is large, because the largest error
-    then depends on the seed."""
+    """Returns the seeds for the tracker's noise. With large noise the largest error depends on the seed, so the
+    firmware is then measured with several seeds."""
     return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
 
 

@@ -1,8 +1,8 @@
 """Reports the flash and RAM used by each module of the images, and compares them with a budget (``make size``).
 
 ``python -m comanip_dev.images.size_report BUDGET.toml REPORT.json [--update] IMAGE=MAP...``. The sizes are read from
-the linker's maps, after the removal of unused functions. Sizes that exceed their budget are printed. ``--update``
-writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 wrong use.
+the linker's maps and exclude unused functions, which the linker removes. Sizes that exceed their budget are printed.
+``--update`` writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 wrong use.
 """
 
 from __future__ import annotations

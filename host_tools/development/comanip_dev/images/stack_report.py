@@ -32,7 +32,7 @@ INDIRECT = "__indirect_call"
 
 
 class UnboundedError(Exception):
-    """No bound of the stack depth can be computed from the call graph."""
+    """No bound on the stack depth can be computed from the call graph."""
 
 
 @dataclass
