@@ -3,8 +3,9 @@
 Each TickTrace records the time of a tick and which frames the firmware read in that tick; see ``_binding/replay.h``.
 The log must begin at the firmware's boot. It may come from another build, provided that TickTrace and the frames that
 the firmware receives have the same layout and meaning in both builds (FirmwareIdentity.trace_version and trace_hash).
-Two kinds of frames are not compared, and the report lists them: frames that only one of the two builds sends, and
-frames that the DBC marks as not replayed because they depend on more than the log contains (PortStatus).
+Some messages are not compared, and the report lists them. These are the messages that the DBC marks as not replayed
+because they depend on more than the log contains (PortStatus) and, for a log from another build, FirmwareIdentity and
+the messages that only one of the two builds sends.
 """
 
 from __future__ import annotations
@@ -135,7 +136,7 @@ def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
         number = trace.counter if has_right_crc(trace) else "unknown"
         raise ToolError(
             f"the log does not begin at the firmware's boot (its first TickTrace has number {number}"
-            f"{'' if began else ', and there is no FirmwareIdentity'}), expected all frames since then"
+            f"{'' if began else ', and there is no FirmwareIdentity'}), expected all frames since boot"
         )
     told = _identity(frames, profile)
     if told is None or told.build_hash is None:
@@ -194,7 +195,7 @@ class Replay:
         identity = _require_boot(frames, profile, lib)
         arm = getattr(
             lib, f"arm_ik_{identity.arm}", lib.arm_ik_hoap3_right
-        )  # if the name is damaged, the replay reports the damaged frame when it reaches it
+        )  # if the name is damaged, the replay reports the frame that contains it
         self._other_build = None if identity.build_hash in (None, lib.replay_build_hash()) else identity.build_hash
         by_kind = [messages()[lib.frame_table[kind].id] for kind in range(lib.FRAME_KIND_COUNT)]
         self._log = _native_log(ffi, frames)
@@ -214,8 +215,8 @@ class Replay:
             lib.replay_other_build(self._state, [number in announced for number in range(lib.PARAMETER_NUMBERS)])
 
     def _leave_out(self, profile: Profile, by_kind: Sequence[Message]) -> None:
-        """Excludes messages from the comparison: those that are not replayed and, if another build recorded the log,
-        also FirmwareIdentity, which contains the build hash, and those that only one of the two builds sends."""
+        """Excludes from the comparison the messages that are not replayed. If another build recorded the log, also
+        excludes the messages that only one of the two builds sends, and FirmwareIdentity because of its build hash."""
         in_log = {frame.frame_id for frame in self.frames if frame.message}
         is_other = self._other_build is not None
         left_out, self._left_out = [], ()

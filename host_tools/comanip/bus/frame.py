@@ -57,7 +57,7 @@ def messages() -> dict[int, Message]:
 
 @functools.cache
 def data_id(name: str) -> int | None:
-    """Returns the message's E2E Data ID, or None if it is not protected."""
+    """Returns the message's E2E Data ID, or None if the message is not protected."""
     attribute = database().get_message_by_name(name).dbc.attributes.get("E2EDataId")
     return int(attribute.value) if attribute else None
 
@@ -91,7 +91,7 @@ def _crc8_table() -> list[int]:
 
 def classic_crc(data: bytes, data_id: int) -> int:
     """Returns the CRC of AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial value and final XOR 0xFF) over the bytes after the
-    CRC, followed by the Data ID for the counter, which is (data_id + 16 * counter) modulo 256."""
+    CRC, followed by the counter's Data ID, (data_id + 16 * counter) modulo 256."""
     table, value = _crc8_table(), 0xFF
     for byte in (*data[1:], (data_id + 16 * (data[1] % CLASSIC_COUNTERS)) % 256):
         value = table[value ^ byte]
@@ -99,7 +99,7 @@ def classic_crc(data: bytes, data_id: int) -> int:
 
 
 def has_right_crc(frame: Frame) -> bool:
-    """Returns True if the frame has an end-to-end header and its CRC is right. It must belong to a protected message of
+    """Returns True if the frame has an end-to-end header and its CRC is right. The frame must be a protected message of
     the DBC."""
     if len(frame.data) < (2 if is_classic(frame.name) else 3):
         return False

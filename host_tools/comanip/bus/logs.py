@@ -1,7 +1,7 @@
 """Reads logs of a CAN bus, frame by frame, in candump's format and in the formats that python-can reads.
 
 candump's lines are parsed here because python-can is slower with long logs. The lines that python-can writes in
-candump's format end with ` R` (received) or ` T` (sent).
+candump's format end with ` R` (received) or ` T` (transmitted).
 """
 
 from __future__ import annotations
@@ -111,7 +111,8 @@ def _open_text(path: Path):
 
 
 def read(path: Path) -> Iterator[Frame]:
-    """Yields the frames of a log file, whose suffix determines the format. Raises ToolError if it cannot be read."""
+    """Yields the frames of a log file. The file's suffix determines the format. Raises ToolError if the file cannot be
+    read."""
     is_compressed = path.suffix.lower() in _OPENERS
     suffix = (path.with_suffix("") if is_compressed else path).suffix.lower()
     if is_compressed and suffix != CANDUMP_SUFFIX:

@@ -43,8 +43,8 @@ def foreign_schema() -> dict:
 
 
 def signals_json(frame: Frame) -> dict:
-    """Returns the signals by name. Enumerated values are replaced by their names, or kept as decimal numbers if they
-    have none."""
+    """Returns the signals by name. Each enumerated value is given as its name, or as a decimal string if the value
+    has no name."""
     enumerated = {signal.name for signal in frame.message.signals if signal.choices}
     return {name: str(value) if name in enumerated else value for name, value in decode(frame).items()}
 

@@ -1,7 +1,7 @@
 """Acts as the operator on the bus: sends commands and parameter requests, and waits for the answers.
 
 A request that is not answered is sent again, with a new counter and the same sequence number. If the firmware refuses a
-request, RefusedError is raised with the name of its result.
+request, a RefusedError that names the result is raised.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from comanip.bus.live import LiveBus
 from comanip.errors import ToolError
 
 ATTEMPTS = 5
-ANSWER_S = 0.1  # the firmware answers within two ticks, 2 ms
+ANSWER_S = 0.1  # the firmware answers within two ticks: 2 ms on CAN FD, 8 ms on classic CAN
 SAVE_S = 2.0  # the firmware answers only after the record is stored, possibly on a slow card
 ACCEPTED = "accepted"
 UNSTABLE = "parameters_unstable"
@@ -144,8 +144,8 @@ class OperatorClient:
         )
 
     def _received(self, duration_s: float) -> Iterator[Frame]:
-        """Yields the frames received within the duration, and then those that are still waiting to be read, for at most
-        as long again, because a busy bus may deliver frames faster than this process reads them."""
+        """Yields the frames received within the duration. A busy bus may deliver frames faster than this process reads
+        them. Frames that still wait to be read are therefore yielded as well, for at most as long again."""
         deadline_s = time.monotonic() + duration_s
         while True:
             frame = self._bus.receive_until(deadline_s)

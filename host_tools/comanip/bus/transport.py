@@ -20,7 +20,7 @@ class Profile(str, Enum):
     CLASSIC = "classic"
 
     def message(self, name: str):
-        """Returns the DBC's entry for this message in this profile. On classic CAN it is the first part."""
+        """Returns the DBC's entry for this message in this profile: on classic CAN, that of the first part."""
         parts = classic_parts(name) if self is Profile.CLASSIC else []
         return database().get_message_by_name(parts[0] if parts else name)
 
@@ -77,7 +77,8 @@ class Receiver:
         self._lib.transport_receiver_init(self._state, self._lib.CAN_PROFILE_CLASSIC, self._lib.ARM_MAX_JOINTS, kinds)
 
     def message(self, frame: Frame) -> Frame | None:
-        """Returns the message that this frame completes, or None. Returns a CAN FD frame unchanged."""
+        """Returns the message that this frame completes, or None. Returns a frame unchanged unless it is a part of a
+        message on classic CAN."""
         if not is_classic(frame.name):
             return frame
         if self._state is None:

@@ -66,8 +66,8 @@ def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
 
 
 def recorded_samples(path: Path) -> Iterator[Sample]:
-    """Yields the samples of a recording (docs/recordings.md), or of lines in the format of `comanip tracker` with time
-    stamps."""
+    """Yields the samples of a recording (docs/recordings.md), or of lines in the format of `comanip tracker` with
+    timestamps."""
     try:
         with open(path, encoding="utf-8") as lines:
             for number, line in enumerate(lines, 1):
@@ -150,7 +150,7 @@ def calibrate(
     """Estimate the tracker's rotation (q_Tv^E) from three moves of the hand: forward, left, up, with rests between.
 
     Forward, left and up are the x, y and z axes of the robot's torso. Each move starts where the previous one ended.
-    Fails if the moves do not determine the rotation to 5 degrees.
+    Fails if the moves do not determine the rotation to within 5 degrees.
     """
     if from_ is not None:
         is_recording = from_.suffix.lower() == ".csv"
@@ -168,4 +168,4 @@ def calibrate(
         client = OperatorClient(bus)
         for name, value in zip(PARAMETERS, values):
             client.write(name, value)
-    console().print("written; the firmware reads back the same values")
+    console().print("written, and read back from the firmware unchanged")

@@ -85,7 +85,7 @@ def replay(
         bool, typer.Option("--pace", help="Replay at the recorded speed instead of as fast as possible.")
     ] = False,
 ) -> None:
-    """Replay a log with the C core, and compare the frames that it sends with the recorded ones, byte for byte.
+    """Replay a log with the C core, and compare the frames that the core sends with the recorded ones, byte for byte.
 
     Exit status: 0 equal, 1 different (the first difference is shown), 2 the log cannot be replayed.
     """

@@ -34,10 +34,10 @@ def arms() -> list[str]:
 
 
 class Arm:
-    """A serial arm of n = 1..8 revolute joints. Functions that take an arm accept it in place of a name.
+    """A serial arm of n = 1..8 revolute joints. Functions that take an arm accept an Arm in place of a name.
 
-    fixed[i] is the pose of joint i, which turns about axis[i], relative to the moving frame of the previous joint (for
-    the first joint: the torso). `effector` is the pose of the end effector relative to the last joint's moving frame.
+    fixed[i] is the pose of joint i relative to the moving frame of the previous joint (for the first joint: the torso).
+    Joint i turns about axis[i]. `effector` is the pose of the end effector relative to the last joint's moving frame.
     All arrays are float32: fixed (n, 8) with unit dual quaternions, axis (n, 3) with unit vectors, limits (n,). The
     default jerk limit is 10,000 rad/s^3.
     """

@@ -38,7 +38,7 @@ def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def conjugate(a: np.ndarray) -> np.ndarray:
-    """Returns the conjugates (both quaternions conjugated), which are the inverses of poses: (N, 8) -> (N, 8)."""
+    """Returns the conjugates (both quaternions conjugated): (N, 8) -> (N, 8). A pose's conjugate is its inverse."""
     a = check.array("a", a, ("N", 8))
     out = np.empty_like(a)
     lib.batch_conjugate(len(a), _dual_quaternions(a), _dual_quaternions(out))
@@ -88,8 +88,8 @@ def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
 
 
 def pose_jacobian(arm: str | Arm, q: np.ndarray) -> np.ndarray:
-    """Returns the derivative of forward_kinematics() with respect to q, for the sign of the pose that this function
-    returns: (N, n) -> (N, 8, n)."""
+    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). Of a pose and its
+    negative, it differentiates the one that forward_kinematics() returns."""
     arm = resolve(arm)
     q = _joint_positions(arm, q)
     out = np.empty((len(q), 8, arm.joint_count), np.float32)
@@ -110,8 +110,8 @@ def joint_velocity(
     u = (J^T W J + damping I)^-1 J^T W K e [rad/s], (N, n), (N, 8) -> (N, n).
 
     gain, weight: the diagonals of K and W, as a number or (8,). If weight is None, W is the identity, as in the paper.
-    error_frame: "torso" uses e = q_d - q, as in the paper. "target" uses e = 1 - conj(q_d) q with the Jacobian
-    conj(q_d) J.
+    error_frame: with the end effector's pose x and the target x_d, "torso" uses e = x_d - x, as in the paper. "target"
+    uses e = 1 - conj(x_d) x with the Jacobian conj(x_d) J.
     """
     arm = resolve(arm)
     q, target = _joint_positions(arm, q), check.poses("target", target)

@@ -76,11 +76,11 @@ def poses(name: str, value: object, shape: tuple[int | str, ...] = ("N", 8)) -> 
     checked = array(name, value, shape)
     rows = checked.reshape(-1, 8).astype(np.float64)
     norm_error = np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1.0)
-    _reject_off_unit(name, norm_error, "not a unit dual quaternion: the norm 1 of its primary part")
+    _reject_off_unit(name, norm_error, "not a unit dual quaternion: the norm of its primary part (expected 1)")
     _reject_off_unit(
         name,
         np.abs((rows[:, :4] * rows[:, 4:]).sum(axis=1)),
-        "not a unit dual quaternion: the product 0 of its primary and dual part",
+        "not a unit dual quaternion: the product of its primary and dual part (expected 0)",
     )
     return checked
 
@@ -88,7 +88,7 @@ def poses(name: str, value: object, shape: tuple[int | str, ...] = ("N", 8)) -> 
 def unit_quaternion(name: str, value: object) -> np.ndarray:
     checked = array(name, value, (4,))
     error = np.abs(np.linalg.norm(checked.astype(np.float64)) - 1.0)
-    _reject_off_unit(name, error.reshape(1), "not a unit quaternion: its norm 1")
+    _reject_off_unit(name, error.reshape(1), "not a unit quaternion: its norm (expected 1)")
     return checked
 
 
@@ -96,12 +96,12 @@ def rotation_matrices(name: str, value: object) -> np.ndarray:
     checked = array(name, value, ("N", 3, 3))
     rows = checked.astype(np.float64)
     error = np.abs(rows @ rows.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
-    _reject_off_unit(name, error, "not a rotation matrix: R R^T = 1")
+    _reject_off_unit(name, error, "not a rotation matrix: R R^T (expected the identity)")
     if (np.linalg.det(rows) < 0).any():
         raise ValueError(f"{name}: row {int(np.argmax(np.linalg.det(rows) < 0))} is a reflection, not a rotation")
     return checked
 
 
 def pointer(kind: str, values: np.ndarray):
-    """Returns a C pointer to the array's memory. The array must outlive it."""
+    """Returns a C pointer to the array's memory. The array must outlive the pointer."""
     return ffi.cast(f"{kind} *", ffi.from_buffer(values)) if values.size else ffi.NULL

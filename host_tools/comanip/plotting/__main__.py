@@ -34,7 +34,7 @@ def draw(folder: Path) -> list[Path]:
     written = []
     for name, make in pictures.items():
         path = report / f"{name}.png"
-        path.unlink(missing_ok=True)  # remove the plot of an earlier run, which might not be replaced
+        path.unlink(missing_ok=True)  # an earlier run's plot, which this run might not replace
         figure = make(run)
         if figure is not None:
             written.append(style.save(figure, path))

@@ -39,8 +39,8 @@ def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
 
 
 class View:
-    """An orthographic projection with a given azimuth and elevation, from points in torso axes (..., 3) to points on
-    the paper (..., 2), in m."""
+    """An orthographic projection with a given azimuth and elevation, from points in torso axes (..., 3) to points in
+    the drawing plane (..., 2), in m."""
 
     def __init__(self, azimuth_deg: float, elevation_deg: float) -> None:
         a, e = np.radians([azimuth_deg, elevation_deg])

@@ -68,7 +68,7 @@ class RunData:
         return sorted(found, key=lambda event: event.t_s)
 
     def event_s(self, *names: str) -> float | None:
-        """Returns the time of the event that is first in this list among those that occurred, or None if none did."""
+        """Returns the time of the first of these names whose event occurred, or None if no such event occurred."""
         times = {event.name: event.t_s for event in reversed(self.events)}
         return next((times[name] for name in names if name in times), None)
 

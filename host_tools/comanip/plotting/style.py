@@ -73,8 +73,8 @@ def legend_beside(axes: Axes) -> None:
 
 
 def spread(positions: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
-    """Moves ascending positions apart until they are at least `gap` apart, or less if low..high is too short for that.
-    Positions that are too close are moved in both directions."""
+    """Moves ascending positions until neighbours are at least `gap` apart. If low..high is too short for that, spaces
+    them evenly. Positions that are too close are moved in both directions."""
     ideal = np.asarray(positions, float)
     if len(ideal) < 2:
         return np.clip(ideal, low, high)
@@ -88,8 +88,8 @@ def spread(positions: Sequence[float], gap: float, low: float, high: float) -> n
 
 
 def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
-    """Draws modes as bands and events as lines in all rows, which share a time axis, and the events' names above the
-    first row."""
+    """Draws modes as bands and events as lines in all rows, and the events' names above the first row. The rows share a
+    time axis."""
     begin_s, end_s = float(run.t_s[0]), float(run.t_s[-1])
     for axes in rows:
         axes.set_xlim(begin_s, end_s)
@@ -106,7 +106,7 @@ def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
 
 
 def _explain_modes(run: RunData, axes: Axes) -> None:
-    """Adds a legend for the bands beside the label of the time axis."""
+    """Adds a legend for the bands. The legend is placed beside the label of the time axis."""
     seen = [mode for mode in MODE_COLOURS if mode in {name for _, _, name in run.modes()}]
     handles = [Patch(facecolor=MODE_COLOURS[mode], edgecolor=PALE, label=mode) for mode in seen]
     # Added to the figure as an artist, because a second axes.legend() would replace the first.

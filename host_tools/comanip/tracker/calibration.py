@@ -2,7 +2,7 @@
 
 The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
 between the moves. The tracker measures the three directions. Finding the rotation that best maps the torso's axes to
-these directions in the least squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
+these directions in the least-squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
 Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is the
 inverse of the Fisher information.
 """
@@ -137,8 +137,8 @@ def rotation_from_vector(vector: np.ndarray) -> np.ndarray:
 
 
 def solve(moves: Iterable[Move]) -> Calibration:
-    """Estimates the rotation from the moves forward, left and up. Raises CalibrationError if they do not determine it
-    with sufficient accuracy."""
+    """Estimates the rotation from the moves forward, left and up. Raises CalibrationError if the moves do not
+    determine the rotation accurately enough."""
     moves = list(moves)
     if len(moves) != len(MOVES):
         raise CalibrationError(

@@ -107,8 +107,8 @@ def _parse_json(line: str, order: str) -> Pose:
 
 
 def parse(line: str, order: str = "wxyz") -> Pose | None:
-    """Parses a line. Returns None for an empty line, a comment (#) or a header. Raises ValueError, which states what is
-    wrong, for a malformed line."""
+    """Parses a line. Returns None for an empty line, a comment (#) or a header. Raises ValueError for a malformed line,
+    with a message that states what is wrong."""
     text = line.strip()
     if not text or NO_POSE.match(text):
         return None

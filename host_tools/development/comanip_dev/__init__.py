@@ -1,5 +1,5 @@
-"""Tools for developers of comanip: code generation, the build of the core, reports and experiments. They work in a
-clone of the repository and are not installed."""
+"""Tools for developers of comanip: code generation, the build of the core, reports and experiments. The tools work
+in a clone of the repository and are not installed."""
 
 from pathlib import Path
 

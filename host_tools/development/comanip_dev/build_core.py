@@ -41,7 +41,7 @@ def run(command: list[str]) -> str:
 
 
 def core_sources() -> list[Path]:
-    """Returns the C sources of the firmware, except main.c, which needs a HAL, and those of the binding."""
+    """Returns the C sources of the binding, and those of the firmware except main.c, which needs a HAL."""
     return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 
@@ -52,8 +52,8 @@ def umbrella(sources: list[Path]) -> str:
 
 
 def preprocessed(includes: str, folder: Path, *options: str) -> str:
-    """Returns the preprocessed headers for cffi. The standard headers are left out, because cffi knows their types, and
-    inline functions are replaced by declarations, because cffi does not parse bodies."""
+    """Returns the preprocessed headers for cffi. Leaves out the standard headers, because cffi knows their types.
+    Replaces inline functions by declarations, because cffi does not parse bodies."""
     source = folder / "umbrella.c"
     source.write_text(includes)
     no_headers = folder / "no_headers"

@@ -13,8 +13,8 @@ Run as ``python -m comanip_dev.codegen OUT_DIR``. Raises SystemExit if the schem
 ``comanip_messages.h/.inc``, ``comanip_classic.inc``, ``comanip_parameters.h``, ``comanip_tasks.h``
     see messages.py, classic.py, tables.py.
 ``comanip_identity.h``
-    the contents of FirmwareIdentity: the build hash, which is 64 bits of SHA-256 over the firmware's sources and the
-    schema and therefore the same on the host and on every target, and a version and a hash of what a replay depends on.
+    the contents of FirmwareIdentity: the build hash, and a version and a hash of what a replay depends on. The build
+    hash is 64 bits of SHA-256 over the firmware's sources and the schema, hence the same on the host and every target.
 
 ``python -m comanip_dev.codegen --schema`` (``make schema``) updates the rows of comanip.dbc that repeat parameters and
 tasks. An unchanged file is not rewritten, so that make does not rebuild what depends on it.
@@ -46,7 +46,7 @@ UNWANTED = r"(?:init|encode|decode|is_in_range|is_in_phys_range)"
 
 
 def drop_unwanted_functions(text: str) -> str:
-    """Removes all functions except pack and unpack: their declarations, definitions and doc comments."""
+    """Removes the declarations, definitions and doc comments of all functions except pack and unpack."""
     signature = rf"(?:/\*\*(?:(?!\*/).)*?\*/\n)?(?:int|bool|double|int\d+_t|uint\d+_t) comanip_\w+_{UNWANTED}\([^)]*\)"
     text = re.sub(signature + r"\n\{\n.*?\n\}\n", "", text, flags=re.DOTALL)
     return re.sub(signature + r";\n", "", text, flags=re.DOTALL)

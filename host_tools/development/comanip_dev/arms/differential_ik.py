@@ -85,7 +85,7 @@ def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> l
 
 
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
-    """Returns the cosine and sine of the sum of the given angle and `angle_deg`."""
+    """Returns the cosine and sine of the angle that `cosine` and `sine` describe, increased by `angle_deg`."""
     c, s = constants([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
     return [
         block.add(block.multiply(c, cosine), -block.multiply(s, sine)),
@@ -182,8 +182,8 @@ def see(
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
     """Returns the quantities that depend on the error frame: g, and the weighted parts of the error; see
-    differential_ik_isotropic.c. Quantities that the equations do not use are left out, which happens if the arm has
-    few joints."""
+    differential_ik_isotropic.c. For an arm with few joints the equations do not use all of them; unused ones are
+    left out."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)
@@ -263,7 +263,7 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
 def assign(
     lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]
 ) -> str | None:
-    """Assigns first - a b - c d ... to a new variable and returns its name. Leaves out products with a factor 0."""
+    """Assigns first - a b - c d ... to a new variable and returns its name. Leaves out products that are 0."""
     terms = [f"{a} * {b}" for a, b in products if a and b]
     if not terms:
         return first
@@ -359,8 +359,8 @@ def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 
 
 def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """Returns the struct that stores the equations, and the function that solves them with joints at their limits. It
-    is a separate function so that the equations are not stored if no joint is at a limit."""
+    """Returns the struct that stores the equations, and the function that solves them with joints at their limits.
+    The function is separate so that the equations are not stored if no joint is at a limit."""
     names = unknown(n, matrix)
     lines = ["typedef struct {", *wrapped(names, "    float ", " " * 10, ";"), "} equations_t;", "",
              "static inline void solve(void *equations, float velocity_radps[]) {",

@@ -52,8 +52,8 @@ PROFILES = (
 @dataclass(frozen=True)
 class Row:
     """The worst case of a frame. queued_ms: time from the queueing of the frame to its end. response_ms: time from its
-    event to its end. The event is the tick for frames of firmware and drives, and the queueing for frames that are
-    sent on events. None: unbounded, because the bus is overloaded."""
+    event to its end. For cyclic frames of the firmware and of the drives, the event is the tick. For frames that are
+    sent on events, response_ms equals queued_ms. None: unbounded, because the bus is overloaded."""
 
     name: str
     id: int

@@ -154,7 +154,7 @@ def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit
 def _answer(
     stream: Stream, higher: Sequence[Stream], blocking_ns: int, known: dict[str, Response], bit_ns: int
 ) -> Response | None:
-    """Returns the bound for answers described at the top of this file, or None if its conditions do not hold."""
+    """Returns the tighter bound that the top of this file describes, or None if the conditions for it do not hold."""
     asked = next((other for other in higher if other.name == stream.answers), None)
     if asked is None:
         return None

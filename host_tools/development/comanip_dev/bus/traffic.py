@@ -29,9 +29,9 @@ REQUEST, ACKNOWLEDGEMENT = "request", "acknowledgement"
 BOOT_ONLY = ("FirmwareIdentity", f"{CLASSIC}FirmwareIdentity", f"{CLASSIC}FirmwareBuild")
 OTHER_PARTS_OF_A_REQUEST = tuple(CLASSIC + part for part in ("TaskTranslation", "TaskRotation", "TaskInverse"))
 ASSUMPTIONS = (
-    "There is one operator, who waits for each acknowledgement, which takes a tick. Requests are at least one tick"
-    f" apart, on CAN FD {FD_EVENT_TICKS} ticks on average. Each of their frames must arrive within"
-    f" {EVENT_DEADLINE_MS} ms.",
+    "There is one operator, who waits one tick for the acknowledgement of each request. Requests are at least one tick"
+    f" apart, on CAN FD {FD_EVENT_TICKS} ticks on average. Each frame of a request or acknowledgement must arrive"
+    f" within {EVENT_DEADLINE_MS} ms.",
     f"The firmware queues its frames together, 0 to {COMPUTING_US} us after its tick.",
     f"Drives and gripper queue an answer {ANSWER_US} us after the end of the command.",
     "Each node offers its lowest id first. There are no errors, hence no retransmissions.",

@@ -20,7 +20,7 @@ SCENARIOS_FROM_SIMULATOR = "../../sim/scenarios"
 INPUTS_FILE = "inputs.sha256"
 RUN_TIMEOUT_S = 900.0
 POLL_S = 0.01
-END_S = 2.0  # time that a child has to end after SIGTERM
+END_S = 2.0  # time allowed for a child to end after SIGTERM
 
 
 class CampaignError(Exception):
@@ -97,7 +97,7 @@ def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
 
 
 def remember(outcome: Outcome, digest: str) -> None:
-    """Stores the digest of a run unless its result is "error", so that the run is not repeated."""
+    """Stores the digest of a run, so that the run is not repeated. Does nothing if its result is "error"."""
     if outcome.result != "error":
         (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
 
@@ -126,7 +126,7 @@ class _Child:
 
 
 def _judge(job: Job, status: int, stderr: str) -> Outcome:
-    """Returns the outcome with the verdict from the summary, or an error if the exit status does not agree with it."""
+    """Returns the outcome with the verdict from the summary, or an error if the exit status contradicts the verdict."""
     last_line = stderr.strip().splitlines()[-1] if stderr.strip() else "no message"
     if status not in (0, 1):
         return Outcome(job, "error", f"exit status {status}: {last_line}")

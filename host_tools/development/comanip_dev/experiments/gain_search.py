@@ -9,7 +9,7 @@ acceptable value:
             + force RMS / 5 N + 10 if a check failed
 
 The score of a candidate is the mean over its runs. The lowest score is the best. A term that a run did not measure,
-because the arm never cooperated or nothing was held, counts as 0, but the failed check still counts. A run without a
+because the arm never cooperated or nothing was held, counts as 0, but a failed check still adds its 10. A run without a
 summary scores WORST. Failed checks weigh most, because gains that fail the task are useless. Orientation has a large
 divisor because four joints cannot follow it.
 
@@ -94,7 +94,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Score:
-    """The score of a candidate and its terms, each averaged over the runs that measured it; NaN if none did."""
+    """The score of a candidate and the means of its terms. A term that no run measured is NaN."""
 
     score: float
     position_mm: float
@@ -192,7 +192,7 @@ class Search:
         self.tried: list[Tried] = []
 
     def stage(self, name: str, candidates: Sequence[Candidate], seeds: int, share_end_s: float) -> list[Tried]:
-        """Tries these candidates. Always tries the first one, so that there is a result."""
+        """Tries these candidates until share_end_s, but at least the first one, so that there is a result."""
         done: list[Tried] = []
         for candidate in candidates:
             if done and time.monotonic() > share_end_s:

@@ -2,8 +2,8 @@
 
 ``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
 DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
-all criteria passed, or nothing was measured because there are no recordings; 1 a criterion failed, 2 wrong use, 130
-interrupted.
+all criteria passed, or nothing was measured because the default folder of recordings is missing; 1 a criterion failed,
+2 wrong use, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ class Progress:
 
 @contextlib.contextmanager
 def _interrupts_postponed() -> Iterator[None]:
-    """Blocks SIGINT until the end of the block. Processes started within it keep SIGINT blocked, so that on Ctrl-C only
-    this process acts."""
+    """Blocks SIGINT until the end of the with statement. Processes started within the statement keep SIGINT blocked, so
+    that on Ctrl-C only this process acts."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

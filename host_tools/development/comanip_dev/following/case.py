@@ -1,4 +1,4 @@
-"""Measures one case: a follower on one recording at one condition."""
+"""Measures one case: a follower on one recording under one condition."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Defines the criteria that the default control law must meet on each half of the recordings. Most compare it with the
-former default. A criterion that was not measured counts as failed."""
+"""Defines the criteria that the default control law must meet on each half of the recordings. Most criteria compare the
+law with the former default. A criterion that was not measured counts as failed."""
 
 from __future__ import annotations
 

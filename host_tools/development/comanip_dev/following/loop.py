@@ -44,8 +44,8 @@ def knows(parameter: str) -> bool:
 
 
 def parameter_set(values: Mapping[str, float]):
-    """Returns the firmware's default parameters with these values replaced. Raises LoopError for an unknown name or a
-    value out of range."""
+    """Returns the firmware's default parameters, with these values in place of the defaults. Raises LoopError for an
+    unknown name or a value out of range."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
     for name, value in values.items():

@@ -20,9 +20,9 @@ def rms(values: np.ndarray) -> float:
 
 
 def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
-    """Returns the delay with which truth_m fits path_m best in the least squares sense, apart from a constant offset. A
-    parabola through the best delay and its neighbours interpolates between ticks. Returns NaN if the hand did not move,
-    or if the best delay is at the end of the search range."""
+    """Returns the delay by which truth_m must be shifted to fit path_m best in the least-squares sense, apart from a
+    constant offset. A parabola through the best delay and its neighbours interpolates between ticks. Returns NaN if the
+    paths are too short, if the hand did not move, or if the best delay is at an end of the search range."""
     reach = max(abs(DELAYS.start), DELAYS.stop)
     begin, end = reach, len(path_m) - reach
     if end - begin < reach or np.ptp(truth_m, axis=0).max() < 1e-4:

@@ -89,7 +89,7 @@ def _pose(trace: np.ndarray, who: str) -> tuple[np.ndarray, np.ndarray]:
 
 def read_trace(path: Path, joint_count: int) -> np.ndarray:
     """Returns the time, the poses of both hands and the commands in all ticks in which the arm cooperates. Raises
-    LoopError if it never does."""
+    LoopError if it never cooperates."""
     names = ["t_s", *_pose_names("hand"), *_pose_names("person"), *(f"dq{i}_command_radps" for i in range(joint_count))]
     with path.open() as file:
         header = file.readline().strip().split(",")

@@ -1,4 +1,4 @@
-"""Prints how closely the firmware follows one recording at one condition.
+"""Prints how closely the firmware follows each of the given recordings under one condition.
 
 ``python -m comanip_dev.following.one RECORDING.csv --set motion_scale=0.5``
 """

@@ -1,8 +1,8 @@
 """Estimates how closely the arm could follow a motion that is known in advance, within its limits.
 
-Inverse kinematics computes the joint path for the instantaneous targets. ADMM then finds the path closest to it in the
-least squares sense that keeps the limits of position, speed and acceleration. Since the arm could follow this path, its
-error is an upper bound of the smallest possible error.
+Inverse kinematics computes the joint path for the instantaneous targets. Among the paths that keep the limits of
+position, speed and acceleration, ADMM then finds the one closest to that joint path in the least-squares sense. The arm
+could follow the path that ADMM finds, so the error of this path is an upper bound on the smallest possible error.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from comanip_dev.following.posture_path import posture_path
 
 STEP_S = 5e-3
 ITERATIONS = 400
-RESERVE = 0.995  # share of the limits that ADMM may use; its remaining violations then stay within the actual limits
+RESERVE = 0.995  # ADMM gets limits reduced to this share, so that slight violations stay within the actual limits
 PENALTY = 30.0
 FOLLOWABLE_MM = 0.5
 
@@ -61,8 +61,8 @@ def _gram(count: int, order: int) -> np.ndarray:
 def within_limits(
     q: np.ndarray, step_s: float, position: tuple[np.ndarray, np.ndarray], speed: np.ndarray, acceleration: float
 ) -> np.ndarray:
-    """Returns the path (T, n) closest to q that keeps the limits of position (two arrays (n,)), speed ((n,) in rad/s)
-    and acceleration (in rad/s^2)."""
+    """Returns the path (T, n) closest to q among those that keep the limits of position (two arrays (n,)), speed ((n,)
+    in rad/s) and acceleration (in rad/s^2)."""
     bounds = {
         0: position,
         1: (-speed * step_s * RESERVE, speed * step_s * RESERVE),

@@ -31,7 +31,7 @@ def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former default locks on these at rotation scale 1
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former law locks the arm on these (rotation scale 1)
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 
@@ -80,7 +80,7 @@ SETTINGS = (TELEOP, TURNING, MIRROR, POUR)
 
 PAPER, FORMER, DEFAULT = "paper", "former", "default"
 FIRMWARE = (PAPER, FORMER, DEFAULT)
-LOOP, ODE = "loop", "ODE"  # without physics, and with
+LOOP, ODE = "loop", "ODE"  # without and with physics
 # Well-known programs and the tuning values that are tried for each of them.
 PEERS = {
     "one-euro": ((3.0, 100.0), (10.0, 300.0), (20.0, 1000.0)),  # minimum cutoff [Hz], beta [Hz s/m]
@@ -94,8 +94,8 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
 
 
 def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
-    """Returns the seeds for the tracker's noise. There are several if the noise is large, because the largest error
-    then depends on the seed."""
+    """Returns the seeds for the tracker's noise. With large noise the largest error depends on the seed, so the
+    firmware is then measured with several seeds."""
     return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
 
 

@@ -25,7 +25,7 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Returns the cross product. It is several times faster than numpy.cross()."""
+    """Returns the cross product, several times faster than numpy.cross()."""
     ax, ay, az = (a[..., i] for i in range(3))
     bx, by, bz = (b[..., i] for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)

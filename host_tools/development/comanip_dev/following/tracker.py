@@ -55,8 +55,8 @@ class Samples:
 
 
 def _noise(tracker: Tracker, motion: HandMotion, count: int) -> np.ndarray:
-    """Returns standard normal random numbers (count, 6), which depend on the recording and the seed but not on noise
-    and latency."""
+    """Returns standard normal random numbers (count, 6), which depend on the recording and the seed but not on the
+    tracker's noise level or latency."""
     name = motion.recording.name if motion.recording else "rest"
     return np.random.default_rng([tracker.seed, zlib.crc32(name.encode())]).standard_normal((count, 6))
 

@@ -32,7 +32,7 @@ INDIRECT = "__indirect_call"
 
 
 class UnboundedError(Exception):
-    """No bound of the stack depth can be computed from the call graph."""
+    """No bound on the stack depth can be computed from the call graph."""
 
 
 @dataclass
@@ -105,7 +105,7 @@ def read_disassembly(listing: str, graph: Graph) -> None:
 
 def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
     """Replaces calls through pointers by calls to the targets that the budget lists. Drops callees that are not in the
-    graph, because they were inlined or removed."""
+    graph: they were inlined or removed."""
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:

@@ -173,7 +173,7 @@ class Codec:
         needs_coarse = any("coarsen(" in line for line in self.split)
         structs = [f"struct comanip_{snake(part)}_t" for part in self.parts]
         names = [snake(part).removeprefix("classic_") for part in self.parts]
-        # Flags are written last, because they depend on values before and after them.
+        # Flags are written last, because they also depend on values that come after them in the message.
         late = [
             line
             for line in self.split
