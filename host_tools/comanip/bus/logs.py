@@ -118,7 +118,8 @@ def read(path: Path) -> Iterator[Frame]:
     if is_compressed and suffix != CANDUMP_SUFFIX:
         raise ToolError(f"{path}: expected a compressed candump log, with a name that ends in .log{path.suffix}")
     if suffix not in (CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES):
-        known = ", ".join((CANDUMP_SUFFIX, *PYTHON_CAN_SUFFIXES))
+        compressed = (CANDUMP_SUFFIX + ending for ending in _OPENERS)
+        known = ", ".join((CANDUMP_SUFFIX, *compressed, *PYTHON_CAN_SUFFIXES))
         raise ToolError(f"{path}: unknown log format '{suffix}', expected a name that ends in one of {known}")
     try:
         if suffix == CANDUMP_SUFFIX:

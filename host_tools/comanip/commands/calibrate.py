@@ -15,19 +15,7 @@ from comanip.bus.frame import Frame, decode
 from comanip.bus.live import BusAddress, LiveBus, open_bus
 from comanip.bus.operator_client import OperatorClient
 from comanip.bus.transport import Receiver
-from comanip.commands.options import (
-    CHANNEL,
-    HOST,
-    INTERFACE,
-    PORT,
-    BusProfile,
-    Channel,
-    Host,
-    Interface,
-    Port,
-    console,
-    examples,
-)
+from comanip.commands.options import console, examples, takes_bus
 from comanip.errors import ToolError
 from comanip.tracker import pose_lines
 from comanip.tracker.calibration import MOVES, PARAMETERS, Calibration, CalibrationError, Move, MoveDetector, solve
@@ -133,6 +121,7 @@ def _print(result: Calibration) -> None:
     out.print(f"degrees between each move and its axis: {off}")
 
 
+@takes_bus
 def calibrate(
     from_: Annotated[
         Path | None,
@@ -141,11 +130,8 @@ def calibrate(
     write: Annotated[
         bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")
     ] = False,
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    *,
+    address: BusAddress,
 ) -> None:
     """Estimate the tracker's rotation (q_Tv^E) from three moves of the hand: forward, left, up, with rests between.
 
@@ -156,7 +142,7 @@ def calibrate(
         is_recording = from_.suffix.lower() == ".csv"
         result = solve(found_moves(recorded_samples(from_) if is_recording else hand_samples(logs.read(from_))))
     else:
-        with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+        with open_bus(address) as bus:
             result = solve(_guide(bus))
     _print(result)
     values = [float(value) for value in result.rotation_vector]
@@ -164,7 +150,7 @@ def calibrate(
         for name, value in zip(PARAMETERS, values):
             console().print(f"comanip param set {name} -- {value:.5f}")
         return
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+    with open_bus(address) as bus:
         client = OperatorClient(bus)
         for name, value in zip(PARAMETERS, values):
             client.write(name, value)

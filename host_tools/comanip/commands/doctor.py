@@ -16,7 +16,8 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from comanip.commands.options import HOST, PORT, console, examples
+from comanip.bus.live import BusAddress
+from comanip.commands.options import console, examples
 from comanip.commands.sim import find_simulator
 from comanip.errors import ToolError
 
@@ -101,8 +102,9 @@ def _hub() -> Finding:
 
 def _socketcand() -> Finding:
     try:
-        socket.create_connection((HOST, PORT), timeout=0.3).close()
-        found = f"{HOST}:{PORT}"
+        default = BusAddress()
+        socket.create_connection((default.host, default.port), timeout=0.3).close()
+        found = f"{default.host}:{default.port}"
     except OSError:
         found = None
     return Finding("socketcand", found, "a hub provides it: `make hub` (for -i socketcand)")

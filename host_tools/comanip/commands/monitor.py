@@ -17,19 +17,7 @@ from comanip.bus import logs
 from comanip.bus.frame import Frame, signals_text
 from comanip.bus.live import BusAddress, open_bus
 from comanip.bus.state import BusState
-from comanip.commands.options import (
-    CHANNEL,
-    HOST,
-    INTERFACE,
-    PORT,
-    BusProfile,
-    Channel,
-    Host,
-    Interface,
-    Port,
-    console,
-    examples,
-)
+from comanip.commands.options import console, examples, takes_bus
 from comanip.errors import ToolError
 
 HELP = examples(
@@ -185,12 +173,9 @@ def _show(frames: Iterator[Frame | None], source: str, duration_s: float | None,
         pass
 
 
+@takes_bus
 def monitor(
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    address: BusAddress,
     log: Annotated[Path | None, typer.Option(help="A log instead of a bus, at its recorded pace.")] = None,
     duration: Annotated[
         float | None, typer.Option(min=0.0, help="Stop after this many seconds instead of at Ctrl-C or the log's end.")
@@ -205,6 +190,5 @@ def monitor(
     if log is not None:
         _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
         return
-    bus_address = BusAddress(interface, channel, host, port, profile)
-    with open_bus(bus_address) as bus:
-        _show(_from_bus(bus), str(bus_address), duration, once)
+    with open_bus(address) as bus:
+        _show(_from_bus(bus), str(address), duration, once)

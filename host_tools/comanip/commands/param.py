@@ -9,19 +9,7 @@ from rich.table import Table
 
 from comanip.bus.live import BusAddress, open_bus
 from comanip.bus.operator_client import OperatorClient, parameter_names
-from comanip.commands.options import (
-    CHANNEL,
-    HOST,
-    INTERFACE,
-    PORT,
-    BusProfile,
-    Channel,
-    Host,
-    Interface,
-    Port,
-    console,
-    examples,
-)
+from comanip.commands.options import console, examples, takes_bus
 from comanip.errors import ToolError
 from comanip.parameters import all_parameters
 
@@ -44,18 +32,15 @@ def _require_name(name: str) -> None:
 
 
 @app.command("list", epilog=examples("comanip param list -i socketcand"))
+@takes_bus
 def list_(
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    address: BusAddress,
 ) -> None:
     """Show the present value of each parameter, with its unit, range, default and meaning."""
     table = Table(box=None, pad_edge=False)
     for column in ("parameter", "value", "from", "to", "default", "unit", "meaning"):
         table.add_column(column, no_wrap=True)
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+    with open_bus(address) as bus:
         client = OperatorClient(bus)
         for name, parameter in all_parameters().items():
             bounds = (f"{bound:.7g}" for bound in (parameter.minimum, parameter.maximum, parameter.default))
@@ -66,17 +51,14 @@ def list_(
 
 
 @app.command(epilog=examples("comanip param get stale_periods"))
+@takes_bus
 def get(
     name: Name,
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    address: BusAddress,
 ) -> None:
     """Read one parameter."""
     _require_name(name)
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+    with open_bus(address) as bus:
         console().print(f"{OperatorClient(bus).read(name):.7g}")
 
 
@@ -84,35 +66,29 @@ def get(
     "set",
     epilog=examples("comanip param set speed_fraction 0.3", "comanip param set tracker_rotation_x_rad -- -1.5708"),
 )
+@takes_bus
 def set_(
     name: Name,
     value: Annotated[float, typer.Argument(help="In SI units; write -- before a negative value.", show_default=False)],
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    address: BusAddress,
 ) -> None:
     """Write one parameter and read it back. The arm must be at rest. The value is lost at the next boot unless
     saved."""
     _require_name(name)
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+    with open_bus(address) as bus:
         OperatorClient(bus).write(name, value)
     console().print(f"{name} = {value:.7g}: accepted, reads back the same")
 
 
 @app.command(epilog=examples("comanip param save"))
+@takes_bus
 def save(
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    address: BusAddress,
 ) -> None:
     """Save all parameters in the firmware's store for the next boot. The arm must be at rest.
 
     The firmware answers not_supported if it has no store. On Linux the store is the file of its option --parameters.
     """
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+    with open_bus(address) as bus:
         OperatorClient(bus).save()
     console().print("saved: the firmware uses these parameters from its next boot on")

@@ -8,20 +8,7 @@ import typer
 
 from comanip.bus.live import BusAddress, open_bus
 from comanip.bus.operator_client import OperatorClient, choices
-from comanip.bus.transport import Profile
-from comanip.commands.options import (
-    CHANNEL,
-    HOST,
-    INTERFACE,
-    PORT,
-    BusProfile,
-    Channel,
-    Host,
-    Interface,
-    Port,
-    console,
-    examples,
-)
+from comanip.commands.options import console, examples, takes_bus
 from comanip.errors import ToolError
 
 HELP = examples(
@@ -34,39 +21,29 @@ CUSTOM = "custom"  # the task defined by TaskDefine; this task cannot be selecte
 app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, clutch, stop.", epilog=HELP)
 
 
-def _command(
-    interface: str, channel: str, host: str, port: int, profile: Profile | None, command: str, task: str = "pour"
-) -> None:
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+def _command(address: BusAddress, command: str, task: str = "pour") -> None:
+    with open_bus(address) as bus:
         OperatorClient(bus).command(command, task)
     console().print(f"{command}{' ' + task if command == 'select' else ''}: accepted")
 
 
 @app.command(epilog=examples("comanip task select pour"))
+@takes_bus
 def select(
     task: Annotated[str, typer.Argument(help="pour, teleop or mirror", show_default=False)],
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    address: BusAddress,
 ) -> None:
     """Select the task, which is the relative pose that the two hands keep."""
     known = [name for name in choices("OperatorCommand", "task") if name != CUSTOM]
     if task not in known:
         raise ToolError(f"task '{task}': no such task, expected one of {', '.join(known)}")
-    _command(interface, channel, host, port, profile, "select", task)
+    _command(address, "select", task)
 
 
 def _add(command: str, text: str) -> None:
-    def run(
-        interface: Interface = INTERFACE,
-        channel: Channel = CHANNEL,
-        host: Host = HOST,
-        port: Port = PORT,
-        profile: BusProfile = None,
-    ) -> None:
-        _command(interface, channel, host, port, profile, command)
+    @takes_bus
+    def run(address: BusAddress) -> None:
+        _command(address, command)
 
     app.command(command, help=text, epilog=examples(f"comanip task {command}"))(run)
 

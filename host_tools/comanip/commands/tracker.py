@@ -12,18 +12,7 @@ from typing import Annotated
 import typer
 
 from comanip.bus.live import BusAddress, open_bus
-from comanip.commands.options import (
-    CHANNEL,
-    HOST,
-    INTERFACE,
-    PORT,
-    BusProfile,
-    Channel,
-    Host,
-    Interface,
-    Port,
-    examples,
-)
+from comanip.commands.options import examples, takes_bus
 from comanip.errors import ToolError
 from comanip.tracker.pose_lines import ORDERS, Pose, parse
 from comanip.tracker.publisher import TrackerPublisher, status_period_s
@@ -82,6 +71,7 @@ class _Pace:
         time.sleep(max(0.0, self._offset_s + pose.t_s - time.monotonic()))
 
 
+@takes_bus
 def tracker(
     stdin: Annotated[bool, typer.Option("--stdin", help="Read poses from standard input, one per line.")] = False,
     quaternion: Annotated[
@@ -92,11 +82,8 @@ def tracker(
         typer.Option(min=10, max=1000, help="Rate of the tracker in Hz. By default estimated from the timestamps."),
     ] = None,
     pace: Annotated[bool, typer.Option("--pace", help="Send each pose at its recorded time: for a recording.")] = False,
-    interface: Interface = INTERFACE,
-    channel: Channel = CHANNEL,
-    host: Host = HOST,
-    port: Port = PORT,
-    profile: BusProfile = None,
+    *,
+    address: BusAddress,
 ) -> None:
     """Publish poses as HandPose and TrackerStatus, with end-to-end protection.
 
@@ -112,7 +99,7 @@ def tracker(
         raise ToolError("tracker: no source of poses, expected --stdin")
     if quaternion not in ORDERS:
         raise ToolError(f"--quaternion '{quaternion}': expected one of {', '.join(ORDERS)}")
-    with open_bus(BusAddress(interface, channel, host, port, profile)) as bus:
+    with open_bus(address) as bus:
         publisher = TrackerPublisher(bus, rate)
         bad = 0
 
