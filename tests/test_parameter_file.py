@@ -24,7 +24,7 @@ from test_comanip_on_a_hub import comanip
 from test_parameter_store import DEFAULTS, NAMES, record
 from test_two_processes import PLAIN
 
-pytestmark = pytest.mark.skipif(has_kernel_can(), reason="does not depend on the bus, so it is tested on a hub")
+pytestmark = pytest.mark.skipif(has_kernel_can(), reason="runs on a hub only: the bus does not matter")
 
 SLOW = 5
 SCALE = NAMES.index("motion_scale")

@@ -1,4 +1,4 @@
-"""`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped it, and the first
+"""`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped them, and the first
 difference is reported. The logs come from the simulator and from a bench around the core, and the tests of this file
 insert the defects."""
 
