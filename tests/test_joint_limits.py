@@ -303,7 +303,7 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
 
 AT_LIMIT_RAD = 2e-3  # the same as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# distance from the limit at which no speed is left from which a joint could stop in time
+# a joint that is nearer to its limit than this could not stop in time from any speed
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 

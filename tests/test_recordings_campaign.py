@@ -165,12 +165,12 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
     speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])
     ramp_ticks = VELOCITY_STEP_RAW / JERK_STEP_RAW
     ticks = np.arange(len(speed))[:, None]
-    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it accelerates"
-    assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
+    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "a joint accelerates"
+    assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "a joint stops too late"
     shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # below this speed the deceleration may already shrink
     before, after = speed[:-1], speed[1:]
     steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
-    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes with less than the limit"
+    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "a joint brakes less than it may"
     at_rest = np.flatnonzero(~speed.any(axis=1))
     if len(at_rest) > 60:
         # after the first 50 ms, in which the drives settle

@@ -254,7 +254,7 @@ def test_plant_killed_and_started_again(either_bus, waving):
     plant.kill()
     plant.wait()
     require_stop_of_the_commands(bus, start)
-    # the fault remains for the second without a tracker after which a new tracker's clock is accepted
+    # the fault remains; after a second without a tracker, the firmware accepts the clock of a new one
     assert {mode for mode, _ in bus.statuses_for(1.2)} == {"fault"}
     bus.plant("--scenario", waving, "--duration", 110, name="plant_again")
     bus.wait(lambda: is_answered(bus), "the drives answer again")
