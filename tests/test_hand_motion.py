@@ -172,7 +172,7 @@ def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_
     assert np.abs(got[t > 2, 4]).max() < most * 0.05
 
 
-# ---- its equations in double precision
+# ---- the filter's equations in double precision
 
 
 class Reference:

@@ -97,7 +97,7 @@ def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
         received_us = measured_us + 700 + extra_us
         assert tracker.receive(measured_us, received_us)
         for later_us in (0, 300, 2500):
-            # the firmware raises its minimum by 1 us per 5 ms to allow for clock drift
+            # the firmware raises the minimum clock offset by 1 us per 5 ms to allow for drift
             assert tracker.age(received_us + later_us) == pytest.approx(
                 later_us + extra_us, abs=1 + i * PERIOD_US / 5000
             )

@@ -165,8 +165,8 @@ def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**32), tick_s=ticks_s, acceleration=accelerations, jerk=jerks, commanded=commands)
 def test_a_joint_stops_in_time(seed, tick_s, acceleration, jerk, commanded):
-    """The joints stop from any state, mostly from full acceleration, within v/a + 2.5 a/j plus two ticks, where a and j
-    are rounded down to whole steps of the resolution. The brakes may engage only after the stop."""
+    """The joints stop from any state, in most examples from full acceleration, within v/a + 2.5 a/j plus two ticks,
+    where a and j are rounded down to whole steps of the resolution. The brakes may engage only after the stop."""
     drives = Drives(position_at([0.5] * N), 0, acceleration, jerk, tick_s=tick_s, approach_gain_per_s=0.0)
     change_max = math.floor(acceleration * tick_s / RESOLUTION_RADPS + 1e-3)
     second_max = math.floor(jerk * tick_s**2 / RESOLUTION_RADPS + 1e-3)
@@ -303,7 +303,7 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
 
 AT_LIMIT_RAD = 2e-3  # the same as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# distance from the limit at which the highest speed from which a joint can still stop is 0
+# a joint that is nearer to its limit than this could not stop in time from any speed
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 

@@ -53,8 +53,8 @@ def test_one_law_has_equal_latency_in_every_task(tmp_path):
 
 
 def test_a_later_and_a_slower_tracker_add_their_delay(tmp_path):
-    """With the former law, which does not predict, 20 ms more tracker latency add 20 ms to the total, and interpolation
-    adds one period of the tracker."""
+    """With the former law, which does not predict, 20 ms more tracker latency adds 20 ms to the total, and
+    interpolation adds one period of the tracker."""
     normal = latency(tmp_path / "a")
     late = latency(tmp_path / "b", "--latency-ms", 24)
     assert late["tracker_ms"] - normal["tracker_ms"] == pytest.approx(20)

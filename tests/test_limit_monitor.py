@@ -111,7 +111,7 @@ def test_speed_fraction_lowered_in_motion_leaves_time_to_brake():
     watch.speed_fraction = 0.1
     for slower in (0.01, 0.03, *(0.055 + 0.025 * np.arange(10))):
         assert watch.command([0, slower - velocity, 0, 0]) == 0
-    assert watch.command([0, slower + 0.015 - velocity, 0, 0]) == 1, "it brakes less than it could above the new limit"
+    assert watch.command([0, slower + 0.015 - velocity, 0, 0]) == 1, "above the new limit, it must brake fully"
 
 
 def test_a_brake_closed_in_motion():

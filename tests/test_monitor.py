@@ -109,7 +109,7 @@ def test_a_live_bus(monkeypatch, capsys):
             monkeypatch, capsys, "monitor", "--once", "--duration", 1, "-i", "virtual", "-c", CHANNEL
         )
         assert status == 0, err
-        assert not live.received, "it sends nothing"
+        assert not live.received, "the monitor sends nothing"
     assert "ready (inputs_ready)" in out
     assert "TickTrace" in out and " ok " in out and " wrong" not in out
 

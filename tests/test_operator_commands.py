@@ -137,8 +137,8 @@ def test_lost_requests_are_sent_again(live, comanip):
     assert comanip("task", "select", "pour", *BUS)[0] == 0
     assert len(live.received) >= 4
     sequences = {DBC.decode_message(m.arbitration_id, bytes(m.data))["sequence"] for m in live.received}
-    assert len(sequences) == 1, "each is the same request"
-    assert len({m.data[2] for m in live.received}) == len(live.received), "each with a new counter"
+    assert len(sequences) == 1, "all frames are the same request"
+    assert len({m.data[2] for m in live.received}) == len(live.received), "each frame has a new counter"
 
 
 def test_no_answer_is_an_error_with_a_deadline(live, comanip):

@@ -282,7 +282,7 @@ def test_refusal_and_timeout_are_reported(dbc):
     bench.gripper_is_silent = True
     bench.run(1.0)
     assert bench.times() == pytest.approx([0.5, 0.55, 0.6, 0.65], abs=0.0003)
-    assert len({s["sequence"] for *_, s in bench.sent}) == 1, "each with the same sequence number"
+    assert len({s["sequence"] for *_, s in bench.sent}) == 1, "all attempts have one sequence number"
     what = "no answer from the gripper to 4 attempts, 50 ms each"
     assert bench.failure == f"operator: gripper command close at 0.700 s: {what}"
 

@@ -24,7 +24,7 @@ from test_comanip_on_a_hub import comanip
 from test_parameter_store import DEFAULTS, NAMES, record
 from test_two_processes import PLAIN
 
-pytestmark = pytest.mark.skipif(has_kernel_can(), reason="does not depend on the bus, so it is tested on a hub")
+pytestmark = pytest.mark.skipif(has_kernel_can(), reason="runs on a hub only: the bus does not matter")
 
 SLOW = 5
 SCALE = NAMES.index("motion_scale")
@@ -116,7 +116,7 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
         save = [WITH_CAN, COMANIP, "param", "save", "-c", INTERFACE]
         saved = subprocess.run(save, env=bus.environment, capture_output=True, text=True, check=False)
         bus.wait(lambda: plant.poll() is not None, "the plant's end")
-    assert saved.returncode == 0 or "wrong_mode" in saved.stderr, "the plant's operator may have started before"
+    assert saved.returncode == 0 or "wrong_mode" in saved.stderr, "the cooperation may have started before the save"
     values = {}
     for frame in bus.since(0, "ParameterValue"):
         decoded = frame.decode()
@@ -174,7 +174,7 @@ def test_an_invalid_record_gives_defaults_and_is_reported_on_the_bus(hub, file, 
         client.write("motion_scale", 0.5)
         client.save()
         end(process)
-    assert file.read_bytes() == with_scale(0.5), "a save repairs it"
+    assert file.read_bytes() == with_scale(0.5), "a save replaces the invalid record"
 
 
 # ---- interrupted saves
@@ -197,7 +197,7 @@ def test_killed_during_the_write(hub, file, bytes_written):
         process.wait()
         assert process.process.returncode == KILLED_BY_LIMIT
     assert file.read_bytes() == with_scale(0.5)
-    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "it is killed at that byte"
+    assert file.with_name("parameters.tmp").stat().st_size == bytes_written, "the process is killed at that byte"
     with firmware(hub, "--parameters", file) as (process, client):
         assert client.read("motion_scale") == 0.5
         client.write("motion_scale", 2)

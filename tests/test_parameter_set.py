@@ -1,5 +1,5 @@
-"""Tests which sets of parameters are refused, how refusals are reported, and that every refused set would indeed be too
-fast."""
+"""Tests which sets of parameters are refused, how refusals are reported, and that no error shrinks faster than the
+criterion assumes."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def test_an_unstable_set_is_written_but_neither_started_nor_saved_until_correcte
     ("profile", "parameters", "others"),
     [
         ("fd", {"command_delay_s": 0.02, "following_gain_per_s": 60}, {}),
-        # for each gain k, the product k T exceeds 0.8
+        # the product of each gain and the loop's delay exceeds 0.8
         ("classic", {"prediction": 0, "command_delay_s": 0.02, "gain_x_per_s": 100, "gain_dual_y_per_s": 90},
          {f"gain_{axis}_per_s": 35 for axis in ("w", "y", "z", "dual_w", "dual_x", "dual_z")}),
     ],

@@ -195,7 +195,7 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
             person.raise_event("robot.holds")
 
     t, position_m, _ = person.run(1.3, before=before)
-    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the third event came earlier, so there is no wait
+    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the last step's event came before
     expected_m = START_M[0] + 0.1 * sum(share((t - begin) / 0.1) for begin in begins_s)
     np.testing.assert_allclose(position_m[:, 0], expected_m, atol=1e-12)
     assert person.done

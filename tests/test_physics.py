@@ -72,8 +72,8 @@ def pendulum(duration_s: float, step_s: float):
 
 def compound_pendulum(t: np.ndarray) -> np.ndarray:
     """Returns the shoulder pitch over time, computed with numpy's inertia and gravity torque while the other joints are
-    locked. The inertia about the shoulder's axis does not depend on its angle. The amplitude is too large for a
-    small-angle formula."""
+    locked. The inertia about the shoulder's axis does not depend on the shoulder's angle. The amplitude is too large
+    for a small-angle formula."""
     inertia = hoap3.inertia_matrix(PENDULUM_START)[0, 0]
 
     def motion(_, state):
@@ -270,8 +270,8 @@ def angle_of(scene: Scene) -> float:
 
 
 def test_persons_work_on_the_crank_equals_the_friction_losses():
-    """Over one and a half turns of a crank with weight, from rest to rest, the work equals viscous losses, dry losses
-    and potential energy gained."""
+    """Over one and a half turns of a crank with weight, from rest to rest, the person's work equals the viscous losses,
+    the dry-friction losses and the potential energy gained."""
     damping, friction = 0.02, 0.05
     person = {"start": (list(handle(0)), [1, 0, 0, 0]), "stiffness_Npm": 800.0, "damping_ratio": 1.0}
     with Scene([person], [crank(damping_Nmspprad=damping, friction_Nm=friction)]) as scene:

@@ -46,8 +46,8 @@ def elf(image) -> Path:
 
 
 def test_the_run_equals_the_hosts_byte_for_byte(image, elf, tmp_path):
-    """The runs are equal from boot into cooperation, in which the hand moves, the arm follows, and the operator stops
-    the arm."""
+    """The runs are equal from boot to the operator's stop, including the cooperation, in which the arm follows the
+    moving hand."""
     options = ["--scenario", experiment("teleop"), "--duration", 2, "--quiet"]
     done = pil(" ".join(image.emulator), elf, PROGRAM, "--out", tmp_path / "pil", *options)
     host = run(tmp_path / "host", *options[:-1])
@@ -84,8 +84,8 @@ def test_an_image_that_panics_ends_the_run_with_its_message(image, elf, tmp_path
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_all_processes(elf, image, tmp_path, number):
-    """A signal ends the process group, which includes emulator and simulator. The files written by then contain the run
-    up to the signal."""
+    """A signal ends the process group, which includes emulator and simulator. The interrupted run still writes its
+    summary."""
     command = [
         sys.executable,
         "-m",

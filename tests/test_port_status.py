@@ -1,5 +1,5 @@
 """Faults injected into the port are reported in PortStatus frames, by `comanip monitor` and in summary.json. They are
-injected in the simulator, with a test loop around the firmware, and in the Linux process. test_target.py checks the
+injected into the simulator, into a bench around the controller, and into the Linux process. test_target.py checks the
 counts of the images."""
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from comanip import core
 from comanip._core import ffi, lib
 
 JOINTS = 4
-# lower and upper ends, including the margin to the stops
+# lower and upper end of each joint's usable range, one degree inside the stops
 RANGE = np.radians(oracle.HOAP3_RANGE_DEG + np.array([[1], [-1]])).T
 GAIN, WEIGHT = 35.0, 1.5e-5
 ERROR_MAX_M, MARGIN_RAD, STIFFNESS, DAMPING_M2, CURVATURE = 0.015, 0.6, 5.0, 1e-5, 0.25
@@ -56,7 +56,7 @@ def potential(q: np.ndarray, target: np.ndarray, k: float) -> float:
     position = distance**2 / 2 if distance <= ERROR_MAX_M else ERROR_MAX_M * (distance - ERROR_MAX_M / 2)
     cosine_half = np.sqrt(
         1 - (turn @ turn) / 4
-    )  # the gradient of 4 (1 - cos(angle / 2)) is that of 2 v, the rotation error
+    )  # the gradient of 4 (1 - cos(angle / 2)) with respect to the rotation is `turn`, up to its sign
     return position + WEIGHT * (4 * (1 - cosine_half) + k / 2 * (out_of_margin(q) @ out_of_margin(q)))
 
 

@@ -180,7 +180,7 @@ def test_abandoned_when_the_target_moves_on():
     phases = carry(bench, [0, 0, -0.03], 0.3)
     assert phases[0] == lib.POSTURE_CHANGING and phases[-1] == lib.POSTURE_WATCHED
     before = phases.index(lib.POSTURE_WATCHED)
-    assert before > 100, "20 of 30 mm"
+    assert before > 100, "the target must have moved by 20 of the 30 mm"
 
 
 def test_not_abandoned_while_the_target_stays_near():

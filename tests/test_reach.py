@@ -1,5 +1,5 @@
 """The reach of the arm agrees with brute force: the positions of actual postures are in reach, and no sampled posture
-comes closer than the search."""
+comes closer to a target than the posture that the search finds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def sim():
 
 @pytest.fixture(scope="module")
 def brute_force():
-    """Returns the nearest of a million sampled positions of the end effector. In the samples a quarter of the joints
+    """Returns a k-d tree of a million sampled positions of the end effector. In the samples, a quarter of the joints
     are at a limit, because such postures form the boundary of the workspace."""
     rng = np.random.default_rng(3)
     q = rng.uniform(RANGE[:, 0], RANGE[:, 1], (1_000_000, 4))

@@ -23,7 +23,7 @@ RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # one degree inside the stops g
 VELOCITY_MAX_RAW = 4760  # mrad/s
 VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
 JERK_STEP_RAW = 10  # 10,000 rad/s^3: allowed difference of two successive velocity steps
-# how far the measured position may exceed the usable range: a hundredth of the distance to the stop
+# how far the measured position may exceed the usable range: a fortieth of the distance to the stop
 OVERSHOOT_RAD = 5 / PULSES_PER_RAD
 
 MOTION_START_S = 2.0
@@ -165,12 +165,12 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
     speed = np.abs(raw_array(commands, "velocity_{}_radps")[first - 1 : end])
     ramp_ticks = VELOCITY_STEP_RAW / JERK_STEP_RAW
     ticks = np.arange(len(speed))[:, None]
-    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "it accelerates"
-    assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "it takes too long"
+    assert np.all(speed[ticks[:, 0] > 2 * ramp_ticks + 1] <= np.maximum(0, speed[0])), "a joint accelerates"
+    assert np.all(speed[ticks > speed[0] / VELOCITY_STEP_RAW + 2.5 * ramp_ticks + 2] == 0), "a joint stops too late"
     shrinks_below = VELOCITY_STEP_RAW * (ramp_ticks + 1)  # below this speed the deceleration may already shrink
     before, after = speed[:-1], speed[1:]
     steady = (ticks[:-1] > 2 * ramp_ticks) & (after > shrinks_below)
-    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "it brakes with less than the limit"
+    assert np.all(after[steady] <= before[steady] - (VELOCITY_STEP_RAW - 1)), "a joint brakes less than it may"
     at_rest = np.flatnonzero(~speed.any(axis=1))
     if len(at_rest) > 60:
         # after the first 50 ms, in which the drives settle
@@ -180,7 +180,7 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
 
 # ---- numbers and repetition
 
-# Columns and keys that are absent in these scenes, which contain no second person, held object, water or crank.
+# Columns that are empty and keys that are null in these scenes, which lack second person, held object, water and crank.
 ABSENT_COLUMNS = re.compile(r"second_|object_|force_|water_|crank_turns")
 ABSENT_KEYS = re.compile(r"second_recording|people\[\d\]\.force_|gripper\.force_|water|object")
 

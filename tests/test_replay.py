@@ -1,4 +1,4 @@
-"""`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped it, and the first
+"""`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped them, and the first
 difference is reported. The logs come from the simulator and from a bench around the core, and the tests of this file
 insert the defects."""
 
@@ -75,7 +75,7 @@ def test_log_times_do_not_matter(eventful, rng):
     ]
     report = replay(moved)
     assert report.difference is None
-    assert report.fed > 4 * report.ticks, "each tick reads four drive states, some ticks more"
+    assert report.fed > 4 * report.ticks, "each tick reads four drive states, and some read more"
 
 
 @pytest.mark.parametrize("suffix", [".blf", ".asc", ".log"])
@@ -345,7 +345,7 @@ def test_an_answer_to_a_save_that_is_changed_is_a_difference(rng):
     assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is None, "the save may not have ended yet"
     bench.tick(2)
     assert bench.save() == lib.RESULT_ACCEPTED
-    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "it must end before the next one"
+    assert replay(bench.log[:place] + bench.log[place + 1 :]).difference is not None, "a save must end before the next"
 
 
 def test_at_recorded_pace(tmp_path, short):

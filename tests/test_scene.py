@@ -297,7 +297,7 @@ def test_an_object_never_held_is_not_dropped():
 @pytest.mark.parametrize("axis", [ALONG_X, ALONG_Y])
 @pytest.mark.parametrize("along_m", [0.0, 0.05])
 def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
-    """A rod with its middle above the stand, but not at the stand's middle, neither creeps, nor sinks in, nor tips."""
+    """A rod whose middle is anywhere above the stand neither creeps, nor sinks in, nor tips."""
     middle = np.array([0.4, 0.2, 0.0])
     thing = rod_on_stand(middle, axis)
     direction = Rotation.from_quat(axis, scalar_first=True).apply(UP)

@@ -111,7 +111,7 @@ def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
     )
     bottom, middle, top = (symbol(image, folders[image], f"link_{name}") for name in names)
     assert (middle - bottom, top - middle) == tuple(bound["budget_bytes"] for bound in bounds.values())
-    # the address under which QEMU's monitor sees the stack: on the M33 the non-secure alias
+    # the address at which QEMU's monitor sees the stack: on the M33 the non-secure alias
     seen = bottom & 0x0FFFFFFF | 0x20000000 if image == "cortex-m33" else bottom
     _, dump = run(image, folders[image] / "comanip.elf", tmp_path, lambda text: text.count("\rb050") > 200,
                   monitor=f"xp /{(top - bottom) // 4}xw {seen:#x}\n")  # fmt: skip

@@ -1,7 +1,7 @@
 """The results of the five experiments do not depend on whether ODE's time step is 0.5, 1 or 2 ms. The controller's tick
-remains 1 ms. With steps of 2 ms, nothing moves in every other tick, so paths are compared every 2 ms. Because grains
-are chaotic, the number of particles that leave the glass varies as much between step sizes as between seeds, but in
-every case the particles are caught."""
+remains 1 ms. With steps of 2 ms, the scene moves only in every second tick, so paths are compared every 2 ms. Because
+granular flow is chaotic, the number of particles that leave the glass varies as much between step sizes as between
+seeds, but in every case the particles are caught."""
 
 from __future__ import annotations
 

@@ -221,7 +221,8 @@ def decoded(dbc, text: str) -> list[tuple[str, dict]]:
 
 @pytest.fixture(scope="module")
 def first_second(tmp_path_factory):
-    """Returns what an image sends up to its 1000th JointCmd, which it sends in the 1000th tick."""
+    """Returns a function that boots an image and returns what it sends up to its 1000th JointCmd, which is that of the
+    1000th tick."""
     sent = {}
 
     def boot(image: str, elf: Path) -> str:
@@ -343,8 +344,8 @@ PLANTED = """
 
 
 def planted(image: str, folder: Path, statement: str) -> Path:
-    """Builds an image of the port in which the firmware is replaced by a loop that sends the time, and that executes
-    the given statement at 50 ms."""
+    """Builds an image of the port in which the firmware is replaced by a loop that sends the time and executes the
+    given statement at 50 ms."""
     source = folder / "planted.c"
     source.write_text(PLANTED.replace("STATEMENT", statement).replace("HERE", str(REPOSITORY)))
     built = make(f"target-{image}", "CORE_SOURCES=", f"TARGET_MAIN={source}", f"TARGET_BUILD={folder}/build")
@@ -430,7 +431,7 @@ PORT_FAULTS = """
 
 
 def test_the_port_counts_its_faults(image, target_build, tmp_path):
-    """The port counts its faults after a tick in which 200 frames are sent and 8 ms pass, and after two malformed
+    """The port counts the faults caused by a tick in which 200 frames are sent and 8 ms pass, and by two malformed
     lines."""
     elf = planted(image, tmp_path, PORT_FAULTS)
     text, _ = run(

@@ -119,7 +119,7 @@ def test_stamps_latency_and_status(dbc):
     measured_us = np.arange(len(poses)) * 8000
     assert [pose["t_us"] for _, pose in poses] == [(start_us + int(t)) % 2**32 for t in measured_us]
     after_ready_us = np.array([end_ns for end_ns, _ in poses]) / 1000 - (measured_us + 12_300)
-    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "its own duration, after at most one other frame"
+    assert after_ready_us.min() > 50 and after_ready_us.max() < 250, "a frame's duration, after at most one other frame"
     assert [round((end_ns - 100_000) / 1e7) for end_ns, _ in status] == [2 * i for i in range(100)], "every 20 ms"
     assert {(s["period_us"], s["latency_us"], s["fault"]) for _, s in status} == {(8000, 12300, 0)}
 

@@ -68,7 +68,7 @@ def begin(bus: Bus, scenario: str, *options: object) -> tuple[subprocess.Popen, 
 
 
 def cooperate(bus: Bus) -> None:
-    """Waits until the arm cooperates and moves. Repeats a start that failed because the machine is busy."""
+    """Waits until the arm cooperates and moves. Repeats a start that failed because the machine was busy."""
     bus.wait_mode("ready", "fault", start=len(bus.frames))
     while True:
         rearm(bus)
@@ -254,7 +254,7 @@ def test_plant_killed_and_started_again(either_bus, waving):
     plant.kill()
     plant.wait()
     require_stop_of_the_commands(bus, start)
-    # the fault remains while the firmware learns the clock of the new tracker
+    # the fault remains; after a second without a tracker, the firmware accepts the clock of a new one
     assert {mode for mode, _ in bus.statuses_for(1.2)} == {"fault"}
     bus.plant("--scenario", waving, "--duration", 110, name="plant_again")
     bus.wait(lambda: is_answered(bus), "the drives answer again")

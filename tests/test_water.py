@@ -145,8 +145,8 @@ def test_inner_size_matches_the_cup():
     ],
 )  # fmt: skip
 def test_particle_inside_and_left(rho_mm, z_mm, inside, left):
-    """A particle above the rim or below the bottom has left the cup once it is 12 mm away, which is its diameter plus
-    the wall's thickness."""
+    """A particle above the rim or below the bottom has left the cup once it is 12 mm away from the opening or the inner
+    bottom: its diameter plus the wall's thickness."""
     ffi, lib = water_binding.load()
     cup = ffi.new("cup_t *", CUP)
     for angle in (0.0, 2.0, 4.0):
@@ -212,8 +212,8 @@ def test_one_particle_falls_as_galileo_predicts():
 
 
 def test_nothing_bounces():
-    """A particle that falls by 40 mm hits the bottom at 0.89 m/s. It rebounds by at most 2 %, and does not pass
-    through."""
+    """A particle that falls by 40 mm hits the bottom at 0.89 m/s. It rebounds by at most 2 % of that height, and does
+    not pass through the bottom."""
     with water_in(CUP, 1) as water:
         lower = START_M - [0.0, 0.0, 0.040]
         height_m = []
@@ -282,8 +282,7 @@ def test_walls_carry_the_particles():
 
 @functools.cache
 def liquid_left(radius_m, height_m, fill_m, degrees) -> float:
-    """Returns the share of a liquid, filled to fill_m, that stays in a tilted cylinder, which is the part below the
-    lip."""
+    """Returns the share of a liquid, filled to fill_m, that stays in a tilted cylinder: the part below the lip."""
     rho, angle = np.meshgrid(np.linspace(0, radius_m, 400), np.linspace(0, 2 * np.pi, 360, endpoint=False))
     x = rho * np.cos(angle)
     t = np.radians(degrees)
