@@ -19,7 +19,7 @@ void hal_init(void);
 can_profile_t hal_can_profile(void);
 
 /* Sleeps until the next 1 kHz tick and returns the tick's time in *now_us, monotonic modulo 2^32 us. Missed ticks
- * are skipped, not caught up. Returns false if the platform is shutting down, as only a simulation or a process
+ * are skipped, not made up for. Returns false if the platform is shutting down, as only a simulation or a process
  * does. */
 bool hal_wait_tick(uint32_t *now_us);
 

@@ -59,7 +59,7 @@ void hal_init(void) {
     store_start(); /* before this thread is given a priority, which the store's thread would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
-    pace_init(&port.pace, (uint32_t)port.pace.slow); /* the start does not count as an overrun */
+    pace_init(&port.pace, (uint32_t)port.pace.slow); /* so that the start-up does not count as overruns */
     port.empty_ns = port.pace.tick_ns;
 }
 
