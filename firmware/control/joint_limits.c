@@ -61,9 +61,9 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
  * the last tick.
  *
  * The result is the largest change that does not overshoot. Let J be jerk_steps. A change x that decreases by J per
- * tick adds up to (k + 1) x - T(k), where k = floor(x / J) is the number of ticks that follow and T(k) = J k (k + 1) /
- * 2. Since x is within J of the last change, its k is within 1 of that of the last change. If even last - J overshoots,
- * last - J is returned. */
+ * tick adds up to (k + 1) x - T(k), where k = floor(x / J) is the number of ticks that follow and
+ * T(k) = J k (k + 1) / 2. Since x is within J of the last change, its k is within 1 of that of the last change. If even
+ * last - J overshoots, last - J is returned. */
 static int32_t next_change(const joint_limits_plan_t *plan, int32_t way, int32_t last) {
     const int32_t jerk = plan->jerk_steps;
     int32_t k = last > 0 ? last / jerk : 0;

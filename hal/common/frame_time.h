@@ -1,5 +1,5 @@
 /* Computes how long a frame occupies the bus, according to ISO 11898-1, with an 11-bit id and 1 Mbit/s nominal; the
- * data phase of CAN FD has 5 Mbit/s. */
+ * data phase of CAN FD runs at 5 Mbit/s. */
 #ifndef COMANIP_FRAME_TIME_H
 #define COMANIP_FRAME_TIME_H
 

@@ -69,7 +69,7 @@ can_profile_t hal_can_profile(void) {
 
 static void report_clock(void) {
     if (pace_find_step(&port.pace)) {
-        (void)fprintf(stderr, PROGRAM ": the system's clock was set: %+.3f s against the start\n",
+        (void)fprintf(stderr, PROGRAM ": the system's clock was set: %+.3f s relative to the start\n",
                       1e-9 * (double)port.pace.step_ns);
     }
     if (port.ticks % REPORT_TICKS == 0 && port.pace.overruns != port.reported_overruns) {
