@@ -42,8 +42,8 @@ bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_
  * UINT32_MAX if there is no pose. */
 uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
 
-/* Returns when the newest valid pose was measured, by the firmware's clock, assuming that the fastest frame so far had
- * the reported latency. */
+/* Returns the time, by the firmware's clock, at which the newest valid pose was measured, assuming that the fastest
+ * frame so far had the reported latency. */
 uint32_t hand_tracker_captured_us(const hand_tracker_t *self);
 
 /* Returns the newest valid pose of the marker in the tracker frame, or the identity if there has been none. */
