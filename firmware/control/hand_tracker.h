@@ -58,8 +58,8 @@ static inline const pose_t *hand_tracker_newest(const hand_tracker_t *self) {
 bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods);
 
 /* Returns the marker's pose in the tracker frame. When a sample arrives, the returned pose starts to move towards the
- * sample, and reaches it after one tracker period. The path is continuous, at the cost of one period of latency. Returns
- * the identity if there has been no pose. */
+ * sample, and reaches it after one tracker period. The path is continuous, at the cost of one period of latency.
+ * Returns the identity if there has been no pose. */
 pose_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us);
 
 #endif
