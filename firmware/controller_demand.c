@@ -100,9 +100,9 @@ static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     arm_ik_differential(self->ik, &self->differential_ik_config, &request, self->feedback_radps);
 }
 
-/* When the operator changes the cooperation, that tick reuses the previous demand, since handling the change and
- * computing a new demand would overrun the tick. This never happens twice in a row, so that repeated commands cannot
- * starve control. */
+/* A tick in which the operator changes the cooperation reuses the previous demand, since handling the change and
+ * computing a new demand together would overrun the tick. Two successive ticks never both reuse it, so that repeated
+ * commands cannot starve control. */
 void controller_compute_demand(controller_t *self, uint32_t now_us) {
     const bool was_deferred = self->demand_deferred;
     self->demand_deferred = false;

@@ -77,7 +77,8 @@ static result_t read_or_write(controller_t *self, const parameter_access_t *acce
 
 /* ---- save */
 
-/* A repeated request with the same sequence number counts as the same save. A save is refused while the arm moves. */
+/* A repeated request with the same sequence number counts as the same save. Any other save is refused until the current
+ * one has ended, and whenever may_change() is false. */
 static void begin_save(controller_t *self, const parameter_access_t *access, controller_outbox_t *outbox) {
     if (self->saving && access->sequence == self->save_sequence) {
         return;

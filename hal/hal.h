@@ -19,7 +19,7 @@ void hal_init(void);
 can_profile_t hal_can_profile(void);
 
 /* Sleeps until the next 1 kHz tick and returns the tick's time in *now_us, monotonic modulo 2^32 us. Missed ticks
- * are skipped, not caught up. Returns false if the platform is shutting down, as only a simulation or a process
+ * are skipped, not made up for. Returns false if the platform is shutting down, as only a simulation or a process
  * does. */
 bool hal_wait_tick(uint32_t *now_us);
 
@@ -33,7 +33,7 @@ bool hal_can_send(const can_frame_t *frame);
 /* Reports the port's fault counts since hal_init(), and marks those that the port cannot know. */
 void hal_port_status(port_status_t *status);
 
-/* Must be called once per tick. If it is not called for 10 ms, the platform cuts the drives' power. */
+/* Must be called once per tick. If it is not called for 10 ms, the port panics: see hal_panic(). */
 void hal_watchdog_feed(void);
 
 /* Sets the drives' enable line, which is off after hal_init(). The line permits motion but never causes any, since the

@@ -114,7 +114,7 @@ pil-check:
 	    exit 2; }
 
 pil: pil-check build target-check $(PIL_PROCESS)
-pil: ## run an image in QEMU, in lockstep with the simulator; BOARD=; else like `make sim`
+pil: ## run an image in QEMU, in lockstep with the simulator; BOARD=; other options as for `make sim`
 	@$(MAKE) --no-print-directory $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf
 	@$(RUN_ARGUMENTS); \
 	$(PYTHON) -m comanip_dev.images.pil "$($(BOARD_IMAGE).emulator)" $(TARGET_BUILD)/$(BOARD_IMAGE)-pil/comanip.elf \

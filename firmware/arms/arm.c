@@ -63,7 +63,8 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
     return end_effector;
 }
 
-/* Works from the end effector towards the torso, in the end effector's frame, where the numbers stay small. */
+/* Proceeds from the end effector towards the torso. The columns are in the end effector's frame, where the numbers stay
+ * small. */
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian) {
     pose_t end_effector = arm->effector; /* in the current joint's frame; the joint's axis passes through the origin */
     for (int i = arm->joint_count - 1; i >= 0; i--) {

@@ -21,7 +21,7 @@ typedef struct {
     float position_min_rad; /* usable range, inside the mechanical stops and within +-8 rad */
     float position_max_rad;
     float velocity_max_radps; /* greater than 0, at most 32 */
-    float jerk_max_radps3;    /* 1,000 (one step of the bus's resolution per 1 ms tick) to 1e6 */
+    float jerk_max_radps3;    /* 1,000 (jerk_steps of 1 in joint_limits.h, for a tick of 1 ms) to 1e6 */
 } arm_joint_t;
 
 /* A function with the same contract as arm_forward_kinematics(). */

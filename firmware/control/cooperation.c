@@ -8,9 +8,8 @@ __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion
 
 /* ---- the loop's constants
  *
- * Let q_H^E = (r, t) with the start (r_0, t_0), c = conj(q_Tv^E) the tracker's rotation, s the scale, q_Hv0^H0 = (r_v,
- * t_v), and p_0 the virtual hand's translation at the start. Algorithm 1 up to equation (7) then yields a virtual hand
- * with
+ * Let q_H^E be (r, t) now and (r_0, t_0) at the start, c = conj(q_Tv^E), s the scale, q_Hv0^H0 = (r_v, t_v), and p_0
+ * the virtual hand's translation at the start. Algorithm 1 up to equation (7) then yields a virtual hand with
  *
  *     rotation c r r_v,       translation p_0 + s R(c) (t - t_0).
  *
@@ -71,7 +70,7 @@ static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     };
 }
 
-/* Makes `hand` and `virtual_hand` the references of displacements. The last line of Algorithm 1's initialisation
+/* Makes `hand` and `virtual_hand` the references for displacements. The last line of Algorithm 1's initialisation
  * computes q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, but the loop needs only its rotation. */
 static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
     const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
@@ -178,7 +177,8 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     self->target.translation_m.z = loop->virtual_hand_start_m.z + up - self->relation_m.z;
 }
 
-/* Used while a task is being blended in. Not inline, so that the loop need not save registers. */
+/* Used until the relation is constant, for example while a task is being blended in. Not inline, so that the loop need
+ * not save registers. */
 __attribute__((noinline)) static void update_and_settle(cooperation_t *self, const pose_t *hand, float blend) {
     self->relation = relation_in_force(self, blend);
     const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);

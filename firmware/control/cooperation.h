@@ -15,7 +15,7 @@
 
 typedef struct {
     quaternion_t tracker_rotation; /* q_Tv^E, unit: the torso's axes in the tracker's frame, q(x, -pi/2) in (9) */
-    vector3_t start_offset_m;      /* hand at the start relative to the end effector, in torso axes; 0 in the paper */
+    vector3_t start_offset_m;      /* virtual hand minus end effector at the start, in torso axes; 0 in the paper */
     float motion_scale;            /* factor on the hand's displacement, not on its rotation; 1 in the paper */
 } cooperation_config_t;
 

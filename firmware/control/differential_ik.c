@@ -1,4 +1,4 @@
-/* Selects the form of the equation and prepares its constants: see differential_ik.h. */
+/* Determines whether the isotropic form applies, and prepares its constants: see differential_ik.h. */
 #include "differential_ik.h"
 
 /* Without refinement, the error of the solution is the rounding error of J^T W J divided by the damping. Since axes are

@@ -7,7 +7,7 @@
  * vec8, that is, the eight numbers of a dual quaternion.
  *
  * The equation is isotropic if K and W each have one value for rotation and one for translation. It then need not be
- * evaluated in vec8. arm_ik.h selects the form. */
+ * evaluated in vec8: see arm_ik_differential(). */
 #ifndef COMANIP_DIFFERENTIAL_IK_H
 #define COMANIP_DIFFERENTIAL_IK_H
 

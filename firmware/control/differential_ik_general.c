@@ -48,8 +48,8 @@ typedef struct {
 } equations_t;
 
 /* Computes J^T W e. The product with `hand` is computed once for all joints, so that its rounding acts as an error in
- * e, which is harmless. If the columns were rounded instead, it would act as an error in J, which a damping of 1e-4
- * amplifies. */
+ * e, which is harmless. If the columns were rounded instead, the rounding would act as an error in J, which a damping
+ * as small as 1e-4 amplifies. */
 static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {

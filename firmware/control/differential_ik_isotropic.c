@@ -23,7 +23,7 @@
  * which consists of 7 numbers. Since l_i is a vector, only the vector part of d matters.
  *
  * Therefore J_i^T W e equals 1/2 (w_r l_i . turn + w_t (l_i . g s + (m_i + l_i x g) . dual)), where s is the scalar of
- * the dual part (0 in the target frame), or, without the factor, l_i . (w_r turn + w_t s g) + w_t (m_i + l_i x g) .
+ * the dual part (0 in the target frame), or, without the factor 1/2, l_i . (w_r turn + w_t s g) + w_t (m_i + l_i x g) .
  * dual. */
 typedef struct {
     vector3_t g;      /* [m] */

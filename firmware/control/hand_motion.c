@@ -56,8 +56,8 @@ static float awaited_s(const hand_motion_t *self) {
 /* The extrapolation to a point in time. */
 typedef struct {
     motion_filter_ahead_t horizon;
-    float pace; /* factor on the velocity, which falls from 1 to 0 in a gap */
-    float left; /* remaining share of the hand_motion_change_t, which falls from 1 to 0 */
+    float pace; /* factor on the velocity; falls from 1 to 0 in a gap */
+    float left; /* remaining share of the hand_motion_change_t; falls from 1 to 0 */
 } schedule_t;
 
 static inline schedule_t schedule(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
@@ -125,9 +125,9 @@ typedef struct {
     motion_filter_ahead_t latency;  /* from the new sample to now */
 } sample_times_t;
 
-/* Updates the filter. moved: the filter's displacement in the interval. innovation: the sample minus that displacement.
- * Sets *change to the old prediction minus the new one. Rotation vectors are added as if rotations commuted, so the
- * prediction is continuous only to first order in the angle of extrapolation. */
+/* Updates the filter. moved: the filter's displacement in the interval. innovation: the sample minus the pose predicted
+ * with that displacement. Sets *change to the old prediction minus the new one. Rotation vectors are added as if
+ * rotations commuted, so the prediction is continuous only to first order in the angle of extrapolation. */
 static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change,
                                const motion_filter_scale_t *scale, vector3_t moved, vector3_t innovation,
                                const sample_times_t *at) {

@@ -1,4 +1,4 @@
-/* Estimates the pose and twist of the person's hand at any time from time-stamped samples of its pose.
+/* Estimates the pose and twist of the person's hand at any time from timestamped samples of its pose.
  *
  * Samples may arrive at any rate from 15 to 500 Hz, even irregularly and with losses; noise and rate are measured
  * (motion_filter.h). Between samples the prediction is continuous: the change caused by a new sample fades in over one
@@ -17,8 +17,8 @@
 #define HAND_MOTION_GAP_S 0.05f
 #define HAND_MOTION_GRACE_S 0.005f
 
-/* The time from the capture of a sample to its use is clamped to this range. It can be negative, because a reported
- * latency can be wrong. */
+/* The time from the capture of a sample to its use is clamped to this range. The computed time can be negative, because
+ * a reported latency can be wrong. */
 #define HAND_MOTION_LATENCY_MIN_S -0.02f
 #define HAND_MOTION_LATENCY_MAX_S 0.1f
 
@@ -56,7 +56,8 @@ void hand_motion_sample(hand_motion_t *self, const pose_t *hand, uint32_t captur
 pose_t hand_motion_pose(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
 /* Returns the hand's twist at now_us + ahead_s. At the sample, the speeds are at most 20 m/s and 50 rad/s; after it,
- * they change by at most 200 m/s^2 and 1000 rad/s^2. The twist excludes the motion by which a change fades in. */
+ * they change by at most 200 m/s^2 and 1000 rad/s^2. The rate at which the displacement of a hand_motion_change_t fades
+ * is not included in the twist. */
 twist_t hand_motion_twist(const hand_motion_t *self, uint32_t now_us, float ahead_s);
 
 #endif

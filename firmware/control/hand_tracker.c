@@ -4,7 +4,7 @@
 #define UNIT_TOLERANCE 1e-3f
 
 /* Two quartz clocks drift apart by some tens of ppm. The minimum clock offset is raised by 1 us every 5 ms (200 ppm),
- * so that it follows the drift instead of keeping an outdated minimum. */
+ * so that it follows the drift instead of becoming outdated. */
 #define CLOCK_CREEP_PERIOD_US 5000u
 
 /* A tracker that has been stale for this long is treated as new. */

@@ -30,20 +30,20 @@ void hand_tracker_init(hand_tracker_t *self, uint32_t period_us);
 void hand_tracker_interpolate(hand_tracker_t *self, bool interpolates);
 
 /* Adopts the reported period if it is from 1 to 100 ms (with a longer one, the arm would cooperate too long without a
- * pose), and the reported latency up to 100 ms. */
+ * pose), and the reported latency, clamped to 100 ms. */
 void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status);
 
 /* Takes a HandPose that was received at received_us (not after now_us). Ignores it and returns false if it is marked
  * invalid, its quaternion is not unit within 1e-3, or its stamp is not newer than the last one. */
 bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us);
 
-/* Returns the age of the newest valid pose: the time since its reception, plus its delay relative to the fastest frame
- * by the tracker's clock. A constant clock offset and a transport time common to all frames cancel out. Returns
+/* Returns the age of the newest valid pose: the time since its reception, plus its delay, derived from its stamp,
+ * relative to the fastest frame. A constant clock offset and a transport time common to all frames cancel out. Returns
  * UINT32_MAX if there is no pose. */
 uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
 
-/* Returns when the newest valid pose was measured, by the firmware's clock, assuming that the fastest frame so far had
- * the reported latency. */
+/* Returns the time, by the firmware's clock, at which the newest valid pose was measured, assuming that the fastest
+ * frame so far had the reported latency. */
 uint32_t hand_tracker_captured_us(const hand_tracker_t *self);
 
 /* Returns the newest valid pose of the marker in the tracker frame, or the identity if there has been none. */
@@ -57,9 +57,9 @@ static inline const pose_t *hand_tracker_newest(const hand_tracker_t *self) {
  * in hold, and an old pose would look fresh when the firmware's clock wraps after 71 minutes. */
 bool hand_tracker_check_stale(hand_tracker_t *self, uint32_t now_us, float stale_periods);
 
-/* Returns the marker's pose in the tracker frame, interpolated from the last sample to the newest over one tracker
- * period. The path is continuous, at the cost of one period of latency. Returns the identity if there has been no
- * pose. */
+/* Returns the marker's pose in the tracker frame. When a sample arrives, the returned pose starts to move towards the
+ * sample, and reaches it after one tracker period. The path is continuous, at the cost of one period of latency.
+ * Returns the identity if there has been no pose. */
 pose_t hand_tracker_pose(const hand_tracker_t *self, uint32_t now_us);
 
 #endif

@@ -1,8 +1,8 @@
 /* Limits the position, velocity, acceleration and jerk of each joint. Every command passes through here, regardless of
  * demand and state.
  *
- * Let j be the jerk limit, and a = JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit, but at most sqrt(0.1
- * rad/s j); both j and a are rounded down to whole steps of the bus's resolution per tick. The rules are:
+ * Let j be the jerk limit, and a be JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit, but at most sqrt(0.1
+ * rad/s j). Both limits are first rounded down to whole steps of the bus's resolution. The rules are:
  *
  *   approach  A feedback speed u above a/K is lowered to sqrt(a/K (2 u - a/K)), from which the joint stops within the
  *             remaining distance; all joints are scaled by the same factor. The feedforward is added as is.
@@ -15,8 +15,8 @@
  *             differs from that of the last tick by at most the jerk limit times tick_s^2. The change decreases to 0 in
  *             time, so that the velocity does not overshoot the value allowed by the rules above.
  *
- * From every reachable state, a joint with a demand of 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where a is the
- * acceleration limit. */
+ * From every reachable state, a joint with a demand of 0 comes to rest within v/a + 2.5 a/j + 2 ticks, where v is its
+ * speed and a is, unlike above, the acceleration limit itself. */
 #ifndef COMANIP_JOINT_LIMITS_H
 #define COMANIP_JOINT_LIMITS_H
 
@@ -42,9 +42,9 @@ typedef struct {
     float twice_braking_radps2;
     float ramp_square;       /* (a^2 / (2 j))^2; the speed a^2 / (2 j) is lost while the deceleration grows to a */
     float fastest_square;    /* from this squared speed on, the stopping speed is speed_max_radps */
-    float coasting_radps;    /* part of the stopping speed lost to this growth and to earlier commands */
+    float coasting_radps;    /* subtracted from the stopping speed: growth of the deceleration, lag, earlier commands */
     float reference_min_rad; /* lower limit of the reference, one step of the bus's resolution inside the joint's */
-    float reference_max_rad; /* upper limit, likewise; rounding thus cannot exceed the joint's limits */
+    float reference_max_rad; /* upper limit, likewise; the rounded reference is thus within the joint's limits */
 } joint_limits_plan_t;
 
 typedef struct {

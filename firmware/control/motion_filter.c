@@ -5,7 +5,7 @@
 #define NOISE_S 1.0f
 #define NOISE_TIME_MIN_S 0.03f
 
-/* If the trend's square exceeds its expected value by more than this factor, the shortest memory is reduced by the
+/* If the trend's square exceeds its expected value by more than this factor, the shortest memory is divided by the
  * eighth root of the excess. */
 #define TREND_FAST 10.0f
 
@@ -33,9 +33,9 @@ void motion_filter_restart(motion_filter_t *self) {
     };
 }
 
-/* kept: the share of the past that is kept after a time x >= 0 in units of the memory, exp(-x). forgotten: 1 minus that
- * share. The exponential is approximated by 1 / (1 + x + x^2/2 + x^3/6), which decreases monotonically from 1 to 0 and
- * exceeds exp(-x) by at most 0.03 (at x = 2.9; by 2e-4 at x = 0.3). */
+/* kept: the share of the past, exp(-x), that is kept after a time x >= 0 in units of the memory. forgotten: 1 minus
+ * that share. The exponential is approximated by 1 / (1 + x + x^2/2 + x^3/6), which decreases monotonically from 1 to 0
+ * and exceeds exp(-x) by at most 0.03 (at x = 2.9; by 2e-4 at x = 0.3). */
 typedef struct {
     float kept, forgotten;
 } fading_t;

@@ -1,5 +1,5 @@
 /* Estimates the velocity and acceleration of a quantity with three components from noisy samples taken at irregular
- * times. It is the fading-memory polynomial filter of third order (N. Morrison, "Introduction to Sequential Smoothing
+ * times. This is the fading-memory polynomial filter of third order (N. Morrison, "Introduction to Sequential Smoothing
  * and Prediction", 1969), which is a critically damped alpha-beta-gamma filter. Its memory adapts to the samples, so
  * that no tracker needs tuning:
  *

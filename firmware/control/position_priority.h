@@ -23,12 +23,12 @@
  * - w is so small that it changes the position by at most a few tenths of a millimetre.
  * - The margin keeps an unreachable orientation from driving joints to their limits, where the position would be lost.
  *   A reachable orientation is reached.
- * - A = I + damping (J_p J_p^T)^-1 damps only the motion of the position. Near a singularity, it prevents the
- *   amplification of noise and tremor without slowing down the orientation.
- * - D is a small damping plus a share of the terms of V's Hessian that J_p^T J_p (Gauss-Newton) omits. The share is a
- *   diagonal matrix with the elements sum_j |(a_min(i,j) x e) . m_max(i,j)|, Gershgorin's bound, where a and m are the
- *   joints' axes and moments. It keeps the loop's rate at K when the arm is stretched out towards a target out of
- *   reach. */
+ * - A = I + damping (J_p J_p^T)^-1 damps only the translation. Near a singularity, this prevents the amplification of
+ *   noise and tremor without slowing down the rotation.
+ * - D is a small damping plus a share of Gershgorin's bound for the terms of V's Hessian that J_p^T J_p (Gauss-Newton)
+ *   omits. The bound is a diagonal matrix with the elements sum_j |(a_min(i,j) x e) . m_max(i,j)|, where a and m are
+ *   the joints' axes and moments. This share keeps the loop's rate at K when the arm is stretched out towards a target
+ *   out of reach. */
 #ifndef COMANIP_POSITION_PRIORITY_H
 #define COMANIP_POSITION_PRIORITY_H
 

@@ -10,7 +10,7 @@
 #define POSITION_PRIORITY_TASK_DAMPING_M2 3e-4f
 #define POSITION_PRIORITY_TASK_FLOOR_M2 1e-5f
 #define POSITION_PRIORITY_CURVATURE_SHARE 0.25f
-#define POSITION_PRIORITY_STIFFNESS 5.0f   /* greatest k; holds a joint in its margin at any orientation error */
+#define POSITION_PRIORITY_STIFFNESS 5.0f   /* greatest k; stops a joint within its margin at any orientation error */
 #define POSITION_PRIORITY_TURN_RAD4 0.073f /* k is half its greatest value at 0.52 rad, 30 degrees */
 
 /* Returns x, the joint's depth in the margin of its lower limit minus its depth in the margin of its upper limit. */
@@ -48,8 +48,8 @@ static inline float position_priority_task_scale(float determinant, float trace)
     return POSITION_PRIORITY_TASK_DAMPING_M2 / (float_is_below(determinant, least) ? least : determinant);
 }
 
-/* Returns a joint's diagonal element of D plus w k, without the Hessian terms. weighted_stiffness: w k. within_rad:
- * x. */
+/* Returns a joint's diagonal element of D, without the Hessian terms, plus w k if the joint is in a margin.
+ * weighted_stiffness: w k. within_rad: x. */
 static inline float position_priority_damping(float weighted_stiffness, float within_rad) {
     return POSITION_PRIORITY_DAMPING_M2 + (float_magnitude_bits(within_rad) != 0u ? weighted_stiffness : 0.0f);
 }

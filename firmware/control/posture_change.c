@@ -58,7 +58,7 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
 }
 
 /* Moves the candidate by one step, which is position_priority() applied for a second with K = 1/s. Each joint keeps
- * away from its limits, by slightly less than the distance at which it is treated as at a limit. Returns the end
+ * away from its limits, by slightly less than the distance at which it is treated as being at a limit. Returns the end
  * effector's distance from the target before the step. */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};

@@ -14,8 +14,8 @@
  *             POSTURE_CHANGE_HAND_MPS, the reduced speed of ISO 10218-1.
  *   changed   Follows `changing` on arrival. The arm holds the posture until the target moves or a joint is pushed
  *             away from the posture.
- *   left      Follows a failed search, or `changed`. Inverse kinematics moves the arm again, but does not start another
- *             search, which would have the same result.
+ *   left      Follows a failed search, or `changed` once the arm no longer holds the posture. Inverse kinematics moves
+ *             the arm again, and no further search starts, since it would have the same result.
  *
  * As soon as the target has moved by POSTURE_CHANGE_AWAY_M since the search began, the current phase ends and the
  * target is watched again. There is thus only one search for each position of the target, and the arm comes to rest. */
@@ -52,7 +52,7 @@ typedef struct {
     const joint_limits_config_t *limits;
 } posture_change_config_t;
 
-/* Starts watching the target afresh. Call at start-up, and whenever the cooperation is put on hold or changed. */
+/* Starts watching the target afresh. Call at start-up, and whenever the cooperation is interrupted or changed. */
 void posture_change_init(posture_change_t *self);
 
 /* Call this before the inverse kinematics. If it returns true, it has set feedback_radps (joint_count values), and

@@ -49,8 +49,7 @@ quaternion_t quaternion_from_matrix(const float matrix[9]) {
     const float yx = matrix[3], yy = matrix[4], yz = matrix[5];
     const float zx = matrix[6], zy = matrix[7], zz = matrix[8];
     quaternion_t q;
-    /* Each case computes 4 c q, where c is a component of q. Its square is at least 1/4, so that there is no
-     * cancellation. */
+    /* Each case computes 4 c q, where c is a component of q with c^2 at least 1/4, so that there is no cancellation. */
     if (xx + yy + zz > 0.0f) {
         q = (quaternion_t){1.0f + xx + yy + zz, zy - yz, xz - zx, yx - xy};
     } else if (xx >= yy && xx >= zz) {

@@ -1,8 +1,8 @@
 /* Quaternions and dual quaternions, the algebra of the paper (sections III and IV-A).
  *
- * Conventions: Hamilton product, order w x y z, float32, SI units. A pose is the unit dual quaternion x = r + eps * 1/2
- * * t * r with rotation r and translation t [m] (equation (2)); its 8 floats are stored as [rw rx ry rz dw dx dy dz],
- * the paper's vec8. x and -x represent the same pose.
+ * Conventions: Hamilton product, order w x y z, float32, SI units. A pose is the unit dual quaternion
+ * x = r + eps 1/2 t r with rotation r and translation t [m] (equation (2)); its 8 floats are stored as
+ * [rw rx ry rz dw dx dy dz], the paper's vec8. x and -x represent the same pose.
  *
  * All functions take and return structs by value, and accept any input; a NaN in the input yields a NaN in the result.
  * If the inputs are unit, the result is unit within rounding; only the functions that say so normalise it. */
@@ -85,8 +85,8 @@ static inline vector3_t quaternion_rotate(quaternion_t rotation, vector3_t v) {
 quaternion_t quaternion_from_rotation_vector(vector3_t v_rad);
 
 /* Returns the unit quaternion with w >= 0 of a rotation matrix, given row by row (the paper's footnote 1). The result
- * is computed from its largest component, so that no rotation loses precision. The matrix must be a rotation within
- * rounding. */
+ * is computed from a component of magnitude 1/2 or more, so that no rotation loses precision. The matrix must be a
+ * rotation within rounding. */
 quaternion_t quaternion_from_matrix(const float matrix[9]);
 
 /* Interpolates linearly from a (s = 0) to b (s = 1) along the shorter path, and normalises. */

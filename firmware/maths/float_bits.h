@@ -39,8 +39,9 @@ static inline float float_smaller(float a, float b) {
     return float_is_below(a, b) ? a : b;
 }
 
-/* Rounds to the nearest integer, and halves away from 0, by adding 0.5 with the sign of x and truncating. Values just
- * below a half may be rounded up, because the sum itself is rounded. |x| must be below 2^31, and x must not be NaN. */
+/* Rounds to the nearest integer, with ties away from 0, by adding 0.5 with the sign of x and truncating. A magnitude
+ * just below a tie may be rounded up, because the sum itself is rounded. |x| must be below 2^31, and x must not be
+ * NaN. */
 static inline int32_t float_nearest(float x) {
     const uint32_t half_bits = (float_bits(x) & 0x80000000u) | 0x3F000000u;
     float half;

@@ -1,4 +1,4 @@
-/* Sine and cosine without libm, which return the same bits on every target. The absolute error is below 1.2e-7 for
+/* Sine and cosine, computed without libm, with the same bits on every target. The absolute error is below 1.2e-7 for
  * |angle| <= TRIGONOMETRY_MAX_RAD (tested against double precision). For larger or non-finite angles, both results are
  * NaN. */
 #ifndef COMANIP_TRIGONOMETRY_H

@@ -9,7 +9,7 @@
  * a record. A parameter is stored under its number, which is never reused, so that parameters may be added and removed.
  *
  * Records of the former format are read as well. They hold 'C' 'M' 'N' 'P', the CRC-32 of the parameters' names, the
- * values of parameters 0 to N, where N is 37 to 42, and the CRC-32. */
+ * values of parameters 0 to N, where N is 37 to 42, and the CRC-32 of all preceding bytes. */
 #ifndef COMANIP_PARAMETER_STORE_H
 #define COMANIP_PARAMETER_STORE_H
 

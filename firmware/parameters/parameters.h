@@ -34,7 +34,8 @@ void parameters_set_defaults(parameters_t *self);
  * nothing. */
 result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
-/* Returns whether the hand's motion is predicted and followed by position_priority.h. */
+/* Returns whether the hand's motion is predicted, in which case position_priority() replaces the paper's inverse
+ * kinematics. */
 bool parameters_predict(const parameters_t *self);
 
 /* Returns whether the arm may change its posture when joint limits block the target. */

@@ -7,8 +7,8 @@ typedef enum {
     CAN_PROFILE_CLASSIC = 1, /* 1 Mbit/s: control at 250 Hz, long messages split into parts, E2E Profile 2 */
 } can_profile_t;
 
-/* Returns the requested profile. An image built with -DCAN_FD_ONLY or -DCAN_CLASSIC_ONLY always returns its only
- * profile, and the compiler omits the code of the other one. */
+/* Returns the requested profile. In an image built with -DCAN_FD_ONLY or -DCAN_CLASSIC_ONLY, always returns the only
+ * supported profile, so that the compiler omits the code of the other one. */
 static inline can_profile_t can_profile_in_force(can_profile_t requested) {
 #if defined CAN_FD_ONLY
     (void)requested;

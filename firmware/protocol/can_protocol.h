@@ -33,7 +33,7 @@ bool protocol_find(uint16_t id, frame_kind_t *kind);
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
 /* Checks a received frame. An event message is accepted no matter how many before it were lost, since a sender that has
- * restarted must get through; only a repetition is refused. Every refusal is counted. */
+ * restarted must get through; only a repeated counter is refused. Every refusal is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
 /* ---- the input of a tick, as recorded in TickTrace */

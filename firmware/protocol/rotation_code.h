@@ -11,7 +11,7 @@
 
 typedef struct {
     int16_t smaller[3]; /* in the order w x y z */
-    uint8_t largest;    /* index of the largest component (w x y z), made positive, as q and -q are the same */
+    uint8_t largest;    /* index of the component (w x y z) of largest magnitude; its sign is made positive */
 } rotation_code_t;
 
 /* Encodes a quaternion, w x y z. Returns false if its norm is not 1 within 1e-3. */

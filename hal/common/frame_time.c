@@ -94,8 +94,8 @@ static int64_t fd_ns(const can_frame_t *frame) {
     const unsigned int id = frame->id;
 
     /* Two bits of bus idle, which cause no stuffing, then SOF = 0, id, RRS = 0, IDE = 0 | FDF = 1, res = 0, BRS = 1,
-     * ESI = 0, DLC. A run can end at IDE at the latest, so all stuff bits up to the DLC are sent at the nominal bit
-     * rate. */
+     * ESI = 0, DLC. Before the last bit of the DLC, a run of five equal bits ends at IDE at the latest, so all stuff
+     * bits within this header are sent at the nominal bit rate. */
     const uint8_t header[3] = {
         (uint8_t)(0x40U | (id >> 6)),
         (uint8_t)((id << 2) & 0xFFU),

@@ -7,15 +7,14 @@
 
 #include "../common/clock.h"
 
-/* Defined in clock.c, or in the board's own file if it has no SysTick: starts the 1 kHz tick and the microsecond
- * clock. */
+/* Defined in clock.c, or, for a chip without SysTick, in its port: starts the 1 kHz tick and the microsecond clock. */
 void clock_start(void);
 
 /* Defined in stack_guard.c. After this call, an overflow of the thread's stack causes a fault. */
 void stack_guard_start(void);
 bool stack_overflowed(void); /* for fault handlers: the thread's stack has overflowed or is about to */
 
-/* Defined in startup.c: the handler of exceptions that the board does not have. */
+/* Defined in startup.c: the handler of exceptions that must not occur. Panics. */
 void unexpected_handler(void);
 
 /* Starts the board's UART: 8N1, interrupt-driven, connected to slcan_hal_link. */

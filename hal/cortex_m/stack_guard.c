@@ -9,7 +9,7 @@
 extern uint32_t link_thread_stack_end[];
 
 /* On a fault, the exception frame is pushed onto the thread's stack if it still fits. After an overflow, the stack
- * therefore has less than the largest push left. */
+ * therefore has less room left than the largest push needs. */
 #define LARGEST_PUSH_BYTES 128u
 
 void stack_guard_start(void) {

@@ -1,5 +1,5 @@
-/* The reset handler sets up vector table, memory, FPU and stacks, and then runs the firmware. Every fault ends in
- * hal_panic(). */
+/* The vector table, and the handlers of reset and faults. The reset handler sets up stacks, memory and FPU, and then
+ * runs the firmware. Every fault ends in hal_panic(). */
 #include <board.h> /* from the image's -I folder */
 
 #include "../../firmware/main.h"

@@ -11,8 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* If the offset is larger by this much, the clocks have changed: one of them was set, or the controller's counter
- * wrapped. */
+/* If the difference of a frame's stamps exceeds the offset by more than this, one of the clocks has jumped: it was set,
+ * or the controller's counter wrapped. */
 #define HARDWARE_CLOCK_STEP_NS INT64_C(100000000)
 
 /* Zero-initialise. */

@@ -59,7 +59,7 @@ void hal_init(void) {
     store_start(); /* before this thread is given a priority, which the store's thread would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
-    pace_init(&port.pace, (uint32_t)port.pace.slow); /* the start does not count as an overrun */
+    pace_init(&port.pace, (uint32_t)port.pace.slow); /* so that the start-up does not count as overruns */
     port.empty_ns = port.pace.tick_ns;
 }
 
@@ -69,7 +69,7 @@ can_profile_t hal_can_profile(void) {
 
 static void report_clock(void) {
     if (pace_find_step(&port.pace)) {
-        (void)fprintf(stderr, PROGRAM ": the system's clock was set: %+.3f s against the start\n",
+        (void)fprintf(stderr, PROGRAM ": the system's clock was set: %+.3f s relative to the start\n",
                       1e-9 * (double)port.pace.step_ns);
     }
     if (port.ticks % REPORT_TICKS == 0 && port.pace.overruns != port.reported_overruns) {

@@ -22,7 +22,7 @@ static struct {
     const char *program;
     const char *path; /* path of the file; NULL if there is no store */
     bool has_record;
-    record_t read, written; /* used by the thread from sem_post() until HAL_STORE_WRITING ends */
+    record_t read, written; /* the thread uses `written` from sem_post() until HAL_STORE_WRITING ends */
     sem_t wanted;
     atomic_int status; /* hal_store_status_t */
 } store;

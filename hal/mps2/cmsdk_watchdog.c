@@ -15,7 +15,7 @@
 #define WATCHDOG_PART_NUMBER REGISTER(BOARD_WATCHDOG_BASE + 0xFE0u)
 #define WATCHDOG_PART_NUMBER_CMSDK 0x24u
 
-/* The watchdog is unlocked only for the write, so that a stray write cannot stop it. */
+/* The watchdog is unlocked only during this write, so that a stray write cannot stop it. */
 static void write_unlocked(volatile uint32_t *target, uint32_t value) {
     WATCHDOG_LOCK = WATCHDOG_LOCK_KEY;
     *target = value;

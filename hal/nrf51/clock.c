@@ -44,7 +44,7 @@ uint32_t clock_us(void) {
 
 void timer_handler(void) {
     TIMER_COMPARE_EVENT(CHANNEL_TICK) = 0;
-    do { /* repeat if the next tick's time passed before it was set */
+    do { /* repeat if the next tick's time had already passed when it was set */
         if (clock_us() - tick_us >= CLOCK_TICK_US) {
             tick_us += CLOCK_TICK_US;
         }

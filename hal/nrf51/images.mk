@@ -1,4 +1,4 @@
-# Built for Cortex-M0+, because the board's Cortex-M0 has the same instructions (ARMv6-M).
+# Built for Cortex-M0+. It also runs on the board's Cortex-M0, which has the same instructions (ARMv6-M).
 IMAGES += cortex-m0plus
 
 cortex-m0plus.prefix := arm-none-eabi-

@@ -23,7 +23,7 @@
 #define UART_SCRATCH BYTE_REGISTER(BOARD_UART_BASE + 7u)
 
 #define UART_TX_FIFO_BYTES 16
-#define UART_DIVISOR 1u /* the maximum: 230,400 baud on this machine's 3.6864 MHz clock, which the emulator ignores */
+#define UART_DIVISOR 1u /* the maximum, 230,400 baud at this machine's 3.6864 MHz; the emulator ignores the rate */
 
 void uart_start(void) {
     UART_SCRATCH = 0xA5u;

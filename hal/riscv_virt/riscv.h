@@ -13,7 +13,7 @@
 #define MIE_EXTERNAL (1u << 11)
 #define MCAUSE_INTERRUPT (1u << 31)
 
-/* The compiler's -march leaves out Zicsr, because no libc is built for that spelling of rv32imac. */
+/* The compiler's -march leaves out Zicsr, because no libc is built for rv32imac_zicsr. */
 #define CSR_ASM(instruction) ".option push\n\t.option arch, +zicsr\n\t" instruction "\n\t.option pop"
 
 static inline void interrupts_off(void) {

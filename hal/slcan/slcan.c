@@ -12,7 +12,7 @@ static char digit_of(unsigned value) {
     return "0123456789ABCDEF"[value & 0xFu];
 }
 
-/* Returns a hexadecimal digit's value, or -1 if it is not one. */
+/* Returns the value of a hexadecimal digit, or -1 for any other byte. */
 static int value_of(uint8_t digit) {
     if (digit >= '0' && digit <= '9') {
         return digit - '0';

@@ -5,7 +5,7 @@
  *
  * III is the 11-bit id and L the data length code, in hexadecimal digits (9..F = 12, 16, 20, 24, 32, 48, 64 bytes, FD
  * only). Two digits per byte follow, then CR. Hexadecimal digits are accepted in lower and upper case, and written in
- * upper case; FD frames are written with b. The capital letters (29-bit ids), r and R (remote frames) and the adapter's
+ * upper case; FD frames are written with b. T, D and B (29-bit ids), r and R (remote frames) and the adapter's
  * channel commands (O, C, S8, Y5, ...) are ignored. */
 #ifndef COMANIP_SLCAN_H
 #define COMANIP_SLCAN_H

@@ -1,5 +1,6 @@
-/* For ports with a UART instead of a CAN controller. Such a port provides the functions below. In return, slcan_hal.c
- * implements hal_can_send() for it, and slcan_receive.c implements hal_can_receive() and hal_port_status(). */
+/* For ports with a UART instead of a CAN controller. Such a port provides the functions so marked below. In return,
+ * slcan_hal.c implements hal_can_send() for it, and slcan_receive.c implements hal_can_receive() and
+ * hal_port_status(). */
 #ifndef COMANIP_SLCAN_HAL_H
 #define COMANIP_SLCAN_HAL_H
 

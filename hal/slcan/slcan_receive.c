@@ -12,7 +12,7 @@ void hal_port_status(port_status_t *status) {
     const slcan_link_counters_t *counters = &slcan_hal_link.counters;
     *status = (port_status_t)PORT_STATUS_UNKNOWN;
     status->refused_frames = port_count(counters->tx_dropped);
-    /* rx_overrun is not added, because a line in which the UART lost bytes is counted as malformed. */
+    /* rx_overrun is not added, because a line in which the UART lost bytes is already counted as malformed. */
     status->lost_frames = port_count((uint64_t)counters->rx_overflow + counters->rx_malformed);
     tick_status(status);
 }
