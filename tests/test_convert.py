@@ -213,6 +213,16 @@ def test_bad_input_leaves_nothing_behind(tmp_path, kinds):
 # ---- decode
 
 
+@pytest.mark.parametrize(
+    "command", [["monitor", "--once", "--log"], ["decode"], ["replay"], ["convert"]], ids=lambda c: c[0]
+)
+def test_an_empty_log_is_refused(tmp_path, command):
+    (tmp_path / "empty.log").write_text("")
+    target = [tmp_path / "new.log"] if command == ["convert"] else []
+    require_refusal(call(*command, tmp_path / "empty.log", *target), "empty.log", "contains no frames")
+    assert [path.name for path in tmp_path.iterdir()] == ["empty.log"]
+
+
 def test_decode_has_cantools_signals_and_the_references_verdict(tmp_path, short):
     lines = short.log.read_text().splitlines()[:2000]
     place = next(i for i, line in enumerate(lines) if " 050#" in line and i > 1000)

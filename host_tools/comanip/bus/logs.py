@@ -111,8 +111,17 @@ def _open_text(path: Path):
 
 
 def read(path: Path) -> Iterator[Frame]:
-    """Yields the frames of a log file. The file's suffix determines the format. Raises ToolError if the file cannot be
-    read."""
+    """Yields the frames of a log file, whose suffix determines the format. Raises ToolError if the file cannot be read
+    or contains no frames."""
+    is_empty = True
+    for frame in _frames(path):
+        is_empty = False
+        yield frame
+    if is_empty:
+        raise ToolError(f"{path}: contains no frames, expected a log of a CAN bus: was another bus recorded?")
+
+
+def _frames(path: Path) -> Iterator[Frame]:
     is_compressed = path.suffix.lower() in _OPENERS
     suffix = (path.with_suffix("") if is_compressed else path).suffix.lower()
     if is_compressed and suffix != CANDUMP_SUFFIX:
