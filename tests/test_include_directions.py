@@ -47,7 +47,7 @@ def test_the_tree_follows_its_directions(tree):
     assert checked(tree) == (0, [])
 
 
-def test_the_table_allows_no_circle():
+def test_the_table_allows_no_cycle():
     """A row of the table may name only rows above it, so the table allows no include cycle."""
     above = []
     for row, may_use in check.MAY_USE.items():
@@ -104,7 +104,7 @@ def test_an_include_against_the_direction_is_one_line(tree, file, include, targe
     assert len(lines) == 1 and lines[0].startswith(f"{file}:{line}: includes {target}; {wrong}")
 
 
-def test_files_in_a_circle_are_named(tree):
+def test_files_in_an_include_cycle_are_named(tree):
     for file, include in [
         ("a.c", '"b.h"'),
         ("b.h", "<stdbool.h>"),
@@ -115,7 +115,7 @@ def test_files_in_a_circle_are_named(tree):
         add(tree, f"sim/common/{file}", include)
     assert checked(tree) == (
         1,
-        ["files that include each other in a circle: sim/common/a -> sim/common/b -> sim/common/c -> sim/common/a"],
+        ["files in an include cycle: sim/common/a -> sim/common/b -> sim/common/c -> sim/common/a"],
     )
 
 
@@ -126,8 +126,8 @@ def test_parts_of_a_file_may_use_what_it_declares(tree):
     assert checked(tree) == (0, [])
 
 
-def test_folders_in_a_circle_are_named_even_if_the_table_allows_it(tree, monkeypatch):
+def test_folders_in_an_include_cycle_are_named_even_if_the_table_allows_it(tree, monkeypatch):
     monkeypatch.setitem(check.MAY_USE, "sim/common", ["sim/hand"])
     add(tree, "sim/common/names.h", '"../hand/tremor.h"')
     lines = check.problems(tree)
-    assert "folders that include each other in a circle: sim/common -> sim/hand -> sim/common" in lines
+    assert "folders in an include cycle: sim/common -> sim/hand -> sim/common" in lines

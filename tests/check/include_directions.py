@@ -132,7 +132,7 @@ def wrong_include(include: Include) -> str | None:
     return None
 
 
-def circle(graph: dict[str, set[str]]) -> list[str] | None:
+def cycle(graph: dict[str, set[str]]) -> list[str] | None:
     """Returns a path from a node back to itself, with this node at both ends, or None if there is no cycle."""
     done: set[str] = set()
 
@@ -178,8 +178,8 @@ def problems(root: Path) -> list[str]:
         return lines
     for what, name in (("files", lambda file: module_of(file, files)), ("folders", folder_of)):
         graph = graph_of((name(i.file), name(i.target)) for i in own if i.file != "firmware/main.c")
-        while way := circle(graph):
-            lines.append(f"{what} that include each other in a circle: {' -> '.join(way)}")
+        while way := cycle(graph):
+            lines.append(f"{what} in an include cycle: {' -> '.join(way)}")
             graph[way[-2]].discard(way[-1])
     return lines
 
