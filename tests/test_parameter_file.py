@@ -20,13 +20,12 @@ from comanip_command import COMANIP, WRONG_USE, call
 from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool, wait_until
 from live import FIRMWARE, INTERFACE, Bus, has_kernel_can
 from simulation import REPOSITORY
-from test_comanip_on_a_hub import comanip
+from test_comanip_on_a_hub import SLOW, comanip
 from test_parameter_store import DEFAULTS, NAMES, record
 from test_two_processes import PLAIN
 
 pytestmark = pytest.mark.skipif(has_kernel_can(), reason="runs on a hub only: the bus does not matter")
 
-SLOW = 5
 SCALE = NAMES.index("motion_scale")
 KILLED_BY_LIMIT = -signal.SIGXFSZ
 
