@@ -2,8 +2,8 @@
  *
  * Since the machine has no watchdog, the tick's interrupt checks that the firmware's loop runs. Unlike a watchdog,
  * this check detects a hang only while interrupts are on. Nor does the machine have an output that could cut the
- * drives' power. After a panic, the firmware sends no more commands, and each drive brakes when its own timeout (3
- * ms) expires. */
+ * drives' power. After a panic, the firmware sends no more commands, and each drive brakes when its own timeout of
+ * 3 ms expires. */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"

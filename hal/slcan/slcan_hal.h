@@ -6,8 +6,8 @@
 
 #include "slcan_link.h"
 
-/* The port's only link. The UART's interrupt handler puts received bytes into the link and takes bytes to send from
- * it. */
+/* The port's only link. The UART's interrupt handler writes received bytes to the link and reads bytes to send from the
+ * link. */
 extern slcan_link_t slcan_hal_link;
 
 /* Provided by the port: makes the transmit interrupt take the bytes that are waiting in the link. */

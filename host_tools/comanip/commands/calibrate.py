@@ -32,7 +32,7 @@ Sample = tuple[float, np.ndarray]  # time [s], position [m] in the tracker's fra
 
 
 class _Unwrapped:
-    """Converts times of the tracker's 32-bit clock, which wraps, to continuous seconds."""
+    """Converts times of the tracker's 32-bit clock, which wraps around, to seconds that do not wrap."""
 
     def __init__(self):
         self._last_us, self._wraps = 0, 0

@@ -24,7 +24,7 @@ MOST_CROOKED = 0.15  # RMS distance from the straight line, divided by the move'
 MOST_UNSURE_DEG = 5.0  # standard error of the rotation
 SPEED_WINDOW_S = 0.1
 PARAMETERS = tuple(f"tracker_rotation_{axis}_rad" for axis in "xyz")
-DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles per direction, minus the three of the rotation
+DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles for each direction, minus three angles for the rotation
 
 
 class CalibrationError(ToolError):
@@ -55,8 +55,8 @@ class MoveDetector:
         return self._rest_point is not None
 
     def feed(self, t_s: float, position_m: np.ndarray) -> Move | None:
-        """Processes a position. Returns the move before the current rest once this rest has lasted REST_S, otherwise
-        None."""
+        """Processes a position. Once the hand has rested for REST_S, returns the move that led to this rest, if any.
+        Otherwise returns None."""
         if self._times and t_s <= self._times[-1]:
             return None
         self._times.append(t_s)
@@ -81,7 +81,7 @@ class MoveDetector:
         self._times, self._points = self._times[start:], self._points[start:]
         self._rest_since = self._times[0]
         if before is None or np.linalg.norm(here - before) < LEAST_MOVE_M:
-            self._rest_point = here if before is None else before  # keep the old point, so that slow drift adds up
+            self._rest_point = here if before is None else before  # kept, so that slow drift adds up to a move
             return None
         return _move(before, here, path)
 
