@@ -36,7 +36,8 @@ class RefusedError(ToolError):
 
 
 _WHY = {
-    "wrong_mode": " (`start` requires mode ready, other commands the cooperation, parameters the arm at rest)",
+    "wrong_mode": " (`start` requires mode ready; other commands require a running cooperation; parameters "
+    "require the arm at rest)",
     "tracker_stale": " (the arm holds because poses of the hand no longer arrive)",
     "fault_present": " (the cause of the fault is still present: `comanip monitor` shows it)",
     "out_of_range": " (docs/bus.md and `comanip param list` show the ranges)",

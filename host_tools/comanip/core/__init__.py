@@ -1,5 +1,5 @@
-"""Provides the firmware's mathematics on numpy arrays. The C code is the same as on the
-microcontroller, but compiled for this machine.
+"""Provides the firmware's mathematics on numpy arrays. The C code is that of the microcontroller,
+compiled for this machine.
 
 Arrays are float32. A dual quaternion is a row of 8 components, [w x y z | w' x' y' z']. A pose is r + eps 1/2 t r with
 t in metres. A dual quaternion and its negative represent the same pose. Arguments are checked: a wrong shape or type,

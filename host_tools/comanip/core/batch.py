@@ -88,8 +88,8 @@ def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
 
 
 def pose_jacobian(arm: str | Arm, q: np.ndarray) -> np.ndarray:
-    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). The
-    derivative has the sign of the dual quaternion that forward_kinematics() returns."""
+    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). The derivative
+    has the sign of the dual quaternion that forward_kinematics() returns."""
     arm = resolve(arm)
     q = _joint_positions(arm, q)
     out = np.empty((len(q), 8, arm.joint_count), np.float32)

@@ -3,8 +3,8 @@
 The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
 between the moves. The tracker measures the three directions. Finding the rotation that best maps the torso's axes to
 these directions in the least-squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
-Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is the
-inverse of the Fisher information.
+Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is their
+variance times the inverse of the Fisher information for unit variance.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def solve(moves: Iterable[Move]) -> Calibration:
     if np.linalg.det(directions) < 0.0:
         raise CalibrationError(
             "the moves form a left-handed frame, expected a right-handed one: "
-            "was one of them in the opposite direction (right, back or down)?"
+            "was a move in the opposite direction (back, right or down)?"
         )
     u, _, vt = np.linalg.svd(directions.T)
     rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt

@@ -183,8 +183,8 @@ def see(
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
     """Returns the quantities that depend on the error frame: g, and the weighted parts of the error; see
-    differential_ik_isotropic.c. Quantities that the equations do not use, as for an arm with few joints,
-    are left out."""
+    differential_ik_isotropic.c. Quantities that the equations do not use, as for an arm with few joints, are left
+    out."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)

@@ -1,8 +1,7 @@
 """Generates the equations of firmware/control/position_priority.c for one arm, as lines of a C function.
 
-As in differential_ik.py, errors, motion and axes are expressed in the frame of one joint, chosen so that the
-code needs the fewest operations. If joints are at their limits, the general position_priority_solve() solves the
-equations.
+As in differential_ik.py, errors, motion and axes are expressed in the frame of one joint, chosen so that the code
+needs the fewest operations. If joints are at their limits, the general position_priority_solve() solves the equations.
 """
 
 from __future__ import annotations

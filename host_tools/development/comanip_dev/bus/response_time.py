@@ -55,7 +55,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Response:
-    """The times from the queueing of a frame and from its event to the end of the frame. None: unbounded, because the
+    """The worst-case times to the end of a frame, from its queueing and from its event. None: unbounded, because the
     bus is overloaded."""
 
     queued_ns: int | None
@@ -179,7 +179,7 @@ def _answer(
     connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)
 
     follows = [o for o in together if o.identifier > asked.identifier and o.shortest_ns >= stream.answer_delay_ns]
-    if follows:  # these extend the busy period until the answer is queued
+    if follows:  # frames sent after the request extend the busy period until the answer is queued
         return connected
     ends_ns = _waits(base_ns, [other for other in rest if other not in batch], bit_ns) + stream.longest_ns
     apart = Response(ends_ns, known[asked.name].event_ns + stream.answer_delay_ns + ends_ns)
