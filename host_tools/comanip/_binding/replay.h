@@ -36,8 +36,8 @@ typedef enum {
         3,              /* the firmware sends `sent` in the tick at `place`, but the log contains no such frame there */
     REPLAY_DAMAGED = 4, /* the firmware read or sent the frame at `place`, but its CRC is wrong in the log */
     REPLAY_LOST = 5,    /* according to the TickTrace at `place`, the tick read a frame that is not in the log, or more
-                         * frames than a tick can read; `sent` has the id of one such frame and, as its only byte, the
-                         * counter of that frame */
+                         * frames than a tick can read; `sent` has the id of the missing frame (in the second case, of
+                         * OperatorCommand) and, as its only byte, the counter in the TickTrace */
 } replay_result_t;
 
 /* All frames with one id. */

@@ -61,6 +61,6 @@ bool replay_ends_save(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         surplus -= self->outbox.frame[i].id == stream->description->id && is_answer(self, &self->outbox.frame[i]);
     }
-    self->inbox.save_over = surplus > 0; /* the tick sent one more answer than replayed */
+    self->inbox.save_over = surplus > 0; /* the log has an answer that the replay has not sent */
     return self->inbox.save_over;
 }
