@@ -3,7 +3,7 @@
 #include "board.h"
 #include "watchdog.h"
 
-#define CLOCK_START REGISTER(0x40000000u) /* starts the crystal oscillator, 16 MHz */
+#define CLOCK_START REGISTER(0x40000000u) /* starts the 16 MHz crystal oscillator */
 #define CLOCK_STARTED REGISTER(0x40000100u)
 
 #define TIMER(offset) REGISTER(0x40008000u + (offset))
@@ -35,8 +35,8 @@ void clock_start(void) {
     TIMER_START = 1;
 }
 
-/* Must be called in interrupts, which do not preempt each other, or with interrupts off, because one capture channel
- * serves all callers. */
+/* All callers share one capture channel. Call this only from interrupt handlers, which do not preempt each other, or
+ * with interrupts off. */
 uint32_t clock_us(void) {
     TIMER_CAPTURE(CHANNEL_NOW) = 1;
     return TIMER_COUNT(CHANNEL_NOW);
@@ -44,7 +44,7 @@ uint32_t clock_us(void) {
 
 void timer_handler(void) {
     TIMER_COMPARE_EVENT(CHANNEL_TICK) = 0;
-    do { /* repeat if the next tick's time had already passed when it was set */
+    do { /* repeat if the next tick was already due when its time was set */
         if (clock_us() - tick_us >= CLOCK_TICK_US) {
             tick_us += CLOCK_TICK_US;
         }

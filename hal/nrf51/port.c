@@ -8,7 +8,7 @@
 
 void hal_init(void) {
     BOARD_GPIO_CONFIG(BOARD_PIN_CLASSIC_CAN) = BOARD_GPIO_CONFIG_INPUT_PULL_UP;
-    uart_start(); /* first, since a panic is reported through it */
+    uart_start(); /* first, because a panic is reported through the UART */
     watchdog_start(WATCHDOG_TIMEOUT_US);
     clock_start();
     hal_enable_drives(false);
@@ -44,6 +44,6 @@ _Noreturn void hal_panic(const char *cause) {
         slcan_hal_report_panic(cause);
     }
     for (;;) {
-        watchdog_feed(); /* prevents a reset: this state is the safe one */
+        watchdog_feed(); /* prevents a reset, because the arm is safe while the drives are disabled */
     }
 }

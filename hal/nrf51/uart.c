@@ -20,9 +20,10 @@
 #define UART_RX_DATA UART(0x518u)
 #define UART_TX_DATA UART(0x51Cu)
 #define UART_BAUD_RATE UART(0x524u)
-#define UART_BAUD_RATE_1M 0x10000000u /* the maximum; for the required rate, see docs/porting.md */
+#define UART_BAUD_RATE_1M 0x10000000u /* the UART's maximum; docs/porting.md states the required rate */
 
-/* Tracks whether a byte is being sent: the UART signals that a byte has been sent, not that it can accept one. */
+/* True while a byte is being sent. The UART itself does not show whether it can accept a byte; it only signals that a
+ * byte has been sent. */
 static volatile bool sending;
 
 void uart_start(void) {
@@ -41,7 +42,7 @@ void uart_start(void) {
 
 static void receive(void) {
     while (UART_RX_READY != 0) {
-        UART_RX_READY = 0; /* cleared before the byte is read, because the next byte sets it again */
+        UART_RX_READY = 0; /* cleared before the byte is read, because reading lets the next byte set it again */
         if ((UART_ERROR & UART_ERROR_OVERRUN) != 0) {
             UART_ERROR = UART_ERROR_OVERRUN;
             slcan_link_overrun(&slcan_hal_link);
@@ -68,13 +69,14 @@ void uart_handler(void) {
 }
 
 void serial_start_transmission(void) {
-    /* Only the interrupt handler sends, so that the link's bytes have a single consumer. */
+    /* Makes the interrupt handler run, which is the only consumer of the link's bytes. */
     NVIC_SET_PENDING(BOARD_UART_INTERRUPT) = NVIC_BIT(BOARD_UART_INTERRUPT);
 }
 
 void serial_wait(void) {
     wait_for_interrupt();
-    /* If the reader of QEMU's serial line delays a byte, QEMU raises no interrupt when it has been sent. */
+    /* Restarts the transmission, because QEMU raises no interrupt after a byte that the reader of its serial line has
+     * delayed. */
     serial_start_transmission();
 }
 

@@ -1,6 +1,6 @@
 /* The nRF51's watchdog (manual, chapter 24) can only reset the chip, and cannot be stopped. The tick's interrupt
- * therefore checks the feeds itself, and reports a missing one before the watchdog expires. If even the interrupts
- * hang, the watchdog resets the chip after twice the timeout. */
+ * therefore checks whether the firmware feeds the watchdog, and panics after the timeout if it does not. Only if the
+ * interrupts hang as well does the watchdog reset the chip, after twice the timeout. */
 #include "watchdog.h"
 
 #include "../cortex_m/drivers.h"

@@ -25,7 +25,7 @@ static uint64_t timer_now(void) {
 }
 
 static void set_compare(uint64_t count) {
-    TIMER_COMPARE_HIGH = UINT32_MAX; /* prevents an early match while only one half is new */
+    TIMER_COMPARE_HIGH = UINT32_MAX; /* prevents an early interrupt while only one half has been written */
     TIMER_COMPARE_LOW = (uint32_t)count;
     TIMER_COMPARE_HIGH = (uint32_t)(count >> 32);
 }
@@ -40,7 +40,7 @@ void clock_start(void) {
 
 void clock_handler(void) {
     uint64_t now = timer_now();
-    while (next_tick <= now) { /* repeats if interrupts were off for a whole tick */
+    while (next_tick <= now) { /* more than once if interrupts were off for a whole tick */
         tick_us += CLOCK_TICK_US;
         tick_low = (uint32_t)next_tick;
         next_tick += COUNTS_PER_TICK;

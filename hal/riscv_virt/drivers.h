@@ -21,8 +21,8 @@ void plic_handler(void);
 /* Defined in port.c: panics if the firmware has not fed the watchdog in time. Called by the tick's interrupt. */
 void watchdog_check(void);
 
-/* Defined in trap.c. Called by startup.S, on the traps' own stack. cause: mcause. thread_stack: the stack pointer of
- * the interrupted thread. */
+/* Defined in trap.c. Called by startup.S, on a separate stack for traps. cause: value of mcause. thread_stack: stack
+ * pointer of the interrupted thread. */
 void trap_handler(uint32_t cause, uintptr_t thread_stack);
 
 #endif

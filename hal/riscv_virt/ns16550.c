@@ -1,4 +1,4 @@
-/* UART 16550, which buffers 16 bytes in each direction. */
+/* The 16550 UART, which buffers 16 bytes in each direction. */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -12,7 +12,7 @@
 #define UART_INTERRUPT_TX_EMPTY 0x02u
 #define UART_FIFO BYTE_REGISTER(BOARD_UART_BASE + 2u)
 #define UART_FIFO_ENABLE_AND_CLEAR 0x07u
-#define UART_INTERRUPT_CAUSE BYTE_REGISTER(BOARD_UART_BASE + 2u) /* when read; a write goes to UART_FIFO */
+#define UART_INTERRUPT_CAUSE BYTE_REGISTER(BOARD_UART_BASE + 2u) /* read-only; writes go to UART_FIFO */
 #define UART_LINE BYTE_REGISTER(BOARD_UART_BASE + 3u)
 #define UART_LINE_8N1 0x03u
 #define UART_LINE_DIVISOR_ACCESS 0x80u
@@ -23,7 +23,7 @@
 #define UART_SCRATCH BYTE_REGISTER(BOARD_UART_BASE + 7u)
 
 #define UART_TX_FIFO_BYTES 16
-#define UART_DIVISOR 1u /* the maximum, 230,400 baud at this machine's 3.6864 MHz; the emulator ignores the rate */
+#define UART_DIVISOR 1u /* the highest rate: 230,400 baud with this machine's 3.6864 MHz clock; QEMU ignores it */
 
 void uart_start(void) {
     UART_SCRATCH = 0xA5u;

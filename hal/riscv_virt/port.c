@@ -1,8 +1,9 @@
 /* The HAL on QEMU's virt machine. The UART carries CAN (hal/slcan).
  *
- * Since the machine has no watchdog, the tick's interrupt checks that the firmware's loop runs. Unlike a watchdog, this
- * check detects a hang only while interrupts are on. The machine also has no output that could cut the drives' power. A
- * panic stops the commands, and each drive then brakes when its own timeout (3 ms) expires. */
+ * Since the machine has no watchdog, the tick's interrupt checks that the firmware's loop runs. Unlike a watchdog,
+ * this check detects a hang only while interrupts are on. Nor does the machine have an output that could cut the
+ * drives' power. After a panic, the firmware sends no more commands, and each drive brakes when its own timeout of
+ * 3 ms expires. */
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 #include "board.h"
@@ -11,7 +12,7 @@
 #define WATCHDOG_TIMEOUT_US 10000u
 
 static volatile uint32_t fed_us;
-static bool enabled; /* replaces the enable line, which the machine does not have */
+static bool enabled; /* stands for the enable line of the drives, which the machine does not have */
 
 void hal_init(void) {
     uart_start();
@@ -21,7 +22,7 @@ void hal_init(void) {
 }
 
 can_profile_t hal_can_profile(void) {
-    return CAN_PROFILE_FD; /* the machine has no input that could select a profile */
+    return CAN_PROFILE_FD; /* always, because the machine has no input that could select a profile */
 }
 
 void hal_watchdog_feed(void) {

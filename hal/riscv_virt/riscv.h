@@ -13,7 +13,8 @@
 #define MIE_EXTERNAL (1u << 11)
 #define MCAUSE_INTERRUPT (1u << 31)
 
-/* The compiler's -march leaves out Zicsr, because no libc is built for rv32imac_zicsr. */
+/* Enables Zicsr for one instruction. The compiler's -march leaves Zicsr out, because no libc is built for
+ * rv32imac_zicsr. */
 #define CSR_ASM(instruction) ".option push\n\t.option arch, +zicsr\n\t" instruction "\n\t.option pop"
 
 static inline void interrupts_off(void) {
@@ -28,7 +29,7 @@ static inline void interrupts_enable(uint32_t mie) {
     __asm__ volatile(CSR_ASM("csrs mie, %0")::"r"(mie) : "memory");
 }
 
-/* Sleeps until an interrupt is pending, even with interrupts off. */
+/* Sleeps until an interrupt is pending. Also wakes up if interrupts are off. */
 static inline void wait_for_interrupt(void) {
     __asm__ volatile("wfi" ::: "memory");
 }

@@ -17,7 +17,8 @@
 /* Defined by the linker script. */
 extern uint32_t link_thread_stack_end[];
 
-/* Reports a fault. kind: the fault that the processor detected first. */
+/* Panics. kind: the fault that the processor detected. If its cause is an overflow of the thread's stack, the panic
+ * reports that instead. */
 static _Noreturn void fault(const char *kind, uintptr_t thread_stack) {
     hal_panic(thread_stack < (uintptr_t)link_thread_stack_end ? "stack overflow" : kind);
 }

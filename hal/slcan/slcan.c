@@ -48,14 +48,14 @@ size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]) {
     return n;
 }
 
-/* Returns the state after the first letter of a line. */
+/* Returns the state after this first letter of a line. */
 static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
     self->digits = 0;
     switch (letter) {
     case 't': self->max_length_code = CLASSIC_MAX_LENGTH_CODE; return SLCAN_STATE_ID;
     case 'd':
     case 'b': self->max_length_code = LENGTH_CODE_COUNT - 1; return SLCAN_STATE_ID;
-    case '\a': /* an adapter's refusal, which is a line of its own, without CR */ return SLCAN_STATE_START;
+    case '\a': /* an adapter's error reply, a whole line without CR */ return SLCAN_STATE_START;
     case 'T':
     case 'D':
     case 'B':
@@ -77,7 +77,7 @@ static slcan_state_t begin(slcan_decoder_t *self, uint8_t letter) {
     case 'v':
     case 'N':
     case 'Z':
-    case 'z': /* also the acknowledgements of an adapter */ return SLCAN_STATE_IGNORE;
+    case 'z': /* z and Z are also an adapter's acknowledgements */ return SLCAN_STATE_IGNORE;
     default: return SLCAN_STATE_MALFORMED;
     }
 }
@@ -105,7 +105,7 @@ static slcan_state_t take_digit(slcan_decoder_t *self, unsigned value, can_frame
         self->digits++;
         return self->digits == 2u * frame->length ? SLCAN_STATE_COMPLETE : SLCAN_STATE_DATA;
     }
-    default: /* more digits than announced by the length code */ return SLCAN_STATE_MALFORMED;
+    default: /* more digits than the length code announced */ return SLCAN_STATE_MALFORMED;
     }
 }
 

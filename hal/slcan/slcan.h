@@ -1,5 +1,5 @@
 /* SLCAN: CAN frames as lines of text on a serial line (Lawicel's ASCII protocol, extended by the CAN FD letters of the
- * CANable 2 firmware). This code is portable; all ports without a CAN controller share it, and the tests use it too.
+ * CANable 2 firmware). This code is portable: the ports without a CAN controller share it, and the tests use it.
  *
  *   tIIIL...   classic frame        dIIIL...   FD frame        bIIIL...   FD frame with bit-rate switch
  *
@@ -18,14 +18,14 @@
 #define SLCAN_LINE_MAX_BYTES (1 + 3 + 1 + 2 * CAN_FRAME_MAX_BYTES + 1)
 
 /* Writes the frame's line, including the CR, without a terminating zero. Returns the line's length, or 0 if the id has
- * more than 11 bits or no CAN FD frame has this length. */
+ * more than 11 bits or no frame of this kind (classic or FD) can have this length. */
 size_t slcan_encode(const can_frame_t *frame, char line[SLCAN_LINE_MAX_BYTES]);
 
 typedef enum {
     SLCAN_PENDING,   /* the line is not yet complete */
     SLCAN_FRAME,     /* the line is complete, and the frame is valid */
-    SLCAN_IGNORED,   /* the line is complete, but empty or of an SLCAN kind that this bus does not use */
-    SLCAN_MALFORMED, /* the line is complete, but is not SLCAN */
+    SLCAN_IGNORED,   /* the line is complete, but is empty or a kind of SLCAN line that this bus does not use */
+    SLCAN_MALFORMED, /* the line is complete, but is not valid SLCAN */
 } slcan_event_t;
 
 typedef enum {
@@ -42,12 +42,12 @@ typedef enum {
 typedef struct {
     slcan_state_t state;
     uint8_t max_length_code; /* 8 for classic, 15 for FD */
-    uint8_t digits;          /* number of digits of the current field so far */
+    uint8_t digits;          /* number of digits received so far of the current field */
 } slcan_decoder_t;
 
-/* Takes the next byte of the line, in only a few tens of instructions, so that it can run in the receive interrupt of a
- * UART that buffers only one byte. frame: must be the same for all bytes of a line; id, length and data are valid only
- * at SLCAN_FRAME, and the caller must set the timestamp. */
+/* Takes the next byte of the line. This takes only a few tens of instructions, few enough for the receive interrupt
+ * of a UART that buffers only one byte. frame: must be the same for all bytes of a line; id, length and data are
+ * valid only when SLCAN_FRAME is returned, and the caller must set the timestamp. */
 slcan_event_t slcan_decode(slcan_decoder_t *self, uint8_t byte, can_frame_t *frame);
 
 /* Call this when bytes were lost: the current line is then treated as malformed. */

@@ -1,5 +1,5 @@
-/* The rings between thread and interrupt. A producer publishes its elements by storing the head; a consumer frees them
- * by storing the tail. */
+/* The rings between thread and interrupt. The producer of a ring publishes elements by storing the head, and the
+ * consumer frees elements by storing the tail. */
 #include "slcan_link.h"
 
 static uint16_t after(uint16_t index, uint16_t size) {
@@ -36,7 +36,7 @@ bool slcan_link_send(slcan_link_t *self, const can_frame_t *frame) {
 
 void slcan_link_put_byte(slcan_link_t *self, uint8_t byte, uint32_t now_us) {
     uint16_t head = atomic_load_explicit(&self->rx_head, memory_order_relaxed);
-    can_frame_t *frame = &self->rx[head]; /* this slot is always free, so lines are decoded in place */
+    can_frame_t *frame = &self->rx[head]; /* always free, so that lines can be decoded into it */
     switch (slcan_decode(&self->decoder, byte, frame)) {
     case SLCAN_FRAME:
         if (after(head, SLCAN_LINK_RX_FRAMES) == atomic_load_explicit(&self->rx_tail, memory_order_acquire)) {

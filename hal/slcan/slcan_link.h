@@ -10,17 +10,17 @@
 
 #include "slcan.h"
 
-/* Each ring always keeps one element free. Eight drives, the tracker and the operator send 13 frames in a millisecond.
- * The firmware usually sends 288 bytes in a tick. */
+/* Sizes of the rings. One element of each ring always stays free. In a millisecond, eight drives, the tracker and the
+ * operator together send 13 frames, and the firmware usually sends lines of 288 bytes in total. */
 #define SLCAN_LINK_RX_FRAMES 16u
 #define SLCAN_LINK_TX_BYTES 1024u
 
-/* Every loss is counted. Each counter is written by only one side. */
+/* Counts every loss. Each counter is written only by the thread or only by the interrupt. */
 typedef struct {
     uint32_t rx_malformed; /* malformed lines */
     uint32_t rx_overflow;  /* received frames lost because the ring was full */
     uint32_t rx_overrun;   /* number of times that the UART lost bytes */
-    uint32_t tx_dropped;   /* frames not sent, because the ring was full or a line cannot carry them */
+    uint32_t tx_dropped;   /* frames not sent, because the ring was full or SLCAN cannot represent them */
 } slcan_link_counters_t;
 
 /* Zero-initialise. */
@@ -41,7 +41,7 @@ bool slcan_link_receive(slcan_link_t *self, can_frame_t *frame);
 /* For the thread: queues a frame's line, completely or not at all. */
 bool slcan_link_send(slcan_link_t *self, const can_frame_t *frame);
 
-/* For the interrupt: takes a received byte. now_us: the frame's time of reception, if this byte completes one. */
+/* For the interrupt: takes a received byte. now_us: time of reception of the frame, if this byte completes a frame. */
 void slcan_link_put_byte(slcan_link_t *self, uint8_t byte, uint32_t now_us);
 
 /* For the interrupt: reports that the UART has lost bytes. */

@@ -1,5 +1,5 @@
-/* Receives frames from the serial line and reports its faults. In an image in lockstep with a simulator, hal/lockstep/
- * replaces this file. */
+/* Receives frames from the serial line, and reports lost and refused frames. In an image that runs in lockstep with a
+ * simulator, hal/lockstep/ replaces this file. */
 #include "../common/tick.h"
 #include "../hal.h"
 #include "slcan_hal.h"

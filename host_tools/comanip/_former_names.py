@@ -1,5 +1,5 @@
-"""Makes modules importable under their old names, from before the package was divided into folders. To be removed in
-the next release."""
+"""Makes modules importable under the names that they had before the package was divided into folders. This module is
+to be removed in the next release."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class FormerNames(MetaPathFinder, Loader):
         return spec_from_loader(fullname, self) if fullname in NEW_NAMES else None
 
     def get_code(self, fullname: str) -> CodeType:
-        """Returns code that runs the new module, for ``python -m`` with an old name."""
+        """Returns code that runs the new module. Used by ``python -m`` with an old name."""
         new = NEW_NAMES[fullname].removesuffix(".__main__")
         print(f"{fullname} is now {new}; the old name will go with the next release", file=sys.stderr)
         return compile(f"import runpy; runpy.run_module('{new}', run_name='__main__', alter_sys=True)", new, "exec")

@@ -73,7 +73,7 @@ def _check_keys(path: Path, entry: dict) -> None:
 def _names(path: Path, entry: dict) -> list[str]:
     components = entry.get("components", [])
     if ("*" in entry["name"]) != bool(components):
-        raise _refusal(path, entry, "expected a * in the name if there are components, otherwise none")
+        raise _refusal(path, entry, "expected a * in the name if the entry has components, and no * otherwise")
     names = [entry["name"].replace("*", component) for component in components] or [entry["name"]]
     for name in names:
         if not re.fullmatch(r"[a-z][a-z0-9_]*", name) or len(name) > NAME_MAX_CHARACTERS:
@@ -84,7 +84,7 @@ def _names(path: Path, entry: dict) -> list[str]:
 
 
 def _expanded(path: Path, entry: dict) -> Iterator[Parameter]:
-    """Yields the parameters of an entry: one for each component of a vector, otherwise a single one."""
+    """Yields the parameters of an entry: one for each component of a vector, otherwise a single parameter."""
     _check_keys(path, entry)
     names, kind = _names(path, entry), entry.get("type", "float")
     if not isinstance(entry["range"], list) or len(entry["range"]) != 2:

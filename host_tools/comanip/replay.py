@@ -98,7 +98,7 @@ def _fd_identity(frame: Frame) -> Identity:
 
 
 def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
-    """Combines the undamaged parts of the identity. Returns None if the first or second part is missing or damaged. The
+    """Combines the parts of the firmware's identity. Returns None if there is no undamaged first or second part. The
     third part may be missing, because earlier firmware did not send it."""
     found: dict[str, dict] = {}
     for frame in frames:
@@ -116,7 +116,7 @@ def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
 
 
 def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
-    """Returns the identity. Returns None if the log does not contain one, or on classic CAN if it is damaged."""
+    """Returns the firmware's identity, or None if it is not in the log. On classic CAN, also None if it is damaged."""
     if profile is Profile.CLASSIC:
         return _classic_identity(frames)
     first = _first(frames, "FirmwareIdentity")
@@ -124,8 +124,8 @@ def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
 
 
 def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
-    """Returns the identity. Raises ToolError unless the log begins at the firmware's boot and was recorded with this
-    core's trace version. A damaged identity does not raise; the replay later reports it as a difference."""
+    """Returns the firmware's identity. Raises ToolError unless the log begins at the firmware's boot and was recorded
+    with this core's trace version. A damaged identity does not raise; the replay later reports it as a difference."""
     trace = _first(frames, profile.message("TickTrace").name)
     if trace is None:
         raise ToolError(
@@ -163,8 +163,8 @@ def _profile(frames: Sequence[Frame]) -> Profile:
 
 
 def is_replayed(message: Message) -> bool:
-    """Returns True unless the DBC marks the message as not replayed because it depends on more than the log contains.
-    PortStatus is such a message."""
+    """Returns False for messages such as PortStatus, which depend on more than the log contains. The DBC marks them as
+    not replayed."""
     attribute = message.dbc.attributes.get("Replayed")
     return attribute is None or bool(attribute.value)
 
@@ -174,8 +174,8 @@ def _is_damaged(frame: Frame) -> bool:
 
 
 def _first_damaged(frames: Sequence[Frame]) -> int | None:
-    """Returns the index of the first frame with a wrong CRC among the frames that the replay does not check: those
-    exchanged between other nodes, and those that are not replayed."""
+    """Returns the index of the first frame with a wrong CRC among the frames that the replay does not check: frames
+    exchanged between other nodes, and messages that are not replayed."""
     others = {
         message.frame_id
         for message in database().messages

@@ -1,5 +1,6 @@
-/* Applies functions of the firmware to arrays from Python. Each loop calls one function per row and does no computation
- * of its own. Arrays are dense and row-major; `out` must not overlap the inputs. */
+/* Applies functions of the firmware to arrays from Python. Each function here is a loop that calls one function of
+ * the firmware for each row, without any computation of its own. Arrays are dense and row-major; `out` must not
+ * overlap the inputs. */
 #ifndef COMANIP_BATCH_H
 #define COMANIP_BATCH_H
 

@@ -28,7 +28,7 @@ void kinematic_arm_step(kinematic_arm_t *self, const float command_radps[], floa
     }
 }
 
-/* ---- the firmware around it */
+/* ---- the firmware in a loop with the arm */
 
 typedef struct {
     const kinematic_loop_config_t *config;
@@ -38,7 +38,7 @@ typedef struct {
     transport_sender_t others; /* sender for tracker, drives and operator; they can share one because no two of them
                                 * send the same frame */
     joint_cmd_t command;
-    bool accepted; /* nothing has been refused so far */
+    bool accepted; /* no frame or request has been refused so far */
 } loop_t;
 
 static void to_firmware(void *context, const can_frame_t *frame) {

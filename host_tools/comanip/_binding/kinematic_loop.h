@@ -9,7 +9,7 @@
 
 #include "../../../firmware/controller.h"
 
-/* ---- the arm: joints that follow their drives with a lag */
+/* ---- the arm: joints that follow their velocity commands with a lag */
 
 typedef struct {
     int joint_count;
@@ -25,11 +25,11 @@ void kinematic_arm_init(kinematic_arm_t *self, int joint_count, double lag_s, co
  * at the beginning of the tick. */
 void kinematic_arm_step(kinematic_arm_t *self, const float command_radps[], float encoder_rad[]);
 
-/* ---- the firmware around it */
+/* ---- the firmware in a loop with the arm */
 
 /* A HandPose frame on the bus. */
 typedef struct {
-    uint32_t received_us; /* end of the frame by the firmware's clock; must not decrease from sample to sample */
+    uint32_t received_us; /* end of the frame on the firmware's clock; must not decrease from sample to sample */
     hand_pose_t pose;
 } kinematic_sample_t;
 
@@ -37,7 +37,7 @@ typedef struct {
     const arm_ik_t *ik;
     parameters_t parameters;
     double lag_s;                   /* time constant of the drives */
-    uint32_t period_us, latency_us; /* announced in TrackerStatus, which is sent 10 times a second */
+    uint32_t period_us, latency_us; /* as announced in TrackerStatus, 10 times a second */
     uint8_t task;                   /* task_id_t that the operator selects */
     uint32_t start_tick;            /* tick in which the operator starts the task */
 } kinematic_loop_config_t;
@@ -50,7 +50,8 @@ typedef struct {
 } kinematic_tick_t;
 
 /* Runs tick_count ticks; tick k is at k ms. start_rad has joint_count values. Writes tick_count elements to `ticks`.
- * Returns false if the firmware refused a frame, a parameter or the start. */
+ * If a frame does not fit into the firmware's inbox, or the firmware refuses to select or start the task, the run
+ * ends at once and false is returned. */
 bool kinematic_loop_run(const kinematic_loop_config_t *config, const double start_rad[], size_t sample_count,
                         const kinematic_sample_t samples[], size_t tick_count, kinematic_tick_t ticks[]);
 

@@ -62,7 +62,8 @@ void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t cou
 
 /* ---- comparison of frames */
 
-/* Returns true for a ParameterValue whose parameter exists in only one of the two builds. */
+/* Returns true for a ParameterValue whose parameter is missing from this build or from the build that recorded the
+ * log. */
 static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream, const can_frame_t *frame) {
     if (!self->is_of_another_build || stream->kind != FRAME_PARAMETER_VALUE) {
         return false;
@@ -71,7 +72,7 @@ static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream,
     return !parameters_has(parameter) || parameter >= PARAMETER_NUMBERS || !self->has_parameter[parameter];
 }
 
-/* Skips recorded ParameterValues whose parameter exists in only one of the two builds. */
+/* Skips recorded ParameterValues for which is_of_one_build() is true. */
 static void skip_recorded(replay_t *self, replay_stream_t *stream) {
     while (stream->cursor != REPLAY_NO_FRAME && is_of_one_build(self, stream, &self->log[stream->cursor])) {
         stream->cursor = self->next[stream->cursor];
@@ -104,7 +105,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
-            self->result == REPLAY_EQUAL) { /* not in the last tick: the log may end within it */
+            self->result == REPLAY_EQUAL) { /* not checked in the last tick, within which the log may end */
             self->sent = *sent;
             replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
@@ -133,7 +134,7 @@ static void find_unsent(replay_t *self, uint32_t limit) {
 
 /* ---- a tick */
 
-/* Returns true if the firmware has rebooted: its counters restart and it sends its identity again. */
+/* Returns true if the firmware has rebooted before this tick: its counters restart, and it sends its identity again. */
 static bool is_reboot(replay_t *self) {
     const uint32_t heartbeat = replay_stream_of_kind(self, FRAME_FIRMWARE_HEARTBEAT)->cursor;
     return self->ticks > 0u && replay_counter_of(self, &self->log[self->tick_place]) == 0u &&
@@ -186,8 +187,8 @@ static bool try_plan(replay_t *self, const replay_trace_t *trace, replay_plan_t 
     return true;
 }
 
-/* Replays the tick under the first assumption that reproduces its TickTrace, or else under the first that agrees with
- * the log. Returns false if the log contradicts all of them. */
+/* Replays the tick under the first assumption that reproduces its TickTrace. If no assumption does, replays the tick
+ * under the first assumption that the log does not contradict. Returns false if the log contradicts all assumptions. */
 static bool redo_tick(replay_t *self, const uint32_t part_place[], const replay_trace_t *trace) {
     int first_possible = REPLAY_READ_PLANS;
     for (int plan = REPLAY_READ_ALL; plan < REPLAY_READ_PLANS && self->result == REPLAY_EQUAL; plan++) {
@@ -237,7 +238,7 @@ static void replay_tick(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);
     }
-    find_unsent(self, self->former_tick_place); /* not up to this tick: the order of frames within a tick may differ */
+    find_unsent(self, self->former_tick_place); /* not up to this tick, within which the order of frames may differ */
     self->fed += self->inbox.count;
     self->ticks++;
     self->former_tick_place = self->tick_place;

@@ -1,5 +1,5 @@
-/* Replays a log of the bus. Each tick of the firmware runs again with the frames that it read originally. The tick's
- * TickTrace records which frames these were.
+/* Replays a log of the bus. Each tick of the firmware runs again with the frames that the firmware originally read in
+ * that tick. The TickTrace of the tick records which frames these were.
  *
  * The parameters at boot, which the firmware may have loaded from its store, are taken from the ParameterValue frames
  * that it sends at boot. The result of a save is taken from the recorded answer.
@@ -35,9 +35,9 @@ typedef enum {
     REPLAY_NOT_IN_LOG =
         3,              /* the firmware sends `sent` in the tick at `place`, but the log contains no such frame there */
     REPLAY_DAMAGED = 4, /* the firmware read or sent the frame at `place`, but its CRC is wrong in the log */
-    REPLAY_LOST = 5,    /* according to the TickTrace at `place`, the tick read a frame that is not in the log, or that
-                         * comes after more frames than a tick can read; `sent` has the id of this frame and, as its
-                         * only byte, the counter */
+    REPLAY_LOST = 5,    /* according to the TickTrace at `place`, the tick read a frame that is not in the log, or more
+                         * frames than a tick can read; `sent` has the id of the missing frame (in the second case, of
+                         * OperatorCommand) and, as its only byte, the counter in the TickTrace */
 } replay_result_t;
 
 /* All frames with one id. */
@@ -68,7 +68,7 @@ typedef struct {
     int stream_count;
 
     controller_t controller;
-    controller_t before; /* state before this tick, restored to try it again */
+    controller_t before; /* state before this tick, restored when the tick is tried again */
     controller_inbox_t inbox, received;
     outbox_t outbox;
     uint32_t place_of[CONTROLLER_INBOX_FRAMES]; /* index in the log of each frame in the inbox */
@@ -99,8 +99,8 @@ void replay_other_build(replay_t *self, const bool has_parameter[PARAMETER_NUMBE
 /* Excludes frame kinds from the comparison. Call between replay_init() and replay_run(). */
 void replay_leave_out(replay_t *self, const bool left_out[FRAME_KIND_COUNT]);
 
-/* Replays the ticks whose TickTrace is before the index `end`, up to the first difference. Returns true if there may be
- * further ticks. */
+/* Replays the ticks whose TickTrace is before the index `end`, up to the first difference. Returns true if no
+ * difference was found and ticks are left. */
 bool replay_run(replay_t *self, uint32_t end);
 
 /* Finds recorded frames that the replay has not sent. Call after the last tick. If the log ends within a tick, the

@@ -7,7 +7,7 @@
 
 #define LOOK_AHEAD_TICKS 4 /* timeout of JointState in ticks, plus the tick itself */
 
-/* Returns the largest accepted step of a counter. */
+/* Returns the largest step of an end-to-end counter that the firmware accepts. */
 static uint8_t max_delta(const replay_t *self) {
     return self->profile == CAN_PROFILE_CLASSIC ? E2E_PROFILE2_MAX_DELTA : E2E_MAX_DELTA;
 }
@@ -17,7 +17,7 @@ static bool add_to_inbox(replay_t *self, uint32_t place) {
         return false;
     }
     int i = self->inbox.count++;
-    for (; i > 0 && self->place_of[i - 1] > place; i--) { /* insertion sort, which keeps the order of the bus */
+    for (; i > 0 && self->place_of[i - 1] > place; i--) { /* insertion sort, into the order on the bus */
         self->place_of[i] = self->place_of[i - 1];
         self->inbox.frame[i] = self->inbox.frame[i - 1];
     }
@@ -26,8 +26,8 @@ static bool add_to_inbox(replay_t *self, uint32_t place) {
     return true;
 }
 
-/* Skips frames that were sent before the firmware booted. Of the frames with the traced counter, only the last one
- * before the tick is certain to have been received. */
+/* Moves the cursor to the last frame before the tick that has the traced counter. Earlier frames with this id may have
+ * been sent before the firmware booted. */
 static void skip_unheard(replay_t *self, replay_stream_t *stream, uint8_t counter) {
     for (uint32_t i = stream->cursor; i < self->tick_place; i = self->next[i]) {
         if (replay_counter_of(self, &self->log[i]) == counter && replay_has_right_crc(self, stream, &self->log[i])) {
@@ -44,7 +44,7 @@ static bool is_read(const replay_t *self, replay_plan_t plan, const replay_strea
         return plan < REPLAY_READ_NEWEST;
     }
     if (stream->description->period_ms == 0u) {
-        return true; /* a request by the operator: the log contains the answer, so it was read */
+        return true; /* a request by the operator, which the firmware read, as its answer in the log shows */
     }
     return plan == REPLAY_READ_BRIDGED_STATES && distance % (max_delta(self) - 2u) == 0u;
 }
@@ -126,8 +126,8 @@ bool replay_read_refused(replay_t *self) {
 
 /* ---- times of reception */
 
-/* Returns the oldest timestamp with which the drive is fresh in every tick whose trace reports fresh drives, until the
- * drive's next frame. */
+/* Returns the oldest timestamp with which the drive counts as fresh in all those ticks, from this one to the drive's
+ * next frame, whose trace reports fresh drives. */
 static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);
     uint32_t stamp_us = trace->message.now_us - timeout_us - 1u;

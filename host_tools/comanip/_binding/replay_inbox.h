@@ -4,13 +4,14 @@
 
 #include "replay_log.h"
 
-/* If the firmware's receive queue overflowed, for example after a pause, the log does not show which frames were lost.
- * The replay tries these assumptions in order until the tick sends the recorded TickTrace. */
+/* Assumptions about the frames that a tick read. If the firmware's receive queue overflowed, for example after a pause,
+ * the log does not show which frames were lost. The replay tries the assumptions in this order until the replayed tick
+ * sends the recorded TickTrace. */
 typedef enum {
     REPLAY_READ_ALL,            /* all frames up to the traced counter */
     REPLAY_READ_BRIDGED_STATES, /* of the drives' states, only those without which the counter check would fail */
     REPLAY_READ_NEWEST_STATES,  /* of the drives' states, only the newest of each drive */
-    REPLAY_READ_NEWEST,         /* in addition, only the newest pose */
+    REPLAY_READ_NEWEST, /* of the drives' states, only the newest of each drive, and only the newest pose of the hand */
     REPLAY_READ_PLANS
 } replay_plan_t;
 
@@ -20,8 +21,8 @@ void replay_end(replay_t *self, replay_result_t result, uint32_t place);
 /* Records REPLAY_LOST for this frame. */
 void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t counter);
 
-/* Fills the inbox with the frames up to the traced counters. Returns false if one of them is not in the log, which ends
- * the replay, or if there are more frames than a tick can read. */
+/* Fills the inbox with the frames up to the traced counters. Returns false if a frame with a traced counter is not
+ * in the log, which ends the replay, or if there are more frames than a tick can read. */
 bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan);
 
 /* Adds the next frame on the bus that the firmware may have read and refused without recording its counter. Returns

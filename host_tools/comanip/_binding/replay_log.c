@@ -89,7 +89,7 @@ e2e_receiver_t *replay_receiver(replay_t *self, const replay_stream_t *stream) {
 
 /* ---- the trace */
 
-/* Returns the index of the next part with this counter, at or after `place`, or REPLAY_NO_FRAME. */
+/* Returns the index of the first frame of the stream with this counter, at or after `place`, or REPLAY_NO_FRAME. */
 static uint32_t find_part(const replay_t *self, const replay_stream_t *stream, uint32_t place, uint8_t counter) {
     const uint32_t limit = self->count - place < TRACE_WITHIN_FRAMES ? self->count : place + TRACE_WITHIN_FRAMES;
     const uint8_t number = (uint8_t)(stream - self->stream);

@@ -6,19 +6,19 @@
 
 typedef struct {
     tick_trace_t message;
-    e2e_receiver_t last[FRAME_KIND_COUNT]; /* last counter that the tick read, by frame kind */
+    e2e_receiver_t last[FRAME_KIND_COUNT]; /* by frame kind: counter of the last frame that the firmware had read */
 } replay_trace_t;
 
 /* Sets stream_of and next for all frames. */
 void replay_log_index(replay_t *self);
 
-/* Return the stream of the first frame of a message, or of a frame id. */
+/* Return a stream: by kind that of the message's first frame, by id that of the frame. */
 replay_stream_t *replay_stream_of_kind(replay_t *self, frame_kind_t kind);
 replay_stream_t *replay_stream_of_id(replay_t *self, uint16_t id);
 
 uint8_t replay_counter_of(const replay_t *self, const can_frame_t *frame);
 
-/* Returns the mask under which counters are compared. */
+/* Returns the bits of a counter that are compared, as a mask. */
 uint8_t replay_counter_mask(const replay_t *self);
 
 /* Checks a frame and updates the receiver's counter as the firmware does. */

@@ -39,7 +39,7 @@ void replay_boot(replay_t *self, const arm_ik_t *ik) {
     controller_set_parameters(&self->controller, &parameters, result);
 }
 
-/* Returns true for an answer to the save, or to another request with the same parameter and sequence number. */
+/* Returns true for an answer to the pending save, or to another request with the same parameter and sequence number. */
 static bool is_answer(const replay_t *self, const can_frame_t *frame) {
     const parameter_value_t value = replay_parameter_value(self, frame);
     return value.parameter == self->before.save_parameter && value.sequence == self->before.save_sequence;
@@ -61,6 +61,6 @@ bool replay_ends_save(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         surplus -= self->outbox.frame[i].id == stream->description->id && is_answer(self, &self->outbox.frame[i]);
     }
-    self->inbox.save_over = surplus > 0; /* the answer to the save is the first surplus answer */
+    self->inbox.save_over = surplus > 0; /* the log has an answer that the replay has not sent */
     return self->inbox.save_over;
 }

@@ -32,7 +32,7 @@ class Frame(NamedTuple):
 
     @property
     def message(self) -> Message | None:
-        """The message with this id in the DBC, or None."""
+        """The DBC's message with this frame's id, or None if there is none."""
         return None if self.extended or self.remote or self.error else messages().get(self.frame_id)
 
     @property
@@ -69,8 +69,8 @@ def is_classic(name: str) -> bool:
 
 @functools.cache
 def classic_parts(name: str) -> list[str]:
-    """Returns the names of the frames that carry a CAN FD message on classic CAN. Empty if the message is the same in
-    both profiles."""
+    """Returns the names of the frames that carry a CAN FD message on classic CAN. The list is empty if the message is
+    the same in both profiles."""
     attributes = {message.name: message.dbc.attributes.get("PartOf") for message in database().messages}
     return [part for part, whole in attributes.items() if whole and str(whole.value) == name]
 
@@ -151,7 +151,7 @@ def _short(value: object) -> str:
 
 
 class Verdict(NamedTuple):
-    """Result of an end-to-end check. ok: None for a frame without protection."""
+    """Result of an end-to-end check. ok: None if the frame is unprotected or not in the DBC."""
 
     ok: bool | None
     text: str

@@ -1,10 +1,10 @@
-"""Computes the exact longest and shortest time that a CAN frame can occupy the bus, over all payloads of its length.
+"""Computes the exact longest and shortest time that a CAN frame can occupy the bus, over all payloads of one length.
 
-The number of stuff bits still to come depends on the last bit sent and on the length of the run that it ends. In a
-classic frame, whose CRC is stuffed as well, it also depends on the CRC of the bits sent so far. Dynamic programming
-over these states (10, or 10 x 32768 with the CRC) therefore finds the largest or smallest number of stuff bits, working
-backwards from the last payload bit. A forward pass then finds a payload with that number. Frames are those of
-ISO 11898-1 with 11-bit ids, from SOF to the end of the intermission, without errors.
+The number of stuff bits still to come depends on the last bit sent and on how many equal bits in a row end with it. In
+a classic frame, whose CRC is stuffed as well, this number also depends on the CRC of the bits sent so far. Dynamic
+programming over these states (10, or 10 x 32768 with the CRC) therefore finds the largest or smallest number of stuff
+bits, working backwards from the last payload bit. A forward pass then finds a payload with that number of stuff bits.
+Frames are those of ISO 11898-1 with 11-bit ids, from SOF to the end of the intermission, without errors.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ class FrameLength:
 
 # ---- stuffing
 
-# State 2 * (run - 1) + bit stands for the last bit sent and the length of the run that it ends. A stuff bit is counted
-# when the bit after it is sent, because in CAN FD a run that ends with the data is not followed by a stuff bit, but by
-# the fixed stuff bit of the CRC field.
+# State 2 * (run - 1) + bit: `bit` is the last bit sent, and `run` the number of equal bits that end with it. A stuff
+# bit is counted when the next bit is sent, because in CAN FD a run that ends with the data is not followed by a stuff
+# bit, but by the fixed stuff bit of the CRC field.
 STATES = 2 * STUFF_RUN
 START_OF_FRAME = 0  # one dominant bit
 
 
 def _step(state: int, bit: int) -> tuple[int, int]:
-    """Returns the state after the bit, and the number of stuff bits (0 or 1) that are sent before it."""
+    """Returns the state after this bit is sent, and the number of stuff bits (0 or 1) that are sent before this bit."""
     last, run = state % 2, state // 2 + 1
     stuffed = int(run == STUFF_RUN)
     if stuffed:
@@ -75,8 +75,8 @@ def _crc15(crc: np.ndarray | int, bit: int) -> np.ndarray | int:
 
 
 def _crc_stuff_bits(state: int) -> np.ndarray:
-    """Returns the number of stuff bits for each CRC that can be sent after this state, including a stuff bit directly
-    before the CRC delimiter."""
+    """Returns, for each possible CRC, the number of stuff bits if that CRC is sent after this state. A stuff bit
+    directly before the CRC delimiter is included."""
     crc = np.arange(CRC15_VALUES)
     states, count = np.full(CRC15_VALUES, state), np.zeros(CRC15_VALUES, np.int16)
     steps = np.array([[_step(s, bit) for bit in (0, 1)] for s in range(STATES)])
@@ -89,7 +89,8 @@ def _crc_stuff_bits(state: int) -> np.ndarray:
 @functools.cache
 def _ahead(is_fd: bool, is_longest: bool) -> list[np.ndarray]:
     """Returns for each n an array [state, CRC] with the largest or smallest number of stuff bits in n more payload bits
-    and the stuffed bits after them. For CAN FD, whose CRC has fixed stuff bits, the array has one column."""
+    and, in a classic frame, in the CRC after them. For CAN FD, whose CRC has fixed stuff bits, the array has one
+    column."""
     extreme = np.maximum if is_longest else np.minimum
     crc = np.zeros(1, int) if is_fd else np.arange(CRC15_VALUES)
     end = [np.zeros(1, np.int16) if is_fd else _crc_stuff_bits(state) for state in range(STATES)]

@@ -15,8 +15,8 @@ from comanip.bus.transport import Profile, Receiver, Sender, profile_of
 from comanip.errors import ToolError
 
 CONNECT_S = 2.0
-# Time to listen for traffic that reveals the profile. FirmwareStatus is sent every 2 ms (CAN FD) or 8 ms (classic CAN);
-# the hub's socketcand starts to forward frames after 300 ms.
+# Time for which to listen for traffic that reveals the profile. FirmwareStatus is sent every 2 ms (CAN FD) or 8 ms
+# (classic CAN); the hub's socketcand starts to forward frames after 300 ms.
 LISTEN_S = 0.8
 
 
@@ -98,7 +98,7 @@ class LiveBus:
 
 def open_bus(address: BusAddress) -> LiveBus:
     """Opens the bus. Raises ToolError if python-can cannot open it."""
-    logging.getLogger("can").addHandler(logging.NullHandler())  # errors that matter are raised as exceptions
+    logging.getLogger("can").addHandler(logging.NullHandler())  # no log on stderr: errors are raised instead
     options = {"host": address.host, "port": address.port} if address.interface == "socketcand" else {}
     try:
         if options:  # test the connection first, because python-can would try for ten seconds

@@ -1,4 +1,4 @@
-"""Writes logs as MCAP for Foxglove and Lichtblick, with one channel per message of the DBC and its signals as JSON."""
+"""Writes logs as MCAP for Foxglove and Lichtblick, with one channel per message of the DBC. Signals are JSON."""
 
 from __future__ import annotations
 

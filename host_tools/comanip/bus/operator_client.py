@@ -36,7 +36,8 @@ class RefusedError(ToolError):
 
 
 _WHY = {
-    "wrong_mode": " (`start` requires mode ready, other commands the cooperation, parameters the arm at rest)",
+    "wrong_mode": " (`start` requires mode ready; other commands require a running cooperation; parameters "
+    "require the arm at rest)",
     "tracker_stale": " (the arm holds because poses of the hand no longer arrive)",
     "fault_present": " (the cause of the fault is still present: `comanip monitor` shows it)",
     "out_of_range": " (docs/bus.md and `comanip param list` show the ranges)",
@@ -111,8 +112,8 @@ class OperatorClient:
     # ---- one request and its answer
 
     def _refused(self, request: str, result: str) -> RefusedError:
-        """Returns the error for a refusal, including the parameters that the firmware reports after its answer, one
-        per tick."""
+        """Returns the error for a refusal. If the parameters are unstable, the error includes those that the firmware
+        reports after its answer, one per tick."""
         involved = {}
         deadline_s = time.monotonic() + self._answer_s
         while result == UNSTABLE and time.monotonic() < deadline_s:
@@ -130,7 +131,7 @@ class OperatorClient:
 
     def _request(self, request: str, signals: dict, answer: str, expected: dict, answer_s: float | None = None) -> dict:
         answer_s = self._answer_s if answer_s is None else answer_s
-        self._sequence = self._sequence % 255 + 1  # 0 is reserved for the parameters that are sent at boot
+        self._sequence = self._sequence % 255 + 1  # 0 marks the values that the firmware sends at boot
         expected = expected | {"sequence": self._sequence}
         for _ in range(self._attempts):
             self._bus.send(request, signals | {"sequence": self._sequence})
@@ -145,7 +146,8 @@ class OperatorClient:
 
     def _received(self, duration_s: float) -> Iterator[Frame]:
         """Yields the frames received within the duration. A busy bus may deliver frames faster than this process reads
-        them. Frames that still wait to be read are therefore yielded as well, for at most as long again."""
+        them. Frames that are still waiting after the duration are therefore yielded as well, for at most the same
+        duration again."""
         deadline_s = time.monotonic() + duration_s
         while True:
             frame = self._bus.receive_until(deadline_s)

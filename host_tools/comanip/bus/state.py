@@ -81,7 +81,8 @@ class BusState:
         return self.ids.get((frame_id, False))
 
     def signals(self, name: str) -> dict:
-        """Returns the latest signals of this message, in either profile. Empty before the first message."""
+        """Returns the signals of the latest message with this name, in either profile, or {} if none has been
+        received."""
         message = self._messages.get(name)
         return (decode(message) or {}) if message else {}
 
@@ -89,7 +90,7 @@ class BusState:
 def frame_duration_ns(frame: Frame) -> int:
     """Returns the duration of the longest frame with this id and length. An extended id counts as a standard id plus 20
     bits."""
-    # socketcand does not report whether a frame is CAN FD, but the DBC does.
+    # Uses the DBC because socketcand does not report whether a frame is CAN FD.
     classic = not frame.fd and len(frame.data) <= 8 and not (frame.message and frame.message.is_fd)
     length = len(frame.data) if classic else next((n for n in FD_LENGTHS if n >= len(frame.data)), FD_LENGTHS[-1])
     duration_ns = longest(

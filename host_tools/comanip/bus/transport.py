@@ -20,7 +20,8 @@ class Profile(str, Enum):
     CLASSIC = "classic"
 
     def message(self, name: str):
-        """Returns the DBC's entry for this message in this profile: on classic CAN, that of the first part."""
+        """Returns the DBC's entry for this message in this profile. On classic CAN, the entry is that of the first
+        part."""
         parts = classic_parts(name) if self is Profile.CLASSIC else []
         return database().get_message_by_name(parts[0] if parts else name)
 
@@ -35,8 +36,8 @@ def profile_of(frame: Frame) -> Profile | None:
 
 
 class Sender:
-    """A sender with its counters. The counters start at random values, because a receiver could mistake a restart at 0
-    for a repeated frame."""
+    """A sender on the bus, which counts its messages and splits them into frames. The counters start at random values,
+    because a receiver could mistake a restart at 0 for a repeated frame."""
 
     def __init__(self, profile: Profile):
         self._profile = profile

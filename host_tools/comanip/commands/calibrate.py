@@ -32,7 +32,7 @@ Sample = tuple[float, np.ndarray]  # time [s], position [m] in the tracker's fra
 
 
 class _Unwrapped:
-    """Converts times of the tracker's 32-bit clock, which wraps, to continuous seconds."""
+    """Converts times of the tracker's 32-bit clock, which wraps around, to seconds that do not wrap."""
 
     def __init__(self):
         self._last_us, self._wraps = 0, 0
@@ -95,15 +95,16 @@ def _guide(bus: LiveBus) -> list[Move]:
         move = detector.feed(t_s, position_m)
         if detector.is_resting and not was_resting:
             out.print(
-                f"1/{len(MOVES)}: move it straight {MOVES[0]} by 20 cm or more, in the robot's direction, and hold it."
+                f"1/{len(MOVES)}: move the hand straight {MOVES[0]}, as seen by the robot, by 20 cm or more, "
+                "and hold it still."
             )
         if move is None:
             continue
         moves.append(move)
-        out.print(f"  {100 * move.length_m:.0f} cm, {100 * move.crooked:.1f} % off the line")
+        out.print(f"  {100 * move.length_m:.0f} cm, {100 * move.crooked:.1f} % off a straight line")
         if len(moves) == len(MOVES):
             return moves
-        out.print(f"{len(moves) + 1}/{len(MOVES)}: from there straight {MOVES[len(moves)]}, and hold it there.")
+        out.print(f"{len(moves) + 1}/{len(MOVES)}: from there, move it straight {MOVES[len(moves)]} and hold it still.")
     raise CalibrationError(
         f"{len(moves)} of {len(MOVES)} moves within {MOVES_TIMEOUT_S:g} s: is the tracker running? "
         "`comanip monitor` shows HandPose"

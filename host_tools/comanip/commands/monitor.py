@@ -30,7 +30,7 @@ REFRESH_S = 0.2
 MODE_STYLE = {"cooperating": "green", "ready": "cyan", "hold": "yellow", "fault": "bold red"}
 NO_POSE_US = 2**24 - 1
 CAN_FAULTS = {"error_passive": "error-passive", "bus_off": "bus-off"}
-PORT_COUNTS = {  # texts for counts in PortStatus, in the singular and plural
+PORT_COUNTS = {  # texts for the counts in PortStatus: (singular, plural)
     "refused_frames": ("frame not sent", "frames not sent"),
     "lost_frames": ("received frame lost", "received frames lost"),
     "error_passive": ("time error-passive", "times error-passive"),

@@ -13,7 +13,7 @@ from rich.console import Console
 from comanip.bus.live import BusAddress
 from comanip.bus.transport import Profile
 
-# The options for the fields of a BusAddress, which also has their defaults.
+# The command-line option for each field of BusAddress. The default values are those of BusAddress.
 _BUS_OPTIONS = {
     "interface": Annotated[
         str,
@@ -46,7 +46,7 @@ LogPath = Annotated[
 
 
 def takes_bus(command: Callable[..., None]) -> Callable[..., None]:
-    """Replaces the parameter `address`, a BusAddress, of a command by the options that select a bus."""
+    """Replaces a command's parameter `address`, a BusAddress, by the options that select a bus."""
     signature, default = inspect.signature(command, eval_str=True), BusAddress()
     kind = inspect.Parameter.KEYWORD_ONLY
     options = [

@@ -7,12 +7,12 @@ import numpy as np
 from comanip._core import ffi, lib
 from comanip.core import checks as check
 
-JERK_DEFAULT_RADPS3 = 1e4  # also the default in the arm descriptions, firmware/arms/*.toml
+JERK_DEFAULT_RADPS3 = 1e4  # the same default as in arm descriptions, firmware/arms/*.toml
 _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 
 
 def _built_in() -> dict[str, object]:
-    """Returns the arms linked into the firmware, each an arm_ik_t, by name."""
+    """Returns the arm_ik_t of each arm that is linked into the firmware, by the arm's name."""
     symbols = (getattr(lib, name) for name in dir(lib) if name.startswith("arm_ik_"))
     found = [
         symbol for symbol in symbols if isinstance(symbol, ffi.CData) and ffi.typeof(symbol) is ffi.typeof("arm_ik_t")
@@ -34,7 +34,8 @@ def arms() -> list[str]:
 
 
 class Arm:
-    """A serial arm of n = 1..8 revolute joints. Functions that take an arm accept an Arm in place of a name.
+    """A serial arm of n = 1..8 revolute joints. Functions with a parameter `arm` accept an Arm or the name of a
+    built-in arm.
 
     fixed[i] is the pose of joint i relative to the moving frame of the previous joint (for the first joint: the torso).
     Joint i turns about axis[i]. `effector` is the pose of the end effector relative to the last joint's moving frame.

@@ -60,7 +60,7 @@ def normalise(a: np.ndarray) -> np.ndarray:
 
 
 def decompositional_multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Evaluates equation (6) for poses, T{b} T{a} P(b) P(a), row by row: (N, 8), (N, 8) -> (N, 8)."""
+    """Evaluates equation (6) of the paper, T{b} T{a} P(b) P(a), for poses, row by row: (N, 8), (N, 8) -> (N, 8)."""
     a, b = check.poses("a", a), check.poses("b", b)
     check.same_length("a", a, "b", b)
     out = np.empty_like(a)
@@ -88,8 +88,8 @@ def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
 
 
 def pose_jacobian(arm: str | Arm, q: np.ndarray) -> np.ndarray:
-    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). Of a pose and its
-    negative, it differentiates the one that forward_kinematics() returns."""
+    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). The derivative
+    has the sign of the dual quaternion that forward_kinematics() returns."""
     arm = resolve(arm)
     q = _joint_positions(arm, q)
     out = np.empty((len(q), 8, arm.joint_count), np.float32)

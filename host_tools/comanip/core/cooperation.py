@@ -34,9 +34,9 @@ class Cooperation:
     """Maps the pose of the person's hand (tracker frame) to the target pose of the end effector (torso frame).
 
     task: "pour", "teleop" or "mirror" (Table I).
-    tracker_rotation: rotation of the torso's axes in the tracker's frame, a unit quaternion (4,). By default that of
-        equation (9) in the paper.
-    latch: whether grasp() keeps the "commanded" or the "measured" q_task.
+    tracker_rotation: rotation of the torso's axes in the tracker's frame, a unit quaternion (4,). The default is
+        that of equation (9) in the paper.
+    latch: whether grasp() latches the "commanded" or the "measured" q_task.
     scale: factor for the hand's displacement. The rotation is not scaled.
     start_offset: initial position of the person's hand minus that of the end effector, in m in torso axes (3,). The
         default is 0, as the paper assumes.

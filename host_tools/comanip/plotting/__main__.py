@@ -34,7 +34,7 @@ def draw(folder: Path) -> list[Path]:
     written = []
     for name, make in pictures.items():
         path = report / f"{name}.png"
-        path.unlink(missing_ok=True)  # an earlier run's plot, which this run might not replace
+        path.unlink(missing_ok=True)  # may be from an earlier run, and this run may lack the data for it
         figure = make(run)
         if figure is not None:
             written.append(style.save(figure, path))

@@ -21,15 +21,15 @@ RING = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
 def plain_scene(run: RunData) -> Scene:
-    """Returns a scene for a user's scenario. The curves depend on the objects in the scenario."""
+    """Returns the layout of the figure for a user's scenario. Its curves depend on the objects in the scenario."""
     curves = {"rod": "handing", "crank": "crank"}
     decisive = "water" if run.has("water_robot") else curves[run.thing.kind] if run.thing else "tracking"
     return Scene(run.scenario, (), decisive)
 
 
 def instants(run: RunData, scene: Scene) -> list[tuple[float, str]]:
-    """Returns (time, caption) of the snapshots. They are those of the scene if all of its events occurred, otherwise
-    evenly spaced over the cooperation."""
+    """Returns (time, caption) of each snapshot. If all events of the scene occurred, the times and captions are those
+    of the scene. Otherwise the times are evenly spaced over the cooperation, and the captions are empty."""
     starts = [(run.event_s(event), after_s, caption) for event, after_s, caption in scene.instants]
     if starts and all(start is not None for start, _, _ in starts):
         return [(start + after_s, caption) for start, after_s, caption in starts]
@@ -72,7 +72,7 @@ def _draw_cup(axes: Axes, view: View, run: RunData, row: int, cup: Cup, colour: 
     low, high = bottom + ring, bottom + cup.height_m * axis + ring
     _line(axes, view, low, color=colour, lw=1.0, zorder=6)
     _line(axes, view, high, color=colour, lw=1.4, zorder=6)
-    # The wall's outline consists of the two generating lines that are farthest apart across the projected axis.
+    # The outline of the cup's wall: the two lines along the wall that are farthest apart across its projected axis.
     along = view(axis)
     across = np.array([-along[1], along[0]])
     side = view(ring) @ across

@@ -46,8 +46,8 @@ class Thing:
 
 @dataclass(frozen=True)
 class RunData:
-    """The data of a run, with one row per tick. Empty cells are NaN, as are all cells of columns that are not in the
-    file."""
+    """The data of a run, with one row per tick. Empty cells are NaN. A column that is not in the file reads as
+    NaN throughout."""
 
     folder: Path
     summary: dict
@@ -68,7 +68,7 @@ class RunData:
         return sorted(found, key=lambda event: event.t_s)
 
     def event_s(self, *names: str) -> float | None:
-        """Returns the time of the first of these names whose event occurred, or None if no such event occurred."""
+        """Returns the time of the first event in the order of `names` that occurred, or None if none did."""
         times = {event.name: event.t_s for event in reversed(self.events)}
         return next((times[name] for name in names if name in times), None)
 
@@ -138,7 +138,7 @@ def read_summary(path: Path) -> dict:
 
 def _with_nan(text: str) -> str:
     """Replaces empty cells with "nan", which numpy's fast reader requires."""
-    for _ in range(2):  # the second pass handles adjacent empty cells, whose matches overlap
+    for _ in range(2):  # twice, because the matches of adjacent empty cells overlap
         text = text.replace(",,", ",nan,")
     return text.replace(",\n", ",nan\n")
 

@@ -13,7 +13,7 @@ class Scene:
 
     title: str
     instants: tuple[tuple[str, float, str], ...]
-    decisive: str  # the curves that show the success: "water", "carrying", "handing", "crank" or "tracking"
+    decisive: str  # the curves that show whether it succeeded: "water", "carrying", "handing", "crank" or "tracking"
     view_deg: tuple[float, float] = (-62.0, 16.0)
 
 

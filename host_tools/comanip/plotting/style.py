@@ -73,8 +73,9 @@ def legend_beside(axes: Axes) -> None:
 
 
 def spread(positions: Sequence[float], gap: float, low: float, high: float) -> np.ndarray:
-    """Moves ascending positions until neighbours are at least `gap` apart. If low..high is too short for that, spaces
-    them evenly. Positions that are too close are moved in both directions."""
+    """Spreads ascending positions within low..high so that neighbours are at least `gap` apart. Positions that are too
+    close are moved apart in both directions. If low..high is too short for all gaps, the positions are evenly
+    spaced."""
     ideal = np.asarray(positions, float)
     if len(ideal) < 2:
         return np.clip(ideal, low, high)
@@ -109,7 +110,7 @@ def _explain_modes(run: RunData, axes: Axes) -> None:
     """Adds a legend for the bands. The legend is placed beside the label of the time axis."""
     seen = [mode for mode in MODE_COLOURS if mode in {name for _, _, name in run.modes()}]
     handles = [Patch(facecolor=MODE_COLOURS[mode], edgecolor=PALE, label=mode) for mode in seen]
-    # Added to the figure as an artist, because a second axes.legend() would replace the first.
+    # Added to the figure as an artist, because axes.legend() would replace the legend of the curves.
     legend = Legend(axes.figure, handles, seen, loc="lower right", bbox_to_anchor=(0.995, 0.002), ncols=len(seen) or 1)
     axes.figure.add_artist(legend)
 

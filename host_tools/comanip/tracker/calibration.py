@@ -3,8 +3,8 @@
 The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
 between the moves. The tracker measures the three directions. Finding the rotation that best maps the torso's axes to
 these directions in the least-squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
-Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is the
-inverse of the Fisher information.
+Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is their
+variance times the inverse of the Fisher information for unit variance.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOST_CROOKED = 0.15  # RMS distance from the straight line, divided by the move'
 MOST_UNSURE_DEG = 5.0  # standard error of the rotation
 SPEED_WINDOW_S = 0.1
 PARAMETERS = tuple(f"tracker_rotation_{axis}_rad" for axis in "xyz")
-DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles per direction, minus the three of the rotation
+DEGREES_OF_FREEDOM = 2 * len(MOVES) - 3  # two angles for each direction, minus three angles for the rotation
 
 
 class CalibrationError(ToolError):
@@ -55,8 +55,8 @@ class MoveDetector:
         return self._rest_point is not None
 
     def feed(self, t_s: float, position_m: np.ndarray) -> Move | None:
-        """Processes a position. Returns the move before the current rest once this rest has lasted REST_S, otherwise
-        None."""
+        """Processes a position. Once the hand has rested for REST_S, returns the move that led to this rest, if any.
+        Otherwise returns None."""
         if self._times and t_s <= self._times[-1]:
             return None
         self._times.append(t_s)
@@ -81,7 +81,7 @@ class MoveDetector:
         self._times, self._points = self._times[start:], self._points[start:]
         self._rest_since = self._times[0]
         if before is None or np.linalg.norm(here - before) < LEAST_MOVE_M:
-            self._rest_point = here if before is None else before  # keep the old point, so that slow drift adds up
+            self._rest_point = here if before is None else before  # kept, so that slow drift adds up to a move
             return None
         return _move(before, here, path)
 
@@ -154,7 +154,7 @@ def solve(moves: Iterable[Move]) -> Calibration:
     if np.linalg.det(directions) < 0.0:
         raise CalibrationError(
             "the moves form a left-handed frame, expected a right-handed one: "
-            "was one of them in the opposite direction (right, back or down)?"
+            "was a move in the opposite direction (back, right or down)?"
         )
     u, _, vt = np.linalg.svd(directions.T)
     rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt

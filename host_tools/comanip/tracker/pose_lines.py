@@ -32,7 +32,7 @@ class Pose(NamedTuple):
 
 
 def _quaternion_from_matrix(rotation: np.ndarray) -> np.ndarray:
-    """Converts a matrix by Shepperd's method, which computes the largest of the four components first."""
+    """Converts a rotation matrix by Shepperd's method, which computes the quaternion's largest component first."""
     trace = np.trace(rotation)
     greatest = int(np.argmax([trace, *np.diag(rotation)]))
     if greatest == 0:

@@ -62,7 +62,7 @@ class TrackerPublisher:
 
     @property
     def period_us(self) -> int:
-        """The sample period, in steps of 10 us as in TrackerStatus."""
+        """The sample period, rounded to 10 us, which is the resolution in TrackerStatus."""
         period_us = self._period_us
         if period_us is None:
             default_us = 1000 * self._bus.profile.message("HandPose").cycle_time

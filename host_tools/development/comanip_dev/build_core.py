@@ -41,12 +41,12 @@ def run(command: list[str]) -> str:
 
 
 def core_sources() -> list[Path]:
-    """Returns the C sources of the binding, and those of the firmware except main.c, which needs a HAL."""
+    """Returns all C sources of the binding and of the firmware, except main.c, which needs a HAL."""
     return sorted(source for source in FIRMWARE.rglob("*.c") if source.name != "main.c") + sorted(BINDING.glob("*.c"))
 
 
 def umbrella(sources: list[Path]) -> str:
-    """Returns a C source that includes the header of each source that has one."""
+    """Returns a C source with an include line for the header of each of these sources, if it has a header."""
     headers = [source.with_suffix(".h") for source in sources]
     return "".join(f'#include "{header}"\n' for header in headers if header.is_file())
 

@@ -74,7 +74,7 @@ def write_each_byte_once(text: str) -> str:
     return re.sub(whole, rewritten, text, flags=re.DOTALL)
 
 
-RAW_MAX = 2**23  # quantise() in firmware/protocol/messages.c adds 0.5 in float32
+RAW_MAX = 2**23  # above it, adding 0.5 in float32 is inexact (quantise() in messages.c)
 
 
 def names_by_value(signal) -> str:
@@ -177,7 +177,7 @@ def x_macro(name: str, rows: list[str]) -> list[str]:
 
 
 def trace_rows(messages: list[Message]) -> list[str]:
-    """Returns the rows in the order of the counters in TickTrace, which is also that of the bits in `received`."""
+    """Returns the rows in the order of the counters in TickTrace, which is also the order of the bits in `received`."""
     trace = next(message for message in messages if message.name == "TickTrace")
     by_counter = {trace_counter(m): m for m in to_firmware(messages)}
     rows = []

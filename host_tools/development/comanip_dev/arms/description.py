@@ -75,7 +75,7 @@ class Arm:
 
     @property
     def fixed(self) -> list[Pose]:
-        """The twists including the offsets, so that each joint only adds its angle."""
+        """The twists including the joints' angle offsets: the pose of each joint at angle 0."""
         return [twist * about_z(offset) for twist, offset in zip(self.twist, self.offset_deg, strict=True)]
 
 

@@ -22,7 +22,7 @@ Quaternion = list[Term]
 COLUMNS = 120
 
 
-# ---- formulas with terms, which are constants or variables of the C code
+# ---- formulas that consist of Terms (see straight_line.py)
 
 
 def constants(numbers: np.ndarray) -> list[Term]:
@@ -85,7 +85,7 @@ def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> l
 
 
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
-    """Returns the cosine and sine of the angle that `cosine` and `sine` describe, increased by `angle_deg`."""
+    """Returns the cosine and sine of an angle plus `angle_deg`. cosine, sine: those of the angle."""
     c, s = constants([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
     return [
         block.add(block.multiply(c, cosine), -block.multiply(s, sine)),
@@ -113,7 +113,8 @@ class Seen:
 def to_middle(
     block: Block, arm: Arm, joints: list[Joint], middle: int, v: Vector, start: int, is_point: bool
 ) -> Vector:
-    """Transforms v from the moving frame of joint start - 1 (for 0: the torso) to the fixed frame of joint `middle`."""
+    """Transforms v to the fixed frame of joint `middle`, from the moving frame of joint start - 1 (of the torso if
+    start is 0)."""
     for i in range(start, middle + 1):
         if is_point:
             v = add(block, v, constants(-arm.twist[i].translation_m))
@@ -182,8 +183,8 @@ def see(
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
     """Returns the quantities that depend on the error frame: g, and the weighted parts of the error; see
-    differential_ik_isotropic.c. For an arm with few joints the equations do not use all of them; unused ones are
-    left out."""
+    differential_ik_isotropic.c. Quantities that the equations do not use, as for an arm with few joints, are left
+    out."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)
@@ -275,8 +276,8 @@ def assign(
 @dataclass
 class Factors:
     """The factorisation L D L^T of the normal equations, row by row. None stands for entries that are 0 by
-    construction. The last two rows are solved as one block, which needs one division instead of two. A block of earlier
-    rows would be less accurate."""
+    construction. The last two rows are solved as one block, which needs one division instead of two. A block of two
+    earlier rows would be less accurate."""
 
     n: int
     eliminated: int  # number of rows before the last two
@@ -310,8 +311,8 @@ def factorise(n: int, matrix: dict[tuple[int, int], Term], inverse: str = "1.0f 
 
 
 def substitute(factors: Factors, pulls: str, speeds: str) -> list[str]:
-    """Generates the solution for the right-hand side in the variables PULLS_0, PULLS_1, ..., stored in the array
-    `speeds`. The names of intermediate variables begin with `pulls`."""
+    """Generates code that solves the equations and stores the solution in the array `speeds`. The right-hand side is in
+    the variables {pulls}_0, {pulls}_1, ... The names of intermediate variables also begin with `pulls`."""
     lines: list[str] = []
     n, row, factor, eliminated = factors.n, factors.row, factors.factor, factors.eliminated
     pull = [f"{pulls}_{i}" for i in range(n)]
@@ -383,8 +384,8 @@ def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]
 
 
 def sines_and_cosines(n: int) -> list[str]:
-    """Generates sine_cosine_inline() of the half angles. Each step is done for all joints before the next step, so that
-    each coefficient is loaded once. The results are bit-identical to those of sine_cosine_inline()."""
+    """Generates sine_cosine_inline() of the half angles. Each step is done for all joints before the next step begins,
+    so that each coefficient is loaded once. The results are bit-identical to those of sine_cosine_inline()."""
     joints = range(n)
     lines = [f"    const float half_{i} = 0.5f * position_rad[{i}];" for i in joints]
     lines.append(f"    float {', '.join(f'sine_{i}' for i in joints)}, {', '.join(f'cosine_{i}' for i in joints)};")
@@ -432,7 +433,7 @@ def law(arm: Arm, middle: int, right_first: bool) -> Law:
     target = [Term(1.0, f"target->translation_m.{axis}") for axis in "xyz"]
     rotation = [Term(1.0, f"target->rotation.{axis}") for axis in "wxyz"]
     seen = see(block, arm, joints, target, rotation, middle, right_first)
-    scale = abs(seen.turn[0].factor)  # a common factor of the rotation's components is taken out
+    scale = abs(seen.turn[0].factor)  # factored out of all components of the rotation
     turn = [block.whole(Term(term.factor / scale, term.variable)) for term in seen.turn]
     equations, matrix = normal_equations(seen)
     difference = errors(arm, joints, middle, seen, equations)
@@ -458,7 +459,7 @@ def fewest_operations(arm: Arm) -> Law:
 
 
 def forward_kinematics(arm: Arm) -> list[str]:
-    """Generates equation (3), evaluated from the end effector towards the torso."""
+    """Generates equation (3) of the paper, evaluated from the end effector towards the torso."""
     n = len(arm.twist)
     lines = ["    (void)arm;"]
     lines += [f"    const sine_cosine_t half_{i} = sine_cosine(0.5f * position_rad[{i}]);" for i in range(n)]

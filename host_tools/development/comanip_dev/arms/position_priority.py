@@ -1,7 +1,7 @@
 """Generates the equations of firmware/control/position_priority.c for one arm, as lines of a C function.
 
-As in differential_ik.py, errors, motion and axes are expressed in the frame of the joint for which this needs the
-fewest operations. If joints are at their limits, the general position_priority_solve() solves the equations.
+As in differential_ik.py, errors, motion and axes are expressed in the frame of one joint, chosen so that the code
+needs the fewest operations. If joints are at their limits, the general position_priority_solve() solves the equations.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def law(arm: Arm, middle: int, right_first: bool) -> list[str]:
     whole_way = [block.add(t, -h) for t, h in zip(seen.target, seen.hand, strict=True)]
     distance = block.apply("__builtin_sqrtf({})", block.dot(whole_way, whole_way))
     way = scaled(block, block.apply("position_priority_share({})", distance), whole_way)
-    scale = abs(seen.turn[0].factor)  # a common factor of the rotation's components is taken out
+    scale = abs(seen.turn[0].factor)  # factored out of all components of the rotation
     w, *vector = (Term(term.factor / scale, term.variable) for term in seen.turn)
     twice = literal(2.0 * scale)
     # target and -target are the same pose: choose the nearer one

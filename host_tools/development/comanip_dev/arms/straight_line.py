@@ -38,7 +38,7 @@ def literal(value: float) -> str:
 
 
 class Block:
-    """A list of statements in the order of their creation. text() returns those that are needed for given results."""
+    """A list of statements in the order of their creation. text() returns the statements that given results need."""
 
     def __init__(self, prefix: str) -> None:
         self._prefix = prefix
@@ -83,7 +83,7 @@ class Block:
         return Term(factor, self._emit(f"{a.variable} * {b.variable}", a.variable, b.variable))
 
     def whole(self, a: Term) -> Term:
-        """Returns the term with its factor multiplied out, except for the sign."""
+        """Returns an equal term whose factor is 1 or -1, unless it is a constant."""
         if a.variable is None or abs(a.factor) == 1.0:
             return a
         return Term(1.0 if a.factor > 0 else -1.0, self._emit(f"{literal(abs(a.factor))} * {a.variable}", a.variable))

@@ -2,15 +2,15 @@
 
 The method is that of R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: Controller Area Network (CAN) schedulability
 analysis: refuted, revisited and revised. Real-Time Systems 35 (2007), over all instances in the busy period. A frame
-that answers another frame inherits its jitter from that frame; this is iterated to a fixed point (holistic analysis:
-K. Tindell, J. Clark, 1994).
+that answers another frame inherits jitter from that frame, so the computation is repeated until the results no longer
+change (holistic analysis: K. Tindell, J. Clark, 1994).
 
 Assumptions: ids are priorities; each node offers its lowest id first; frames of two streams with the same id delay each
 other; there are no errors. All times are whole nanoseconds.
 
-An answer depends on the frame that it answers, its request. The sum of the worst cases of both would therefore count
-most frames twice. A tighter bound holds if all answers to a request are sent before the next request is queued, and if
-no other frame has a priority between those of the answers. There are two cases:
+An answer is queued only after its request, the frame that it answers. The sum of the worst cases of request and answer
+would count most frames twice. A tighter bound holds if all answers to a request are sent before the next request is
+queued, and if no other frame has a priority between those of the answers. There are two cases:
 
 1. The answer is queued within the busy period in which its request was queued. From the start of that busy period, the
    request, its answers and the frames queued together with the request are each sent once. The busy period contains no
@@ -34,8 +34,8 @@ class Stream:
     events are at least period_ns apart. Jitter also models bursts of frames that are sent on events: with a period of
     20 ms and a jitter of 19 ms, two frames are at least 1 ms apart, and there is on average one frame in 20 ms.
 
-    batch: streams of one batch are queued at the same instants. Those with the same period are always queued together.
-    one_of: name of a group of streams, only one of which is sent at a time. They have the same period and jitter.
+    batch: streams of one batch are queued at the same instants. Those of equal period are always queued together.
+    one_of: name of a group of streams, only one of which is sent at a time. All have the same period and jitter.
     answers: name of the frame that this frame answers. The answer is queued answer_delay_ns after the end of that frame
         and has the same event and period. `analyse` computes its earliest_ns and jitter_ns.
     """
@@ -55,7 +55,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Response:
-    """The times from the queueing of a frame and from its event to the end of the frame. None: unbounded, because the
+    """The worst-case times to the end of a frame, from its queueing and from its event. None: unbounded, because the
     bus is overloaded."""
 
     queued_ns: int | None
@@ -179,7 +179,7 @@ def _answer(
     connected = Response(ends_ns - way_ns, asked.earliest_ns + asked.jitter_ns + ends_ns)
 
     follows = [o for o in together if o.identifier > asked.identifier and o.shortest_ns >= stream.answer_delay_ns]
-    if follows:  # a frame sent after the request extends the busy period until the answer is queued
+    if follows:  # frames sent after the request extend the busy period until the answer is queued
         return connected
     ends_ns = _waits(base_ns, [other for other in rest if other not in batch], bit_ns) + stream.longest_ns
     apart = Response(ends_ns, known[asked.name].event_ns + stream.answer_delay_ns + ends_ns)

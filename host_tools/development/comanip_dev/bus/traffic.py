@@ -43,7 +43,7 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Frame:
-    """Frames of one kind, which are sent every period_ms, or on events that occur once per period on average. batch,
+    """Frames of one kind, sent every period_ms or, if they are sent on events, once per period_ms on average. batch,
     one_of and answers have the same meaning as in Stream."""
 
     name: str

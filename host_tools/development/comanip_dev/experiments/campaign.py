@@ -20,7 +20,7 @@ SCENARIOS_FROM_SIMULATOR = "../../sim/scenarios"
 INPUTS_FILE = "inputs.sha256"
 RUN_TIMEOUT_S = 900.0
 POLL_S = 0.01
-END_S = 2.0  # time allowed for a child to end after SIGTERM
+END_S = 2.0  # time allowed for a simulator to end after SIGTERM
 
 
 class CampaignError(Exception):
@@ -97,7 +97,7 @@ def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
 
 
 def remember(outcome: Outcome, digest: str) -> None:
-    """Stores the digest of a run, so that the run is not repeated. Does nothing if its result is "error"."""
+    """Stores the digest of a run, so that the run is not repeated. Does nothing if the run's result is "error"."""
     if outcome.result != "error":
         (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
 
@@ -143,7 +143,7 @@ def _judge(job: Job, status: int, stderr: str) -> Outcome:
 
 def _start(index: int, job: Job, simulator: Path) -> _Child:
     job.out.mkdir(parents=True, exist_ok=True)
-    for name in (INPUTS_FILE, "summary.json"):  # files of an earlier run must not be taken for this run's
+    for name in (INPUTS_FILE, "summary.json"):  # deleted, so that an earlier run's files are not taken for this run's
         (job.out / name).unlink(missing_ok=True)
     stderr = tempfile.TemporaryFile("w+")
     process = subprocess.Popen(job.command(simulator), stdout=subprocess.DEVNULL, stderr=stderr)
@@ -163,7 +163,7 @@ def _end(children: list[_Child]) -> None:
 
 
 def _collect(child: _Child, job: Job, timeout_s: float) -> Outcome | None:
-    """Returns the outcome of a child that has ended, or None while it runs."""
+    """Returns the outcome if the simulator has ended, or None while it runs. Stops the simulator after timeout_s."""
     status = child.process.poll()
     if status is None:
         if time.monotonic() - child.started_s < timeout_s:
@@ -188,8 +188,8 @@ def run_jobs(
     on_done: Callable[[Outcome], None] = lambda outcome: None,
     timeout_s: float = RUN_TIMEOUT_S,
 ) -> list[Outcome]:
-    """Runs all jobs, `workers` at a time, and returns the outcomes in the order of the jobs. Terminates its children if
-    interrupted."""
+    """Runs all jobs, `workers` at a time, and returns the outcomes in the order of the jobs. If interrupted, terminates
+    the simulators."""
     require_simulator(simulator)
     outcomes: list[Outcome | None] = [None] * len(jobs)
     waiting = list(reversed(range(len(jobs))))

@@ -1,4 +1,4 @@
-"""Searches for the gains of the paper's control law (4) and of ours (firmware/control/position_priority.h).
+"""Searches for the gains of the paper's control law (4) and of our law (firmware/control/position_priority.h).
 
 ``python -m comanip_dev.experiments.gain_search --out DIR`` (``make gain-search``).
 
@@ -57,8 +57,8 @@ GAIN_RATIOS = (1.0, 4.0, 16.0, 64.0, 256.0, 1024.0)
 DAMPINGS = (1e-4, 1e-3, 1e-2, 1e-1)
 OUR_GAINS_PER_S = (10.0, 20.0, 25.0, 35.0, 50.0, 60.0)
 OUR_GAIN_RANGE_PER_S = (1.0, 60.0)  # range of the firmware's parameter
-OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1e3 corresponds to the parameter's maximum, 1e-3 m^2
-BEST = 5  # number of candidates to refine and to confirm
+OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1 / orientation_weight_m2; 1e3 is for the maximum, 1e-3 m^2
+BEST = 5  # number of candidates whose neighbours are tried, and that are confirmed
 SHOWN = 10
 ORDER_SEED = 1
 
@@ -169,7 +169,7 @@ def coarse_grid(law: str) -> list[Candidate]:
 
 
 def neighbours(candidate: Candidate) -> list[Candidate]:
-    """Returns the candidates that differ in one value by half a step of the coarse grid, in either direction."""
+    """Returns the candidates that differ from this one in a single value, by about half a step of the coarse grid."""
     steps = (("gain_per_s", 1.4), ("ratio", 2.0), ("damping", 3.0))
     found = []
     for name, factor in steps:
@@ -209,8 +209,8 @@ class Search:
         return done
 
     def law(self, law: str, seeds: int, end_s: float) -> None:
-        """Searches for the gains of one law until end_s. Half of the time is for the grid, and a quarter each for
-        refining and for more seeds."""
+        """Searches for the gains of one law until end_s. Half of the time is for the coarse grid, a quarter for
+        refining, and a quarter for confirming with more seeds."""
         begin_s = time.monotonic()
         span_s = max(0.0, min(end_s, self._end_s) - begin_s)
         coarse = self.stage("coarse", coarse_grid(law), 1, begin_s + 0.5 * span_s)
