@@ -1,4 +1,4 @@
-/* The operator's steps in a run: the scenario's script with the overrides of the command line. */
+/* The operator's steps in a run: the scenario's script, modified by options on the command line. */
 #ifndef COMANIP_SIM_OPERATOR_SCRIPT_H
 #define COMANIP_SIM_OPERATOR_SCRIPT_H
 
@@ -14,7 +14,7 @@
 
 /* Changes that the command line makes to the scenario's script. */
 typedef struct {
-    bool parameter_written[PARAMETER_COUNT]; /* written first, instead of the scenario's value */
+    bool parameter_written[PARAMETER_COUNT]; /* true: parameter_value replaces the scenario's value */
     float parameter_value[PARAMETER_COUNT];
     bool defines_task; /* `task` replaces the scenario's first task */
     task_define_t task;

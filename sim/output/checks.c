@@ -9,8 +9,8 @@
 #include "../monitors/rest_noise.h"
 
 #define COOPERATION_MIN_S 0.1
-#define REST_RADPS 0.02 /* without noise: ten times the command that one encoder pulse causes with default gains */
-#define REST_NOISES 5.0 /* with noise: multiple of the noise's RMS that random peaks do not exceed */
+#define REST_RADPS 0.02 /* limit without noise: ten times the speed that one encoder pulse commands at default gains */
+#define REST_NOISES 5.0 /* limit with noise, as a multiple of the noise's RMS: random peaks stay below it */
 /* Recorded wrists turn freely, and rotations that four joints cannot follow cause position errors. */
 #define RECORDING_RMS_LIMIT_MM 3.0
 
@@ -95,9 +95,9 @@ __attribute__((format(printf, 2, 3))) static void set_rest_not_measured(checks_t
     va_end(arguments);
 }
 
-/* Adds the check that the arm comes to rest or, if this cannot be measured, stores the reason. The check fails if the
- * hand moved although the person held it still; otherwise an arm that oscillates and drags the hand along would escape
- * the check. */
+/* Adds the check that the arm comes to rest. If rest cannot be measured, stores the reason instead. The check fails if
+ * the hand moved although the person held it still: an arm that oscillates and drags the hand along must not escape the
+ * check. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
@@ -124,8 +124,8 @@ static void add_rest(checks_t *self, const world_t *world) {
 
 /* ---- tracking of the target */
 
-/* Checks only the error, and only if there was enough followable motion. The share of followable motion is not checked,
- * because it is not known in advance for a recorded hand or for a task that the operator defines. */
+/* Checks only the position error, and only if there was enough followable motion. The share of followable motion is not
+ * checked, because no expected share is known for a recorded hand or for a task given with --define. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
     if (is_enough) {
         add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),

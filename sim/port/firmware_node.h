@@ -15,7 +15,7 @@ typedef struct {
     int node;
     can_frame_t queue[FIRMWARE_NODE_QUEUE_FRAMES]; /* ring buffer */
     size_t first, count;
-    uint32_t refused_frames; /* frames dropped on sending, because the bus's queue was full */
+    uint32_t refused_frames; /* frames that could not be sent, because the bus's queue was full */
 } firmware_node_t;
 
 /* Attaches the node to the world's bus. self must not move in memory afterwards. */
