@@ -21,8 +21,9 @@ typedef struct {
     double clutch_s; /* time of the clutch command, which waits until the arm cooperates; 0: no clutch */
 } operator_overrides_t;
 
-/* Fills `steps` (OPERATOR_SCRIPT_MAX_STEPS) and returns their number: parameters, the wait for mode ready, and the
- * scenario's steps. Latch and clutch wait until the arm cooperates. The node adds the closing stop. */
+/* Fills `steps` (OPERATOR_SCRIPT_MAX_STEPS) and returns their number: the parameter writes, the wait for mode
+ * ready, and the scenario's steps. The latch and clutch commands wait until the arm cooperates. The final stop command
+ * is not included, because operator_node sends it itself. */
 size_t operator_script(const scenario_t *scenario, const operator_overrides_t *overrides, operator_step_t steps[]);
 
 #endif

@@ -94,7 +94,8 @@ static uint32_t clock_us(const tracker_node_t *self, int64_t time_ns) {
     return self->options.clock_start_us + (uint32_t)(time_ns / 1000);
 }
 
-/* Draws random numbers for every sample, valid or not, so that a dropout does not change the noise of later samples. */
+/* Adds noise to a pose. Must be called for every sample, even for a lost one, so that a dropout does not change the
+ * noise of later samples. */
 static void add_noise(tracker_node_t *self, rigid_pose_t *pose) {
     double turn_rad[3];
     for (int i = 0; i < 3; i++) {

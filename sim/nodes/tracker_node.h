@@ -12,14 +12,14 @@
 /* Times are simulation times unless stated otherwise. */
 typedef struct {
     double rate_hz;                     /* rate of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
-    double latency_s;                   /* time from the measurement to the frame, 0..0.5; reported in TrackerStatus */
+    double latency_s;                   /* time from measuring to sending, 0..0.5; reported in TrackerStatus */
     double noise_position_m;            /* standard deviation per axis */
     double noise_rotation_rad;          /* standard deviation per axis of the rotation vector */
-    double mount_translation_m[3];      /* q_E^T: pose of the tracker in the torso frame */
+    double mount_translation_m[3];      /* with mount_rotation: the tracker's pose in the torso frame (q_E^T) */
     double mount_rotation[4];           /* unit quaternion w x y z */
     double dropout_probability;         /* probability that a sample is lost, 0..1 */
     double gap_start_s, gap_duration_s; /* samples measured in this interval are lost; duration 0: no gap */
-    uint32_t clock_start_us;            /* start of the tracker's own clock; if near 2^32, it wraps during the run */
+    uint32_t clock_start_us;            /* initial time of the tracker's own clock, which wraps at 2^32 us */
     uint64_t seed;
 } tracker_options_t;
 

@@ -11,7 +11,8 @@
 #define COOPERATION_MIN_S 0.1
 #define REST_RADPS 0.02 /* limit without noise: ten times the speed that one encoder pulse commands at default gains */
 #define REST_NOISES 5.0 /* limit with noise, as a multiple of the noise's RMS: random peaks stay below it */
-/* Recorded wrists turn freely, and rotations that four joints cannot follow cause position errors. */
+/* Limit for recorded motion: a recorded hand rotates freely, and rotations that the arm's four joints cannot follow
+ * cause position errors. */
 #define RECORDING_RMS_LIMIT_MM 3.0
 
 static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
@@ -44,8 +45,8 @@ static double fault_modes(const observer_t *observer) {
     return count;
 }
 
-/* Returns the number of frames rejected by any receiver. The firmware reports its count in FirmwareStatus; the other
- * counts are read directly. */
+/* Returns how many frames all receivers together have rejected. The firmware reports its own count in FirmwareStatus;
+ * the counts of the other receivers are read directly. */
 static double rejected_frames(const world_t *world) {
     return (double)world->observer.firmware_rejected + (double)world->observer.receiver.protocol.rejected +
            (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
@@ -135,7 +136,8 @@ static void add_tracking_of_any_motion(checks_t *self, const world_t *world, boo
     }
 }
 
-/* Adds a check, unless its limit is 0, which means that the scenario does not use it. */
+/* Adds a check of the tracking, or counts the check as left out. A limit of 0 means that the scenario does not use the
+ * check. */
 static void add_tracking_check(checks_t *self, const world_t *world, const char *name, double value, double limit,
                                bool is_lower_bound, const char *unit, bool is_judgeable) {
     if (!(limit > 0.0)) {
@@ -152,8 +154,8 @@ static void add_tracking_check(checks_t *self, const world_t *world, const char 
     }
 }
 
-/* Checks the error and requires a minimum share of followable motion, so that a controller that keeps the arm at its
- * limits cannot pass unchecked. */
+/* Checks the position error and requires a minimum share of followable motion, so that a controller that keeps the arm
+ * at its limits cannot pass unchecked. */
 static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
     const scenario_t *scenario = world->scenario;
     const tracking_t *tracking = &world->tracking;

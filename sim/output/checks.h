@@ -28,7 +28,7 @@ typedef struct {
     size_t left_out_by_recording; /* checks left out because they apply only to the built-in motion */
     size_t left_out_by_define;    /* checks left out because they apply only to the scenario's own task */
     char rest_not_measured[200];  /* why comes_to_rest was not measured; "" if it was */
-    bool tracking_not_judged;     /* the arm could follow the target for too short a time */
+    bool tracking_not_judged;     /* not checked, because the arm could follow the target for too short a time */
     bool pass;                    /* all checks passed, and the run was completed */
     char reason[1200];            /* reason for the result, in one line (reason.h) */
 } checks_t;

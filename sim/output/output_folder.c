@@ -70,8 +70,8 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
     return true;
 }
 
-/* Locks the folder against other runs. The lock ends with the process in any case. On a file system without locks, the
- * folder is used unlocked. */
+/* Locks the folder against other runs. The lock is released when the process ends, however it ends. On a file system
+ * that does not support locks, the folder is used without a lock. */
 static bool lock_folder(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     self->lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (self->lock >= 0 && flock(self->lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {

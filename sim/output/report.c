@@ -63,7 +63,8 @@ static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const ch
     json_end(json, '}');
 }
 
-/* Latency of the end effector by component. The last row is the sum. */
+/* A row of the latency table: one component of the end effector's latency or, in the last row, the latency from end to
+ * end. */
 typedef struct {
     const char *name, *key, *how;
     double ms;

@@ -1,6 +1,6 @@
-/* The firmware's node on the simulated bus: receive queue and send time. The firmware in this process
- * (local_firmware.h) and the firmware in an image (remote_firmware.h) both use it, so that both produce the same
- * run. */
+/* The firmware's node on the simulated bus, which determines when frames are received and sent. The firmware in this
+ * process (local_firmware.h) and the firmware in an image (remote_firmware.h) produce the same run, because both use
+ * this node. */
 #ifndef COMANIP_SIM_FIRMWARE_NODE_H
 #define COMANIP_SIM_FIRMWARE_NODE_H
 

@@ -10,11 +10,12 @@
 
 #define MM_PER_M 1000.0
 
-/* The best lower bound of the distance between the two shapes. Every direction that is tried provides a lower bound. */
+/* The best lower bound of the distance between the two shapes so far. Every direction that libccd tries provides a
+ * bound. */
 typedef struct {
     double first_reach_mm; /* reach of the first shape in the current direction */
     double distance_mm;    /* lower bound of the distance */
-    double direction[3];   /* from the first shape to the second; any length */
+    double direction[3];   /* direction of this bound, from the first shape to the second; any length */
 } convex_separation_t;
 
 typedef struct {
@@ -37,8 +38,8 @@ void convex_operands_init(convex_operand_t *first, convex_operand_t *second, con
 double convex_reach_mm(const convex_operand_t *first, const convex_operand_t *second, const double direction[3],
                        double furthest_mm[3]);
 
-/* Configures libccd for two operands, which must be passed in the order `first`, `second`. Only the margin of the first
- * is used. */
+/* Configures libccd for two operands, which must be passed to libccd in the order `first`, `second`. Only the first
+ * operand's margin is used. */
 void convex_support_configure(ccd_t *ccd);
 
 #endif

@@ -1,5 +1,5 @@
-/* Options for watching a run, by pacing it to real time and by publishing it on a hub. Neither changes the results of
- * the run. */
+/* Lets a user watch a run: --real-time paces the run to real time, and --hub publishes its frames on a hub. Neither
+ * option changes the results of the run. */
 #ifndef COMANIP_SIM_LIVE_H
 #define COMANIP_SIM_LIVE_H
 
@@ -20,7 +20,7 @@ typedef struct {
  * line in `error`. */
 bool live_open(live_t *self, world_t *world, char error[], size_t error_size);
 
-/* Closes the hub and prints lost frames and lateness. */
+/* Leaves the hub, and prints how many frames were not published and how late the run was. */
 void live_close(live_t *self);
 
 #endif

@@ -5,8 +5,8 @@
 
 #include "yaml_reader.h"
 
-/* Reads a decimal number without quotes. An error message names `unit` or, if it is NULL, the unit that the key's
- * ending implies. Returns `minimum` after an error. */
+/* Reads a decimal number without quotes. An error message names `unit` or, if `unit` is NULL, the unit that the
+ * key's ending implies. Returns `minimum` after an error. */
 double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *unit, double minimum, double maximum);
 int yaml_whole_number(yaml_reader_t *self, const yaml_node_t *node, int minimum, int maximum);
 
