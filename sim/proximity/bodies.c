@@ -5,9 +5,9 @@
 
 #define ROD_CHANGE_M 10.0 /* added to travelled_m when a hand or the gripper holds another rod than before */
 
-/* Moves a body to a pose and adds an upper bound of its points' motion to travelled_m. A point at the bounding radius R
- * moves by at most the displacement of the origin plus the chord of the rotation, 2 R sin(angle/2). For unit
- * quaternions |p - q| = 2 sin(angle/4) >= sin(angle/2). */
+/* Moves a body to a pose, and adds an upper bound of the distance that any of its points moves to travelled_m. A point
+ * at the bounding radius R moves by at most the displacement of the origin plus the chord of the rotation,
+ * 2 R sin(angle/2). For unit quaternions |p - q| = 2 sin(angle/4) >= sin(angle/2). */
 static void place(body_t *body, const rigid_pose_t *pose) {
     const rigid_pose_t *last = &body->shape.pose;
     const double sign = rotation_dot(last->rotation, pose->rotation) < 0.0 ? -1.0 : 1.0;

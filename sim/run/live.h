@@ -16,8 +16,8 @@ typedef struct {
     hub_publisher_t hub;
 } live_t;
 
-/* Applies the world's options and prints how to listen. Call it just before the run. Returns false on failure, with one
- * line in `error`. */
+/* Applies the two options and prints how to listen to the bus. Call it just before the run. Returns false on failure,
+ * with one line in `error`. */
 bool live_open(live_t *self, world_t *world, char error[], size_t error_size);
 
 /* Leaves the hub, and prints how many frames were not published and how late the run was. */

@@ -62,7 +62,7 @@ typedef struct {
 typedef struct {
     scenario_name_t name;
     object_kind_t kind;
-    rigid_pose_t pose;       /* start pose of the object's centre or of a crank's hinge; its handle is at +x */
+    rigid_pose_t pose;       /* start pose of the centre or, for a crank, of the hinge (handle at +x) */
     double length_m;         /* length of a rod, or of a crank's handle */
     double radius_m;         /* radius of a rod, or distance from a crank's hinge to the axis of its handle */
     double size_m[3];        /* size of a stand */
@@ -134,7 +134,7 @@ typedef struct {
     bool from_here;                      /* move: displacement and rotation are relative to the end of the last step */
     point_t what, to;                    /* guide uses both points; reach uses only `to` */
     double offset_m[3];                  /* reach, guide: added to `to` */
-    double tolerance_m;                  /* reach, guide: the hand makes corrections until it is this close */
+    double tolerance_m;                  /* reach, guide: the hand makes corrections until the error is below this */
     double lift_m;                       /* reach, guide: height of the path's arc */
     size_t object;                       /* grip, turn */
     double turns;                        /* turn: signed, about the hinge's axis */
@@ -193,7 +193,7 @@ typedef struct {
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between the end effector and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, RMS of the same distance */
-    MEASURE_RELATION_RMS,     /* mm, RMS of the end effector's displacement minus the scaled one of the hand */
+    MEASURE_RELATION_RMS,     /* mm, RMS: end effector displacement minus motion_scale times the hand's, since `from` */
     MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` minus expected_m times motion_scale */
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
@@ -202,7 +202,7 @@ typedef enum {
     MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
     MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` minus expected_deg */
     MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */
-    MEASURE_WATER_CAUGHT,      /* %, share of these particles that are in the person's cup at the end */
+    MEASURE_WATER_CAUGHT,      /* %, share of the poured particles that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
     MEASURE_DROPS,             /* number of times the object slipped out of a grip or, once gripped, was dropped */
     MEASURE_HELD,              /* 1 if only the named person holds the object at the end */

@@ -129,7 +129,7 @@ static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t 
     }
 }
 
-/* Sets the properties of an average person. docs/scenario-files.md cites the sources of the numbers. */
+/* Sets the properties that a scenario file may omit. docs/scenario-files.md cites the sources of the numbers. */
 static void set_defaults(person_t *person) {
     person->mass_kg = 1.0;
     person->stiffness_Npm = 350.0;

@@ -12,7 +12,7 @@
  * happened. */
 bool step_wait_begin_s(const step_start_t *start, const events_t *events, double ready_s, double *begin_s);
 
-/* Returns true if the step has timed out at now_s; `text` then names the timeout and the missing event. */
+/* Returns true if the step has timed out at now_s; `text` then names the timeout and an event that has not happened. */
 bool step_wait_timed_out(const step_start_t *start, const events_t *events, double ready_s, double now_s, char text[],
                          size_t size);
 

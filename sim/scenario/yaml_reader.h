@@ -1,6 +1,6 @@
-/* A YAML file, read with libyaml, as a tree of mappings and lists. The first error is kept as one line that names file,
- * line, path of keys, value and what was expected. After an error every function returns its default, so that callers
- * need to check for errors only once, at the end. yaml_values.h reads the values. */
+/* Reads a YAML file with libyaml as a tree of mappings and lists. The first error is kept as one line that names the
+ * file, the line, the path of keys, the value and what was expected. After an error every function returns its default,
+ * so that callers need to check for errors only once, at the end. yaml_values.h reads the values. */
 #ifndef COMANIP_SIM_YAML_READER_H
 #define COMANIP_SIM_YAML_READER_H
 

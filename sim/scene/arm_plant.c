@@ -29,7 +29,7 @@ static void place_bodies(arm_plant_t *self, const double position_rad[ROBOT_JOIN
 }
 
 static void set_mass(dBodyID body, const robot_joint_t *joint) {
-    const int axis_y = 2, axis_z = 3; /* dMassSetCylinderTotal counts x, y, z from 1 */
+    const int axis_y = 2, axis_z = 3; /* dMassSetCylinderTotal numbers the axes x, y, z from 1 */
     dMass mass;
     if (joint->shape == LINK_BOX) {
         dMassSetBoxTotal(&mass, joint->mass_kg, joint->length_m, joint->length_m, joint->length_m);

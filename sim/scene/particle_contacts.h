@@ -7,7 +7,7 @@
 
 typedef struct {
     int one;               /* a particle's index */
-    int other;             /* a particle's index below `one`, or the wall's index */
+    int other;             /* index of another particle (less than `one`), or of a wall */
     double normal[3];      /* unit, from `other` into `one` */
     double depth_m;        /* depth of the overlap, > 0 */
     double wall_speed_mps; /* speed of the wall along the normal; 0 between particles */

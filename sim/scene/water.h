@@ -17,7 +17,7 @@ typedef struct {
     int in_robot_cup;   /* cup 0 */
     int in_person_cup;  /* cup 1 */
     int elsewhere;      /* in the air, or spilt on the ground */
-    int left_robot_cup; /* all but in_robot_cup; a particle that falls back in has not left */
+    int left_robot_cup; /* all particles except in_robot_cup, so those that fell back in do not count */
 } water_count_t;
 
 typedef struct water_body water_body_t;
