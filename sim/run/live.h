@@ -20,7 +20,7 @@ typedef struct {
  * with one line in `error`. */
 bool live_open(live_t *self, world_t *world, char error[], size_t error_size);
 
-/* Leaves the hub, and prints how many frames were not published and how late the run was. */
+/* Leaves the hub. Prints a line if frames were not published, and a line if the run was late. */
 void live_close(live_t *self);
 
 #endif

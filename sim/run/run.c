@@ -159,7 +159,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     return status;
 }
 
-/* Opens the bus first, so that a wrong bus name is reported at once. */
+/* Builds the world and runs it. Opens the bus first, so that a wrong bus name is reported at once. */
 static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
     char error[OPTIONS_ERROR_BYTES];
     static world_t world;

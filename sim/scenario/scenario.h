@@ -105,7 +105,7 @@ typedef struct {
 
 typedef struct {
     double at_s;                       /* earliest start of the step; 0: no restriction */
-    int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all of them */
+    int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all these events */
     size_t awaited_count;
     double delay_s;    /* delay after the last awaited event, or after the previous step if no event is awaited */
     double patience_s; /* timeout for the awaited events, after which the run fails; 0 for no timeout */
@@ -267,7 +267,7 @@ typedef struct {
     double tracking_rms_limit_mm, tracking_max_limit_mm; /* 0: not checked */
     double followable_min_percent;                       /* 0: not checked */
     variation_t variation;
-    events_t events; /* all events that can happen; none has happened yet */
+    events_t events; /* all events that can happen during a run; no event has happened yet */
 } scenario_t;
 
 #define SCENARIO_STOP_BEFORE_END_S 0.5 /* time from the operator's stop to the end of the run */

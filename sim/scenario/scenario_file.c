@@ -21,7 +21,7 @@ static int by_name(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Lists the names of the files in the folder, without suffix, sorted. The caller frees them. */
+/* Lists the names of the files in the folder, without suffix, sorted. The caller must free the names. */
 static size_t list_names(const char *folder, char *names[LIST_MAX]) {
     DIR *directory = opendir(folder);
     size_t count = 0;

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #define LATTICE_SPACING 2.05         /* distance of neighbouring spheres in a layer, in radii */
-#define LAYER_SPACING 1.8            /* between layers, in radii; each layer lies in the hollows of the one below */
+#define LAYER_SPACING 1.8            /* distance of layers, in radii; a layer lies in the hollows of the layer below */
 #define LAYER_TURN_RAD 2.39996322973 /* golden angle between layers, so that spheres do not balance in columns */
 
 placed_cup_t cup_place(const cup_t *cup, const rigid_pose_t *pose) {

@@ -1,7 +1,7 @@
-/* The wall of a cup, for contacts with particles. Its centre line runs along the bottom to the corner and up to the
- * rim. Rotating this line about the cup's axis and thickening it produces a rounded shell. The shell lies outside the
- * inner surface, so that the inner radius and height are those of the cup. Points are in the cup's frame unless stated
- * otherwise. */
+/* The shell of a cup (its bottom and wall), for contacts with particles. The shell's centre line runs along the bottom
+ * to the corner and up to the rim. Rotating this line about the cup's axis and thickening it produces a rounded shell.
+ * The shell lies outside the cup's inner surface, so that the inner radius and height are exactly those of cup_t.
+ * Points are in the cup's frame unless stated otherwise. */
 #ifndef COMANIP_SIM_CUP_H
 #define COMANIP_SIM_CUP_H
 

@@ -22,8 +22,9 @@ typedef struct {
 } particle_along_x_t;
 
 /* Finds the contacts between particles. sorted[] lists the *sorted_count particles that are not spilt, in the order
- * left by the last call. Before the first call, the order is arbitrary and only `particle` needs to be set. Removes
- * particles spilt since the last call. Returns the number of contacts, at most one per pair. */
+ * left by the last call. Before the first call, the order is arbitrary, and only the member `particle` needs to be
+ * set. Removes from the list the particles spilt since the last call. Returns the number of contacts, at most one per
+ * pair. */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]);
 

@@ -10,9 +10,9 @@
 
 #define WATER_MAX_CUPS 2
 
-/* Each particle is counted in exactly one of the first three members. It counts as in a cup from the time its centre
- * enters the inner cylinder until cup_is_left_by() returns true. On the heap and on the rim it still counts as
- * inside. */
+/* Each particle is counted in exactly one of the first three members. It counts as inside a cup from the moment at
+ * which its centre enters the inner cylinder until cup_is_left_by() returns true. A particle that lies on the heap or
+ * on the rim therefore still counts as inside. */
 typedef struct {
     int in_robot_cup;   /* cup 0 */
     int in_person_cup;  /* cup 1 */

@@ -64,7 +64,7 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
         return false;
     }
     observer_init(&self->observer, self->bus, options->tracker.clock_start_us);
-    for (int i = 0; i < ROBOT_JOINTS; i++) { /* the drives first report after this tick */
+    for (int i = 0; i < ROBOT_JOINTS; i++) { /* no drive has reported a position yet */
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);

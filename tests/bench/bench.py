@@ -4,11 +4,11 @@ simulator's speed.
 ``bench.py BUILD``. A tick consists of Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4);
 see contender.hpp. First, the joint velocities of all contenders with control law (4) are checked against the paper's
 equations in double precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each
-contender starts the next tick from its own integrated angles. The table shows the median of the rounds and the 10th and
-90th percentiles. The instructions per tick are the difference between callgrind's counts of two runs, divided by the
-additional ticks. Prints a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json. The exit status is
-1 if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do
-not apply to a microcontroller.
+contender starts the next tick from its own integrated angles. The table shows the median and the 10th and 90th
+percentiles of each contender's times. The instructions per tick are the difference between callgrind's counts of two
+runs, divided by the additional ticks. Prints a table, plots BUILD/reports/bench.png and writes
+BUILD/reports/bench.json. The exit status is 1 if contenders disagree, if our tick allocates from the heap, or if a
+required ratio is missed. Timings on the host do not apply to a microcontroller.
 """
 
 from __future__ import annotations
@@ -280,8 +280,8 @@ def measure(case: Case, program: Path) -> dict[str, dict]:
 
 
 def missed(n: int, found: dict[str, dict]) -> list[str]:
-    """Returns a line for each ratio below its required value, and for each of our contenders that allocates from the
-    heap."""
+    """Returns a complaint for each contender whose ratio to our time is below the required value, and for each of our
+    contenders that allocates from the heap."""
     complaints = []
     for name, required in REQUIRED.items():
         ratio = found[name]["times_ours"]
