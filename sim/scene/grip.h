@@ -1,6 +1,6 @@
-/* A grip that the object slips out of when the load exceeds a limit. It is an ODE ball or fixed joint between the hand
- * and the object, at the point of the object's axis nearest to the hand. The robot's pads act as springs, which are
- * modelled by the ERP and CFM of the ODE joint. The joint is integrated implicitly and is therefore stable for any
+/* A grip that the object slips out of when the load exceeds a limit. The grip is an ODE ball or fixed joint between the
+ * hand and the object, at the point of the object's axis nearest to the hand. The robot's pads act as springs, which
+ * are modelled by the joint's ERP and CFM. The joint is integrated implicitly and is therefore stable for any
  * stiffness. A fixed grip does not yield in rotation. A person's grip is rigid, but the person's arm is compliant
  * (hand_body.h). */
 #ifndef COMANIP_SIM_GRIP_H
