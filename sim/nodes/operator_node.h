@@ -1,7 +1,7 @@
-/* The operator as a node on the bus: executes a script of steps, each at a given time or after events. Every command,
- * parameter write and gripper command must be acknowledged. A frame that is not answered is sent again. If a frame is
- * refused, or is still unanswered after all retries, the run fails with a reason. After the script, the operator stops
- * the arm, whether or not the script itself stops it. */
+/* The operator as a node on the bus. It executes a script of steps. Each step is due at a given time or after certain
+ * events. Every command, parameter write and gripper command must be acknowledged; the node repeats a frame that is not
+ * answered. If a frame is refused, or is still unanswered after all retries, the run fails with a reason. After the
+ * script, the operator stops the arm, whether or not the script itself stops it. */
 #ifndef COMANIP_SIM_OPERATOR_NODE_H
 #define COMANIP_SIM_OPERATOR_NODE_H
 
@@ -27,17 +27,17 @@ typedef enum {
 
 typedef struct {
     operator_action_t action;
-    step_start_t start;  /* a step also waits for the end of the previous one */
+    step_start_t start;  /* in addition, the step waits for the end of the previous step */
     bool in_cooperation; /* the step waits until the arm cooperates */
-    bool gives_way;      /* if the next step is due earlier, that step goes first */
-    int done_event;      /* raised when the step is acknowledged; EVENT_NONE: none */
-    uint8_t parameter;   /* OPERATOR_WRITE_PARAMETER */
+    bool gives_way;      /* if the next step becomes due before this step, the next step is executed first */
+    int done_event;      /* event that the step raises when it is acknowledged; EVENT_NONE: no event */
+    uint8_t parameter;   /* for OPERATOR_WRITE_PARAMETER */
     float value;
-    command_t command; /* for OPERATOR_COMMAND; always COMMAND_DEFINE for OPERATOR_DEFINE_TASK, as in its CommandAck */
+    command_t command; /* for OPERATOR_COMMAND; for OPERATOR_DEFINE_TASK: COMMAND_DEFINE, as in the CommandAck */
     task_id_t task;
-    task_define_t define;  /* OPERATOR_DEFINE_TASK; the node sets its sequence number */
-    bool close;            /* OPERATOR_MOVE_GRIPPER */
-    control_mode_t mode;   /* OPERATOR_AWAIT_MODE */
+    task_define_t define;  /* for OPERATOR_DEFINE_TASK; the node fills in the sequence number */
+    bool close;            /* for OPERATOR_MOVE_GRIPPER */
+    control_mode_t mode;   /* for OPERATOR_AWAIT_MODE */
     double mode_timeout_s; /* how long to wait for `mode` */
 } operator_step_t;
 
@@ -64,7 +64,8 @@ void operator_node_describe(const operator_node_t *self, char text[], size_t siz
 /* Returns true if the script and the closing stop are done. */
 bool operator_node_finished(const operator_node_t *self);
 
-/* Returns true if the active task mirrors the person's motion along the torso's x axis. A latch ends the mirroring. */
+/* Returns true if the active task mirrors the person's motion along the torso's x axis. The latch command
+ * ends the mirroring. */
 bool operator_node_mirrors(const operator_node_t *self);
 
 /* Returns NULL if nothing failed, otherwise one line that names the command, its time and what went wrong. */

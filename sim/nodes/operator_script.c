@@ -69,7 +69,7 @@ size_t operator_script(const scenario_t *scenario, const operator_overrides_t *o
     bool clutch_is_due = overrides->clutch_s > 0.0;
     for (size_t i = 0; i < scenario->operate_count; i++) {
         const operate_step_t *from = &scenario->operate[i];
-        if (define_is_due && starts(from)) { /* the scenario has not selected a task before the start */
+        if (define_is_due && starts(from)) { /* no step before the start command selects a task */
             steps[count] = (operator_step_t){.done_event = EVENT_NONE};
             set_task(&steps[count++], &overrides->task);
             define_is_due = false;
@@ -80,7 +80,7 @@ size_t operator_script(const scenario_t *scenario, const operator_overrides_t *o
             define_is_due = false;
         }
         count++;
-        if (clutch_is_due && starts(from)) { /* due at a fixed time, whereas other steps wait for the people */
+        if (clutch_is_due && starts(from)) { /* gives way to later steps that are due before clutch_s */
             steps[count++] =
                 (operator_step_t){OPERATOR_COMMAND,  .start.at_s = overrides->clutch_s, .in_cooperation = true,
                                   .gives_way = true, .done_event = EVENT_NONE,          .command = COMMAND_CLUTCH};

@@ -33,7 +33,7 @@ void tracker_options_set_defaults(tracker_options_t *options) {
         .noise_position_m = 0.00005,
         .noise_rotation_rad = 0.02 * 3.14159265358979324 / 180.0,
         .mount_translation_m = {0.3, 1.5, 0.2},
-        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* q(x, pi/2): z points into the scene; undone by (9) */
+        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* 90 degrees about x, undone by the paper's (9) */
         .seed = 1,
     };
 }
@@ -94,7 +94,8 @@ static uint32_t clock_us(const tracker_node_t *self, int64_t time_ns) {
     return self->options.clock_start_us + (uint32_t)(time_ns / 1000);
 }
 
-/* Draws random numbers for every sample, valid or not, so that a dropout does not change the noise of later samples. */
+/* Adds noise to a pose. Must be called for every sample, even for a lost one, so that a dropout does not change the
+ * noise of later samples. */
 static void add_noise(tracker_node_t *self, rigid_pose_t *pose) {
     double turn_rad[3];
     for (int i = 0; i < 3; i++) {
@@ -122,7 +123,7 @@ static bool measure(tracker_node_t *self, int64_t time_ns, rigid_pose_t *marker)
     return has_pose && !in_gap && !dropped;
 }
 
-/* Returns true if the frame can carry the position; false for NaN. */
+/* Returns true if the position fits into a HandPose frame. NaN does not fit. */
 static bool is_in_range(const tracker_node_t *self, const hand_pose_t *pose) {
     return fabsf(pose->position_m.x) <= self->range_m && fabsf(pose->position_m.y) <= self->range_m &&
            fabsf(pose->position_m.z) <= self->range_m;
@@ -147,7 +148,7 @@ static void send_hand_pose(tracker_node_t *self, int64_t measured_ns, int64_t re
     can_frame_t frame;
     (void)hand_pose_pack(&pose, &frame);
     if (self->statistics.samples == 0) {
-        self->last_valid_ns = measured_ns; /* a gap at the beginning starts with the first sample */
+        self->last_valid_ns = measured_ns; /* if the run begins with a gap, the gap starts with the first sample */
     }
     self->statistics.longest_gap_s =
         fmax(self->statistics.longest_gap_s, (double)(measured_ns - self->last_valid_ns) * 1e-9);
@@ -169,14 +170,14 @@ static void send_status(tracker_node_t *self, int64_t ready_ns) {
         .range_errors = (uint16_t)self->statistics.range_errors,
     };
     can_frame_t frame;
-    (void)tracker_status_pack(&status, &frame); /* in range for all options that pass the check */
+    (void)tracker_status_pack(&status, &frame); /* cannot fail after tracker_options_check() */
     endpoint_send(&self->endpoint, &frame, ready_ns);
 }
 
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns) {
     const int64_t status_period_ns =
         (int64_t)transport_period_ms(self->endpoint.sender.profile, FRAME_TRACKER_STATUS) * 1000000;
-    for (;;) { /* in chronological order, so that the counters of a status do not depend on the step length */
+    for (;;) { /* sends in chronological order, so that a status's counters do not depend on the step length */
         const int64_t measured_ns = llround((double)self->next_sample * 1e9 / self->options.rate_hz);
         const int64_t pose_ns = measured_ns + self->latency_ns;
         const int64_t status_ns = (int64_t)self->next_status * status_period_ns;

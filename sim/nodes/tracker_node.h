@@ -12,14 +12,14 @@
 /* Times are simulation times unless stated otherwise. */
 typedef struct {
     double rate_hz;                     /* rate of HandPose on the bus, 15..1000; sample k is measured at k / rate_hz */
-    double latency_s;                   /* time from the measurement to the frame, 0..0.5; reported in TrackerStatus */
+    double latency_s;                   /* time from measuring to sending, 0..0.5; reported in TrackerStatus */
     double noise_position_m;            /* standard deviation per axis */
     double noise_rotation_rad;          /* standard deviation per axis of the rotation vector */
-    double mount_translation_m[3];      /* q_E^T: pose of the tracker in the torso frame */
+    double mount_translation_m[3];      /* with mount_rotation: the tracker's pose in the torso frame (q_E^T) */
     double mount_rotation[4];           /* unit quaternion w x y z */
     double dropout_probability;         /* probability that a sample is lost, 0..1 */
-    double gap_start_s, gap_duration_s; /* samples measured in this interval are lost; duration 0: none */
-    uint32_t clock_start_us;            /* start of the tracker's own clock; if near 2^32, it wraps during the run */
+    double gap_start_s, gap_duration_s; /* samples measured in this interval are lost; duration 0: no gap */
+    uint32_t clock_start_us;            /* initial time of the tracker's own clock, which wraps at 2^32 us */
     uint64_t seed;
 } tracker_options_t;
 
@@ -27,7 +27,7 @@ typedef struct {
     uint64_t samples;      /* samples sent */
     uint64_t lost;         /* samples sent as invalid */
     uint64_t range_errors; /* lost samples whose position was beyond the frame's range */
-    double longest_gap_s;  /* longest time without a valid sample, including before the first and after the last */
+    double longest_gap_s;  /* longest time without a valid sample, also before the first valid one or after the last */
 } tracker_statistics_t;
 
 typedef struct tracker_node tracker_node_t;
@@ -36,16 +36,18 @@ typedef struct tracker_node tracker_node_t;
  * paper's equation (9), no dropouts. */
 void tracker_options_set_defaults(tracker_options_t *options);
 
-/* Returns false if an option is outside the ranges above; `error` then holds one line that names it, its value and
- * range. */
+/* Returns false if an option is outside the ranges above; `error` then holds one line that names the option, its
+ * value and its range. */
 bool tracker_options_check(const tracker_options_t *options, char error[], size_t error_size);
 
-/* The bus and the history must outlive the node; the options must pass the check. Returns NULL if out of memory. */
+/* The bus and the history must outlive the node; tracker_options_check() must accept the options. Returns
+ * NULL if out of memory. */
 tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, const tracker_options_t *options);
 void tracker_node_destroy(tracker_node_t *self);
 
-/* Queues the frames that are due in [from_ns, until_ns): each HandPose one latency after its measurement, TrackerStatus
- * at its own period. Frames that were due before from_ns are skipped. The history must reach up to from_ns. */
+/* Queues the frames that are due in [from_ns, until_ns). A HandPose is due latency_s after its measurement, and a
+ * TrackerStatus once per period. Frames that were due before from_ns are skipped. The history must reach up to
+ * from_ns. */
 void tracker_node_step(tracker_node_t *self, int64_t from_ns, int64_t until_ns);
 
 tracker_statistics_t tracker_node_statistics(const tracker_node_t *self);

@@ -77,7 +77,8 @@ void help_print(void) {
         if (i == 0 || strcmp(p->group, parameters[i - 1].group) != 0) {
             (void)printf("  %s\n", p->group);
         }
-        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) { /* elements of a vector share one meaning */
+        /* The elements of a vector have the same meaning, which is printed only before the first element. */
+        if (i == 0 || strcmp(p->meaning, parameters[i - 1].meaning) != 0) {
             (void)printf("    %s\n", p->meaning);
         }
         (void)printf("      %-32s %g to %g%s%s, %g\n", p->name, (double)p->minimum, (double)p->maximum,

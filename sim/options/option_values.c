@@ -8,11 +8,12 @@
 #define NUMBER_BYTES 64
 #define TASK_PARTS 5
 #define TASK_BYTES 256
-#define TASK_DISTANCE_MAX_M 8.388 /* range of a 24-bit signed number of um */
+#define TASK_DISTANCE_MAX_M 8.388 /* largest distance that a signed 24-bit number of micrometres can hold */
 #define TASK_BLEND_MAX_S 65.535
 #define UNIT_TOLERANCE 1e-3 /* largest deviation of a quaternion's norm from 1 */
 
-/* Accepts decimal numbers only; strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
+/* Returns true if the text has only characters of a decimal number. strtod() alone would also accept blanks, "inf",
+ * "nan" and hexadecimal numbers. */
 static bool is_decimal(const char *text) {
     return text[0] != '\0' && strspn(text, "+-.0123456789eE") == strlen(text);
 }

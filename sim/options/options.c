@@ -77,8 +77,8 @@ static const struct option option_table[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* Options that take one number, each with the member of options_t that it sets and the factor from the option's unit to
- * the member's unit. */
+/* Options that take one number. member: offset of the member of options_t that the option sets. unit: factor from the
+ * option's unit to the member's unit. */
 static const struct {
     int option;
     size_t member;

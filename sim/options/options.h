@@ -24,7 +24,7 @@ typedef struct {
     tracker_options_t tracker;
     operator_overrides_t operator;
     can_profile_t profile; /* profile of the bus */
-    const char *hub;       /* name of the hub that publishes the bus; NULL: none */
+    const char *hub;       /* name of the hub that publishes the bus; NULL: no hub */
     bool real_time;        /* run no faster than real time */
     bool quiet;
 } options_t;
@@ -33,7 +33,7 @@ typedef enum {
     OPTIONS_RUN,
     OPTIONS_SHOW_HELP,
     OPTIONS_SHOW_SCENARIOS,
-    OPTIONS_WRONG, /* `error` holds one line that names option, value and what was expected */
+    OPTIONS_WRONG, /* `error` holds one line that names the option, its value and what was expected */
 } options_result_t;
 
 options_result_t options_parse(options_t *self, int argc, char *argv[], char error[OPTIONS_ERROR_BYTES]);

@@ -9,9 +9,10 @@
 #include "../monitors/rest_noise.h"
 
 #define COOPERATION_MIN_S 0.1
-#define REST_RADPS 0.02 /* without noise: ten times the command that one encoder pulse causes with default gains */
-#define REST_NOISES 5.0 /* with noise: multiple of the noise's RMS that random peaks do not exceed */
-/* Recorded wrists turn freely, and rotations that four joints cannot follow cause position errors. */
+#define REST_RADPS 0.02 /* limit without noise: ten times the speed that one encoder pulse commands at default gains */
+#define REST_NOISES 5.0 /* limit with noise, as a multiple of the noise's RMS: random peaks stay below it */
+/* Limit for recorded motion: a recorded hand rotates freely, and rotations that the arm's four joints cannot follow
+ * cause position errors. */
 #define RECORDING_RMS_LIMIT_MM 3.0
 
 static check_t *add(checks_t *self, const char *name, double value, double limit, bool is_lower_bound,
@@ -44,8 +45,8 @@ static double fault_modes(const observer_t *observer) {
     return count;
 }
 
-/* Returns the number of frames rejected by any receiver. The firmware reports its count in FirmwareStatus; the other
- * counts are read directly. */
+/* Returns how many frames all receivers together have rejected. The firmware reports its own count in FirmwareStatus;
+ * the counts of the other receivers are read directly. */
 static double rejected_frames(const world_t *world) {
     return (double)world->observer.firmware_rejected + (double)world->observer.receiver.protocol.rejected +
            (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
@@ -95,9 +96,9 @@ __attribute__((format(printf, 2, 3))) static void set_rest_not_measured(checks_t
     va_end(arguments);
 }
 
-/* Adds the check that the arm comes to rest or, if this cannot be measured, stores the reason. The check fails if the
- * hand moved although the person held it still; otherwise an arm that oscillates and drags the hand along would escape
- * the check. */
+/* Adds the check that the arm comes to rest. If rest cannot be measured, stores the reason instead. The check fails if
+ * the hand moved although the person held it still: an arm that oscillates and drags the hand along must not escape the
+ * check. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
@@ -124,8 +125,8 @@ static void add_rest(checks_t *self, const world_t *world) {
 
 /* ---- tracking of the target */
 
-/* Checks only the error, and only if there was enough followable motion. The share of followable motion is not checked,
- * because it is not known in advance for a recorded hand or for a task that the operator defines. */
+/* Checks only the position error, and only if there was enough followable motion. The share of followable motion is not
+ * checked, because no expected share is known for a recorded hand or for a task given with --define. */
 static void add_tracking_of_any_motion(checks_t *self, const world_t *world, bool is_enough) {
     if (is_enough) {
         add(self, "followable_rms_position", tracking_rms_position_mm(&world->tracking.followable),
@@ -135,7 +136,8 @@ static void add_tracking_of_any_motion(checks_t *self, const world_t *world, boo
     }
 }
 
-/* Adds a check, unless its limit is 0, which means that the scenario does not use it. */
+/* Adds a check of the tracking, or counts the check as left out. A limit of 0 means that the scenario does not use the
+ * check. */
 static void add_tracking_check(checks_t *self, const world_t *world, const char *name, double value, double limit,
                                bool is_lower_bound, const char *unit, bool is_judgeable) {
     if (!(limit > 0.0)) {
@@ -152,8 +154,8 @@ static void add_tracking_check(checks_t *self, const world_t *world, const char 
     }
 }
 
-/* Checks the error and requires a minimum share of followable motion, so that a controller that keeps the arm at its
- * limits cannot pass unchecked. */
+/* Checks the position error and requires a minimum share of followable motion, so that a controller that keeps the arm
+ * at its limits cannot pass unchecked. */
 static void add_tracking_of_script(checks_t *self, const world_t *world, bool is_enough) {
     const scenario_t *scenario = world->scenario;
     const tracking_t *tracking = &world->tracking;

@@ -5,7 +5,7 @@
 #include "../world/world.h"
 
 #define CHECKS_MAX (16 + SCENARIO_MAX_CHECKS)
-#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* minimum followable motion for a check of the tracking */
+#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* with less followable motion than this, the tracking is not checked */
 
 typedef struct {
     const char *name;
@@ -15,7 +15,7 @@ typedef struct {
     bool is_lower_bound; /* true: the value must be at least the limit; false: at most */
     const char *unit;
     bool pass;
-    double orientation_rest_deg; /* RMS orientation error over the same ticks, not checked; NaN: none */
+    double orientation_rest_deg; /* RMS orientation error in the ticks of `value`; not checked; NaN: not measured */
     const char *missing_event;   /* the event whose absence prevented the measurement; NULL: none */
 } check_t;
 
@@ -28,7 +28,7 @@ typedef struct {
     size_t left_out_by_recording; /* checks left out because they apply only to the built-in motion */
     size_t left_out_by_define;    /* checks left out because they apply only to the scenario's own task */
     char rest_not_measured[200];  /* why comes_to_rest was not measured; "" if it was */
-    bool tracking_not_judged;     /* the arm could follow the target for too short a time */
+    bool tracking_not_judged;     /* not checked, because the arm could follow the target for too short a time */
     bool pass;                    /* all checks passed, and the run was completed */
     char reason[1200];            /* reason for the result, in one line (reason.h) */
 } checks_t;

@@ -9,10 +9,11 @@
 typedef struct {
     FILE *file;
     int depth;
-    bool has_member; /* the open object or list has a member */
+    bool has_member; /* the open object or list already has a member */
 } json_writer_t;
 
-/* If key is NULL, begins an element of a list. */
+/* Begins an object if bracket is '{', or a list if it is '['. In this and the following functions, key is NULL for an
+ * element of a list. */
 void json_begin(json_writer_t *self, const char *key, char bracket);
 void json_end(json_writer_t *self, char bracket);
 void json_text(json_writer_t *self, const char *key, const char *value);

@@ -56,7 +56,8 @@ static bool is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-/* Checks that both files can be written. */
+/* Checks that a file can be written at partial_path and can later be renamed to `path`. Creates or empties the file at
+ * partial_path. */
 static bool try_file(const char *path, const char *partial_path, char error[], size_t error_size) {
     if (is_folder(path)) {
         errno = EISDIR;
@@ -69,8 +70,8 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
     return true;
 }
 
-/* Locks the folder against other runs. The lock ends with the process in any case. On a file system without locks, the
- * folder is used unlocked. */
+/* Locks the folder against other runs. The lock is released when the process ends, however it ends. On a file system
+ * that does not support locks, the folder is used without a lock. */
 static bool lock_folder(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     self->lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (self->lock >= 0 && flock(self->lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -85,10 +86,10 @@ static bool ends_with(const char *name, const char *end) {
     return length >= end_length && strcmp(name + length - end_length, end) == 0;
 }
 
-/* Removes the plots of an earlier run and leaves all other files. */
+/* Removes the plots of an earlier run from the subfolder `report`, and leaves all other files. */
 static bool remove_report(const char *folder, char error[], size_t error_size) {
     char *path = join(folder, "report", "");
-    /* Symbolic links are not followed, because their target does not belong to this run. */
+    /* If `report` is a symbolic link, it is not followed, because its target does not belong to this run. */
     const int opened = path != NULL ? open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC) : -1;
     DIR *report = opened >= 0 ? fdopendir(opened) : NULL;
     bool removed = true;
@@ -120,7 +121,7 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
         return fail(error, error_size, folder, "cannot be used as a folder");
     }
     if (!lock_folder(self, folder, error, error_size)) {
-        return false; /* no paths are set yet, so the other run's files are kept */
+        return false; /* no paths are set yet, so output_folder_free() keeps the other run's files */
     }
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         self->path[i] = join(folder, file_name[i], "");
@@ -129,7 +130,7 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
             return fail(error, error_size, folder, "not enough memory");
         }
     }
-    /* Check everything before removing any file of an earlier run. */
+    /* Check that all files can be written before removing any file of an earlier run. */
     for (int i = 0; i < OUTPUT_COUNT; i++) {
         if (!try_file(self->path[i], self->partial_path[i], error, error_size)) {
             return false;
@@ -144,7 +145,7 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
 }
 
 bool output_folder_commit(output_folder_t *self, char error[], size_t error_size) {
-    /* The summary comes last: if it exists, so do the other files. */
+    /* The summary is renamed last, so that all other files exist if it does. */
     for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
         if (rename(self->partial_path[i], self->path[i]) != 0) {
             return fail(error, error_size, self->path[i], "cannot be renamed to its final name");

@@ -11,7 +11,7 @@ typedef enum { OUTPUT_SUMMARY, OUTPUT_BUS_LOG, OUTPUT_TRACE, OUTPUT_COUNT } outp
 typedef struct {
     char *path[OUTPUT_COUNT];
     char *partial_path[OUTPUT_COUNT]; /* temporary names */
-    int lock;                         /* the open folder, locked against other runs; -1: none */
+    int lock;                         /* file descriptor of the folder, locked against other runs; -1: no lock */
 } output_folder_t;
 
 /* Creates the folder and its parents, locks it, and removes the files and plots (*.png in report/) of an earlier run.

@@ -16,7 +16,7 @@ __attribute__((format(printf, 2, 3))) static void append(checks_t *checks, const
     va_end(arguments);
 }
 
-/* Drops come first, because they usually cause the other failures. */
+/* Reports dropped objects. They come first in the reason, because a drop usually causes the other failures. */
 static void append_drops(checks_t *checks, const world_t *world) {
     for (size_t i = 0; i < world->scenario->object_count; i++) {
         const event_t *drop = forbidden_drop(world->scenario, &world->events, i);

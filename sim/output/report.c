@@ -63,7 +63,8 @@ static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const ch
     json_end(json, '}');
 }
 
-/* Latency of the end effector by component. The last row is the sum. */
+/* A row of the latency table: one component of the end effector's latency or, in the last row, the latency from end to
+ * end. */
 typedef struct {
     const char *name, *key, *how;
     double ms;
@@ -275,7 +276,7 @@ static bool is_terminal(void) {
 }
 
 const char *report_verdict(bool pass) {
-    const char *no_colour = getenv("NO_COLOR"); /* applies if present and not empty (no-color.org) */
+    const char *no_colour = getenv("NO_COLOR"); /* switches colours off if set and not empty (no-color.org) */
     if (!is_terminal() || (no_colour != NULL && no_colour[0] != '\0')) {
         return pass ? "PASS" : "FAIL";
     }
@@ -364,7 +365,7 @@ void report_progress(const world_t *world) {
     const uint64_t total = (uint64_t)(world->end_ns / WORLD_TICK_NS);
     const size_t changes = world->observer.mode_count;
     const char *mode = changes > 0 ? mode_name((uint8_t)world->observer.modes[changes - 1].mode) : "boot";
-    const double longest_s = (double)world->end_ns * 1e-9; /* an upper limit: a run ends when its scripts do */
+    const double longest_s = (double)world->end_ns * 1e-9; /* only an upper limit: a run ends when its scripts end */
     if (is_terminal()) {
         if (world->ticks % PROGRESS_TERMINAL_TICKS == 0 || world->ticks == total) {
             (void)printf("\r%s %5.1f s of at most %.1f s  %-12s%s", world->scenario->name, simulated_s(world),

@@ -17,7 +17,7 @@ typedef struct {
 bool run_files_open(run_files_t *self, const world_t *world, const char *log_path, const char *trace_path, char error[],
                     size_t error_size);
 
-/* Adds the tick to the trace. Called after each tick. */
+/* Adds the tick that has just been simulated to the trace. Called after each tick. */
 void run_files_write_tick(run_files_t *self, const world_t *world);
 
 /* Closes the files. Returns false, with one line in `error`, if one of them is incomplete. */

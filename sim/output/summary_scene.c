@@ -8,7 +8,7 @@
 
 /* ---- setting */
 
-/* Writes the recording's file, and the scales of the first step that plays it. */
+/* Writes the path of the recording, and the scales of the first step that plays a recording. */
 static void write_recording(json_writer_t *json, const char *key, const char *path, const person_t *person) {
     if (path == NULL) {
         json_null(json, key);
@@ -160,7 +160,7 @@ static int compare_times(const void *a, const void *b) {
     if ((*x)->first_s != (*y)->first_s) {
         return (*x)->first_s < (*y)->first_s ? -1 : 1;
     }
-    return *x < *y ? -1 : *x > *y; /* both point into the same array, so this sorts by order of declaration */
+    return *x < *y ? -1 : *x > *y; /* simultaneous events: in the array's order, that of their declaration */
 }
 
 static void write_events(json_writer_t *json, const events_t *events) {

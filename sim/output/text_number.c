@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WRITTEN_MAX 1e9 /* 1e9 times this value still fits in 64 bits */
+#define WRITTEN_MAX 1e9 /* even multiplied by 1e9 (nine decimals), this value fits in 64 bits */
 
 char *text_number_write(char *out, double value, int decimals) {
     static const double power[] = {1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};

@@ -7,7 +7,7 @@
 #define SETTLE_S 0.15 /* time for the robot to settle after the guiding hand has stopped */
 #define TIME_TOLERANCE_S 1e-9
 
-/* Computes the vector from the point's current position to its goal. */
+/* Computes the vector from the current position of the point that is brought to its goal. */
 static void read_error(const approach_t *self, double error_m[3]) {
     const person_step_t *step = self->step;
     const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->person};
@@ -41,7 +41,8 @@ void approach_begin(approach_t *self, const rigid_pose_t *aim, const double robo
     begin_move(self, aim, robot_gain, error_m, self->step->lift_m, begin_s, self->step->duration_s);
 }
 
-/* Returns the time at which the hand has finished its last move and the robot has settled. */
+/* Returns the time at which the hand has finished its last move and, if the hand guides the robot, the robot has
+ * settled. */
 static double end_s(const approach_t *self) {
     const double settle_s = self->step->action == PERSON_GUIDE ? SETTLE_S : 0.0;
     return self->path.begin_s + self->path.duration_s + settle_s;

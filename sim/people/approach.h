@@ -1,6 +1,6 @@
-/* Brings one point to another by sight, with one move and then short corrections until the two are close enough. A
- * reaching person moves their own grip. A guiding person moves a point that the robot carries, and knows how the robot
- * follows the hand. */
+/* Brings a point to its goal as a person does by sight: with one move, and then with short corrections until the
+ * distance is small enough. A person who reaches moves their own grip to the goal. A person who guides the robot moves
+ * a point that the robot carries, and knows how the robot follows the hand. */
 #ifndef COMANIP_SIM_APPROACH_H
 #define COMANIP_SIM_APPROACH_H
 

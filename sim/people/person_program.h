@@ -7,9 +7,9 @@
 
 typedef struct person_program person_program_t;
 
-/* scenario, scene and events must outlive the program. recording: path from the command line, or NULL. If it is given,
- * the steps of program_with_recording are executed instead of those of program. Returns NULL on failure, with one line
- * in `error` (for example a recording that cannot be read). */
+/* scenario, scene and events must outlive the program. recording: path from the command line, or NULL. If a path
+ * is given, the steps of program_with_recording are executed instead of those of program. Returns NULL on failure, for
+ * example if a recording cannot be read, with one line in `error`. */
 person_program_t *person_program_create(const scenario_t *scenario, size_t person, scene_t *scene, events_t *events,
                                         const char *recording, const char *axes, uint64_t seed, char error[],
                                         size_t error_size);
@@ -17,7 +17,8 @@ void person_program_destroy(person_program_t *self);
 
 /* Sets the desired hand pose for the simulation step that ends at until_s. robot_gain: displacement of the end effector
  * per displacement of this hand, for each axis. It is (scale, scale, scale), or (-scale, scale, scale) while the task
- * mirrors. A guiding person is assumed to know it. */
+ * mirrors. A person who guides the robot is assumed to know
+ * this gain. */
 void person_program_step(person_program_t *self, double now_s, double until_s, const double robot_gain[3]);
 
 bool person_program_is_done(const person_program_t *self);

@@ -12,7 +12,7 @@
 
 /* Entry n belongs to step n. */
 typedef struct {
-    recorded_motion_t *recording[SCENARIO_MAX_STEPS]; /* NULL if the step plays none */
+    recorded_motion_t *recording[SCENARIO_MAX_STEPS]; /* NULL if the step plays no recording */
     playback_t playback[SCENARIO_MAX_STEPS];
     char description[PLAYLIST_TEXT_BYTES]; /* one line about the first recording; "" if there is none */
 } playlist_t;

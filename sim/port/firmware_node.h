@@ -1,6 +1,6 @@
-/* The firmware's node on the simulated bus: receive queue and send time. The firmware in this process
- * (local_firmware.h) and the firmware in an image (remote_firmware.h) both use it, so that both produce the same
- * run. */
+/* The firmware's node on the simulated bus, which determines when frames are received and sent. The firmware in this
+ * process (local_firmware.h) and the firmware in an image (remote_firmware.h) produce the same run, because both use
+ * this node. */
 #ifndef COMANIP_SIM_FIRMWARE_NODE_H
 #define COMANIP_SIM_FIRMWARE_NODE_H
 
@@ -15,7 +15,7 @@ typedef struct {
     int node;
     can_frame_t queue[FIRMWARE_NODE_QUEUE_FRAMES]; /* ring buffer */
     size_t first, count;
-    uint32_t refused_frames; /* frames dropped on sending, because the bus's queue was full */
+    uint32_t refused_frames; /* frames that could not be sent, because the bus's queue was full */
 } firmware_node_t;
 
 /* Attaches the node to the world's bus. self must not move in memory afterwards. */

@@ -67,7 +67,7 @@ void hal_enable_drives(bool enable) {
     drive_node_enable(local.world->drives, enable);
 }
 
-/* A processor would halt; here the run fails. */
+/* Fails the run. On real hardware, hal_panic() halts the processor instead. */
 void hal_panic(const char *cause) {
     hal_enable_drives(false);
     char text[WORLD_TEXT_BYTES];

@@ -9,8 +9,8 @@
  * `error`. */
 bool remote_firmware_open(const char *path, char error[], size_t error_size);
 
-/* Runs the world to its end. The run fails with the image's message if the image panics, and also if it does not answer
- * for a minute. */
+/* Runs the world to its end. If the image panics, the run fails with the image's message. The run also fails if the
+ * image does not answer for a minute. */
 void remote_firmware_run(world_t *world);
 
 #endif

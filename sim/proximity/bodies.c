@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-#define ROD_CHANGE_M 10.0 /* added to travelled_m when a hand or gripper holds a different rod than before */
+#define ROD_CHANGE_M 10.0 /* added to travelled_m when a hand or the gripper holds another rod than before */
 
-/* Moves a body to a pose and adds an upper bound of its points' motion to travelled_m. A point at the bounding radius R
- * moves by at most the displacement of the origin plus the chord of the rotation, 2 R sin(angle/2). For unit
- * quaternions |p - q| = 2 sin(angle/4) >= sin(angle/2). */
+/* Moves a body to a pose, and adds an upper bound of the distance that any of its points moves to travelled_m. A point
+ * at the bounding radius R moves by at most the displacement of the origin plus the chord of the rotation,
+ * 2 R sin(angle/2). For unit quaternions |p - q| = 2 sin(angle/4) >= sin(angle/2). */
 static void place(body_t *body, const rigid_pose_t *pose) {
     const rigid_pose_t *last = &body->shape.pose;
     const double sign = rotation_dot(last->rotation, pose->rotation) < 0.0 ? -1.0 : 1.0;
@@ -28,7 +28,7 @@ static void place_at(body_t *body, const rigid_pose_t *carrier, const double off
     place(body, &pose);
 }
 
-/* Places a cup. pose is that of the cup's frame, whose origin is the centre of the inner bottom. */
+/* Places a cup. pose: pose of the cup's frame, whose origin is the centre of the inner bottom. */
 static void place_cup(body_t *body, const cup_t *cup, const rigid_pose_t *pose) {
     place_at(body, pose, (const double[3]){0.0, 0.0, 0.5 * (cup->height_m - cup->wall_m)});
 }
@@ -83,7 +83,7 @@ static void place_robot(body_t robot[BODIES_ROBOT_PARTS], const scenario_t *scen
     place_held(&robot[ROBOT_PART_HELD], scenario, scene, SCENE_HOLDER_ROBOT);
 }
 
-/* Places the forearm so that it points from the wrist to the elbow, which is fixed. */
+/* Places a person's forearm so that it points from the wrist to the fixed elbow. */
 static void place_forearm(bodies_t *self, size_t person, const rigid_pose_t *hand, const double elbow_m[3]) {
     body_t *forearm = &self->person[person][PERSON_PART_FOREARM];
     const rigid_pose_t wrist = body_wrist(hand);
@@ -94,7 +94,7 @@ static void place_forearm(bodies_t *self, size_t person, const rigid_pose_t *han
         along[i] = length_m > 0.0 ? (elbow_m[i] - wrist.position_m[i]) / length_m : 0.0;
         pose.position_m[i] = wrist.position_m[i] + 0.5 * self->forearm_m[person] * along[i];
     }
-    if (1.0 + along[2] > 1e-6 && length_m > 0.0) { /* the smallest rotation that aligns z, if defined */
+    if (1.0 + along[2] > 1e-6 && length_m > 0.0) { /* smallest rotation of z onto `along`, if defined */
         const double turn[4] = {1.0 + along[2], -along[1], along[0], 0.0};
         memcpy(pose.rotation, turn, sizeof turn);
         rotation_normalise(pose.rotation);

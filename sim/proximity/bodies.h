@@ -1,5 +1,5 @@
-/* People and robot as convex shapes with their current poses. The sizes of a person's hand and forearm and of the
- * robot's torso, head and gripper are assumed; those of the arm are from robot_model.h. */
+/* The people and the robot as convex shapes at their current poses. The sizes of a person's hand and forearm and of the
+ * robot's torso, head and gripper are assumed; the sizes of the robot's arm are from robot_model.h. */
 #ifndef COMANIP_SIM_BODIES_H
 #define COMANIP_SIM_BODIES_H
 
@@ -11,7 +11,7 @@
 #define BODIES_PERSON_PARTS 4 /* person_part_t */
 #define BODIES_ROBOT_PARTS 8  /* robot_part_t */
 #define BODIES_FOREARM_POINTS 16
-#define BODIES_WRIST_M 0.060 /* from a person's wrist forward to the origin of the hand, the centre of the palm */
+#define BODIES_WRIST_M 0.060 /* from a person's wrist forward to the centre of the palm, the hand's origin */
 #define BODY_NO_OBJECT (-1)
 
 typedef struct {
@@ -28,7 +28,7 @@ typedef struct {
     double forearm_point[SCENARIO_MAX_PEOPLE][BODIES_FOREARM_POINTS][3];
 } bodies_t;
 
-/* self must not be copied, because shapes point into it. */
+/* self must not be copied or moved, because its shapes point into it. */
 void bodies_init(bodies_t *self, const scenario_t *scenario);
 
 /* Sets the poses from the current scene. */

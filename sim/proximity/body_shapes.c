@@ -4,22 +4,22 @@
 #include <math.h>
 #include <string.h>
 
-#define ARM_RADIUS_M 0.020 /* rods of 40 mm diameter, as in robot_model.c */
+#define ARM_RADIUS_M 0.020 /* the arm's links are rods of 40 mm diameter, as in robot_model.c */
 #define SHOULDER_M 0.050
 #define WRIST_RADIUS_M 0.030
 #define ELBOW_RADIUS_M 0.045
 #define RING_POINTS (BODIES_FOREARM_POINTS / 2)
 
-/* These sizes are assumed, because the manual does not include any outlines. The robot is 0.6 m tall, and its waist
- * frame is at the hip. */
+/* Assumed sizes for a robot of 0.6 m height, because the manual does not include outlines. The origin of the centres is
+ * that of the waist frame, at the hip. */
 static const double gripper_size_m[3] = {0.040, 0.050, 0.050};
 static const double torso_size_m[3] = {0.100, 0.150, 0.190};
 static const double torso_centre_m[3] = {-0.035, 0.0, 0.085};
 static const double head_size_m[3] = {0.110, 0.120, 0.120};
 static const double head_centre_m[3] = {-0.030, 0.0, 0.260};
 
-/* Corners of an adult's flat hand at the wrist, the knuckles and the fingertips, in the hand's frame (z forward, x up).
- * The hand measures 0.18 x 0.085 x 0.03 m. */
+/* Points around the wrist, the knuckles and the fingertips of an adult's flat hand, in the hand's frame (z forward, x
+ * up). The hand measures 0.18 x 0.085 x 0.03 m. */
 static const double flat_hand_m[][3] = {
     {-0.015, -0.030, -BODIES_WRIST_M},
     {-0.015, 0.030, -BODIES_WRIST_M},
@@ -35,7 +35,7 @@ static const double flat_hand_m[][3] = {
     {0.008, 0.030, 0.120},
 };
 
-/* Corners of the same hand with its fingers around an object. */
+/* Points of the same hand with its fingers around an object. */
 static const double grasping_hand_m[][3] = {
     {-0.015, -0.030, -BODIES_WRIST_M}, {-0.015, 0.030, -BODIES_WRIST_M}, {0.015, -0.030, -BODIES_WRIST_M},
     {0.015, 0.030, -BODIES_WRIST_M},   {-0.030, -0.0425, -0.020},        {-0.030, 0.0425, -0.020},
@@ -61,7 +61,7 @@ static void set_cylinder(body_t *body, double length_m, double radius_m) {
     set_shape(body, (convex_shape_t){.kind = SHAPE_CYLINDER, .length_m = length_m, .radius_m = radius_m});
 }
 
-/* Uses the outside of the cup, closed with a lid to make it convex. */
+/* Uses the cup's outer surface with a flat lid, because the shape must be convex. */
 static void set_cup(body_t *body, const cup_t *cup) {
     if (cup->present) {
         set_cylinder(body, cup->height_m + cup->wall_m, cup->radius_m + cup->wall_m);

@@ -5,7 +5,8 @@
 
 #include "convex_support.h"
 
-/* Width of the last bracket. The result is its centre; a fifth of the error bound is left for rounding. */
+/* The bisection ends when its bracket is this narrow. The result is the centre of the bracket, so that a fifth of the
+ * error bound is left for rounding errors. */
 #define BRACKET_M (1.6 * CONVEX_DISTANCE_ERROR_M)
 
 typedef struct {
@@ -54,8 +55,8 @@ double convex_distance_m(const convex_shape_t *a, const convex_shape_t *b, doubl
             upper_m = margin_m;
         }
         lower_m = fmax(lower_m, separation_m(&search));
-        /* The best direction is usually nearly exact, so the distance is just above lower_m. Halving guarantees
-         * convergence. */
+        /* The best direction is usually nearly exact, so the distance is just above lower_m. Halving the bracket in
+         * every second step guarantees convergence. */
         margin_m = halve ? 0.5 * (lower_m + upper_m) : lower_m + 0.9 * BRACKET_M;
         halve = !halve;
     }

@@ -1,6 +1,6 @@
 /* Computes the penetration depth. libccd's own functions are not accurate enough: its expanding polytope does not stay
- * convex, and its portal refinement finds a separation, but not the shortest one. The depth is the smallest reach over
- * all directions, so a search that misses the minimum returns too much, never too little. */
+ * convex, and its portal refinement finds a separation, but not the shortest one. The depth is the smallest reach
+ * (convex_reach_mm()) over all directions, so a search that misses the minimum returns too much, never too little. */
 #include "convex_overlap.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 #define STEPS 150
 #define FIRST_STEP_RAD 0.3
-#define STEP_RATIO 0.93 /* ratio of successive steps; the last one is 6 urad */
+#define STEP_RATIO 0.93 /* ratio of successive steps; the last step is 6 urad */
 
 static double length_of(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -23,8 +23,8 @@ static void normalise(double v[3]) {
 }
 
 /* Finds the smallest reach near a direction by subgradient descent on the unit sphere. The subgradient is the component
- * of the farthest point that is perpendicular to the direction. The steps become shorter, because the reach is not
- * smooth. */
+ * of the farthest point perpendicular to the direction. The steps become shorter and shorter, because steps of constant
+ * length would not converge: the reach is not a smooth function of the direction. */
 static double smallest_reach_near(const convex_operand_t *first, const convex_operand_t *second, double direction[3]) {
     double least_mm = HUGE_VAL, step_rad = FIRST_STEP_RAD;
     for (int k = 0; k < STEPS; k++) {
@@ -52,7 +52,7 @@ double convex_overlap_m(const convex_shape_t *a, const convex_shape_t *b) {
     convex_separation_t separation;
     convex_operands_init(&first, &second, a, b, &separation);
     double least_mm = HUGE_VAL;
-    for (int start = 0; start < 27; start++) { /* the 26 directions of a cube's faces, edges and corners */
+    for (int start = 0; start < 27; start++) { /* starts from the directions of a cube's faces, edges and corners */
         const double cube[3] = {start % 3 - 1, start / 3 % 3 - 1, start / 9 - 1};
         if (length_of(cube) <= 0.0) {
             continue;

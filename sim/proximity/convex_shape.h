@@ -15,9 +15,9 @@ typedef struct {
     convex_kind_t kind;
     double size_m[3];
     double length_m, radius_m;
-    const double (*points)[3]; /* in the shape's frame; SHAPE_HULL */
+    const double (*points)[3]; /* for SHAPE_HULL, in the shape's frame */
     int point_count;
-    double bounding_radius_m; /* radius of the sphere about the frame's origin; set by convex_shape_finish() */
+    double bounding_radius_m; /* of a sphere about the frame's origin around the shape; set by convex_shape_finish() */
     rigid_pose_t pose;        /* pose of the shape's frame, in torso axes */
 } convex_shape_t;
 

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define MAX_ITERATIONS 200 /* several tens are needed for curved surfaces that touch */
+#define MAX_ITERATIONS 200 /* curved surfaces that touch need several dozen */
 
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -24,7 +24,7 @@ static void hull_support(const convex_shape_t *shape, const double direction[3],
 }
 
 /* Finds the farthest point of the shape's core in a direction. Point and direction are in the shape's frame. The core
- * of a capsule is its centre line. */
+ * of a capsule is the capsule's centre line; the core of any other shape is the shape itself. */
 static void core_support(const convex_shape_t *shape, const double direction[3], double point_m[3]) {
     double length = 0.0, share = 0.0;
     switch (shape->kind) {
@@ -45,7 +45,7 @@ static void core_support(const convex_shape_t *shape, const double direction[3],
     }
 }
 
-/* Computes the support point of the inflated shape and returns its reach in the direction. */
+/* Computes the support point of the inflated shape and returns how far this point reaches in the direction. */
 static double inflated_support(const convex_operand_t *self, const ccd_vec3_t *direction, ccd_vec3_t *point) {
     const double *d = direction->v;
     double local[3], core_m[3] = {0.0};
@@ -66,7 +66,7 @@ static void support_first(const void *object, const ccd_vec3_t *direction, ccd_v
     self->separation->first_reach_mm = inflated_support(self, direction, point) - self->margin_mm;
 }
 
-/* libccd calls this after support_first(), with the opposite direction. */
+/* libccd calls this function after support_first(), with the opposite direction. */
 static void support_second(const void *object, const ccd_vec3_t *opposite, ccd_vec3_t *point) {
     const convex_operand_t *self = object;
     convex_separation_t *separation = self->separation;
@@ -79,8 +79,8 @@ static void support_second(const void *object, const ccd_vec3_t *opposite, ccd_v
     }
 }
 
-/* Starts with the best direction so far, so that a search that differs from the last one only in its margin ends
- * quickly. */
+/* Starts with the best direction found so far, so that a search ends quickly if only the margin has changed since the
+ * last search. */
 static void first_direction(const void *first, const void *second, ccd_vec3_t *direction) {
     const convex_operand_t *self = first;
     (void)second;
@@ -111,7 +111,7 @@ void convex_operands_init(convex_operand_t *first, convex_operand_t *second, con
     *separation = (convex_separation_t){.distance_mm = 0.0};
     memcpy(separation->direction, second->position_mm, sizeof separation->direction);
     if (dot(separation->direction, separation->direction) <= 0.0) {
-        separation->direction[0] = 1.0; /* equal origins: any direction will do */
+        separation->direction[0] = 1.0; /* the origins coincide: any direction will do */
     }
 }
 

@@ -10,11 +10,12 @@
 
 #define MM_PER_M 1000.0
 
-/* The best lower bound of the distance between the two shapes. Every direction that is tried provides a lower bound. */
+/* The best lower bound of the distance between the two shapes so far. Every direction that libccd tries provides a
+ * bound. */
 typedef struct {
     double first_reach_mm; /* reach of the first shape in the current direction */
     double distance_mm;    /* lower bound of the distance */
-    double direction[3];   /* from the first shape to the second; any length */
+    double direction[3];   /* direction that yields distance_mm, from the first shape to the second; any length */
 } convex_separation_t;
 
 typedef struct {
@@ -32,13 +33,13 @@ void convex_operands_init(convex_operand_t *first, convex_operand_t *second, con
                           const convex_shape_t *b, convex_separation_t *separation);
 
 /* Returns how far the first shape would have to move against the unit direction to be separated from the second one. If
- * they are already apart in this direction, the result is minus their distance. furthest_mm: the farthest point of the
- * Minkowski difference in this direction. */
+ * the shapes are already apart in this direction, the result is minus their distance. furthest_mm: the farthest point
+ * of the Minkowski difference in this direction. */
 double convex_reach_mm(const convex_operand_t *first, const convex_operand_t *second, const double direction[3],
                        double furthest_mm[3]);
 
-/* Configures libccd for two operands, which must be passed in the order `first`, `second`. Only the margin of the first
- * is used. */
+/* Configures libccd for two operands, which must be passed to libccd in the order `first`, `second`. Only the first
+ * operand's margin is used. */
 void convex_support_configure(ccd_t *ccd);
 
 #endif

@@ -11,14 +11,14 @@
 #define PERSON_PAIRS (SCENARIO_MAX_PEOPLE * BODIES_PERSON_PARTS * BODIES_ROBOT_PARTS)
 #define SELF_PAIRS (ROBOT_PART_UPPER_ARM * BODY_PARTS)
 
-/* The distance of a pair is determined if it is at most this far beyond the smallest one found so far. The pair then
+/* A pair's distance is computed up to this much beyond the smallest distance found so far. A pair that is farther apart
  * need not be searched again until its bodies have travelled about this far. */
 #define SEARCH_BEYOND_M 0.03
 
 typedef struct {
     const body_t *a, *b;
     int number;
-    double distance_m;  /* result of the last search; negative before the first one */
+    double distance_m;  /* result of the last search; negative before the first search */
     double least_m;     /* lower bound at the last search */
     double travelled_m; /* sum of both bodies' travelled_m at the last search */
 } pair_t;
@@ -53,8 +53,8 @@ proximity_pair_t proximity_pair(int pair) {
 
 /* ---- pairs */
 
-/* Finds the objects that people and robot may grip in this scenario. The robot's gripper closes on whatever object is
- * between its jaws. */
+/* Finds the objects that the people and the robot may grip in this scenario. If the gripper closes at all, it may grip
+ * any object, because it grips whatever is between its jaws. */
 static void find_grips(proximity_t *self, const scenario_t *scenario) {
     bool closes = false;
     for (size_t i = 0; i < scenario->operate_count; i++) {
@@ -74,8 +74,9 @@ static void find_grips(proximity_t *self, const scenario_t *scenario) {
     }
 }
 
-/* Returns true if contact of the pair is intended: if both parts are one rod that person and robot hold together, or if
- * one part is a rod and the other is a hand, gripper or forearm that may hold this rod in this scenario. */
+/* Returns true if contact of the pair is intended. This is so if both parts are the same rod, held by person and robot
+ * together, or if one part is a rod and the other is a hand, gripper or forearm that may hold this rod in this
+ * scenario. */
 static bool is_intended(const proximity_t *self, int number) {
     const proximity_pair_t parts = proximity_pair(number);
     if (parts.person < 0) {
@@ -95,7 +96,7 @@ static void add_pair(pairs_t *self, const body_t *a, const body_t *b, int number
     self->pair[self->count++] = (pair_t){.a = a, .b = b, .number = number, .distance_m = -1.0};
 }
 
-/* Returns true for neighbours in the kinematic chain, which always touch. */
+/* Returns true if the two parts are neighbours in the kinematic chain, because such parts always touch. */
 static bool are_neighbours(const proximity_pair_t *parts) {
     return parts->robot == ROBOT_PART_FOREARM && parts->body == ROBOT_PART_UPPER_ARM;
 }

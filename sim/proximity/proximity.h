@@ -1,6 +1,6 @@
-/* Measures the smallest clearances in each tick: between people and robot except for intended contact, and between the
- * arm and the rest of the robot. Like a light curtain, this sensor is outside the robot. It sends its results to the
- * operator over the bus. */
+/* Measures the smallest clearances in each tick: between the people and the robot (except for intended contact), and
+ * between the arm and the rest of the robot. Like a light curtain, this sensor is not part of the robot. It sends its
+ * results to the operator over the bus. */
 #ifndef COMANIP_SIM_PROXIMITY_H
 #define COMANIP_SIM_PROXIMITY_H
 
@@ -20,8 +20,8 @@ typedef struct {
 typedef struct {
     int person;         /* index in the scenario; -1 for two parts of the robot */
     person_part_t part; /* the person's part */
-    robot_part_t robot; /* the robot's part; for two robot parts, the one of the arm or its load */
-    robot_part_t body;  /* for two robot parts, the other one */
+    robot_part_t robot; /* the robot's part; if both parts are the robot's, the part of the arm or its load */
+    robot_part_t body;  /* the other part if both are the robot's */
 } proximity_pair_t;
 
 proximity_pair_t proximity_pair(int pair);
@@ -32,7 +32,7 @@ typedef struct proximity proximity_t;
 proximity_t *proximity_create(const scenario_t *scenario, const scene_t *scene);
 void proximity_destroy(proximity_t *self);
 
-/* Measures the clearances at this instant. The error of each is at most CONVEX_DISTANCE_ERROR_M. */
+/* Measures the clearances at this instant. The error of each clearance is at most CONVEX_DISTANCE_ERROR_M. */
 measured_clearance_t proximity_measure(proximity_t *self);
 
 /* Returns the name of a pair, for example "person.forearm - robot.forearm"; "" for -1. */

@@ -12,8 +12,8 @@
 #define SHOULDER_ALPHA_RAD (-RIGHT_ANGLE)
 #define SHOULDER_D_M (-0.111)
 
-/* The links' bodies are a 50 mm cube for the shoulder's servo and three rods of 40 mm diameter: the two halves of the
- * upper arm, on either side of the torsion joint, and the forearm with the hand. */
+/* The links' bodies are a 50 mm cube and three rods of 40 mm diameter. The cube is the shoulder's servo. The rods are
+ * the two halves of the upper arm, above and below its torsion joint, and the forearm with the hand. */
 const robot_joint_t robot_joint_table[ROBOT_JOINTS] = {
     {.alpha_rad = 0.0,
      .offset_rad = 0.0,
@@ -52,7 +52,7 @@ const robot_joint_t robot_joint_table[ROBOT_JOINTS] = {
      .centre_m = {0.0, ROBOT_FOREARM_M / 2.0, 0.0}},
 };
 
-/* Rot_x(-90 deg): the hand's z axis is the last link's y axis. */
+/* Rot_x(-90 deg), which makes the hand's z axis parallel to the last link's y axis. */
 const double robot_hand_rotation[4] = {0.70710678118654752440, -0.70710678118654752440, 0.0, 0.0};
 const double robot_hand_offset_m[3] = {0.0, ROBOT_FOREARM_M, 0.0};
 static const double hand_rotation_matrix[9] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0};

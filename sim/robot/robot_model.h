@@ -20,17 +20,17 @@
 #define ROBOT_FOREARM_M 0.171
 
 typedef enum {
-    LINK_BOX,   /* a cube of `length_m` */
+    LINK_BOX,   /* a cube with edges of `length_m` */
     LINK_ROD_Y, /* a cylinder along the link frame's y axis */
     LINK_ROD_Z, /* a cylinder along the link frame's z axis */
 } link_shape_t;
 
 /* A joint and the link that it moves. The link frame is the modified DH frame of the joint. */
 typedef struct {
-    double alpha_rad, a_m, d_m, offset_rad; /* from the previous frame; joint angle = theta - offset */
+    double alpha_rad, a_m, d_m, offset_rad; /* DH parameters; joint angle = theta - offset */
     double stop_min_rad, stop_max_rad;      /* mechanical stops */
     double mass_kg;
-    link_shape_t shape; /* homogeneous body that determines the inertia, which the manual omits */
+    link_shape_t shape; /* assumed homogeneous body, because the manual does not give the inertia */
     double length_m, radius_m;
     double centre_m[3]; /* centre of mass in the link frame */
 } robot_joint_t;

@@ -1,5 +1,5 @@
-/* Options for watching a run, by pacing it to real time and by publishing it on a hub. Neither changes the results of
- * the run. */
+/* Lets a user watch a run: --real-time paces the run to real time, and --hub publishes its frames on a hub. Neither
+ * option changes the results of the run. */
 #ifndef COMANIP_SIM_LIVE_H
 #define COMANIP_SIM_LIVE_H
 
@@ -16,11 +16,11 @@ typedef struct {
     hub_publisher_t hub;
 } live_t;
 
-/* Applies the world's options and prints how to listen. Call it just before the run. Returns false on failure, with one
- * line in `error`. */
+/* Applies the two options and prints how to listen to the bus. Call it just before the run. Returns false on failure,
+ * with one line in `error`. */
 bool live_open(live_t *self, world_t *world, char error[], size_t error_size);
 
-/* Closes the hub and prints lost frames and lateness. */
+/* Leaves the hub. Prints a line if frames were not published, and a line if the run was late. */
 void live_close(live_t *self);
 
 #endif

@@ -132,7 +132,8 @@ static int run(const run_mode_t *mode, world_t *world, output_folder_t *folder) 
     return interrupted != 0 ? EXIT_INTERRUPTED : checks.pass ? EXIT_SUCCESS : EXIT_CHECK_FAILED;
 }
 
-/* Opens the output folder last, after all other checks, and runs the world. */
+/* Opens the output folder and runs the world. The folder is opened after all other checks, so that a wrong option does
+ * not remove the results of an earlier run. */
 static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     char error[OPTIONS_ERROR_BYTES];
     char default_out[sizeof "out/" + SCENARIO_NAME_BYTES];
@@ -158,7 +159,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     return status;
 }
 
-/* Opens the bus first, so that a wrong bus name is reported at once. */
+/* Builds the world and runs it. Opens the bus first, so that a wrong bus name is reported at once. */
 static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
     char error[OPTIONS_ERROR_BYTES];
     static world_t world;

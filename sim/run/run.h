@@ -1,5 +1,5 @@
 /* The common part of the programs that run a scenario: command line, world, files and report. The programs differ in
- * their bus and in what advances time. */
+ * the bus that they use and in what advances the time. */
 #ifndef COMANIP_SIM_RUN_H
 #define COMANIP_SIM_RUN_H
 

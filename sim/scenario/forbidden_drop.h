@@ -1,5 +1,5 @@
-/* Finds objects that were dropped more often than a `drops` check of the scenario allows. In a scenario without such a
- * check, an object may be put down on purpose. */
+/* Finds objects that were dropped more often than a `drops` check of the scenario allows. Without such a check, drops
+ * are allowed, because a person may put an object down on purpose. */
 #ifndef COMANIP_SIM_FORBIDDEN_DROP_H
 #define COMANIP_SIM_FORBIDDEN_DROP_H
 

@@ -33,7 +33,7 @@ typedef struct {
     bool present;
     double radius_m, height_m; /* inner dimensions */
     double wall_m;
-    rigid_pose_t mount; /* pose in the frame of the hand that carries it */
+    rigid_pose_t mount; /* pose of the cup in the frame of the hand that carries the cup */
 } cup_t;
 
 /* Water in the robot's cup at the start. */
@@ -62,7 +62,7 @@ typedef struct {
 typedef struct {
     scenario_name_t name;
     object_kind_t kind;
-    rigid_pose_t pose;       /* start pose of the centre; for a crank, of the hinge, with the handle at +x */
+    rigid_pose_t pose;       /* start pose of the centre or, for a crank, of the hinge (handle at +x) */
     double length_m;         /* length of a rod, or of a crank's handle */
     double radius_m;         /* radius of a rod, or distance from a crank's hinge to the axis of its handle */
     double size_m[3];        /* size of a stand */
@@ -83,7 +83,7 @@ typedef struct {
     double stroke_s;                       /* time from open to closed */
     double capture_m;                      /* the jaws grip an object if its axis is this close to the centre */
     double stiffness_Npm, damping_Nspm;    /* stiffness and damping of the pads, along each axis */
-    double force_limit_N, torque_limit_Nm; /* above either limit the object slips out */
+    double force_limit_N, torque_limit_Nm; /* beyond either limit, the object slips out */
 } gripper_t;
 
 /* ---- points that a hand can move to */
@@ -105,7 +105,7 @@ typedef struct {
 
 typedef struct {
     double at_s;                       /* earliest start of the step; 0: no restriction */
-    int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all of them */
+    int awaited[SCENARIO_MAX_AWAITED]; /* indices in scenario.events; the step waits for all these events */
     size_t awaited_count;
     double delay_s;    /* delay after the last awaited event, or after the previous step if no event is awaited */
     double patience_s; /* timeout for the awaited events, after which the run fails; 0 for no timeout */
@@ -128,19 +128,19 @@ typedef struct {
     scenario_name_t name; /* the step raises "PERSON.NAME" when it is finished; "" for no event */
     person_action_t action;
     step_start_t start;
-    double duration_s;                   /* rest, move, reach, guide: of the step; turn: of one revolution */
-    double displacement_m[3];            /* move: from the start */
-    double rotation_vector_rad[3];       /* move: from the start orientation, torso axes */
+    double duration_s;                   /* turn: duration of one revolution; other actions: of the step */
+    double displacement_m[3];            /* move: displacement from the start position */
+    double rotation_vector_rad[3];       /* move: rotation from the start orientation, in torso axes */
     bool from_here;                      /* move: displacement and rotation are relative to the end of the last step */
-    point_t what, to;                    /* guide: both; reach: to */
+    point_t what, to;                    /* guide uses both points; reach uses only `to` */
     double offset_m[3];                  /* reach, guide: added to `to` */
-    double tolerance_m;                  /* reach, guide: short corrections follow until the point is this close */
+    double tolerance_m;                  /* reach, guide: the hand makes corrections until the error is below this */
     double lift_m;                       /* reach, guide: height of the path's arc */
     size_t object;                       /* grip, turn */
     double turns;                        /* turn: signed, about the hinge's axis */
-    char recording[SCENARIO_PATH_BYTES]; /* play; "" for the recording given on the command line */
-    char axes[8];                        /* play; "" if the file's name determines them */
-    double position_scale, rotation_scale; /* play: factors of the displacement from the recording's first pose */
+    char recording[SCENARIO_PATH_BYTES]; /* play: path of the file; "": the path on the command line */
+    char axes[8];                        /* play: axes of the recorder; "": the file's name determines them */
+    double position_scale, rotation_scale; /* play: factors for motion relative to the recording's first pose */
     double from_s, until_s;                /* play: section of the recording; until_s is 0 for its end */
 } person_step_t;
 
@@ -151,7 +151,7 @@ typedef struct {
     bool tracked;       /* wears the tracker's marker; exactly one person does */
     rigid_pose_t start; /* start pose of the hand, palm down; its frame has z forward along the forearm and x up */
     double grip_m[3];   /* grip point in the frame of the hand */
-    double elbow_m[3];  /* fixed; the forearm points to it */
+    double elbow_m[3];  /* position of the elbow, which does not move */
     double mass_kg; /* effective mass of hand and forearm at the hand; its radius of gyration is PERSON_GYRATION_M */
     double stiffness_Npm, damping_ratio; /* resistance of the arm to forces at the hand */
     double stiffness_Nmprad;             /* stiffness of the wrist */
@@ -193,7 +193,7 @@ typedef struct {
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between the end effector and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, RMS of the same distance */
-    MEASURE_RELATION_RMS,     /* mm, end effector displacement since `from` minus motion_scale times the person's */
+    MEASURE_RELATION_RMS,     /* mm, RMS: end effector displacement minus motion_scale times the hand's, since `from` */
     MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` minus expected_m times motion_scale */
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
@@ -217,7 +217,7 @@ typedef enum {
 
 /* A time of the run, absolute or relative to an event. */
 typedef struct {
-    int event; /* `s` counts from this event; EVENT_NONE for the run's start */
+    int event; /* `s` counts from this event; EVENT_NONE: from the start of the run */
     double s;
 } moment_t;
 
@@ -237,9 +237,9 @@ typedef struct {
  * from minus to plus the value given here. */
 typedef struct {
     double start_m;          /* start position of the tracked person's hand, per axis */
-    double move_m;           /* end of each move, per axis; moves to the same position still end at the same position */
-    double object_m[3];      /* position of the objects that the robot does not hold; all shift together */
-    double duration_percent; /* duration of each step that has one */
+    double move_m;           /* end of each move, per axis; moves with a common goal still have a common goal */
+    double object_m[3];      /* position of the objects that the robot does not hold; all get the same shift */
+    double duration_percent; /* duration of each step that has a duration */
 } variation_t;
 
 typedef struct {
@@ -267,13 +267,13 @@ typedef struct {
     double tracking_rms_limit_mm, tracking_max_limit_mm; /* 0: not checked */
     double followable_min_percent;                       /* 0: not checked */
     variation_t variation;
-    events_t events; /* all events that can happen; none has happened yet */
+    events_t events; /* all events that can happen during a run; no event has happened yet */
 } scenario_t;
 
 #define SCENARIO_STOP_BEFORE_END_S 0.5 /* time from the operator's stop to the end of the run */
 
-/* Varies start, moves, object positions and durations as the seed determines, within the ranges of `variation`. Seed 0
- * changes nothing. */
+/* Varies the start position, the moves, the objects' positions and the durations at random, within the ranges of
+ * `variation`. The seed determines the variation; seed 0 changes nothing. */
 void scenario_vary(scenario_t *self, uint64_t seed);
 
 #endif

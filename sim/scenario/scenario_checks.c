@@ -158,7 +158,7 @@ static bool has_cup(const scenario_t *self) {
     return has;
 }
 
-/* Rejects a measure of something that the scene does not contain. */
+/* Rejects a measure that needs something that the scenario does not contain, such as water. */
 static void check_scene(yaml_reader_t *yaml, const yaml_node_t *word, const scenario_t *self, measure_t measure) {
     if (needs_water(measure) && self->water.particles == 0) {
         yaml_refuse(yaml, word, "water in the scenario");

@@ -21,7 +21,7 @@ static int by_name(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Lists the names of the files in the folder, without suffix, sorted. The caller frees them. */
+/* Lists the names of the files in the folder, without suffix, sorted. The caller must free the names. */
 static size_t list_names(const char *folder, char *names[LIST_MAX]) {
     DIR *directory = opendir(folder);
     size_t count = 0;
@@ -63,7 +63,7 @@ static bool find_file(const char *name_or_path, const char *folder, char path[SC
         return false;
     }
     if (is_given || (is_whole && access(path, F_OK) == 0)) {
-        return true; /* if the file cannot be opened, the reader reports it */
+        return true; /* if the file cannot be opened, yaml_reader_open() reports an error */
     }
     refuse_name(name_or_path, folder, error, error_size);
     return false;
@@ -101,7 +101,7 @@ static void read_tracking(yaml_reader_t *yaml, scenario_t *self) {
     yaml_get_number(yaml, map, "followable_min_percent", 0.0, 100.0, &self->followable_min_percent);
 }
 
-/* Reads the names before the sections that may refer to them. */
+/* Reads all sections. The names come first, because other sections may refer to them. */
 static void read_sections(yaml_reader_t *yaml, scenario_t *self) {
     read_head(yaml, self);
     read_variation(yaml, self);

@@ -17,8 +17,8 @@ static yaml_node_t *step_name(yaml_reader_t *yaml, yaml_node_t *steps, size_t i)
     return yaml_find(yaml, yaml_item(yaml, steps, i), "name");
 }
 
-/* Rejects the name of step i if an earlier step has it. program and program_with_recording may use the same names,
- * because only one of them is executed. */
+/* Rejects the name of step i if an earlier step of the same list has this name. A step of program and a step of
+ * program_with_recording may have the same name, because only one of the two lists is executed. */
 static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *steps, size_t i) {
     const yaml_node_t *name = step_name(yaml, steps, i);
     for (size_t j = 0; j < i; j++) {

@@ -121,7 +121,7 @@ static void read_step(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *s
     }
 }
 
-/* Reads the steps. Their number was checked when their names were read. */
+/* Reads the steps. The number of steps was already checked when the steps' names were read. */
 static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t *self, person_step_t steps[],
                        size_t *count) {
     for (size_t i = 0; i < yaml_length(list) && !yaml->failed; i++) {
@@ -129,7 +129,7 @@ static void read_steps(yaml_reader_t *yaml, yaml_node_t *list, const scenario_t 
     }
 }
 
-/* docs/scenario-files.md cites the sources of these numbers. */
+/* Sets the properties that a scenario file may omit. docs/scenario-files.md cites the sources of the numbers. */
 static void set_defaults(person_t *person) {
     person->mass_kg = 1.0;
     person->stiffness_Npm = 350.0;

@@ -1,5 +1,5 @@
-/* Reads the sections of a scenario file. Each section has its own function. Names are read first (scenario_names.c), so
- * that any section may refer to any other, in any order. */
+/* Reads the sections of a scenario file. Each section has its own function. All names are read first
+ * (scenario_names.c), so that a section may refer to names in any other section, before or after it. */
 #ifndef COMANIP_SIM_SCENARIO_SECTIONS_H
 #define COMANIP_SIM_SCENARIO_SECTIONS_H
 

@@ -40,7 +40,8 @@ static bool is_same_target(const person_step_t *a, const person_step_t *b) {
            memcmp(a->displacement_m, b->displacement_m, sizeof a->displacement_m) == 0;
 }
 
-/* All moves to the same position (for example home) share one draw, so that they still end at the same position. */
+/* All moves to the same position (for example home) get the same random shift, so that they still end at the same
+ * position. */
 static void vary_steps(const variation_t *variation, person_step_t steps[], size_t count, random_t *random) {
     person_step_t original[SCENARIO_MAX_STEPS];
     memcpy(original, steps, count * sizeof steps[0]);

@@ -8,14 +8,15 @@
 
 #include "scenario.h"
 
-/* Computes when the step begins. ready_s: end of the previous step. Returns false while an event is missing. */
+/* Computes when the step begins. ready_s: end of the previous step. Returns false as long as an awaited event has not
+ * happened. */
 bool step_wait_begin_s(const step_start_t *start, const events_t *events, double ready_s, double *begin_s);
 
-/* Returns true if the step has timed out at now_s; `text` then names the timeout and the missing event. */
+/* Returns true if the step has timed out at now_s; `text` then names the timeout and an event that has not happened. */
 bool step_wait_timed_out(const step_start_t *start, const events_t *events, double ready_s, double now_s, char text[],
                          size_t size);
 
-/* Returns the name of the first missing event that this step waits for, or NULL if none is missing. */
+/* Returns the name of the first awaited event that has not happened, or NULL if all awaited events have happened. */
 const char *step_wait_missing(const step_start_t *start, const events_t *events);
 
 #endif

@@ -1,5 +1,5 @@
-/* Looks up words in a fixed list, such as keys, kinds and names of objects. The error for an unknown word suggests
- * a similar one. */
+/* Looks up words in a list of allowed words, such as keys, kinds or names of objects. The error for an unknown word
+ * suggests a similar word from the list. */
 #ifndef COMANIP_SIM_YAML_CHOICE_H
 #define COMANIP_SIM_YAML_CHOICE_H
 
@@ -12,7 +12,8 @@ int yaml_choice(const char *word, const char *const words[]);
  * there is a similar word, the message states the length of a long list instead of the list itself. */
 void yaml_refuse_choice(yaml_reader_t *self, const yaml_node_t *node, const char *what, const char *const words[]);
 
-/* Rejects a node that is not a mapping and keys that are not in the NULL-terminated list. Accepts NULL. */
+/* Rejects `map` if it is not a mapping, and any key that is not in the NULL-terminated list. If map is NULL, does
+ * nothing. */
 void yaml_check_keys(yaml_reader_t *self, yaml_node_t *map, const char *const keys[]);
 
 #endif

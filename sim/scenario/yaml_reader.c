@@ -52,7 +52,8 @@ void yaml_path(yaml_reader_t *self, const yaml_node_t *node, char path[YAML_PATH
     (void)find_path(self, yaml_root(self), node, path);
 }
 
-/* Returns the number of bytes to show, without splitting a UTF-8 character. */
+/* Returns how many bytes of the text an error message shows: at most SHOWN_BYTES, without splitting a UTF-8
+ * character. */
 static int shown_bytes(const char *text) {
     size_t bytes = strnlen(text, SHOWN_BYTES);
     while (bytes > 0 && ((unsigned char)text[bytes] & 0xC0) == 0x80) {
@@ -118,7 +119,7 @@ static bool load(yaml_reader_t *self, const char *text, size_t length) {
         self->is_loaded = yaml_parser_load(&parser, &self->document) != 0;
         yaml_parser_delete(&parser);
     }
-    if (!self->is_loaded) { /* out of memory, since yaml_screen() has already checked the syntax */
+    if (!self->is_loaded) { /* must be out of memory, because yaml_screen() has found no syntax error */
         (void)snprintf(self->error, self->error_size, "%s: not enough memory to read it", self->path);
     }
     return self->is_loaded;

@@ -1,6 +1,6 @@
-/* A YAML file, read with libyaml, as a tree of mappings and lists. The first error is kept as one line that names file,
- * line, path of keys, value and what was expected. After an error every function returns its default, so that callers
- * need to check for errors only once, at the end. yaml_values.h reads the values. */
+/* Reads a YAML file with libyaml as a tree of mappings and lists. The first error is kept as one line that names the
+ * file, the line, the path of keys, the value and what was expected. After an error every function returns its default,
+ * so that callers need to check for errors only once, at the end. yaml_values.h reads the values. */
 #ifndef COMANIP_SIM_YAML_READER_H
 #define COMANIP_SIM_YAML_READER_H
 
@@ -29,8 +29,8 @@ void yaml_reader_close(yaml_reader_t *self);
 
 yaml_node_t *yaml_root(yaml_reader_t *self);
 
-/* Reports "FILE:LINE: PATH 'VALUE': expected EXPECTED", without the value if the node is a mapping or a list. For a
- * key, the path is that of its mapping and the value is the key. */
+/* Reports "FILE:LINE: PATH 'VALUE': expected EXPECTED", without the value if the node is a mapping or a list. If the
+ * node is a key, PATH is the path of its mapping, and VALUE is the key. */
 __attribute__((format(printf, 3, 4))) void yaml_refuse(yaml_reader_t *self, const yaml_node_t *node,
                                                        const char *expected, ...);
 
@@ -41,7 +41,7 @@ void yaml_path(yaml_reader_t *self, const yaml_node_t *node, char path[YAML_PATH
 /* Returns the text of a scalar, "" for any other node. */
 const char *yaml_scalar(const yaml_node_t *node);
 
-/* ---- mappings; NULL has no keys */
+/* ---- mappings; a NULL mapping has no keys */
 
 yaml_node_t *yaml_find(yaml_reader_t *self, yaml_node_t *map, const char *key); /* NULL if there is no such key */
 yaml_node_t *yaml_need(yaml_reader_t *self, yaml_node_t *map, const char *key); /* error if missing */
@@ -53,7 +53,7 @@ bool yaml_entry(yaml_reader_t *self, yaml_node_t *map, size_t i, yaml_node_t **k
 void yaml_expect_mapping(yaml_reader_t *self, const yaml_node_t *node);
 bool yaml_is_mapping(const yaml_node_t *node);
 
-/* ---- lists; NULL has no items */
+/* ---- lists; a NULL list has no items */
 
 /* Rejects a node that is not a list, and a list of more than `max` items. NULL is accepted. */
 void yaml_expect_list(yaml_reader_t *self, const yaml_node_t *node, size_t max);

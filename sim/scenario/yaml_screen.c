@@ -30,7 +30,8 @@ static size_t plain_bytes(const yaml_char_t *text, size_t length) {
     return length;
 }
 
-/* Rejects the value. mark is shown before it: "&" for an anchor, "*" for an alias, otherwise "". */
+/* Reports that the value is not allowed. mark: text shown before the value, which is "&" for an anchor, "*" for an
+ * alias and "" otherwise. */
 static bool refuse(const screen_t *self, const yaml_event_t *event, const char *mark, const yaml_char_t *value,
                    const char *expected) {
     size_t shown = plain_bytes(value, strnlen((const char *)value, SHOWN_BYTES));
@@ -51,7 +52,7 @@ static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
     return false;
 }
 
-/* Keeps track of the keys of a mapping, which are every second node. Rejects a key that is not a scalar. */
+/* Counts the nodes of a mapping, because every second node is a key. Rejects a key that is not a scalar. */
 static bool count_node(screen_t *self, const yaml_event_t *event, bool is_scalar) {
     if (!self->is_mapping[self->depth]) {
         return true;

@@ -52,7 +52,8 @@ static const char *unit_of(yaml_reader_t *self, const yaml_node_t *node) {
     return "";
 }
 
-/* Returns true for a decimal number only. strtod() would also accept blanks, "inf", "nan" and hexadecimal. */
+/* Returns true if the text is a decimal number. strtod() alone would also accept blanks, "inf", "nan" and hexadecimal
+ * numbers. */
 static bool is_decimal(const char *text) {
     char *end = NULL;
     (void)strtod(text, &end);

@@ -5,8 +5,8 @@
 
 #include "yaml_reader.h"
 
-/* Reads a decimal number without quotes. An error message names `unit` or, if it is NULL, the unit that the key's
- * ending implies. Returns `minimum` after an error. */
+/* Reads a decimal number without quotes. An error message names `unit` or, if `unit` is NULL, the unit that the
+ * key's ending implies. Returns `minimum` after an error. */
 double yaml_number(yaml_reader_t *self, const yaml_node_t *node, const char *unit, double minimum, double maximum);
 int yaml_whole_number(yaml_reader_t *self, const yaml_node_t *node, int minimum, int maximum);
 
@@ -17,7 +17,7 @@ int yaml_word(yaml_reader_t *self, const yaml_node_t *node, const char *const wo
  * unchanged. */
 void yaml_name(yaml_reader_t *self, const yaml_node_t *node, char name[], size_t size);
 
-/* ---- the value of a key in a mapping; unchanged if the key is missing */
+/* ---- the value of a key in a mapping; if the key is missing, the destination stays unchanged */
 
 void yaml_get_number(yaml_reader_t *self, yaml_node_t *map, const char *key, double minimum, double maximum,
                      double *value);
@@ -27,7 +27,7 @@ void yaml_get_vector(yaml_reader_t *self, yaml_node_t *map, const char *key, siz
 void yaml_get_name(yaml_reader_t *self, yaml_node_t *map, const char *key, char name[], size_t size);
 void yaml_get_text(yaml_reader_t *self, yaml_node_t *map, const char *key, char text[], size_t size);
 
-/* Reads a product of rotations in the notation of Table I, from left to right: [{axis: x, angle_deg: 180}, ...]. */
+/* Reads a product of rotations, from left to right, as in the paper's Table I: [{axis: x, angle_deg: 180}, ...]. */
 void yaml_get_rotation(yaml_reader_t *self, yaml_node_t *map, const char *key, double rotation[4]);
 
 /* ---- the same, but a missing key is an error */

@@ -29,7 +29,7 @@ static void place_bodies(arm_plant_t *self, const double position_rad[ROBOT_JOIN
 }
 
 static void set_mass(dBodyID body, const robot_joint_t *joint) {
-    const int axis_y = 2, axis_z = 3; /* dMassSetCylinderTotal counts x, y, z from 1 */
+    const int axis_y = 2, axis_z = 3; /* dMassSetCylinderTotal numbers the axes x, y, z from 1 */
     dMass mass;
     if (joint->shape == LINK_BOX) {
         dMassSetBoxTotal(&mass, joint->mass_kg, joint->length_m, joint->length_m, joint->length_m);
@@ -40,7 +40,8 @@ static void set_mass(dBodyID body, const robot_joint_t *joint) {
     dBodySetMass(body, &mass);
 }
 
-/* Joins the bodies while all angles are 0, which defines the zero of the hinges. */
+/* Connects the bodies by hinges. All joint angles are 0 at this moment, because ODE takes the angle at which a hinge is
+ * set up as the hinge's zero. */
 static void create_hinges(arm_plant_t *self) {
     const double zero_rad[ROBOT_JOINTS] = {0.0};
     transform_t link[ROBOT_JOINTS], hand;

@@ -12,7 +12,7 @@ struct dxWorld;
 
 typedef struct arm_plant arm_plant_t;
 
-/* The arm starts at rest at start_rad, which must lie within the stops, and its motors hold it there. The bodies are
+/* Creates the arm at rest at start_rad, which must lie within the stops. The motors hold the arm there. The bodies are
  * destroyed with the world. Returns NULL if out of memory. */
 arm_plant_t *arm_plant_create(struct dxWorld *world, const double start_rad[ROBOT_JOINTS]);
 void arm_plant_destroy(arm_plant_t *self);

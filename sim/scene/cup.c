@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define LATTICE_SPACING 2.05         /* between neighbours in a layer, in radii */
-#define LAYER_SPACING 1.8            /* between layers, in radii; each layer lies in the hollows of the one below */
-#define LAYER_TURN_RAD 2.39996322973 /* the golden angle, so that no two layers are aligned and no column can balance */
+#define LATTICE_SPACING 2.05         /* distance of neighbouring spheres in a layer, in radii */
+#define LAYER_SPACING 1.8            /* distance of layers, in radii; a layer lies in the hollows of the layer below */
+#define LAYER_TURN_RAD 2.39996322973 /* golden angle between layers, so that spheres do not balance in columns */
 
 placed_cup_t cup_place(const cup_t *cup, const rigid_pose_t *pose) {
     placed_cup_t placed = {.cup = cup};
@@ -95,7 +95,8 @@ int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_
     const profile_t centre = {rho, centre_m[2]};
     const double outwards[2] = {rho > 0.0 ? centre_m[0] / rho : 1.0, rho > 0.0 ? centre_m[1] / rho : 0.0};
     int count = 0;
-    /* The corner belongs to both lines, but a sphere outside the corner touches only once. */
+    /* The lines of bottom and wall share the corner. A sphere outside the corner is tested only against the bottom, so
+     * that its contact counts only once. */
     if (centre.rho < corner.rho || centre.z <= corner.z) {
         const profile_t on_bottom = {fmin(centre.rho, corner.rho), corner.z};
         count += touch_around(on_bottom, half_wall_m, centre, outwards, radius_m, &contact[count]);

@@ -1,7 +1,7 @@
-/* The wall of a cup, for contacts with particles. Its centre line runs along the bottom to the corner and up to the
- * rim. Rotating this line about the cup's axis and thickening it produces a rounded shell. The shell lies outside the
- * inner surface, so that the inner radius and height are those of the cup. Points are in the cup's frame unless stated
- * otherwise. */
+/* The shell of a cup (its bottom and wall), for contacts with particles. The shell's centre line runs along the bottom
+ * to the corner and up to the rim. Rotating this line about the cup's axis and thickening it produces a rounded shell.
+ * The shell lies outside the cup's inner surface, so that the inner radius and height are exactly those of cup_t.
+ * Points are in the cup's frame unless stated otherwise. */
 #ifndef COMANIP_SIM_CUP_H
 #define COMANIP_SIM_CUP_H
 
@@ -39,7 +39,7 @@ int cup_touch(const cup_t *self, const double centre_m[3], double radius_m, cup_
  * if necessary. Returns the height of the last layer, or 0 if the cup is too narrow for a single sphere. */
 double cup_lattice(const cup_t *self, double radius_m, int count, double point_m[][3]);
 
-/* Returns true if the centre of a particle is in the cup's inner cylinder. */
+/* Returns true if the centre of a particle, centre_m, is in the cup's inner cylinder. */
 bool cup_contains(const cup_t *self, const double centre_m[3]);
 
 /* Returns true if a particle that was in the cup has left it, that is, if it is outside the wall and below the rim, or

@@ -1,6 +1,6 @@
-/* A grip that the object slips out of when the load exceeds a limit. It is an ODE ball or fixed joint between the hand
- * and the object, at the point of the object's axis nearest to the hand. The robot's pads act as springs, which are
- * modelled by the ERP and CFM of the ODE joint. The joint is integrated implicitly and is therefore stable for any
+/* A grip that the object slips out of when the load exceeds a limit. The grip is an ODE ball or fixed joint between the
+ * hand and the object, at the point of the object's axis nearest to the hand. The robot's pads act as springs, which
+ * are modelled by the joint's ERP and CFM. The joint is integrated implicitly and is therefore stable for any
  * stiffness. A fixed grip does not yield in rotation. A person's grip is rigid, but the person's arm is compliant
  * (hand_body.h). */
 #ifndef COMANIP_SIM_GRIP_H
@@ -16,7 +16,7 @@
 typedef struct {
     double stiffness_Npm, damping_Nspm; /* 0 for a rigid grip */
     double force_limit_N;
-    double torque_limit_Nm; /* about the grip, for a fixed grip; 0 for no limit */
+    double torque_limit_Nm; /* for a fixed grip: limit of the torque about the grip point; 0: no limit */
 } grip_properties_t;
 
 typedef struct {
@@ -38,10 +38,11 @@ void grip_open(grip_t *self);
 /* Sets the pads' stiffness for a step of this length. Call it before the step. */
 void grip_prepare(grip_t *self, double step_s);
 
-/* Opens the grip and returns false if the load exceeded its limit. Call it after a step. */
+/* Returns true if the grip holds. If the load exceeds a limit, opens the grip and returns false. Call it after each
+ * step. */
 bool grip_hold(grip_t *self, double step_s);
 
-/* Reads the force of the object on the hand, which is zero if nothing is held. */
+/* Reads the force of the object on the hand. The force is zero if nothing is held. */
 void grip_force_N(const grip_t *self, double force_N[3]);
 
 #endif

@@ -1,7 +1,8 @@
-/* A person's hand as a rigid body with six degrees of freedom. It follows the desired pose, and external forces deflect
- * it against the stiffness and damping of the arm and of the wrist. The person carries the hand's weight.
+/* A person's hand as a rigid body with six degrees of freedom. The hand follows the desired pose. External forces
+ * deflect the hand against the stiffness and damping of the arm and of the wrist. The person carries the hand's weight.
  *
- * In each step the force on the body is m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), and the torque is
+ * In each step the force on the body is m (v_next - v_last) / h + K (x_aim - x) + D (v_last - v), where x_aim is the
+ * desired position, and v_last and v_next are the desired velocities in the last step and in this step. The torque is
  * computed likewise. Without external forces the hand therefore follows the desired path exactly. According to the
  * neuromuscular literature, the arm's stiffness at the hand is 100 to 800 N/m (Mussa-Ivaldi, Hogan and Bizzi,
  * J. Neuroscience 5, 1985). */

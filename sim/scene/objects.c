@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define ROD_SPIN_TIME_S 0.025 /* decay time of a rod's spin about its axis; two ball grips leave this spin free */
-#define AXIS_Z 3              /* dMassSetCylinderTotal counts x, y, z from 1 */
+#define AXIS_Z 3              /* dMassSetCylinderTotal numbers the axes x, y, z from 1 */
 
 /* Returns the pose of the centre of the handle, which is the only body of a crank. */
 static rigid_pose_t crank_handle(const object_t *data) {
@@ -35,7 +35,8 @@ static void create_hinge(scene_object_t *self, dWorldID world) {
     dJointSetHingeParam(self->hinge, dParamFMax, data->friction_Nm);
 }
 
-/* A motor with setpoint 0 and a compliance of 1/damping acts as viscous friction, and is stable at any step. */
+/* Adds viscous friction to the hinge, as a motor with setpoint 0 and a compliance of 1/damping. Such a motor is stable
+ * for any step length. */
 static void create_damper(const scene_object_t *self, dWorldID world) {
     dVector3 axis;
     dJointGetHingeAxis(self->hinge, axis);

@@ -25,14 +25,15 @@ void scene_object_init(scene_object_t *self, struct dxWorld *world, const object
  * step. */
 void scene_object_prepare(scene_object_t *self);
 
-/* Computes the pose of the centre of a rod or a stand, or of a crank's hinge with its current rotation. */
+/* Computes the pose of the centre of a rod or a stand, or of a crank's hinge, turned by the crank's current angle. */
 void scene_object_pose(const scene_object_t *self, rigid_pose_t *pose);
 
 /* Computes the position of the point at offset along_m from the centre of the axis by which the object is held. This
  * is the axis of a rod or of a crank's handle. */
 void scene_object_point(const scene_object_t *self, double along_m, double position_m[3]);
 
-/* Finds the point nearest to `position_m` on the axis by which the object is held, and returns its distance. */
+/* Finds the point nearest to `position_m` on the axis by which the object is held. Returns the distance
+ * between the two points. */
 double scene_object_nearest(const scene_object_t *self, const double position_m[3], double nearest_m[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* A particle of the water: a sphere without friction, so it never rotates. */
+/* A particle of the water: a frictionless sphere, whose rotation therefore need not be simulated. */
 #ifndef COMANIP_SIM_PARTICLE_H
 #define COMANIP_SIM_PARTICLE_H
 
@@ -11,7 +11,7 @@ typedef struct {
     double velocity_mps[3];
     double radius_m;
     double inverse_mass_pkg; /* 1/kg; 0 for a wall */
-    int cup;                 /* index of the cup that contains it, or NO_CUP */
+    int cup;                 /* index of the cup that contains the particle, or NO_CUP */
     bool is_spilt;           /* lies on the ground and no longer has contacts */
 } particle_t;
 

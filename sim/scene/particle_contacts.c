@@ -4,7 +4,8 @@
 
 /* ---- between particles */
 
-/* Copies the positions and removes particles spilt since the last step. */
+/* Updates the positions in the sorted list, and removes from it the particles spilt since the last step. Returns the
+ * number of particles left in the list. */
 static int refresh(const particle_t particle[], particle_along_x_t sorted[], int sorted_count) {
     int kept = 0;
     for (int i = 0; i < sorted_count; i++) {
@@ -18,7 +19,7 @@ static int refresh(const particle_t particle[], particle_along_x_t sorted[], int
     return kept;
 }
 
-/* Uses insertion sort, because the order hardly changes from step to step. */
+/* Uses insertion sort, which is fast here, because the order hardly changes from step to step. */
 static void sort_along_x(particle_along_x_t sorted[], int count) {
     for (int i = 1; i < count; i++) {
         const particle_along_x_t moved = sorted[i];

@@ -7,7 +7,7 @@
 
 typedef struct {
     int one;               /* a particle's index */
-    int other;             /* a particle's index below `one`, or the wall's index */
+    int other;             /* index of another particle (less than `one`), or of a wall */
     double normal[3];      /* unit, from `other` into `one` */
     double depth_m;        /* depth of the overlap, > 0 */
     double wall_speed_mps; /* speed of the wall along the normal; 0 between particles */
@@ -22,8 +22,9 @@ typedef struct {
 } particle_along_x_t;
 
 /* Finds the contacts between particles. sorted[] lists the *sorted_count particles that are not spilt, in the order
- * left by the last call. Before the first call, the order is arbitrary and only `particle` needs to be set. Removes
- * particles spilt since the last call. Returns the number of contacts, at most one per pair. */
+ * left by the last call. Before the first call, the order is arbitrary, and only the member `particle` needs to be
+ * set. Removes from the list the particles spilt since the last call. Returns the number of contacts, at most one per
+ * pair. */
 int particle_contacts_find(const particle_t particle[], particle_along_x_t sorted[], int *sorted_count,
                            particle_contact_t contact[]);
 

@@ -33,7 +33,7 @@ arm_plant_t *scene_arm(const scene_t *self);
 void scene_command_gripper(scene_t *self, bool close);
 double scene_gripper_opening(const scene_t *self); /* 0 is closed, 1 is open; in between while an object is held */
 bool scene_robot_holds(const scene_t *self);
-double scene_gripper_force_N(const scene_t *self); /* between gripper and object; 0 if nothing is held */
+double scene_gripper_force_N(const scene_t *self); /* force between gripper and object; 0 if nothing is held */
 void scene_robot_cup(const scene_t *self, rigid_pose_t *cup);
 
 /* ---- people */
@@ -45,11 +45,12 @@ void scene_aim_hand(scene_t *self, size_t person, const rigid_pose_t *hand);
 void scene_hand(const scene_t *self, size_t person, rigid_pose_t *hand);
 
 /* Closes the hand on the object. Returns false, and does nothing, if the hand already holds an object, if the object is
- * a stand, or if no part of its axis is within 25 mm of the grip point. */
+ * a stand, or if no part of the object's axis is within 25 mm of the grip point. */
 bool scene_close_hand(scene_t *self, size_t person, size_t object);
 void scene_open_hand(scene_t *self, size_t person);
 
-/* Reads the force of the object on the hand in the last step, from ODE's joint. It is zero if nothing is held. */
+/* Reads the force of the object on the hand in the last step, from ODE's joint. The force is zero if nothing is
+ * held. */
 void scene_hand_force_N(const scene_t *self, size_t person, double force_N[3]);
 
 /* ---- objects */
@@ -61,7 +62,7 @@ double scene_crank_turns(const scene_t *self, size_t object); /* signed, since t
 /* Computes the current position of a point. */
 void scene_point(const scene_t *self, const point_t *point, double position_m[3]);
 
-/* Returns the current state of the water, which is all zero if the scene has none. */
+/* Counts the particles of the water by where they are now. All counts are zero if the scene has no water. */
 water_count_t scene_water(const scene_t *self);
 
 #endif

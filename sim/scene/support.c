@@ -70,7 +70,7 @@ static bool resting_section(const object_t *rod, const object_t *stand, double *
 }
 
 /* Computes the point at which the rod's axis now crosses the plane that is perpendicular to the groove and contains
- * `edge_m`. Returns false if the rod does not cross it. */
+ * `edge_m`. Returns false if the axis does not cross the plane. */
 static bool axis_at_edge(const scene_object_t *rod, const double edge_m[3], const double along_groove[3],
                          double crossing_m[3]) {
     double centre[3], ahead[3], gap_m = 0.0, cosine = 0.0;

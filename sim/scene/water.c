@@ -46,7 +46,8 @@ static void follow(particle_t *particle, const placed_cup_t cup[WATER_MAX_CUPS])
     }
 }
 
-/* Marks a particle that has reached the ground as spilt. It stays there and is no longer simulated. */
+/* Marks a particle that has reached the ground as spilt. A spilt particle stays where it is and is no longer
+ * simulated. */
 static void spill(particle_t *particle, double ground_z_m) {
     if (particle->position_m[2] < ground_z_m + particle->radius_m) {
         particle->is_spilt = true;
@@ -89,7 +90,7 @@ static void move(water_body_t *self, const placed_cup_t cup[WATER_MAX_CUPS], dou
     }
 }
 
-/* Uses the semi-implicit Euler method, in which the new velocities move the particles. */
+/* Uses the semi-implicit Euler method: computes the new velocities first, and then moves the particles with them. */
 void water_step(water_body_t *self, const rigid_pose_t pose[WATER_MAX_CUPS], double step_s) {
     placed_cup_t before[WATER_MAX_CUPS], after[WATER_MAX_CUPS];
     for (int i = 0; i < WATER_MAX_CUPS; i++) {
@@ -112,8 +113,8 @@ static void settle(water_body_t *self, int steps) {
     }
 }
 
-/* Lets the particles settle from a lattice, first within a wall raised to the height of the lattice. Returns false if
- * the cup is too narrow or some particles fell over the rim. */
+/* Lets the particles settle from a lattice, first with the cup's wall raised to the height of the lattice, and then in
+ * the cup itself. Returns false if the cup is too narrow or if some particles fell over the rim. */
 static bool fill(water_body_t *self, double largest_m, double point_m[][3]) {
     cup_t *cup = &self->cup[0];
     const placed_cup_t placed = cup_place(cup, &self->pose[0]);

@@ -10,14 +10,14 @@
 
 #define WATER_MAX_CUPS 2
 
-/* Each particle is counted in exactly one of the first three members. It counts as in a cup from the time its centre
- * enters the inner cylinder until cup_is_left_by() returns true. On the heap and on the rim it still counts as
- * inside. */
+/* Each particle is counted in exactly one of the first three members. It counts as inside a cup from the moment at
+ * which its centre enters the inner cylinder until cup_is_left_by() returns true. A particle that lies on the heap or
+ * on the rim therefore still counts as inside. */
 typedef struct {
     int in_robot_cup;   /* cup 0 */
     int in_person_cup;  /* cup 1 */
     int elsewhere;      /* in the air, or spilt on the ground */
-    int left_robot_cup; /* all but in_robot_cup; a particle that falls back in has not left */
+    int left_robot_cup; /* all particles except in_robot_cup, so those that fell back in do not count */
 } water_count_t;
 
 typedef struct water_body water_body_t;

@@ -64,7 +64,7 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
         return false;
     }
     observer_init(&self->observer, self->bus, options->tracker.clock_start_us);
-    for (int i = 0; i < ROBOT_JOINTS; i++) { /* in the first tick the drives have not reported yet */
+    for (int i = 0; i < ROBOT_JOINTS; i++) { /* no drive has reported a position yet */
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);
@@ -87,7 +87,7 @@ void world_fail(world_t *self, const char *reason) {
 }
 
 /* Fails the run with the reason why the operator failed. If the tracker never reported a valid pose, the reason also
- * says so, because the recording may be to blame. */
+ * says so, because then the recording may have caused the failure. */
 static void fail_as_operator(world_t *self) {
     const char *reason = operator_node_failure(self->operator);
     const tracker_statistics_t tracker = tracker_node_statistics(self->tracker);

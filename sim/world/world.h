@@ -44,7 +44,7 @@ struct world {
     int64_t end_ns;     /* end of the run; only an upper limit until all scripts are done */
     double stop_s;      /* when the operator's stop became due; negative until then */
     bool has_fixed_end; /* --duration: the run continues until end_ns, even if all scripts are done */
-    bool is_shortened;  /* ends before the scenario's duration_s; unfinished scripts then do not fail the run */
+    bool is_shortened;  /* the run ends before the scenario's duration_s; unfinished scripts then do not fail it */
     bool has_recording;
     uint64_t ticks;
 

@@ -4,11 +4,11 @@ simulator's speed.
 ``bench.py BUILD``. A tick consists of Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4);
 see contender.hpp. First, the joint velocities of all contenders with control law (4) are checked against the paper's
 equations in double precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each
-contender starts the next tick from its own integrated angles. The table shows the median of the rounds and the 10th and
-90th percentiles. The instructions per tick are the difference between callgrind's counts of two runs, divided by the
-additional ticks. Prints a table, plots BUILD/reports/bench.png and writes BUILD/reports/bench.json. The exit status is
-1 if contenders disagree, if our tick allocates from the heap, or if a required ratio is missed. Timings on the host do
-not apply to a microcontroller.
+contender starts the next tick from its own integrated angles. The table shows the median and the 10th and 90th
+percentiles of each contender's times. The instructions per tick are the difference between callgrind's counts of two
+runs, divided by the additional ticks. Prints a table, plots BUILD/reports/bench.png and writes
+BUILD/reports/bench.json. The exit status is 1 if contenders disagree, if our tick allocates from the heap, or if a
+required ratio is missed. Timings on the host do not apply to a microcontroller.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ CALLGRIND_TICKS = 1000
 DQROBOTICS_TICKS = 200
 OURS = ("comanip, specialised", "comanip, table")
 OWN_LAW = "KDL, wdls"
-REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # minimum time relative to that of our specialised tick
+REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # a contender's time must be at least this many times ours
 WORK = """All contenders: the same inputs; Algorithm 1; control law (4) as (J^T W J + lambda I)^-1 J^T W K e with the
 default K, W and lambda; -march=x86-64-v3. Differences:
 - comanip is float32 and compiled as the product is (-O2, no contraction). The peers use double (Pinocchio float as
@@ -66,7 +66,7 @@ default K, W and lambda; -march=x86-64-v3. Differences:
 
 @dataclass
 class Case:
-    """An arm and its inputs. model: file that the program reads."""
+    """An arm, and the inputs of its ticks. model: the file from which the benchmark program reads them."""
 
     n: int
     arm: arm_description.Arm
@@ -154,7 +154,7 @@ def run(command: list[object]) -> str:
 
 
 def rows(output: str) -> dict[str, list[list[float]]]:
-    """Groups the program's output lines by contender."""
+    """Returns the numbers in the program's output lines, grouped by contender."""
     found: dict[str, list[list[float]]] = {}
     for line in output.splitlines():
         name, *values = line.split("\t")
@@ -198,7 +198,7 @@ def instructions(case: Case, program: Path, name: str) -> float:
 
 
 class Dqrobotics:
-    """The same tick, written with dqrobotics' DQ and with n x n matrices in numpy."""
+    """The tick that the other contenders compute, written with dqrobotics' DQ and with n x n matrices in numpy."""
 
     name = "dqrobotics, from Python"
 
@@ -280,8 +280,8 @@ def measure(case: Case, program: Path) -> dict[str, dict]:
 
 
 def missed(n: int, found: dict[str, dict]) -> list[str]:
-    """Returns a line for each ratio below its required value, and for each of our contenders that allocates from the
-    heap."""
+    """Returns a complaint for each contender whose ratio to our time is below the required value, and for each of our
+    contenders that allocates from the heap."""
     complaints = []
     for name, required in REQUIRED.items():
         ratio = found[name]["times_ours"]
@@ -354,7 +354,7 @@ def main(argv: list[str]) -> int:
     for case in cases:
         differences[case.n], beyond = disagreements(case, program)
         complaints += beyond
-    if complaints:  # the contenders do not compute the same thing
+    if complaints:  # the times of contenders that compute different things must not be compared
         print("\n".join(f"make bench: {line}" for line in complaints), file=sys.stderr)
         return 1
     results = {case.n: measure(case, program) for case in cases}
