@@ -59,7 +59,7 @@ def _made(target: Path, key: str, command: list[str]) -> str:
             unfinished = target.with_suffix(".unfinished")
             _run([*command, "-o", str(unfinished)])
             stamp.unlink(missing_ok=True)
-            unfinished.replace(target)  # a process that has already loaded the old library keeps using it
+            unfinished.replace(target)  # not overwritten, as processes may be using the old library
             stamp.write_text(key)
     return key
 

@@ -62,7 +62,7 @@ class Hub:
     socketcand is off."""
 
     def __init__(self, *arguments: str, bus: str = "vcan0", folder: Path | None = None):
-        # a short name, because a socket path is limited to 107 bytes
+        # The default folder has a short path, because a socket path is limited to 107 bytes.
         self._own = None if folder else tempfile.mkdtemp(prefix="comanip-test-")
         self.folder = Path(folder or self._own)
         self.bus, self.path = bus, self.folder / bus

@@ -335,7 +335,7 @@ def test_generated_code_compiles_for_any_arm(rng, tmp_path):
     written = []
     rows_of = [
         [(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]
-    ]  # the generated code for these arms once had unused variables
+    ]  # the generated code for this arm once had unused variables
     for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
         rows_of.append(
             [

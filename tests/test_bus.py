@@ -12,7 +12,7 @@ import pytest
 from can_fd_bits import LENGTHS, bits, frame_duration_ns
 from sim_bus import Bus, ffi, lib, make_frame
 
-# Upper bounds of the frame durations. The usual bound assumes one stuff bit per four bits in both phases.
+# Upper bounds of the frame durations by data length, with the usual assumption of one stuff bit per four bits.
 WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 

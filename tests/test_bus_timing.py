@@ -120,8 +120,8 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """A joint state that arrives within one tick takes exactly as long as its bound, less the nanosecond by which the
-    frame of lower priority starts earlier."""
+    """The response time of a joint state that arrives within one tick equals its bound, less the nanosecond by which
+    the frame of lower priority starts earlier."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
@@ -211,7 +211,7 @@ class Profile:
     tick_ms: int
     event_ticks: int
     sync: str
-    least_ratio: float  # minimum of a control frame's longest response, as a share of its computed bound
+    least_ratio: float  # share of its computed bound that a control frame's longest response must reach
 
     def plain(self, name: str) -> str:
         return name.removeprefix(self.prefix)

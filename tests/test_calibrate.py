@@ -65,7 +65,7 @@ def moves_along(directions) -> list[Move]:
 
 
 def random_tilts(rng, turn: Rotation, sigma_rad: float) -> np.ndarray:
-    """Returns the images of the three axes, each slightly tilted."""
+    """Returns the three axes rotated by `turn`, each slightly tilted."""
     return np.array([Rotation.from_rotvec(rng.normal(0, sigma_rad, 3)).apply(turn.apply(axis)) for axis in AXES])
 
 

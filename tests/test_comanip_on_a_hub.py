@@ -13,7 +13,8 @@ from hub import PATIENCE_S, WITH_CAN, Hub, running, tool, wait_until
 from live import FIRMWARE, PLANT
 from simulation import REPOSITORY
 
-# The watchdog expires after 100 ms. A virtual machine may pause one of its processors for longer than 50 ms.
+# Time is slowed by this factor, so that the watchdog expires only after 100 ms: a virtual machine may pause one of its
+# processors for longer than 50 ms.
 SLOW = 10
 STATUS = r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+"
 SCENE = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
@@ -62,7 +63,7 @@ def test_watch_and_operate(session, through):
     hub, plant, firmware, _ = session
 
     def monitored() -> object:
-        """Monitors for one second. Returns a true value if the firmware and all drives were seen. They may be missing
+        """Monitors for one second. Returns a true value if the firmware and all drives were seen. Some may be missing
         if the firmware has only just started."""
         plant.require_running()
         firmware.require_running()

@@ -298,7 +298,7 @@ def test_tremor_counts_as_still_and_a_slow_move_does_not():
 
 
 def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
-    """If an oscillating arm that holds the same pipe shakes a resting person's hand until the end, the phase is
+    """If, until the end, an oscillating arm shakes the hand of a resting person who holds the same pipe, the phase is
     reported as disturbed. If the hand settles before the end, the phase counts as undisturbed, but is too short to be
     measured."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()

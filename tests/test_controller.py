@@ -641,7 +641,7 @@ def test_start_offset_sends_the_robot_to_the_person():
 
 
 def test_clock_that_wraps_changes_nothing():
-    """The same motion produces the same commands at now_us = 0 and across 2^32 us."""
+    """The same motion produces the same commands whether the clock starts at 0 or wraps at 2^32 us on the way."""
     velocities = []
     for now_us in (0, 2**32 - 200_000):
         bench = Bench(now_us=now_us).until_ready().start(lib.TASK_TELEOP)
@@ -702,6 +702,6 @@ def test_restarted_operator_is_accepted():
     bench = Bench().until_ready()
     for _ in range(30):
         assert bench.command(lib.COMMAND_STOP) == ACCEPTED
-    bench.sender = ffi.new("protocol_sender_t *")  # a restart; the drives and the tracker share this sender
+    bench.sender = ffi.new("protocol_sender_t *")  # a restart of all senders, as drives and tracker share it
     bench.tick(3)
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED

@@ -112,7 +112,7 @@ def test_kernels_from_6_on_mark_fd_frames():
 
 
 def test_pcap_follows_the_specification(tmp_path, kinds):
-    """The file has the format LINKTYPE_CAN_SOCKETCAN, byte by byte."""
+    """The file follows the specification of pcap and of LINKTYPE_CAN_SOCKETCAN, byte for byte."""
     out = tmp_path / "out.pcap"
     assert call("convert", kinds, out).returncode == 0
     data = out.read_bytes()

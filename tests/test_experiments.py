@@ -190,7 +190,7 @@ def test_a_pour_without_particles_fails(tmp_path, simulator, monkeypatch, capsys
 
 
 def runs_made(simulator: Path) -> list[str]:
-    """Returns the output folders of the runs since the last call, relative to the campaign's folder."""
+    """Returns the output folders of the runs made since the last call, relative to the campaign's folder."""
     path = simulator.parent / "runs"
     made = path.read_text().split() if path.exists() else []
     path.unlink(missing_ok=True)

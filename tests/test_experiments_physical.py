@@ -144,9 +144,9 @@ def test_gripper_released_early_drops_the_pipe(tmp_path):
 
 
 def test_a_recorded_hand_that_moves_the_pipe_into_its_stand_fails_with_the_reason(tmp_path):
-    """At the scale of the scenario's `play`, a motion of 2 m down and forward becomes 80 mm, twice the height to which
-    the pipe is lifted. The teleoperator cannot bring a dropped pipe to the taker, so the run ends early instead of
-    waiting for the end of the scenario."""
+    """At the scale that the scenario's step `play` sets, a motion of 2 m down and forward becomes 80 mm, twice the
+    height to which the pipe is lifted. The teleoperator cannot bring a dropped pipe to the taker, so the run ends early
+    instead of waiting for the end of the scenario."""
     recording = tmp_path / "hand.csv"
     recording.write_text(
         recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201)))

@@ -51,7 +51,7 @@ from images import EMULATED, IMAGES, make  # noqa: E402
 
 STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
-TIMEOUT_S = 900  # an image that panics does not end
+TIMEOUT_S = 900  # because an image that panics never ends
 STATE = 3  # as in records.h
 NOTHING = 0  # from counted_t in program.c, as are the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
@@ -83,7 +83,7 @@ def recorded(folder: Path, *options: str) -> bytes:
     for scenario in ("pour", "teleop", "mirror"):
         out = folder / "runs" / "-".join([scenario, *options])
         command = [str(bitexact.SIMULATOR), "--scenario", scenario, "--quiet", "--out", str(out), *options]
-        (out / "bus.log").unlink(missing_ok=True)  # otherwise a failed start would leave an old log
+        (out / "bus.log").unlink(missing_ok=True)  # so that no old log is used if the run fails
         subprocess.run(command, check=False, stderr=subprocess.DEVNULL)
         parts += islice(stimulus.recorded(out / "bus.log"), 1 + STATES // 2)
     return b"".join(parts)

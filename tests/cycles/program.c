@@ -37,7 +37,7 @@ static void report(counted_t what) {
     platform_write(&byte, 1);
 }
 
-/* These copies must not be on the stack, which is only as large as the product needs. */
+/* These are static because the stack is only as large as the product needs. */
 static cooperation_t cooperation;
 static differential_ik_config_t config;
 static hand_motion_t motion;
