@@ -1,5 +1,6 @@
 """Reads `candump -L` logs, which may have millions of frames, and decodes them in bulk with the DBC. The bit positions
-come from cantools, not from our C code. `cantools decode` itself is tested on a shorter log."""
+come from cantools, not from our C code. The command `cantools decode` is tested on a shorter log
+(test_bus_log.py)."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ def _headers() -> bytes:
 
 
 def _made(target: Path, key: str, command: list[str]) -> str:
-    """Builds `target` by running the command with ``-o``, unless it already exists with this key. Returns the key."""
+    """Builds `target` by running the command with ``-o``, unless the target exists with this key. Returns the key."""
     stamp = target.with_suffix(".key")
     with lock(target.with_suffix(".lock")):
         if not (target.exists() and stamp.exists() and stamp.read_text() == key):

@@ -39,7 +39,7 @@ def dbc():
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_runs(tmp_path_factory):
-    """Sets the folder that all workers share. It lies beside the workers' own folders."""
+    """Sets the folder that all workers share. If there are workers, it lies beside the workers' own folders."""
     own = tmp_path_factory.getbasetemp()
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 

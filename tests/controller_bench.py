@@ -45,8 +45,8 @@ class Bench:
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
-        self.raw: list = []  # frames for the next tick, sent unchanged
-        self.sent: list[tuple[int, bytes]] = []  # (id, data) of each frame sent in this tick
+        self.raw: list = []  # frames to send to the controller unchanged in the next tick
+        self.sent: list[tuple[int, bytes]] = []  # (id, data) of each frame from the controller
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")

@@ -52,8 +52,7 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
 
 
 def everything_in(file) -> str:
-    """Returns the contents of a file without moving its offset, because the process that writes the file shares the
-    offset."""
+    """Returns the contents of a file without moving the file offset, which the process that writes the file shares."""
     return os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0).decode(errors="replace")
 
 

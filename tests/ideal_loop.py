@@ -14,7 +14,7 @@ VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
 JERK = 1e4
-RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration ramps up
+RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed lost while the deceleration ramps up at JERK
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
 # A joint closer to a limit than this counts as at the limit: 2 mrad more than where its stopping speed becomes 0.
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)

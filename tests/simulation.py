@@ -115,7 +115,7 @@ def _content(argument: str) -> bytes:
 
 
 def shared(*arguments: object) -> Run:
-    """Does the same as run(), for tests that only read the files the run wrote. Each combination of program, command
+    """Does the same as run(), for tests that only read the files of the run. Each combination of program, command
     and files runs only once per session, for all tests and workers."""
     command = _plain([str(argument) for argument in arguments])
     digest = hashlib.sha256(_simulator_hash())

@@ -63,8 +63,8 @@ def test_impossible_frames_have_no_duration(identifier, length):
 
 
 def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, int]]:
-    """Models the bus for a list of (node, id, data, ready). When a frame ends, the ready frame with the lowest id
-    starts."""
+    """Models the bus for a list of (node, id, data, time when ready). When a frame ends, the ready frame with the
+    lowest id starts."""
     earliest = {}
     waiting = []
     for order, (node, identifier, data, ready_ns) in enumerate(traffic):

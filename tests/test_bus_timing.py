@@ -74,7 +74,7 @@ def test_arbitration_under_contention(traffic):
 
 
 def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
-    """Returns the frame's response time on the simulated bus twice: measured from when the frame was queued, and from
+    """Returns two response times of the frame on the simulated bus: one from when the frame was queued, the other from
     when the firmware's frames were queued. All frames of higher priority are queued just after the longest frame of
     lower priority has started."""
     node = {

@@ -211,7 +211,7 @@ def test_bad_recordings(tmp_path):
 
 
 def test_guides_a_person_and_sets_the_parameters(monkeypatch, capsys, rng):
-    """The person moves at each prompt; in this test a thread plays back a generated path instead."""
+    """`comanip calibrate` prompts a person for each move. In this test, a thread plays a generated path instead."""
     turn = Rotation.from_rotvec([-1.5, 0.2, -0.1])
     samples = path(rng, turn)
     with firmware(has_tracker=False) as live, can.Bus(interface="virtual", channel=CHANNEL, fd=True) as tracker:

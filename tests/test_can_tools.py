@@ -378,8 +378,8 @@ def test_error_frames_are_filtered_by_class(hub):
 
 
 def shown(hub: Hub, sender, started: Tool, packets: list[bytes], pattern: str) -> None:
-    """Sends the packets repeatedly until the tool shows the frame, because nothing else shows that the tool is
-    ready."""
+    """Sends the packets repeatedly until the tool's output matches the pattern, because nothing else shows that the
+    tool is ready."""
 
     def is_shown() -> bool:
         for packet in packets:

@@ -274,8 +274,8 @@ STATE = {
 
 
 def log_with_late_poses(late_us: int, late_from_us: int, end_us: int) -> list[Frame]:
-    """Returns all frames of a firmware with drives that stand still and a tracker whose poses arrive late from
-    late_from_us on."""
+    """Returns all frames on a bus with the firmware, drives that stand still, and a tracker whose poses arrive late
+    from the time `late_from_us` on."""
     sender, log = Sender(Profile.CLASSIC), []
     controller, outbox = ffi.new("controller_t *"), ffi.new("outbox_t *")
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_CLASSIC)

@@ -37,8 +37,8 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
     """Runs firmware and plant on a hub; yields the hub, the plant, the firmware and the folder of the plant's log. The
-    plant's own operator starts the task only at 500 s, after the test's operator has acted. On a busy machine the
-    firmware might refuse that start, which would end the run."""
+    plant's own operator starts the task only at 500 s, when the tests are over: on a busy machine the firmware might
+    refuse an earlier start, and the refusal would end the run."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))

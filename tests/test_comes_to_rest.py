@@ -1,4 +1,4 @@
-"""Checks the simulator's check comes_to_rest: the measured value against numpy on the trace, the failure for an arm
+"""Tests the simulator's check comes_to_rest: the measured value against numpy on the trace, the failure for an arm
 that oscillates, the treatment of phases that are not still, and the report of phases that could not be measured."""
 
 from __future__ import annotations
@@ -231,7 +231,7 @@ class Watch:
         self.now = 0
 
     def ticks(self, count, *, aim_m=0.0, hand_m=None, turn_rad=0.0, radps=0.0, mode=2, settled_ns=0, holds=False):
-        """Adds ticks. hand_m and radps are numbers, or functions of the tick count since the start."""
+        """Feeds `count` ticks. hand_m and radps are numbers, or functions of the tick count since the start."""
         tick, aim = ffi.new("tick_record_t *"), ffi.new("rigid_pose_t *")
         aim.position_m[0], aim.rotation[0] = aim_m, 1
         for _ in range(count):

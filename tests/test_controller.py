@@ -12,7 +12,7 @@ from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, JOINTS, TRACKER_PERIOD_TICKS, Bench
 
 ACCEPTED = lib.RESULT_ACCEPTED
-CLOSE_M = 2e-5  # resolution of the frames, including that of the marker's rotation at arm's length
+CLOSE_M = 2e-5  # position error due to the frames' resolution, also that of the marker's rotation at arm's length
 UNKNOWN_COMMAND = 99
 
 
@@ -586,8 +586,8 @@ def test_many_measured_latches_keep_the_relation_a_pose():
 
 
 def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
-    """A joint at its limit gets no demand beyond the limit, although the control law alone would move the joint further
-    to follow the hand."""
+    """The demand of a joint at its limit is zero, although the control law alone would move the joint further to follow
+    the hand."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)

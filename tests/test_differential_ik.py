@@ -65,9 +65,9 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
-    """The law keeps the tolerance for a large uniform weight and every lambda. The normal equations are then worst
-    conditioned, and without iterative refinement the law would exceed the tolerance. Errors are relative to the largest
-    component of u."""
+    """The law stays within the tolerance for a large uniform weight and every lambda. The normal equations are then
+    worst conditioned, and without iterative refinement the law would exceed the tolerance. Errors are relative to the
+    largest component of u."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -81,7 +81,7 @@ def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [(0.01, 100), (1, 1), (1, 4), (25, 100), (0, 100)], ids=str)
 def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, weight):
-    """The fast law keeps the tolerance wherever differential_ik_prepare() selects it, as it does for the default
+    """The fast law stays within the tolerance wherever differential_ik_prepare() selects it, as it does for the default
     parameters."""
     weight = np.repeat(weight, 4).astype(np.float32)
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)

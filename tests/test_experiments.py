@@ -343,8 +343,8 @@ def test_the_two_laws():
 
 
 def test_share_at_the_acceleration_limit():
-    """The share is a quarter, because 25 rad/s^2 is 0.025 rad/s per tick, and 100 of the 400 steps are at this
-    limit."""
+    """The share is a quarter, because the limit of 25 rad/s^2 is 0.025 rad/s per tick, and 100 of the 400 steps reach
+    it."""
     steps = np.zeros(400)
     steps[:100] = 0.025
     rate = np.concatenate([[np.nan], [0.0], np.cumsum(steps)])

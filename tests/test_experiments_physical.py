@@ -232,7 +232,7 @@ def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
-    """If the robot hardly follows, the person's glass collides with the robot's, or the water misses the glass."""
+    """If the robot hardly follows the hand, the two glasses collide or the water misses the person's glass."""
     done = run(tmp_path / "out", "--scenario", experiment("pour"), "--seed", seed, "--param", "motion_scale=0.01")
     assert done.status == EXIT_CHECK_FAILED and failed(done) & {"clearance", "water_caught"}
 

@@ -106,7 +106,7 @@ def folder_of(file: str) -> str:
 
 
 def allowed(file: str) -> list[str] | None:
-    """Returns the names that the file may include, or None if the table does not list its folder."""
+    """Returns the folders and headers that the file may use, or None if the table does not list the file's folder."""
     folder = folder_of(file)
     found = MAY_USE.get(file, MAY_USE.get(folder))
     return BOARD if found is None and re.fullmatch(r"hal/\w+", folder) else found

@@ -12,10 +12,10 @@ The quantities are:
     estimate            with prediction: processing of one hand sample
     prediction          with prediction: the hand's pose and motion at the time of the command, and the target's motion
     law                 with prediction: Algorithm 1 and the control law with position priority, no joint at a limit
-    law_ends            the same with all joints at limits, where the law is solved again
+    law_ends            the same as `law` with all joints at limits, in which case the law is solved again
     tick                without prediction: Algorithm 1, kinematics and control law (4) with the default parameters, no
                         joint at a limit and no task being blended in
-    tick_torso          the same with the error in the torso frame
+    tick_torso          the same as `tick` with the error in the torso frame
     tick_general        the same as `tick` with a weight that requires the general solution
     tick_ends           the same as `tick` with all joints at limits
     tick_general_ends   the same as `tick_general` with all joints at limits

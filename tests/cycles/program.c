@@ -1,5 +1,5 @@
 /* Replaces firmware/main.c. It processes the input.bin written by cycles.py, and marks the code to be counted. For each
- * count, it writes one byte to output.bin, which says what was counted (counted_t). */
+ * count, it writes to output.bin one byte that says what was counted (counted_t). */
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"

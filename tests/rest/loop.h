@@ -1,5 +1,5 @@
 /* Runs the firmware's controller_step() on CAN FD in a loop with drives and with a hand that moves once and then rests.
- * The loop exchanges frames, and does not use ODE. */
+ * The controller, the drives and the tracker exchange frames. ODE is not used. */
 #ifndef COMANIP_REST_LOOP_H
 #define COMANIP_REST_LOOP_H
 

@@ -12,7 +12,7 @@ drives (loop.c), and some of them in the simulator (rest_ode.py). The requiremen
               the firmware rejects the set or warns of it, or, after 8 s and the travel time at the allowed speed, no
               joint is faster than 0.02 rad/s or 10 % of that speed, and no joint oscillates (rest_pairs.py)
 
-Each exception is listed with its cause, which is derived from the arm's geometry at the end. Outcomes are stored in
+Each exception is listed with its cause, which is derived from the arm's final posture. Outcomes are stored in
 BUILD/rest under the firmware's fingerprint, so that an interrupted campaign can continue. Prints the figures and writes
 FILE. The exit status is 1 if a requirement is missed.
 """

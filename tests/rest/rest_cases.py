@@ -46,8 +46,8 @@ def in_torso_axes(vector: np.ndarray) -> np.ndarray:
 
 
 def target_m(case: np.ndarray) -> np.ndarray:
-    """Returns the position to which task teleop finally brings the end effector: its start position plus the hand's
-    displacement."""
+    """Returns the position to which task teleop would finally bring the end effector: the end effector's start position
+    plus the hand's displacement."""
     return arm.hand_m(case["start_rad"]) + in_torso_axes(case["way_m"])
 
 

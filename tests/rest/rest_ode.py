@@ -38,7 +38,7 @@ checks: []
 
 
 def scenario(case: np.ndarray) -> str:
-    """Returns the scenario file with the case's start, displacement, turn and duration."""
+    """Returns the text of a scenario file with the case's start posture, displacement, turn and durations."""
     move_s, end_s = float(case["move_s"]), float(case["end_s"][-1])
     numbers = {
         "start_deg": np.degrees(case["start_rad"]), "by_m": in_torso_axes(case["way_m"]) / SCALE,

@@ -96,8 +96,8 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
 
 
 def wait_until_written(*files: Path) -> None:
-    """Waits until the files have not grown for two seconds, because on a busy machine a slow listener lags by many
-    frames."""
+    """Waits until the files have not grown for two seconds, because the listeners that write them may lag by many
+    frames on a busy machine."""
     sizes, since_s, deadline_s = None, time.monotonic(), time.monotonic() + 120
     while time.monotonic() - since_s < 2:
         assert time.monotonic() < deadline_s, f"{files} keep growing: {sizes}"
@@ -263,7 +263,7 @@ def test_remote_and_extended_frames_are_ignored(alone):
 
 
 def test_error_frames_are_reported(alone):
-    """vcan never has bus errors, but a frame sent with the error flag is received as an error frame."""
+    """A vcan bus has no errors of its own, but a frame sent with the error flag is received as an error frame."""
     bus, firmware = alone
     for classes, controller in ((ERROR_CONTROLLER, TX_PASSIVE), (ERROR_BUS_OFF, 0), (ERROR_RESTARTED, 0)):
         bus.send_packet(CAN_FRAME.pack(ERROR_FLAG | classes, 8, 0, 0, 0, bytes([0, controller]) + bytes(6)))
