@@ -1,5 +1,5 @@
 """Provides a lock for work that concurrent test processes must do only once. The first process does the work while the
-others wait."""
+other processes wait."""
 
 from __future__ import annotations
 

@@ -275,8 +275,8 @@ BOOT_NS = 100 * MS_NS  # at a tick rate of 1 kHz
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
     """No response exceeds its bound, and the bounds are not overly pessimistic: the longest response of each control
-    frame is a fair share of its bound (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never compete
-    with others stay far below their bound, because the phases in the simulator are fixed."""
+    frame is a fair share of its bound (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Some other frames stay
+    far below their bounds, because they never compete with any frame: the phases in the simulator are fixed."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)

@@ -641,7 +641,7 @@ def test_start_offset_sends_the_robot_to_the_person():
 
 
 def test_clock_that_wraps_changes_nothing():
-    """The same motion produces the same commands whether the clock starts at 0 or wraps at 2^32 us on the way."""
+    """The same motion produces the same commands whether the clock starts at 0 or wraps at 2^32 us during the run."""
     velocities = []
     for now_us in (0, 2**32 - 200_000):
         bench = Bench(now_us=now_us).until_ready().start(lib.TASK_TELEOP)

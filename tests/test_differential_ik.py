@@ -150,8 +150,8 @@ def test_no_error_no_velocity(rng, error_frame):
 
 
 def singular_postures(rng) -> np.ndarray:
-    """Returns postures with a straight elbow, with the upper arm along the pitch axis (roll -90 deg), and with both.
-    Some postures are exactly singular, others lie at various distances from the singularity."""
+    """Returns postures with a straight elbow, with the upper arm along the pitch axis (roll -90 deg), or with
+    both. Some postures are exactly singular, others lie at various distances from the singularity."""
     base = np.radians(
         [[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]]
     )

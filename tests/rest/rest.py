@@ -6,7 +6,7 @@ drives (loop.c), and some of them in the simulator (rest_ode.py). The requiremen
 
     rest      from 6 s to 8 s after the start of the move, no case oscillates and at most 1.5 % of the cases creep; from
               18 s to 20 s, no case oscillates and at most 0.2 % creep (rest_judgement.py)
-    ode       the same, for a hundred cases in the simulator
+    ode       the requirement `rest` for a hundred cases in the simulator
     position  95 % of the cases with a reachable target position (rest_arm.py) are within 1 mm of it after 8 s
     pairs     any two parameters are set to the ends of their ranges, including groups of components of K and W; either
               the firmware rejects the set or warns of it, or, after 8 s and the travel time at the allowed speed, no
