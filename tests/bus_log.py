@@ -1,5 +1,6 @@
 """Reads `candump -L` logs, which may have millions of frames, and decodes them in bulk with the DBC. The bit positions
-come from cantools, not from our C code. `cantools decode` itself is tested on a shorter log."""
+come from cantools, not from our C code. The command `cantools decode` is tested on a shorter log
+(test_bus_log.py)."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ LINE = re.compile(r"^\((\d{10}\.\d{6})\) (\w+) ([0-9A-F]{3})#(?:#1)?([0-9A-F]*)$
 
 
 class Frames:
-    """All frames of one id: `t_s` (N,) and `data` (N, bytes) uint8."""
+    """All N frames of one id: their times `t_s` (N,) and their contents `data` (N, bytes), as uint8."""
 
     def __init__(self, message, t_s: np.ndarray, data: np.ndarray):
         self.message, self.t_s, self.data = message, t_s, data

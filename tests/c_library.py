@@ -52,14 +52,14 @@ def _headers() -> bytes:
 
 
 def _made(target: Path, key: str, command: list[str]) -> str:
-    """Builds `target` by running the command with ``-o``, unless it already exists with this key. Returns the key."""
+    """Builds `target` by running the command with ``-o``, unless the target exists with this key. Returns the key."""
     stamp = target.with_suffix(".key")
     with lock(target.with_suffix(".lock")):
         if not (target.exists() and stamp.exists() and stamp.read_text() == key):
             unfinished = target.with_suffix(".unfinished")
             _run([*command, "-o", str(unfinished)])
             stamp.unlink(missing_ok=True)
-            unfinished.replace(target)  # a process that has already loaded the old library keeps using it
+            unfinished.replace(target)  # not overwritten, as processes may be using the old library
             stamp.write_text(key)
     return key
 

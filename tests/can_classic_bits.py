@@ -1,5 +1,5 @@
-"""Constructs a classic CAN data frame bit by bit, as ISO 11898-1 defines it, as a reference for simulated durations and
-computed worst cases. The CRC is crccheck's CRC-15/CAN."""
+"""Constructs a classic CAN data frame bit by bit, as ISO 11898-1 defines it, as a reference for the simulated frame
+durations and the computed worst cases. The CRC is crccheck's CRC-15/CAN."""
 
 from __future__ import annotations
 

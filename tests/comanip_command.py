@@ -1,4 +1,5 @@
-"""Runs ``comanip`` as a user would, or in the test's own process if the two must share a virtual bus."""
+"""Runs ``comanip`` as a user would, or within the test's process if ``comanip`` and the test must share a virtual
+bus."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ except ImportError as error:
 REPOSITORY = Path(__file__).resolve().parents[1]
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # independent of the machine's load
 hypothesis.settings.load_profile("suite")
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a shell's background job; children inherit SIG_IGN
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # ignored, as in a background job; children would inherit this
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -39,7 +39,7 @@ def dbc():
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_runs(tmp_path_factory):
-    """Sets the folder that all workers share. It lies beside the workers' own folders."""
+    """Sets the folder that all workers share. If there are workers, it lies beside the workers' own folders."""
     own = tmp_path_factory.getbasetemp()
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 
@@ -51,7 +51,8 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Schedules by group. Replaces `--dist loadgroup`, whose marks have no effect in pytest 9.2."""
+    """Schedules tests by the groups in groups.py. Replaces `--dist loadgroup`, whose marks have no effect in pytest
+    9.2."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByGroup(LoadScopeScheduling):

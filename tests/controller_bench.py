@@ -20,8 +20,8 @@ class Bench:
 
     position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None to send no tracker
     frames. prediction: whether prediction is on; None selects Bench.prediction. Prediction is off by default, so that
-    control law (4) follows the hand even if a test makes it jump. store_result: the result that the port reports
-    store_ticks after a save has started. stored: the values written by each save.
+    control law (4) follows the hand even if a test makes the hand jump. store_result: the result that the port reports
+    `store_ticks` ticks after a save has started. stored: the values written by each save.
     """
 
     prediction = False
@@ -40,13 +40,13 @@ class Bench:
         self.drives_answer = True
         self.drive_error = lib.DRIVE_ERROR_NONE
         self.now_us = now_us
-        self.stamp_offset_us = 0  # added to the firmware's reception times
+        self.stamp_offset_us = 0  # added to the reception time of each frame
         self.tracker_clock_offset_us = 0
         self.ticks = 0
         self.sequence = 0
         self.requests: list = []
-        self.raw: list = []  # frames for the next tick, sent unchanged
-        self.sent: list[tuple[int, bytes]] = []  # (id, data) of each frame sent in this tick
+        self.raw: list = []  # frames to send to the controller unchanged in the next tick
+        self.sent: list[tuple[int, bytes]] = []  # (id, data) of each frame from the controller
         self.controller = ffi.new("controller_t *")
         self.sender = ffi.new("protocol_sender_t *")
         self.inbox = ffi.new("controller_inbox_t *")
@@ -146,7 +146,7 @@ class Bench:
 
     def receive_broken_between_others(self) -> None:
         """Sends a Clearance with a flipped bit in the next tick. The firmware does not use Clearance, but a port
-        without receive filters passes it on."""
+        without receive filters passes such frames to the controller."""
         frame = ffi.new("can_frame_t *")
         assert lib.clearance_pack(ffi.new("clearance_t *"), frame) == lib.PROTOCOL_OK
         self._receive_broken(frame)
@@ -244,8 +244,8 @@ class Bench:
 
     @property
     def target(self) -> np.ndarray | None:
-        """Returns the target (8,) in this tick's TickTrace, or None if no TickTrace was sent or it marks the target as
-        invalid."""
+        """Returns the target (8,) in this tick's TickTrace, or None if no TickTrace was sent or if the TickTrace marks
+        the target as invalid."""
         trace = self.trace
         if trace is None or not trace.target_valid:
             return None

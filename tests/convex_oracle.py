@@ -1,6 +1,6 @@
-"""Computes distances and overlaps of many convex shapes at once in numpy, written independently of the C sources.
+"""Computes distances and overlaps of many convex shapes at once in numpy, independently of the C sources.
 Distances of boxes, capsules and cylinders are computed by projection, with a lower and an upper bound; distances of
-point sets by least squares; overlaps from the facets of a hull."""
+point sets are computed by least squares, and overlaps from the facets of a hull."""
 
 from __future__ import annotations
 

@@ -52,8 +52,7 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
 
 
 def everything_in(file) -> str:
-    """Returns the contents of a file without moving its offset, because the process that writes the file shares the
-    offset."""
+    """Returns the contents of a file without moving the file offset, which the process that writes the file shares."""
     return os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0).decode(errors="replace")
 
 
@@ -62,7 +61,7 @@ class Hub:
     socketcand is off."""
 
     def __init__(self, *arguments: str, bus: str = "vcan0", folder: Path | None = None):
-        # a short name, because a socket path is limited to 107 bytes
+        # The default folder has a short path, because a socket path is limited to 107 bytes.
         self._own = None if folder else tempfile.mkdtemp(prefix="comanip-test-")
         self.folder = Path(folder or self._own)
         self.bus, self.path = bus, self.folder / bus

@@ -14,11 +14,11 @@ VELOCITY_MAX = 4.76
 JOINT_RANGE = np.radians([[-90, 150], [-95, 0], [-90, 90], [-114, 0]])
 BRAKING_RESERVE = 0.9
 JERK = 1e4
-RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed change while the deceleration ramps up
+RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed lost while the deceleration ramps up at JERK
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
-# A joint closer than this to a limit counts as at it: 2 mrad before its stopping speed becomes 0.
+# A joint closer to a limit than this counts as at the limit: 2 mrad more than where its stopping speed becomes 0.
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # largest change per tick that ramps down to 0 in 0, 1, 2... ticks
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # velocity changes per tick that can ramp down to 0 in 0, 1, 2... ticks
 RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # total velocity change of each of these ramps
 
 
@@ -46,8 +46,8 @@ def limited(demanded, last, last_change, q, gain, acceleration=25.0):
 
 
 def law(jacobian, hand, target, gain, weight, damping):
-    """Evaluates control law (4) with the error in the target's frame, as oracle.law does, but for a single posture. In
-    a loop of many thousand ticks the overhead of arrays would dominate."""
+    """Evaluates control law (4) with the error in the target's frame, as oracle.law does, but for a single
+    posture, because the overhead of arrays would dominate in a loop of many thousands of ticks."""
     back = DQ(-target if target[:4] @ hand[:4] < 0 else target).conj().hamiplus8()
     error = IDENTITY - back @ hand
     seen = back @ jacobian

@@ -24,8 +24,8 @@ FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
 PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
-SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # time scale; the test machine has no real-time guarantees
-ATTEMPTS = 3  # per run, as a busy machine may pause one of the processes and spoil the run
+SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # time is slowed by this, as the machine is not real-time
+ATTEMPTS = 3  # at each run, because a busy machine may pause one of the processes and spoil the run
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
 CANFD_BRS = 1
@@ -198,7 +198,8 @@ class Bus:
         return "", ""
 
     def wait_mode(self, *modes: str, start: int = 0) -> None:
-        """Waits until the latest status reports one of the given modes and was received after `start`."""
+        """Waits until the latest status reports one of the given modes and was received after the first `start`
+        frames."""
         self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
 
     def statuses_for(self, duration_s: float) -> list[tuple[str, str]]:

@@ -18,8 +18,8 @@ INBOX_FRAMES = 8  # maximum number of frames read from the bus per tick
 
 
 class LiveFirmware(threading.Thread):
-    """The thread that runs the firmware. `deaf` is the number of frames it ignores before it processes the first one.
-    If `mute` is set, it receives frames but sends none."""
+    """The thread that runs the firmware. `deaf` is the number of frames that the firmware ignores before it processes
+    the first one. If `mute` is set, the firmware receives frames but sends none."""
 
     def __init__(self, has_tracker: bool = True):
         super().__init__(daemon=True)

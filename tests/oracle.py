@@ -1,5 +1,5 @@
-"""Provides double-precision references for the firmware, written independently of its code: the paper's equations, in
-numpy for arrays and, term by term, in dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
+"""Provides double-precision references, written independently of the firmware. They are the paper's equations, once in
+numpy for arrays and once term by term with dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
 
 Quaternions are (..., 4) in the order w x y z, dual quaternions (..., 8), as in the paper.
 """
@@ -90,7 +90,8 @@ def random_poses(rng: np.random.Generator, count: int, reach_m: float = 1.0) -> 
 
 
 def pose_distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Returns the largest difference of components, up to a common sign, because x and -x are the same pose."""
+    """Returns the largest difference between components of a and b, or of a and -b if that is smaller, because b and -b
+    are the same pose."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     return np.minimum(np.abs(a - b).max(-1), np.abs(a + b).max(-1))
 

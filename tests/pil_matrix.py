@@ -2,8 +2,8 @@
 runs of the firmware on the host.
 
 Usage: ``pil_matrix.py BUILD``. The bus logs, including the joint commands, must be equal byte for byte. Prints a line
-for each finished run and writes BUILD/reports/pil.json. Exit status 1 if any log differs. Takes about an hour on two
-cores.
+for each finished run and writes BUILD/reports/pil.json. The exit status is 1 if any log differs. Takes about an hour
+on two cores.
 """
 
 from __future__ import annotations

@@ -29,8 +29,8 @@ class PriorityBus:
     played: list[Played] = field(default_factory=list)
 
     def play(self, releases: Sequence[tuple[int, int, Stream]]) -> list[Played]:
-        """Plays `releases`, each of which is (event, queueing time, stream). When a frame ends, the queued frame with
-        the lowest id starts. If ids are equal, the frame that was queued first starts."""
+        """Simulates the bus for `releases`, each of which is (event, queueing time, stream). When a frame ends, the
+        queued frame with the lowest id starts. If ids are equal, the frame that was queued first starts."""
         coming = [(queued, number, event, stream) for number, (event, queued, stream) in enumerate(releases)]
         heapq.heapify(coming)
         number, now = len(coming), 0

@@ -61,7 +61,7 @@ class Scene:
         lib.scene_aim_hand(self.scene, person, ffi.new("rigid_pose_t *", (list(position_m), list(rotation)))[0:1])
 
     def pose(self, call, *arguments) -> tuple[np.ndarray, Rotation]:
-        """Calls scene_hand, scene_object, ... and returns the position (3,) in m and the rotation."""
+        """Calls a function such as scene_hand() and returns the position (3,) in m and the rotation that it reports."""
         pose = ffi.new("rigid_pose_t *")
         call(self.scene, *arguments, pose)
         w, x, y, z = pose.rotation

@@ -42,7 +42,7 @@ class StockSlcan(slcanBus):
         return self._recv_internal(0)[0]
 
 
-# The data length code, followed by the hex digits of the data.
+# Patterns of a data length code followed by the hex digits of that many data bytes.
 _FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * CAN_FD_DLC[code]}}}" for code in range(16))
 _CLASSIC_FIELDS = "|".join(f"{code:X}[0-9A-F]{{{2 * code}}}" for code in range(9))
 FRAME = re.compile(rf"(t[0-7][0-9A-F]{{2}}({_CLASSIC_FIELDS})|[db][0-7][0-9A-F]{{2}}({_FIELDS}))\Z", re.IGNORECASE)

@@ -9,7 +9,7 @@ typedef struct {
     rigid_pose_t hand[SCENARIO_MAX_PEOPLE];
     double sag_m[SCENARIO_MAX_PEOPLE][3]; /* actual position minus the aim */
     double gripper_start_m[3];
-    double gripper_follows[3]; /* gripper's displacement per displacement of the first hand, for each axis */
+    double gripper_follows[3]; /* gripper displacement per unit displacement of the first hand, for each axis */
     rigid_pose_t object[SCENARIO_MAX_OBJECTS];
     double crank_turns;
     bool can_grip;

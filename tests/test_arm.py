@@ -108,7 +108,7 @@ def test_any_arm_of_n_joints(rng, n):
 
 @pytest.mark.parametrize("n", [3, 8])
 def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
-    """Column i of the Jacobian equals (hand(q + h) - hand(q - h)) / 2h, including its sign."""
+    """Column i of the Jacobian equals (hand(q + h) - hand(q - h)) / 2h with a step h of joint i, including the sign."""
     fixed, effector = oracle.random_poses(rng, n, 0.2), oracle.random_poses(rng, 1, 0.2)[0]
     arm = make_arm(fixed, np.tile([0, 1, 0], (n, 1)), effector)
     q = random_joints(rng, 200, n, 8.0)

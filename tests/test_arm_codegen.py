@@ -102,8 +102,8 @@ def test_the_committed_files_match_the_description():
 @pytest.mark.parametrize("frame", [lib.ERROR_FRAME_TORSO, lib.ERROR_FRAME_TARGET])
 @pytest.mark.parametrize("weight", [(1.0, 1.0), (0.01, 100.0)])
 def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, weight):
-    """The fast law, the law for any arm and the general law agree with a reference in double precision. The reference
-    repeatedly drops the Jacobian columns of the joints that would move past their limit, until none would."""
+    """The generated law, the law for any arm and the general law agree with a reference in double precision. The
+    reference repeatedly drops the Jacobian columns of the joints that would move past their limit, until none would."""
     configuration = config(weight=weight, frame=frame)
     laws = (for_this_arm, for_any_arm, general_form)
     w = np.repeat(weight, 4)
@@ -141,8 +141,8 @@ def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, 
 
 
 def test_a_target_far_out_of_reach_uses_the_general_law(arm, inputs):
-    """If the damping is too small relative to J^T W J, the generated law returns the general law's result, bit for
-    bit."""
+    """If the damping is too small relative to J^T W J, as it is for a distant target, the generated law returns the
+    general law's result, bit for bit."""
     configuration = config(weight=(0.01, 100.0), damping=1e-3)
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
@@ -197,7 +197,7 @@ LAW_SOURCES = (
 
 
 def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
-    """Returns both velocities and the distance in one array."""
+    """Returns one array of the joint velocities for the error, those for the target's motion, and the distance."""
     position = ffi.new("float[8]", q.tolist())
     config = ffi.new("position_priority_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
@@ -249,7 +249,8 @@ RIGHT_ANGLES = (-90.0, 0.0, 90.0)
 @pytest.mark.parametrize("angles", ["right", "any"])
 @pytest.mark.parametrize("n", range(1, 9))
 def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, angles):
-    """Some of the arms have zero offsets and lengths, as real arms do, so that the generator eliminates most terms."""
+    """The arms with right angles also have some zero offsets and lengths, as real arms do, so that the generator
+    eliminates most terms."""
     right = angles == "right"
     rows = []
     for _ in range(n + 1):
@@ -335,7 +336,7 @@ def test_generated_code_compiles_for_any_arm(rng, tmp_path):
     written = []
     rows_of = [
         [(-90.0, 0.1, 0.1, 90.0), (0.0, 0.1, 0.1, 0.0), (-90.0, 0.0, 0.0, -90.0), (-90.0, 0.1, 0.0, 90.0)]
-    ]  # the generated code for these arms once had unused variables
+    ]  # the generated code for this arm once had unused variables
     for n in [1, 2, 3, 3, 3, 4, 4, 4, 5, 6, 7, 8] * 2:
         rows_of.append(
             [

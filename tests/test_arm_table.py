@@ -74,7 +74,7 @@ def test_a_defect_is_named(changes, complaint):
 
 @pytest.mark.parametrize("missing", ["arm", "isotropic", "position_priority"])
 def test_inverse_kinematics_without_a_member_are_refused(missing):
-    """An arm with a missing function is refused, because calling it would jump to address 0."""
+    """An arm_ik_t with a null member is refused, because calling a missing function would jump to address 0."""
     complete = ffi.new("arm_ik_t *", lib.arm_ik_any(ffi.addressof(lib.arm_hoap3_right)))
     assert lib.arm_ik_check(complete) == ffi.NULL
     setattr(complete, missing, ffi.NULL)

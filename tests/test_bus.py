@@ -12,7 +12,7 @@ import pytest
 from can_fd_bits import LENGTHS, bits, frame_duration_ns
 from sim_bus import Bus, ffi, lib, make_frame
 
-# Upper bounds of the frame durations. The usual bound assumes one stuff bit per four bits in both phases.
+# Upper bounds of the frame durations by data length, with the usual assumption of one stuff bit per four bits.
 WORST_CASE_US = {8: 55.8, 12: 63.8, 16: 71.8, 32: 104.8, 48: 136.8, 64: 168.8}
 
 
@@ -63,8 +63,8 @@ def test_impossible_frames_have_no_duration(identifier, length):
 
 
 def model(traffic: list[tuple[int, int, bytes, int]]) -> list[tuple[int, bytes, int]]:
-    """Models the bus for a list of (node, id, data, ready). When a frame ends, the ready frame with the lowest id
-    starts."""
+    """Models the bus for a list of (node, id, data, time when ready). When a frame ends, the ready frame with the
+    lowest id starts."""
     earliest = {}
     waiting = []
     for order, (node, identifier, data, ready_ns) in enumerate(traffic):

@@ -145,7 +145,7 @@ def test_nothing_is_lost_and_the_load_is_the_sum_of_the_frames(short):
     duration_ns = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames])
     assert bus["load_percent_mean"] == pytest.approx(100e-9 * duration_ns.sum() / short.summary["sim_s"], rel=1e-7)
 
-    end_ns = np.array([1000 * frame.t_us for frame in frames])  # up to 1 us too early, as the log truncates
+    end_ns = np.array([1000 * frame.t_us for frame in frames])  # up to 1 us too early: truncated to microseconds
     assert np.all(end_ns[1:] - duration_ns[1:] > end_ns[:-1] - 1000), "two frames overlap"
     window_ns = 10_000_000
     busy_ns = np.zeros(1 + end_ns[-1] // window_ns)
@@ -248,8 +248,8 @@ def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """Replays the firmware from the log alone. Returns the frames that the firmware sends, by id, and how many frames
-    it was fed. In each tick, the port counts are taken from the next PortStatus."""
+    """Replays the firmware from the log alone. Returns the frames that the firmware sends, by id, and the number of
+    frames fed to it. In each tick, the port's counts are taken from the next PortStatus."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}

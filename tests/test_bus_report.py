@@ -47,8 +47,8 @@ def test_fd_rows_are_the_dbcs_frames(by_profile, joints):
 
 @pytest.mark.parametrize("joints", JOINTS)
 def test_the_cyclic_load_is_the_sum_over_the_dbc(by_profile, joints):
-    """The cyclic load equals the sum over the DBC's frames at their maximum length, with durations constructed bit by
-    bit."""
+    """The cyclic load equals the sum over the DBC's cyclic frames at their maximum length, with durations constructed
+    bit by bit."""
     share = 0.0
     for message in FD_MESSAGES:
         if message.cycle_time and not (message.name.startswith("JointState") and int(message.name[-1]) >= joints):

@@ -74,7 +74,7 @@ def test_arbitration_under_contention(traffic):
 
 
 def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
-    """Returns the frame's response time on the simulated bus twice: measured from when the frame was queued, and from
+    """Returns two response times of the frame on the simulated bus: one from when the frame was queued, the other from
     when the firmware's frames were queued. All frames of higher priority are queued just after the longest frame of
     lower priority has started."""
     node = {
@@ -120,8 +120,8 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """A joint state that arrives within one tick takes exactly as long as its bound, less the nanosecond by which the
-    frame of lower priority starts earlier."""
+    """The response time of a joint state that arrives within one tick equals its bound, less the nanosecond by which
+    the frame of lower priority starts earlier."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
@@ -211,7 +211,7 @@ class Profile:
     tick_ms: int
     event_ticks: int
     sync: str
-    least_ratio: float  # minimum of a control frame's longest response, as a share of its computed bound
+    least_ratio: float  # share of its computed bound that a control frame's longest response must reach
 
     def plain(self, name: str) -> str:
         return name.removeprefix(self.prefix)
@@ -275,8 +275,8 @@ BOOT_NS = 100 * MS_NS  # at a tick rate of 1 kHz
 
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
     """No response exceeds its bound, and the bounds are not overly pessimistic: the longest response of each control
-    frame is a fair share of its bound (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Frames that never compete
-    with others stay far below their bound, because the phases in the simulator are fixed."""
+    frame is a fair share of its bound (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Some other frames stay
+    far below their bounds, because they never compete with any frame: the phases in the simulator are fixed."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)

@@ -65,7 +65,7 @@ def moves_along(directions) -> list[Move]:
 
 
 def random_tilts(rng, turn: Rotation, sigma_rad: float) -> np.ndarray:
-    """Returns the images of the three axes, each slightly tilted."""
+    """Returns the three axes rotated by `turn`, each slightly tilted."""
     return np.array([Rotation.from_rotvec(rng.normal(0, sigma_rad, 3)).apply(turn.apply(axis)) for axis in AXES])
 
 
@@ -211,7 +211,7 @@ def test_bad_recordings(tmp_path):
 
 
 def test_guides_a_person_and_sets_the_parameters(monkeypatch, capsys, rng):
-    """The person moves at each prompt; in this test a thread plays back a generated path instead."""
+    """`comanip calibrate` prompts a person for each move. In this test, a thread plays a generated path instead."""
     turn = Rotation.from_rotvec([-1.5, 0.2, -0.1])
     samples = path(rng, turn)
     with firmware(has_tracker=False) as live, can.Bus(interface="virtual", channel=CHANNEL, fd=True) as tracker:

@@ -184,7 +184,7 @@ def test_tracker_period_is_rounded_to_its_resolution(dbc, period_us):
     assert codec.pack({"period_us": 700_000})[0] == lib.PROTOCOL_OUT_OF_RANGE
 
 
-# ---- the two messages with fields that are not plain copies
+# ---- TickTrace and FirmwareHeartbeat, whose fields are not plain copies
 
 RECEIVED = {
     "hand_pose": lib.FRAME_HAND_POSE,

@@ -133,7 +133,7 @@ def test_no_two_frames_share_a_data_id_at_any_counter():
     assert all(len(set(ids)) == 16 for ids in lists)
 
 
-QUATERNIONS = {  # for each message: its signals in the order w x y z, and their name on classic CAN
+QUATERNIONS = {  # for each quaternion of a message: its signals on CAN FD, and its name on classic CAN
     "HandPose": [("qw qx qy qz", "q")],
     "TickTrace": [("target_qw target_qx target_qy target_qz", "target")],
     "TaskDefine": [("q_task_w q_task_x q_task_y q_task_z", "q_task"), ("q_inv_w q_inv_x q_inv_y q_inv_z", "q_inv")],
@@ -193,7 +193,7 @@ def resolution(message, signal) -> float:
 
 
 IDENTITY = ("FirmwareIdentity", "build_hash")
-NOT_CARRIED = {  # values that are changed or dropped; other tests check what is sent instead
+NOT_CARRIED = {  # signals that classic CAN changes or drops; other tests check what is sent instead
     IDENTITY, ("HandPose", "t_us"), *((f"JointState{j}", "temperature_degC") for j in range(8))
 }  # fmt: skip
 
@@ -345,7 +345,7 @@ def test_event_frames_are_accepted_after_any_loss():
 
 
 def sample(number: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns a pose that encodes its number in both the position and the rotation."""
+    """Returns a pose that encodes the sample's number in both the position and the rotation."""
     angle = 1e-3 * (number % 3000)
     return np.array([1e-3 * (number % 3000) - 1.5, 0, 0]), np.array([math.cos(angle / 2), math.sin(angle / 2), 0, 0])
 
@@ -376,7 +376,7 @@ def test_parts_of_different_poses_are_never_mixed(rng, lost):
 
 
 def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
-    """After sixteen samples the counter wraps, so the two counters are equal although the parts belong to different
+    """After sixteen samples the counter wraps, so two parts have equal counters although they belong to different
     samples."""
     sender, receiver = Sender(), Receiver()
     samples = [sender.send(pose_message(*sample(i)), i * POSE_PERIOD_US) for i in range(17)]
@@ -391,8 +391,8 @@ def test_a_part_that_waited_for_sixteen_samples_is_not_completed():
     "name", ["HandPose", "JointCmd", "TickTrace", "TaskDefine", "TrackerStatus", "FirmwareIdentity"]
 )
 def test_long_messages_need_all_their_parts(rng, name):
-    """If a part is missing, the message is not received. The next message is received again, with its parts in any
-    order."""
+    """If a part is missing, the message is not received. The next complete message is received, with its parts in
+    any order."""
     for message, _, frame in random_messages(rng):
         if message.name != name:
             continue
@@ -460,7 +460,7 @@ def stamps(times_us, delays_us) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize("start_us", [0, 2**31 - 300_000, 2**32 - 400_000])
 def test_the_stamp_is_restored_to_its_step(rng, start_us):
-    """All stamps have the same error as the first one, to within a step, after gaps of any length and when the clock
+    """All stamps have the same error as the first stamp, to within a step, after gaps of any length and when the clock
     wraps."""
     gaps_us = rng.choice([8000, 8000, 8000, 16_000, 100_000, 1_000_000, 30_000_000], 300)
     times_us = start_us + np.cumsum(gaps_us)

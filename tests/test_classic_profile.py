@@ -274,8 +274,8 @@ STATE = {
 
 
 def log_with_late_poses(late_us: int, late_from_us: int, end_us: int) -> list[Frame]:
-    """Returns all frames of a firmware with drives that stand still and a tracker whose poses arrive late from
-    late_from_us on."""
+    """Returns all frames on a bus with the firmware, drives that stand still, and a tracker whose poses arrive late
+    from the time `late_from_us` on."""
     sender, log = Sender(Profile.CLASSIC), []
     controller, outbox = ffi.new("controller_t *"), ffi.new("outbox_t *")
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_CLASSIC)
@@ -297,7 +297,8 @@ def log_with_late_poses(late_us: int, late_from_us: int, end_us: int) -> list[Fr
 
 def test_a_hand_forgotten_as_its_pose_arrives_replays():
     """Poses that are 30 ms late are stale. After a second, in a tick in which a pose arrives, the firmware forgets the
-    hand and the offset of its clock. TickTrace then reports no age that would show when the pose was received."""
+    hand and the offset of the tracker's clock. TickTrace then reports no age that would show when the pose was
+    received."""
     log = log_with_late_poses(late_us=30_000, late_from_us=400_000, end_us=2_500_000)
     ages = [frame.data[2:5] for frame in log if frame.name == "ClassicTickTraceAge"]
     stale = next(i for i, age in enumerate(ages) if age == NO_AGE and i > 100)

@@ -98,8 +98,9 @@ def test_default_law_settles_a_30_mm_move_within_1_mm(tmp_path, displacement_mm)
 
 @pytest.mark.parametrize("gain_per_s", [35, 70, 100])  # the default is 35; values far above 100 are refused
 def test_gain_margin(tmp_path, gain_per_s):
-    """With the loop's real delays, a gain of up to three times the default causes no oscillation beyond that due to the
-    encoder. At rest, an error of one encoder count results in a velocity command of one count times the gain."""
+    """With the delays of bus, encoder and drives, a gain of up to nearly three times the default causes no oscillation
+    except that due to the encoder: at rest, an error of one encoder count causes a command of one count times the
+    gain."""
     recording = minimum_jerk_move(tmp_path / "move.csv", [0.03, 0, 0])
     run = simulation.run(
         tmp_path / "out",

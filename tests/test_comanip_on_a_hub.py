@@ -13,7 +13,8 @@ from hub import PATIENCE_S, WITH_CAN, Hub, running, tool, wait_until
 from live import FIRMWARE, PLANT
 from simulation import REPOSITORY
 
-# The watchdog expires after 100 ms. A virtual machine may pause one of its processors for longer than 50 ms.
+# Time is slowed by this factor, so that the watchdog expires only after 100 ms: a virtual machine may pause one of its
+# processors for longer than 50 ms.
 SLOW = 10
 STATUS = r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+"
 SCENE = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
@@ -36,8 +37,8 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
     """Runs firmware and plant on a hub; yields the hub, the plant, the firmware and the folder of the plant's log. The
-    plant's own operator starts the task only at 500 s, after the test's operator has acted. On a busy machine the
-    firmware might refuse that start, which would end the run."""
+    plant's own operator starts the task only at 500 s, when the tests are over: on a busy machine the firmware might
+    refuse an earlier start, and the refusal would end the run."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))
@@ -62,7 +63,7 @@ def test_watch_and_operate(session, through):
     hub, plant, firmware, _ = session
 
     def monitored() -> object:
-        """Monitors for one second. Returns a true value if the firmware and all drives were seen. They may be missing
+        """Monitors for one second. Returns a true value if the firmware and all drives were seen. Some may be missing
         if the firmware has only just started."""
         plant.require_running()
         firmware.require_running()

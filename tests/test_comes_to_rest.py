@@ -1,4 +1,4 @@
-"""Checks the simulator's check comes_to_rest: the measured value against numpy on the trace, the failure for an arm
+"""Tests the simulator's check comes_to_rest: the measured value against numpy on the trace, the failure for an arm
 that oscillates, the treatment of phases that are not still, and the report of phases that could not be measured."""
 
 from __future__ import annotations
@@ -231,7 +231,7 @@ class Watch:
         self.now = 0
 
     def ticks(self, count, *, aim_m=0.0, hand_m=None, turn_rad=0.0, radps=0.0, mode=2, settled_ns=0, holds=False):
-        """Adds ticks. hand_m and radps are numbers, or functions of the tick count since the start."""
+        """Feeds `count` ticks. hand_m and radps are numbers, or functions of the tick count since the start."""
         tick, aim = ffi.new("tick_record_t *"), ffi.new("rigid_pose_t *")
         aim.position_m[0], aim.rotation[0] = aim_m, 1
         for _ in range(count):
@@ -298,7 +298,7 @@ def test_tremor_counts_as_still_and_a_slow_move_does_not():
 
 
 def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
-    """If an oscillating arm that holds the same pipe shakes a resting person's hand until the end, the phase is
+    """If, until the end, an oscillating arm shakes the hand of a resting person who holds the same pipe, the phase is
     reported as disturbed. If the hand settles before the end, the phase counts as undisturbed, but is too short to be
     measured."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()

@@ -1,5 +1,5 @@
-"""Checks the simulator's command line. Wrong use prints one clear line and has no other effect. The help is correct.
-A run that fails or is interrupted reports so in its exit status and its files."""
+"""Checks the simulator's command line. On invalid arguments, the simulator prints one clear line and does nothing else.
+The help is correct. A run that fails or is interrupted reports this in its exit status and its files."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ LISTS = {
                "constant:0,0,0:1,0,0,0:1,0,0,0", 300 * "constant:"),
     "param": ("motion_scale", "=1", "no_such=1", "motion_scale=", "motion_scale=nan", "motion_scale=-1"),
 }  # fmt: skip
-# The arguments, and the words that the line must contain: the option or file, the value and what was expected.
+# Invalid arguments, and what the error line must contain: the option or file, the value and what was expected.
 WRONG_USE = [
     (["juggle"], ["'juggle'", "expected options"]),
     (["--", "pour"], ["'pour'", "expected options"]),

@@ -12,7 +12,7 @@ from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, JOINTS, TRACKER_PERIOD_TICKS, Bench
 
 ACCEPTED = lib.RESULT_ACCEPTED
-CLOSE_M = 2e-5  # resolution of the frames, including that of the marker's rotation at arm's length
+CLOSE_M = 2e-5  # position error due to the frames' resolution, also that of the marker's rotation at arm's length
 UNKNOWN_COMMAND = 99
 
 
@@ -586,8 +586,8 @@ def test_many_measured_latches_keep_the_relation_a_pose():
 
 
 def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
-    """A joint at its limit gets no demand beyond the limit, although the control law alone would move the joint further
-    to follow the hand."""
+    """The demand of a joint at its limit is zero, although the control law alone would move the joint further to follow
+    the hand."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)
@@ -641,7 +641,7 @@ def test_start_offset_sends_the_robot_to_the_person():
 
 
 def test_clock_that_wraps_changes_nothing():
-    """The same motion produces the same commands at now_us = 0 and across 2^32 us."""
+    """The same motion produces the same commands whether the clock starts at 0 or wraps at 2^32 us during the run."""
     velocities = []
     for now_us in (0, 2**32 - 200_000):
         bench = Bench(now_us=now_us).until_ready().start(lib.TASK_TELEOP)
@@ -702,6 +702,6 @@ def test_restarted_operator_is_accepted():
     bench = Bench().until_ready()
     for _ in range(30):
         assert bench.command(lib.COMMAND_STOP) == ACCEPTED
-    bench.sender = ffi.new("protocol_sender_t *")  # a restart; the drives and the tracker share this sender
+    bench.sender = ffi.new("protocol_sender_t *")  # a restart of all senders, as drives and tracker share it
     bench.tick(3)
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED

@@ -86,7 +86,7 @@ def test_logs_of_python_can_are_converted_to_candump_lines(tmp_path, suffix):
 
 
 def test_trc_of_python_can(tmp_path):
-    """Only classic data frames are tested, as python-can's writer supports no others."""
+    """Only classic data frames are tested, because python-can's TRC writer supports no other kind."""
     classic = [frame for frame in KINDS if not (frame.fd or frame.remote)]
     path, out = tmp_path / "recorded.trc", tmp_path / "out.log"
     with can.Logger(path) as logger:
@@ -112,7 +112,7 @@ def test_kernels_from_6_on_mark_fd_frames():
 
 
 def test_pcap_follows_the_specification(tmp_path, kinds):
-    """The file has the format LINKTYPE_CAN_SOCKETCAN, byte by byte."""
+    """The file follows the specification of pcap and of LINKTYPE_CAN_SOCKETCAN, byte for byte."""
     out = tmp_path / "out.pcap"
     assert call("convert", kinds, out).returncode == 0
     data = out.read_bytes()

@@ -123,7 +123,8 @@ def random_hull(rng) -> np.ndarray:
 
 
 def test_hulls_and_boxes(rng):
-    """The distances agree with least squares over the corners, which does not depend on GJK's search directions."""
+    """The distances agree with a least-squares solution over the corners, which, unlike GJK, has no search
+    directions."""
     overlapping = 0
     for i in range(2000):
         points = random_hull(rng), (random_hull(rng) if i % 2 else CUBE * rng.uniform(0.01, 0.3, 3))

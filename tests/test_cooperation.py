@@ -1,4 +1,4 @@
-"""Checks Algorithm 1 against the paper's lines evaluated in dqrobotics, and checks the paper's claims."""
+"""Checks Algorithm 1 against its lines in the paper, evaluated with dqrobotics, and checks the paper's claims."""
 
 from __future__ import annotations
 
@@ -152,7 +152,8 @@ def test_mirroring_starts_at_the_robots_pose(rng):
 
 
 def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
-    """If the person's hand is at the virtual hand, its pose relative to the robot is t_task and q(x, pi) q(z, pi/4)."""
+    """At the start, the target is rolled by 45 degrees from the end effector's pose. In the target's axes, the end
+    effector is at (0.01, 0, -0.05) m."""
     for robot in oracle.random_poses(rng, 200, 0.3).astype(float):
         target = follow("pour", motion(rng, 1), robot)[0]
         roll = oracle.quaternion_multiply(oracle.quaternion_conjugate(robot[:4]), target[:4])
@@ -170,7 +171,8 @@ def test_pouring_starts_rolled_by_45_degrees_about_the_robots_own_z(rng):
 
 @pytest.mark.parametrize("scale", [1.0, 0.5, 2.0])
 def test_mirror_signs_and_scale(rng, scale):
-    """With the end effector's z axis along +x of the torso, a displacement (dx, dy, dz) becomes s (-dx, dy, dz)."""
+    """With the end effector's z axis along +x of the torso, a displacement (dx, dy, dz) becomes (-dx, dy, dz),
+    multiplied by the scale."""
     robot = robot_at_check_posture()
     for d in rng.uniform(-0.05, 0.05, (50, 3)):
         hands = np.array([hand_in_tracker(ONE, [0.4, 0.1, 0.2] + factor * d) for factor in (0, 1)])

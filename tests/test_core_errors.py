@@ -36,7 +36,7 @@ def with_nan(values: np.ndarray) -> np.ndarray:
 q = np.zeros((2, 4), F)
 R, t = np.tile(np.eye(3, dtype=F), (2, 1, 1)), np.zeros((2, 3), F)
 
-ARRAY_ARGUMENTS = [  # the function, the name of the array argument under test, a valid value
+ARRAY_ARGUMENTS = [  # the function of this argument, the argument's name, a valid value
     (lambda x: core.multiply(x, poses()), "a", poses()),
     (lambda x: core.multiply(poses(), x), "b", poses()),
     (core.conjugate, "a", poses()),

@@ -1,5 +1,5 @@
-"""Checks `make cycles`: the model of ARM's cycle tables line by line, the counter against code counted by hand, and the
-budget."""
+"""Checks `make cycles`: the modelled cycles of single instructions against ARM's tables, the counter against code
+counted by hand, and the budget."""
 
 from __future__ import annotations
 

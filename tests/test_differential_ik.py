@@ -65,9 +65,9 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
-    """The law keeps the tolerance for a large uniform weight and every lambda. The normal equations are then worst
-    conditioned, and without iterative refinement the law would exceed the tolerance. Errors are relative to the largest
-    component of u."""
+    """The law stays within the tolerance for a large uniform weight and every lambda. The normal equations are then
+    worst conditioned, and without iterative refinement the law would exceed the tolerance. Errors are relative to the
+    largest component of u."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -81,8 +81,8 @@ def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [(0.01, 100), (1, 1), (1, 4), (25, 100), (0, 100)], ids=str)
 def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, weight):
-    """The fast law keeps the tolerance wherever differential_ik_prepare() selects it, which includes the default
-    law."""
+    """The fast law stays within the tolerance wherever differential_ik_prepare() selects it, as it does for the default
+    parameters."""
     weight = np.repeat(weight, 4).astype(np.float32)
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -150,8 +150,8 @@ def test_no_error_no_velocity(rng, error_frame):
 
 
 def singular_postures(rng) -> np.ndarray:
-    """Returns postures with a straight elbow, with the upper arm along the pitch axis (roll -90 deg), and with both.
-    Some postures are exactly singular, others lie at various distances from the singularity."""
+    """Returns postures with a straight elbow, with the upper arm along the pitch axis (roll -90 deg), or with
+    both. Some postures are exactly singular, others lie at various distances from the singularity."""
     base = np.radians(
         [[0, 0, 0, 0], [90, 0, 0, 0], [90, -30, 20, 0], [10, -90, 0, -60], [90, -90, 0, -90], [0, -90, 0, 0]]
     )
@@ -224,7 +224,7 @@ def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tup
 @pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
 def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
     """With the error in the target's frame, the orientation that 4 joints cannot reach does not spoil the position.
-    With the error in the torso frame, it does."""
+    With the error in the torso frame, this orientation does spoil the position."""
     start = (90, -5, 0, -90)
     torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
     target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)

@@ -33,7 +33,7 @@ COMANIP = re.compile(r"(?<!from )(?<![\w./-])comanip ([a-z]+)(?: ([a-z]+))?")
 @cache
 def files() -> frozenset[str]:
     """Returns all files in the repository, including new ones that are not ignored, because a document may refer to a
-    file before both are committed."""
+    file that is committed together with the document."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     listing = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=True)
     return frozenset(name for name in listing.stdout.splitlines() if (REPOSITORY / name).exists())

@@ -190,7 +190,7 @@ def test_a_pour_without_particles_fails(tmp_path, simulator, monkeypatch, capsys
 
 
 def runs_made(simulator: Path) -> list[str]:
-    """Returns the output folders of the runs since the last call, relative to the campaign's folder."""
+    """Returns the output folders of the runs made since the last call, relative to the campaign's folder."""
     path = simulator.parent / "runs"
     made = path.read_text().split() if path.exists() else []
     path.unlink(missing_ok=True)
@@ -343,8 +343,8 @@ def test_the_two_laws():
 
 
 def test_share_at_the_acceleration_limit():
-    """The share is a quarter, because 25 rad/s^2 is 0.025 rad/s per tick, and 100 of the 400 steps are at this
-    limit."""
+    """The share is a quarter, because the limit of 25 rad/s^2 is 0.025 rad/s per tick, and 100 of the 400 steps reach
+    it."""
     steps = np.zeros(400)
     steps[:100] = 0.025
     rate = np.concatenate([[np.nan], [0.0], np.cumsum(steps)])

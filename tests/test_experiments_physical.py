@@ -144,9 +144,9 @@ def test_gripper_released_early_drops_the_pipe(tmp_path):
 
 
 def test_a_recorded_hand_that_moves_the_pipe_into_its_stand_fails_with_the_reason(tmp_path):
-    """At the scale of the scenario's `play`, a motion of 2 m down and forward becomes 80 mm, twice the height to which
-    the pipe is lifted. The teleoperator cannot bring a dropped pipe to the taker, so the run ends early instead of
-    waiting for the end of the scenario."""
+    """At the scale that the scenario's step `play` sets, a motion of 2 m down and forward becomes 80 mm, twice the
+    height to which the pipe is lifted. The teleoperator cannot bring a dropped pipe to the taker, so the run ends early
+    instead of waiting for the end of the scenario."""
     recording = tmp_path / "hand.csv"
     recording.write_text(
         recording_csv(*(f"{0.01 * i:.2f},{0.01 * i:.2f},0,{-0.01 * i:.2f},1,0,0,0" for i in range(201)))
@@ -232,7 +232,7 @@ def test_each_other_criterion_can_fail(tmp_path, name, change, criteria):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
-    """If the robot hardly follows, the person's glass collides with the robot's, or the water misses the glass."""
+    """If the robot hardly follows the hand, the two glasses collide or the water misses the person's glass."""
     done = run(tmp_path / "out", "--scenario", experiment("pour"), "--seed", seed, "--param", "motion_scale=0.01")
     assert done.status == EXIT_CHECK_FAILED and failed(done) & {"clearance", "water_caught"}
 

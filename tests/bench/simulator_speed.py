@@ -1,5 +1,5 @@
 """Measures the ratio of simulated time to wall time for the plain motions and the complete experiments, as a part of
-`make bench`. The wall time is that of the whole process, including its start and its output files."""
+`make bench`. The wall time is that of the whole simulator process, including its start and the writing of files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from simulation import EXPERIMENTS, SCENARIOS, experiment, run
 
 RUNS = 9
-DURATION_S = 60  # duration of the plain motions; experiments run to their end
+DURATION_S = 60  # simulated duration of the plain motions; experiments run to their end
 LEAST_PLAIN, LEAST_POUR, LEAST_EXPERIMENT = 25.0, 7.0, 15.0
 
 
@@ -30,7 +30,7 @@ def ratios(*arguments: object) -> list[float]:
 
 
 def contenders() -> list[tuple[str, float, tuple[object, ...]]]:
-    """Returns the name, required ratio and simulator options of each run."""
+    """Returns the name, required ratio and simulator options of each scenario."""
     plain = [(f"{name} (moves)", LEAST_PLAIN, ("--scenario", name, "--duration", DURATION_S)) for name in SCENARIOS]
     return plain + [
         (name, LEAST_POUR if name == "pour" else LEAST_EXPERIMENT, ("--scenario", experiment(name)))

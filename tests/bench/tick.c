@@ -1,4 +1,4 @@
-/* Our tick for the benchmark: Algorithm 1, kinematics and control law (4). */
+/* The firmware's tick for the benchmark: Algorithm 1, kinematics and control law (4). */
 #include "tick.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 
 struct tick {
     arm_ik_t ik;
-    arm_t arm; /* used if the model names no generated arm */
+    arm_t arm; /* used if model->name is NULL */
     arm_joint_t joints[ARM_MAX_JOINTS];
     cooperation_t cooperation;
     differential_ik_config_t config;
@@ -35,7 +35,7 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
         }
     }
     if (model->name != NULL) {
-        abort(); /* otherwise the figures for the table would be reported under this name */
+        abort(); /* unknown name: the figures of the table-driven arm must not be reported under it */
     }
     for (int i = 0; i < model->joint_count; i++) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};

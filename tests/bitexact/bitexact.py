@@ -65,7 +65,7 @@ def make_input(folder: Path, smoke: bool) -> None:
     for number, (scenario, profile, options) in enumerate(runs):
         out = folder / "runs" / str(number)
         command = [SIMULATOR, "--scenario", scenario, "--profile", profile, "--quiet", "--out", out, *options]
-        (out / "bus.log").unlink(missing_ok=True)  # otherwise a failed start would leave an old log
+        (out / "bus.log").unlink(missing_ok=True)  # so that no old log is used if the run fails
         subprocess.run([str(part) for part in command], check=False, stderr=subprocess.DEVNULL)
         paths.append(out / "bus.log")
     ticks = SMOKE_VECTOR_TICKS if smoke else VECTOR_TICKS

@@ -22,7 +22,7 @@ GAP_TICKS = 80  # length of a gap without samples, longer than the tracker timeo
 class Operated(Bench):
     """A bench with a hand that moves to and fro.
 
-    ticks_read: the inbox of each tick, for the runner. seen: how often each kind of event has occurred.
+    ticks_read: the inbox of each tick, as input for runner.c. seen: how often each kind of event has occurred.
     """
 
     def __init__(self, rng: np.random.Generator):

@@ -1,6 +1,6 @@
 /* Input and output of the runner: the files input.bin and output.bin in the working directory of the runner or, for an
- * image, of the emulator. A target uses semihosting (ARM IHI 0100; RISC-V's is the same), through which an image in an
- * emulator can access the host's files. */
+ * image, of the emulator. An image accesses these files through semihosting (ARM IHI 0100; RISC-V uses the
+ * same calls), which gives programs in an emulator access to the host's files. */
 #ifndef COMANIP_BITEXACT_PLATFORM_H
 #define COMANIP_BITEXACT_PLATFORM_H
 

@@ -1,4 +1,4 @@
-/* The records of input.bin, which stimulus.py writes. Each is a header followed by the frames of a tick. */
+/* The records of input.bin, which stimulus.py writes. Each record is a header followed by the frames of a tick. */
 #ifndef COMANIP_BITEXACT_RECORDS_H
 #define COMANIP_BITEXACT_RECORDS_H
 

@@ -1,5 +1,5 @@
-/* Feeds a recorded input to controller_step(), and writes a hash of the frames sent in each tick. The same file is
- * built for the host and, in place of firmware/main.c, for a target. bitexact.py writes the input and compares the
+/* Feeds a recorded input to controller_step(), and writes a hash of the frames sent in each tick. This file is
+ * built for the host and, in place of firmware/main.c, for each target. bitexact.py writes the input and compares the
  * outputs. */
 #include "../../firmware/main.h"
 #include "records.h"

@@ -1,4 +1,4 @@
-"""Generates inputs of controller_step(): recorded runs, tick by tick as the firmware read them, and random vectors."""
+"""Generates inputs for controller_step(): recorded runs, tick by tick as the firmware read them, and random vectors."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def now_us(trace: Frame) -> int:
 
 
 def recorded(log: Path) -> Iterator[bytes]:
-    """Yields the ticks of a recorded run, starting at boot. Each tick has the frames that the firmware read in it, as
-    determined by the replay."""
+    """Yields the ticks of a recorded run, starting at boot. Each tick has the frames that the firmware read in that
+    tick, as determined by the replay."""
     frames = list(logs.read(log))
     replaying = Replay(frames)
     state = replaying._state

@@ -14,8 +14,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-# The includes allowed for a folder, or for one of its files, in addition to the folder itself. Entries refer only to
-# earlier ones, so that there can be no cycle. A port that is not listed is a board, and may use what BOARD lists.
+# The includes allowed for a folder, or for one of its files, in addition to the folder itself. Each entry
+# refers only to earlier entries, so that there can be no cycle. A folder of hal that is not listed is the port of a
+# board, and may use what BOARD lists.
 MAY_USE = {
     "firmware/maths": [],
     "firmware/arms": ["firmware/maths"],
@@ -81,7 +82,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.M
 
 
 class Include(NamedTuple):
-    """An include of `target` in `file`, both relative to ROOT; the name of a header in <> is stored as written."""
+    """An include of `target` in `file`, both relative to ROOT; a target in <> is stored as written."""
 
     file: str
     line: int
@@ -105,7 +106,7 @@ def folder_of(file: str) -> str:
 
 
 def allowed(file: str) -> list[str] | None:
-    """Returns the names that the file may include, or None if the table does not list its folder."""
+    """Returns the folders and headers that the file may use, or None if the table does not list the file's folder."""
     folder = folder_of(file)
     found = MAY_USE.get(file, MAY_USE.get(folder))
     return BOARD if found is None and re.fullmatch(r"hal/\w+", folder) else found
@@ -174,7 +175,7 @@ def problems(root: Path) -> list[str]:
     own = [include for include in found if include.is_own]
     files = {name for include in own for name in (include.file, include.target)}
     lines = [f"{i.file}:{i.line}: includes {i.target}; {wrong}" for i in found if (wrong := wrong_include(i))]
-    if lines:  # most cycles are caused by one of these forbidden includes
+    if lines:  # cycles are not searched for, as most are caused by forbidden includes
         return lines
     for what, name in (("files", lambda file: module_of(file, files)), ("folders", folder_of)):
         graph = graph_of((name(i.file), name(i.target)) for i in own if i.file != "firmware/main.c")

@@ -17,7 +17,7 @@ TAKEN = {"cortex-m0plus": 1}
 REFILL = 3  # P: "1 to 3, depending on the alignment and width of the target"
 CONDITIONS = "(?:eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)"
 LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
-# The next instruction must wait one cycle for an arithmetic result (table 7-1, note).
+# Floating-point arithmetic, whose result is one cycle late for the next instruction (table 7-1, note).
 LATE = re.compile(r"^v(add|sub|mul|nmul|mla|mls|nmla|nmls|fma|fms|div|sqrt|cvt)")
 
 

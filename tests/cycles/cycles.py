@@ -12,10 +12,10 @@ The quantities are:
     estimate            with prediction: processing of one hand sample
     prediction          with prediction: the hand's pose and motion at the time of the command, and the target's motion
     law                 with prediction: Algorithm 1 and the control law with position priority, no joint at a limit
-    law_ends            the same with all joints at limits, where the law is solved again
+    law_ends            the same as `law` with all joints at limits, in which case the law is solved again
     tick                without prediction: Algorithm 1, kinematics and control law (4) with the default parameters, no
                         joint at a limit and no task being blended in
-    tick_torso          the same with the error in the torso frame
+    tick_torso          the same as `tick` with the error in the torso frame
     tick_general        the same as `tick` with a weight that requires the general solution
     tick_ends           the same as `tick` with all joints at limits
     tick_general_ends   the same as `tick_general` with all joints at limits
@@ -51,7 +51,7 @@ from images import EMULATED, IMAGES, make  # noqa: E402
 
 STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
-TIMEOUT_S = 900  # an image that panics does not end
+TIMEOUT_S = 900  # because an image that panics never ends
 STATE = 3  # as in records.h
 NOTHING = 0  # from counted_t in program.c, as are the keys of QUANTITIES
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
@@ -83,7 +83,7 @@ def recorded(folder: Path, *options: str) -> bytes:
     for scenario in ("pour", "teleop", "mirror"):
         out = folder / "runs" / "-".join([scenario, *options])
         command = [str(bitexact.SIMULATOR), "--scenario", scenario, "--quiet", "--out", str(out), *options]
-        (out / "bus.log").unlink(missing_ok=True)  # otherwise a failed start would leave an old log
+        (out / "bus.log").unlink(missing_ok=True)  # so that no old log is used if the run fails
         subprocess.run(command, check=False, stderr=subprocess.DEVNULL)
         parts += islice(stimulus.recorded(out / "bus.log"), 1 + STATES // 2)
     return b"".join(parts)

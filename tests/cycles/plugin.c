@@ -4,7 +4,7 @@
  * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE.
  * costs: the extra cost of a taken conditional branch, followed by the address (bit 0 is set for a conditional branch)
  * and the cost of each instruction, all of them 32-bit words.
- * out: the instructions and the cost of each pass from begin to end.
+ * out: the number of instructions and the total cost of each pass from begin to end.
  *
  * Debian ships QEMU without qemu-plugin.h, so the parts of its interface (version 1) that are used are declared
  * here. */
@@ -98,7 +98,7 @@ static void on_end(unsigned int cpu, void *argument) {
 static void on_translated(qemu_plugin_id_t id, struct qemu_plugin_tb *translated) {
     (void)id;
     const size_t count = qemu_plugin_tb_n_insns(translated);
-    block_t *block = calloc(1, sizeof *block); /* never freed, because QEMU may run the block until the end */
+    block_t *block = calloc(1, sizeof *block); /* never freed, because QEMU may execute the block at any time */
     for (size_t i = 0; i < count; i++) {
         struct qemu_plugin_insn *instruction = qemu_plugin_tb_get_insn(translated, i);
         const uint64_t address = qemu_plugin_insn_vaddr(instruction);

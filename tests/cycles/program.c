@@ -1,5 +1,5 @@
 /* Replaces firmware/main.c. It processes the input.bin written by cycles.py, and marks the code to be counted. For each
- * count, it writes one byte to output.bin, which says what was counted (counted_t). */
+ * count, it writes to output.bin one byte that says what was counted (counted_t). */
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"
@@ -37,7 +37,7 @@ static void report(counted_t what) {
     platform_write(&byte, 1);
 }
 
-/* These copies must not be on the stack, which is only as large as the product needs. */
+/* These are static because the stack is only as large as the product needs. */
 static cooperation_t cooperation;
 static differential_ik_config_t config;
 static hand_motion_t motion;

@@ -1,4 +1,4 @@
-/* Runs a hub with one client of the type under test and one listener, both in this process. */
+/* Runs a hub with one client on the endpoint under test and one listener, all in this process. */
 #ifndef COMANIP_FUZZ_HUB_H
 #define COMANIP_FUZZ_HUB_H
 

@@ -126,7 +126,7 @@ static void drive_advance(drive_t *self, double command_radps, double for_s, dou
 static void move_joints(loop_t *self, int tick) {
     const double dead_ticks = self->work->dead_time_s / TICK_S;
     const int whole = (int)dead_ticks;
-    const double part_s = (dead_ticks - whole) * TICK_S; /* part of the tick in which the older command still acts */
+    const double part_s = (dead_ticks - whole) * TICK_S; /* time in the tick during which the older command acts */
     for (int i = 0; i < REST_JOINTS; i++) {
         drive_t *drive = &self->drive[i];
         drive->command[tick % DELAY_TICKS] =

@@ -1,5 +1,5 @@
 /* Runs the firmware's controller_step() on CAN FD in a loop with drives and with a hand that moves once and then rests.
- * The loop exchanges frames, and does not use ODE. */
+ * The controller, the drives and the tracker exchange frames. ODE is not used. */
 #ifndef COMANIP_REST_LOOP_H
 #define COMANIP_REST_LOOP_H
 
@@ -27,7 +27,7 @@ typedef struct {
 
 typedef struct {
     parameter_set_verdict_t verdict; /* verdict on the parameters */
-    result_t start;                  /* answer to the start command; if not accepted, the members below stay 0 */
+    result_t start;                  /* answer to the start command; if a refusal, the members below stay 0 */
     control_mode_t mode;             /* mode at the end of the run */
     int interrupted[REST_WINDOWS];   /* number of ticks without cooperation in a window */
     double peak_radps[REST_WINDOWS][REST_JOINTS]; /* largest commanded speed in a window */
@@ -36,7 +36,7 @@ typedef struct {
                                       are ignored, because single encoder pulses keep changing their sign at rest */
     double position_rad[REST_WINDOWS][REST_JOINTS];   /* joint positions at a window's end */
     double velocity_radps[REST_WINDOWS][REST_JOINTS]; /* last commanded velocity in the window */
-    double target[7];                                 /* at the end: rotation w x y z, translation x y z [m] */
+    double target[7];                                 /* target at the end: rotation w x y z, translation x y z [m] */
 } rest_outcome_t;
 
 /* Runs `count` cases, all with these parameters. */

@@ -4,15 +4,15 @@
 [--out FILE]``. Random cases (rest_cases.py) run for 20 s each through the firmware's controller_step() in a loop with
 drives (loop.c), and some of them in the simulator (rest_ode.py). The requirements are:
 
-    rest      in the last 2 s of 8 s, no case oscillates and at most 1.5 % creep; in the last 2 s of 20 s, no case
-              oscillates and at most 0.2 % creep (rest_judgement.py)
-    ode       the same, for a hundred cases in the simulator
+    rest      from 6 s to 8 s after the start of the move, no case oscillates and at most 1.5 % of the cases creep; from
+              18 s to 20 s, no case oscillates and at most 0.2 % creep (rest_judgement.py)
+    ode       the requirement `rest` for a hundred cases in the simulator
     position  95 % of the cases with a reachable target position (rest_arm.py) are within 1 mm of it after 8 s
     pairs     any two parameters are set to the ends of their ranges, including groups of components of K and W; either
               the firmware rejects the set or warns of it, or, after 8 s and the travel time at the allowed speed, no
-              joint is faster than 0.02 rad/s or 10 % of that speed, and none oscillates (rest_pairs.py)
+              joint is faster than 0.02 rad/s or 10 % of that speed, and no joint oscillates (rest_pairs.py)
 
-Each exception is listed with its cause, which is derived from the arm's geometry at the end. Outcomes are stored in
+Each exception is listed with its cause, which is derived from the arm's final posture. Outcomes are stored in
 BUILD/rest under the firmware's fingerprint, so that an interrupted campaign can continue. Prints the figures and writes
 FILE. The exit status is 1 if a requirement is missed.
 """
@@ -150,7 +150,7 @@ def geometry(valley: arm.Valley) -> str:
 
 
 def listed(numbers: Sequence[int], outcomes: np.ndarray, window: int, is_position: bool = False) -> list[dict]:
-    """Returns the exceptions with these numbers, each with its cause."""
+    """Returns a description of each case with one of these numbers, including why it is an exception."""
     postures, targets = outcomes["position_rad"][numbers, window], outcomes["target"][numbers, 4:]
     left_m = (
         np.linalg.norm(targets - arm.hand_m(arm.descend(postures, targets)), axis=1)
@@ -182,7 +182,7 @@ def print_causes(name: str, entries: list[dict]) -> None:
 class Check:
     name: str
     value: float
-    limit: float  # upper limit, or, for a share within tolerance, lower limit
+    limit: float  # upper limit in at_most(), lower limit in at_least()
     passed: bool
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import rest_arm as arm
 from rest_loop import CASE
 
-SEEDS = ("choice", "proof")  # parameters are tuned with the first and validated with the second
+SEEDS = ("choice", "proof")  # names of the seeds for tuning the parameters and for validating them
 END_S = (8.0, 20.0)
 REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # first case numbers of the reachable cases and of the pairs
 
@@ -46,13 +46,14 @@ def in_torso_axes(vector: np.ndarray) -> np.ndarray:
 
 
 def target_m(case: np.ndarray) -> np.ndarray:
-    """Returns the position to which task teleop finally brings the end effector: its start position plus the hand's
-    displacement."""
+    """Returns the position to which task teleop would finally bring the end effector: the end effector's start position
+    plus the hand's displacement."""
     return arm.hand_m(case["start_rad"]) + in_torso_axes(case["way_m"])
 
 
 def reachable_cases(seeds: str, count: int) -> np.ndarray:
-    """Returns the first `count` cases of a separate series, all with a reachable target position. They last 8 s."""
+    """Returns the first `count` cases of a separate series, all with a reachable target position. The cases last
+    8 s."""
     further = (random_case(seeds, number, (END_S[0], END_S[0])) for number in itertools.count(REACHABLE_FIRST))
     return np.array(
         list(itertools.islice((case for case in further if len(arm.reaching(target_m(case)))), count)), CASE
@@ -60,7 +61,8 @@ def reachable_cases(seeds: str, count: int) -> np.ndarray:
 
 
 def pair_cases(seeds: str, count: int, travel_s: float) -> np.ndarray:
-    """Returns cases for checking sets of parameters. They have the simulator's drives and last longer by `travel_s`."""
+    """Returns cases for checking sets of parameters. The drives are like the simulator's, and the cases last 8 s plus
+    `travel_s`."""
     end_s = END_S[0] + travel_s
     cases = np.array([random_case(seeds, PAIRS_FIRST + number, (end_s, end_s)) for number in range(count)], CASE)
     cases["lag_s"], cases["dead_time_s"] = 3e-3, 0.0

@@ -1,5 +1,5 @@
-"""Decides whether an arm is at rest. An outcome is a rest_loop.OUTCOME, which counts sign changes of speeds above
-CREEP_RADPS."""
+"""Decides whether an arm is at rest. An outcome is a rest_loop.OUTCOME, whose sign changes are those between commanded
+velocities faster than CREEP_RADPS."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 WINDOW_S = 2.0  # length of the windows, which end 8 s and 20 s after the start of the move
 CREEP_RADPS = 0.02
 SIGN_CHANGES = 2  # a greater number counts as oscillation
-EARLY, LATE = 0, 1  # indices of the windows, the last 2 s of 8 s and of 20 s
+EARLY, LATE = 0, 1  # indices of the windows that end after 8 s and after 20 s
 CREEPING_SHARE = (0.015, 0.002)  # share of the cases that may creep in each window
 
 
@@ -18,7 +18,8 @@ def moves(outcomes: np.ndarray, window: int) -> np.ndarray:
 
 
 def oscillates(outcomes: np.ndarray, window: int) -> np.ndarray:
-    """Returns, for each case, whether a joint is commanded faster than CREEP_RADPS and reverses more than twice."""
+    """Returns, for each case, whether any joint is commanded to move faster than CREEP_RADPS and reverses more than
+    SIGN_CHANGES times."""
     fast = outcomes["peak_radps"][:, window] > CREEP_RADPS
     return (fast & (outcomes["sign_changes"][:, window] > SIGN_CHANGES)).any(axis=1)
 

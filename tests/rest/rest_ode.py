@@ -12,7 +12,7 @@ from rest_cases import in_torso_axes
 from rest_judgement import CREEP_RADPS, WINDOW_S
 from rest_loop import COOPERATING, OUTCOME
 
-SCALE = 2.0  # motion_scale; the target can thus move 2 m, although a person's arm does not reach so far
+SCALE = 2.0  # motion_scale: the target moves twice as far as the hand, and so farther than a person can reach
 BEFORE_S = 0.1  # time from the start of the cooperation until the hand moves
 TICK_S = 1e-3
 NO_PLACE = -1
@@ -38,7 +38,7 @@ checks: []
 
 
 def scenario(case: np.ndarray) -> str:
-    """Returns the scenario file with the case's start, displacement, turn and duration."""
+    """Returns the text of a scenario file with the case's start posture, displacement, turn and durations."""
     move_s, end_s = float(case["move_s"]), float(case["end_s"][-1])
     numbers = {
         "start_deg": np.degrees(case["start_rad"]), "by_m": in_torso_axes(case["way_m"]) / SCALE,

@@ -59,7 +59,8 @@ def ends(loop: Loop) -> list[End]:
 
 
 def pairs(loop: Loop) -> list[tuple[End, End]]:
-    """Returns the pairs of ends that share no parameter, because a parameter cannot be at both ends of its range."""
+    """Returns all pairs of ends, except those that have a parameter in common: a parameter cannot be at both ends of
+    its range at once."""
     return [(a, b) for a, b in itertools.combinations(ends(loop), 2) if not a.parameters & b.parameters]
 
 

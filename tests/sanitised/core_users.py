@@ -8,7 +8,6 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 TESTS = REPOSITORY / "tests"
-# The loop in tests/rest contains the core and is compiled separately.
 FOLDERS = (
     REPOSITORY / "host_tools",
     REPOSITORY / "host_tools" / "development",
@@ -16,6 +15,7 @@ FOLDERS = (
     TESTS / "rest",
     TESTS / "bitexact",
 )
+# Compiled modules that contain the core: the core itself, and the loop in tests/rest, which is built separately.
 CORES = {"comanip._core", "rest_loop"}
 # In these tests the firmware runs as a separate process, which is not sanitised, and the outcome depends on timeouts.
 OTHER_PROCESSES = {"test_comanip_on_a_hub.py", "test_two_processes.py"}

@@ -1,8 +1,8 @@
 """Runs the tests that use the compiled core against the sanitised one: ``run.py FOLDER RUNTIME [options of pytest]``.
 
 FOLDER contains _core.abi3.so and rest/loop.so (sanitised.mk). RUNTIME is clang's runtime library. A sanitiser ends the
-process in which it finds an error, which is not sufficient if the test expects this process to fail. Sanitisers
-therefore write their reports to files, and the run fails if there is any such file.
+process in which it finds an error, which goes unnoticed if the test expects this process to fail. Sanitisers therefore
+write their reports to files, and the run fails if there is any such file.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ import run  # noqa: E402
 
 FOLDER, RUNTIME = Path(os.environ["COMANIP_SANITISED"]), os.environ["COMANIP_SANITISER_RUNTIME"]
 HEAD = "import subprocess, sys, pytest\nfrom comanip._core import ffi, lib\n"
-# Wrong calls of the real core, and the reports that they must cause.
+# Invalid calls into the core, and the sanitiser's report that each must trigger.
 FAULTS = {
     "read past the end": (
         """
@@ -82,7 +82,8 @@ def test_a_child_process_has_the_sanitised_core(environment):
 
 def test_tests_of_the_core_are_found_by_their_imports():
     names = {file.name for file in core_users.test_files()}
-    # These tests call controller_step() on a test bench, in the replay, in the loop of `make following`, and from C.
+    # These tests call controller_step() in four ways: on the test bench, in the replay, in the loop of `make following`
+    # and in the C loop of tests/rest.
     assert names >= {"test_controller.py", "test_replay.py", "test_following.py", "test_rest.py"}
     direct = {file.name for file in core_users.TESTS.glob("test_*.py") if "\nfrom comanip._core " in file.read_text()}
     assert len(direct) > 20 and names >= direct - core_users.OTHER_PROCESSES

@@ -2,7 +2,7 @@
 this file when it starts, because run.py adds this folder to PYTHONPATH.
 
 AddressSanitizer must be loaded before anything else, so Python restarts itself with LD_PRELOAD. Other programs, such as
-QEMU, do not inherit it.
+QEMU, do not inherit LD_PRELOAD.
 """
 
 import importlib.util
@@ -33,7 +33,7 @@ def load_runtime() -> None:
 
 
 class SanitisedCore:
-    """An import finder that returns the sanitised core. It comes before all others, so that the plain core is never
+    """An import finder that returns the sanitised core. It precedes all other finders, so that the plain core is never
     found."""
 
     @staticmethod

@@ -96,8 +96,8 @@ def watched_by_cansniffer(interface: str) -> Iterator[bytearray]:
 
 
 def wait_until_written(*files: Path) -> None:
-    """Waits until the files have not grown for two seconds, because on a busy machine a slow listener lags by many
-    frames."""
+    """Waits until the files have not grown for two seconds, because the listeners that write them may lag by many
+    frames on a busy machine."""
     sizes, since_s, deadline_s = None, time.monotonic(), time.monotonic() + 120
     while time.monotonic() - since_s < 2:
         assert time.monotonic() < deadline_s, f"{files} keep growing: {sizes}"
@@ -108,8 +108,8 @@ def wait_until_written(*files: Path) -> None:
 
 
 def record_run(bus: Bus, *logger_options: str) -> int:
-    """Runs plant and firmware while candump and python-can's logger listen. Both start before the firmware boots and
-    end after the plant. Returns the exit status of the plant."""
+    """Runs plant and firmware while candump and python-can's logger listen. These listeners start before the firmware
+    boots and end after the plant. Returns the exit status of the plant."""
     others = listeners(bus.interface)
     with open(bus.folder / "candump.log", "w") as log:
         candump = subprocess.Popen(["candump", "-L", bus.interface], stdout=log)
@@ -207,7 +207,7 @@ def test_canplayer_plays_it_again(session):
 
 @pytest.fixture
 def alone(tmp_path):
-    """Runs the firmware without a plant, so that it waits for its drives."""
+    """Runs the firmware without a plant, so that the firmware waits for the drives."""
     with Bus(tmp_path) as bus:
         firmware = bus.firmware()
         bus.wait_mode("idle")
@@ -234,7 +234,8 @@ def test_the_kernel_filters_for_the_firmware(alone):
 
 
 def test_fd_and_classic_frames_are_received(alone):
-    """A command in a classic frame is accepted like one in an FD frame, because the protection covers only the data."""
+    """A command in a classic frame is accepted like one in an FD frame, because end-to-end protection covers only the
+    data."""
     bus, firmware = alone
     assert bus.command("select") == "accepted"
     message = DBC.get_message_by_name("OperatorCommand")
@@ -262,7 +263,7 @@ def test_remote_and_extended_frames_are_ignored(alone):
 
 
 def test_error_frames_are_reported(alone):
-    """vcan never has bus errors, but a frame sent with the error flag is received as an error frame."""
+    """A vcan bus has no errors of its own, but a frame sent with the error flag is received as an error frame."""
     bus, firmware = alone
     for classes, controller in ((ERROR_CONTROLLER, TX_PASSIVE), (ERROR_BUS_OFF, 0), (ERROR_RESTARTED, 0)):
         bus.send_packet(CAN_FRAME.pack(ERROR_FLAG | classes, 8, 0, 0, 0, bytes([0, controller]) + bytes(6)))
@@ -338,7 +339,7 @@ def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
 def test_classic_candump_python_can_and_the_plants_log_are_the_same(classic_session):
     folder, _ = classic_session
     dumped, logged, python = (read_log(folder / n, fd=False) for n in ("candump.log", "plant/bus.log", "python.log"))
-    assert len(logged) > 2.5 * 8 * 250, "the commands and states of four joints alone are this many"
+    assert len(logged) > 2.5 * 8 * 250, "fewer frames than the commands and states of four joints alone"
     assert payload(dumped)[: len(logged)] == payload(logged)
     assert payload(python) == payload(dumped)
 
