@@ -1,5 +1,5 @@
-"""The source tree obeys the include directions. The checker reads the same includes as the compiler, and detects every
-kind of violation."""
+"""No file of the source tree includes a header that the table of permitted includes forbids. The checker sees the same
+includes as the compiler, and detects every kind of violation."""
 
 from __future__ import annotations
 

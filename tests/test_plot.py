@@ -276,7 +276,8 @@ def test_a_custom_scene_is_drawn_with_its_objects(tmp_path, name, curves):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_instants_are_steps_of_the_scenario(name):
-    """Grip events come from the scene, and all others from the named steps of the scenario file."""
+    """Each instant at which a snapshot is drawn is either a grip event of the scene (holds) or a named step of the
+    scenario file."""
     text = experiment(name).read_text()
     for event, _, _ in SCENES[name].instants:
         what = event.partition(".")[2]
