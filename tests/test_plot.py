@@ -205,7 +205,7 @@ def test_curves_and_limits_match_the_run(tmp_path):
     ]
     run = read_run(synthetic_run.write(tmp_path, "mirror", checks=checks))
     x, error = time_plots.tracking(run).axes[:2]
-    np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # constructed to be 2 mm behind
+    np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # synthetic_run lags by 2 mm
     np.testing.assert_allclose(x.lines[0].get_ydata()[-1], 168.0, atol=1e-3)
     force = time_plots.force(run).axes[0]
     np.testing.assert_allclose(np.nanmax(force.lines[0].get_ydata()), 5.0)  # the norm of (3, 4, 0) N
