@@ -65,8 +65,8 @@ def test_a_position_without_posture_is_not_found_by_a_search_either(rng):
 
 
 def test_the_valley_matches_half_the_squared_distance(rng):
-    """The slope and the curvature that rest_arm computes for half the squared distance match its first and second
-    differences."""
+    """The slope and the curvature that rest_arm.valley() returns match first and second differences of half the squared
+    distance to the position."""
     inside = rest_arm.RANGE_RAD.T + np.outer([1, -1], np.full(4, 0.05))
     for q in rng.uniform(*inside, size=(20, 4)):
         position, h = rest_arm.hand_m(q) + rng.normal(0, 0.1, 3), 1e-3
@@ -120,7 +120,7 @@ def test_the_target_matches_algorithm_1(loop):
     outcomes = loop.run(cases, {})
     assert (outcomes["start"] == rest_loop.ACCEPTED).all() and not outcomes["interrupted"].any()
     expected = [rest_cases.target_m(case) for case in cases]
-    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the start is known to one encoder pulse
+    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the start is measured in encoder pulses
 
 
 def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
