@@ -113,8 +113,8 @@ def test_prediction_starts_with_the_current_hand_pose():
 
 
 def test_the_reference_is_the_estimate_and_not_one_sample(rng):
-    """A start with noisy samples makes the robot move less than a reference pose taken from the last sample would, in
-    the RMS over many starts."""
+    """After a start from noisy samples, the robot moves less than if the reference pose were the last sample (RMS over
+    several starts)."""
     sigma_m, offsets = 1e-3, []
     for _ in range(12):
         bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()

@@ -1,5 +1,5 @@
-"""No file of the source tree includes a header that the table of permitted includes forbids. The checker sees the same
-includes as the compiler, and detects every kind of violation."""
+"""Each #include in the source tree is permitted by the checker's table. The checker sees the same includes as the
+compiler, and detects every kind of violation."""
 
 from __future__ import annotations
 

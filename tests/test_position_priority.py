@@ -128,8 +128,8 @@ def test_both_velocities_match_the_equations(rng, written_out):
 
 @pytest.mark.parametrize("written_out", [False, True])
 def test_it_descends_the_potential_given_in_its_header(rng, written_out):
-    """N u = -K grad V, where grad V is computed from differences of V, and N is positive definite. Therefore V never
-    grows, and the arm comes to rest."""
+    """The joint velocities u obey N u = -K grad V. Here the gradient of the potential V is computed from differences of
+    V, and N is positive definite. Therefore V never grows, and the arm comes to rest."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
         gradient = np.array(
