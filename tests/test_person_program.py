@@ -231,8 +231,8 @@ def test_empty_program_is_done_at_once():
 
 
 def test_reach_corrects_for_a_sagging_arm():
-    """The first move follows an arc of the given height. Corrections of 0.4 s, each by the remaining distance, follow
-    until the hand is close enough."""
+    """The first move follows an arc of the given height. Corrections of 0.4 s follow, each by the remaining distance,
+    until the hand is close enough to the goal."""
     reach = {"action": "reach", "to": PIPE_END, "offset_m": [0, 0, 0.03], "duration_s": 1.0, "lift_m": 0.05}
     person = Person({**reach, "tolerance_m": 0.001, "name": "there"})
     goal_m = PIPE_END_M + [0, 0, 0.03]

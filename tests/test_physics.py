@@ -196,7 +196,8 @@ def test_impulse_of_hand_and_weight_is_the_rods_momentum(kind):
 
 
 def test_two_hands_on_one_rod_act_and_react():
-    """Without gravity, the part of one hand's impulse that the rod does not keep acts on the other hand."""
+    """Without gravity, the part of one hand's impulse that does not change the rod's momentum acts on the other
+    hand."""
     people = [{"start": (list(HAND_M + [0, y, 0]), [1, 0, 0, 0])} for y in (-0.1, 0.1)]
     with Scene(people, [{"kind": lib.OBJECT_ROD, "pose": (list(HAND_M), ALONG_Y)}]) as scene:
         scene.set_gravity(0.0)

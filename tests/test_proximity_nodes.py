@@ -163,8 +163,8 @@ def test_arm_parts_follow_the_kinematics(degrees):
 
 
 def test_forearm_points_from_wrist_to_elbow():
-    """The elbow stays 50 mm in front of the gripper's face wherever the hand is. The closest part is therefore the
-    forearm's end, 45 mm in radius, or its side."""
+    """The elbow stays 50 mm in front of the gripper's face wherever the hand is. The part of the forearm that is
+    closest to the gripper is therefore the forearm's end, 45 mm in radius, or its side."""
     scene = Scene()
     elbow_m = np.array([HAND[0] + 0.055 + 0.05, *HAND[1:]])
     scene.set_elbow(elbow_m)
@@ -252,8 +252,8 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
 
 
 def test_forearm_beside_the_torso():
-    """The forearm is 111 mm from the torso's middle plane and has a radius of 20 mm. The torso extends to 75 mm, and
-    the elbow is level with the torso."""
+    """The forearm's axis is 111 mm from the torso's middle plane, and its radius is 20 mm. The torso extends to 75 mm
+    from this plane, and the elbow is level with the torso."""
     assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
 
 

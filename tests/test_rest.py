@@ -278,8 +278,8 @@ def test_the_checks_fail_on_the_former_law(tmp_path):
 
 
 def test_the_present_law_rests_in_a_small_campaign(tmp_path):
-    """`make rest` runs 5,000 cases, and this test only a few. All figures must be zero, with two exceptions: up to 2.5
-    % of the cases may creep at 8 s, and 90 % of the reachable positions suffice instead of 95 %."""
+    """`make rest` runs 5,000 cases, and this test only a few. All figures must be zero, with two exceptions: 2.5 % of
+    the cases may creep at 8 s, and it suffices to reach 90 % of the reachable positions instead of 95 %."""
     _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
     values = {check["name"]: check["value"] for check in report["checks"]}
     assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025

@@ -1,4 +1,5 @@
-"""Hands, grips, gripper and objects of the physical scene agree with statics and dynamics computed by hand."""
+"""Hands, grips, the gripper and objects of the physical scene behave as statics and dynamics computed by hand
+predict."""
 
 from __future__ import annotations
 
@@ -362,7 +363,7 @@ def test_rod_is_lifted_off_its_stand_with_its_weight_alone(ode_messages):
 
 
 def test_rod_in_its_groove_taken_by_both(ode_messages):
-    """Robot and person grip the rod where it lies, hold it for a while and lift it together."""
+    """Robot and person grip a rod that lies in its groove, hold it for a while and lift it together."""
     at = gripper_at()
     hand = at + [0.2, 0, 0]
     with Scene([person_at(hand)], rod_on_stand(at + [0.1, 0, 0], ALONG_X, length_m=0.32)) as scene:
