@@ -14,8 +14,8 @@ SPECIAL = [0.0, TINY, 1.1754944e-38, 1e-3, 0.99999994, 1.0, 1.0000001, 1e30, LAR
 
 @pytest.mark.parametrize("limit", SPECIAL)
 def test_below_is_less_than(limit, rng):
-    """The comparison is correct if the limit is non-negative, and if the limit is negative and the number is
-    non-negative."""
+    """float_is_below() is correct for any number if the limit is non-negative, and for a non-negative number if the
+    limit is negative."""
     random = rng.integers(0, 0x7F800000, 2000, dtype=np.uint32).view(np.float32)
     numbers = np.concatenate([np.float32(SPECIAL), random])
     for x in np.concatenate([numbers, -numbers[numbers > 0]]):

@@ -1,5 +1,5 @@
-"""Checks the measurement of following: the figures for paths with known delay and noise, the reference target against
-the paper's Algorithm 1, and the fast loop against physics that can be computed by hand."""
+"""Checks how `make following` measures control laws: its figures for paths with known delay and noise, its reference
+target against the paper's Algorithm 1, and its kinematic loop against results computed by hand."""
 
 from __future__ import annotations
 
@@ -80,8 +80,8 @@ def test_ticks_at_a_limit_are_counted():
 
 @pytest.mark.parametrize("task", ["teleop", "mirror", "pour"])
 def test_reference_target_matches_algorithm_1(rng, task):
-    """The reference target agrees with the paper's Algorithm 1, evaluated in dqrobotics with the hand as the tracker
-    measures it."""
+    """The reference target agrees with the paper's Algorithm 1, evaluated with dqrobotics on the hand poses that the
+    tracker measures."""
     count = 50
     recording = Recording(
         "random", np.arange(count) * 0.1, np.vstack([np.zeros(3), rng.normal(scale=0.1, size=(count - 1, 3))]),
@@ -122,8 +122,8 @@ def test_positions_of_postures_are_reached_and_others_not(rng):
 
 
 def test_scale_is_the_largest_with_everything_in_reach():
-    """The hand moves straight up from the start. With the scale found, the arm is fully stretched at the end of the
-    path, 0.282 m from the shoulder."""
+    """The hand moves straight up from the start. With the scale that largest_scale() finds, the arm is fully stretched
+    at the end of the path, 0.282 m from the shoulder."""
     t_s = np.arange(0.0, 2.0, 0.01)
     up = np.outer(t_s / t_s[-1], [0.0, 0.0, 1.0])
     recording = Recording("up", t_s, up, np.tile([1.0, 0, 0, 0], (len(t_s), 1)), np.zeros(len(t_s) - 1, bool))
@@ -166,7 +166,8 @@ def test_a_run_repeats_with_its_seed_and_differs_with_another():
 
 def test_former_default_lags_by_the_sum_of_its_parts():
     """For a slow sway without noise, the lag is the sum of 4 ms of latency, half a tick until a command is read, one
-    period (4 ms) of interpolation, 1/K, and one tick of feedback, to within the ticks for which frames wait."""
+    period (4 ms) of interpolation, 1/K, and one tick of feedback. The tolerance covers the time for which frames wait
+    for the next tick."""
     figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
     speed_mps = np.pi * 0.5 * 0.03 * np.linalg.norm([1.0, 0.5, -0.3]) / np.sqrt(2)
@@ -188,7 +189,7 @@ def test_noise_at_rest_grows_with_the_trackers():
         noise_at_rest_um(ARM, "teleop", dataclasses.replace(TRACKER, noise_m=n), former) for n in (5e-5, 1e-4)
     )
     assert large / small == pytest.approx(2.0, rel=0.3)
-    assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # the control law reduces the noise and adds none
+    assert 1.0 < small < 1e6 * 5e-5 * np.sqrt(3)  # less than the tracker's own noise of 50 um per axis
 
 
 def test_encoders_quantise_and_joints_integrate_their_commands():
@@ -219,7 +220,7 @@ def write(path, rows) -> None:
 
 
 def test_recording_is_read_about_the_torsos_axes(tmp_path):
-    """In cmu_ recordings the y axis points up, and the recorder's z axis is the torso's x axis."""
+    """In recordings named cmu_*, the recorder's y axis points up, and its z axis corresponds to the torso's x axis."""
     turn = rotations.from_vector(np.array([0.0, 0.3, 0.0]))
     rows = [[5.0, 1, 2, 3, 1, 0, 0, 0], [5.1, 1.0, 2.5, 3.25, *(-turn)]]
     write(tmp_path / "cmu_x.csv", rows)

@@ -1,5 +1,6 @@
 """Checks the campaign of `make following`: motion within the arm's limits, the verdict on synthetic results, the known
-properties of the peers, ODE against the kinematic loop, and resuming an interrupted campaign."""
+properties of the peers (other methods, with which the firmware is compared), the agreement of ODE and the kinematic
+loop, and the resumption of an interrupted campaign."""
 
 from __future__ import annotations
 
@@ -71,7 +72,8 @@ def test_slow_hands_are_followable_and_fast_ones_are_not():
 
 
 def results(figure, noise=lambda follower, condition: 20.0) -> Results:
-    """Returns results in which figure(loop, follower, condition, setting, recording) computes each case."""
+    """Returns results in which figure(loop, follower, condition, setting, recording) yields the figures of each
+    case."""
     found = Results(None, "", {})
     for loop in (plan.LOOP, plan.ODE):
         for follower in (*plan.FIRMWARE, *plan.PEER_NAMES):
@@ -165,8 +167,8 @@ def test_a_missing_measurement_does_not_pass(lost):
 
 
 def test_peers_are_tuned_on_the_other_half():
-    """Each half is judged with the setting that is best on the other half. In this test, that setting is bad for
-    the half that is judged."""
+    """On each half of the recordings, a peer is judged with the setting that is best on the other half. In this test,
+    that setting is bad on the half that is judged."""
     first, second = plan.folds(NAMES)
     good_for = dict.fromkeys(first, "qp 20") | dict.fromkeys(second, "qp 35")
 
@@ -197,8 +199,8 @@ def test_noise_dominated_figures_are_means_over_seeds():
 
 
 def test_one_euro_is_a_low_pass_at_rest_and_lets_fast_motion_through():
-    """At rest, a first-order low-pass leaves sqrt(s / (2 - s)) of white noise, where s is the weight of the new
-    sample."""
+    """At rest, a first-order low-pass reduces the standard deviation of white noise to the fraction sqrt(s / (2 - s)),
+    where s is the weight of the new sample."""
     tracker = plan.Condition(250, 4, 0.5).tracker()
     still = measure(tracker, HandMotion(None, 1.0, 1.0, 0.0, 40.0))
     quiet = one_euro.filtered(still, 1.0, 0.0)
@@ -258,7 +260,7 @@ def test_ode_has_the_same_noise_at_rest_as_the_kinematic_loop(tmp_path):
 
 @pytest.fixture
 def few_cases(monkeypatch):
-    """Replaces the campaign's hundreds of cases by a few."""
+    """Replaces the campaign's hundreds of cases with a few."""
 
     def few(choice, scenes):
         path, scale = scenes[plan.TELEOP][0]

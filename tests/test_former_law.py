@@ -1,7 +1,8 @@
-"""Checks that three former laws still compute the same velocities, bit for bit: the paper's law, law (4) with given K
-and W, and the default law before prediction was added.
+"""Checks that the control law without prediction still computes the same velocities as formerly, bit for bit, with
+three sets of gains and weights: the former defaults, those of the paper, and unequal ones.
 
-before_prediction.txt is the output of digest.c with the firmware at e544a9a, the last commit without prediction.
+before_prediction.txt is the output of digest.c compiled with the firmware of commit e544a9a, the last one without
+prediction.
 """
 
 from __future__ import annotations

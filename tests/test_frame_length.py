@@ -82,8 +82,8 @@ def test_extremes_over_all_payloads_of_one_byte(rates, identifier):
 
 @pytest.mark.parametrize("rates", [FD, CLASSIC], ids=["fd", "classic"])
 def test_extremes_over_all_payloads_of_two_bytes(rates):
-    """The extremes equal the shortest and longest durations of all payloads. Those durations come from the simulator's
-    function, which is tested above."""
+    """longest() and shortest() agree with the simulator's durations (tested above) of frames with each possible payload
+    of two bytes."""
     for identifier in (0x078, 0x180):
         durations = [simulated_ns(rates, identifier, value.to_bytes(2, "big")) for value in range(1 << 16)]
         assert longest(identifier, 2, rates).duration_ns == max(durations)
@@ -107,7 +107,7 @@ def test_extremes_are_reached_and_never_exceeded(rng, rates):
 
 def test_the_usual_bounds_hold_and_are_tight():
     """No frame exceeds the usual bound, and the longest frames come close to it. The bound assumes one stuff bit per
-    four bits that can be stuffed; for classic frames it is 55 + 10 n bits (Davis et al. 2007)."""
+    four bits that can be stuffed; for classic frames with n bytes of data it is 55 + 10 n bits (Davis et al. 2007)."""
     for length in range(9):
         worst_us = max(longest(identifier, length, CLASSIC).duration_ns for identifier in IDENTIFIERS) / 1000
         assert 55 + 10 * length - 3 <= worst_us <= 55 + 10 * length

@@ -1,5 +1,5 @@
-"""Checks loads on grips against statics: torques of the robot's joints, deflection of the gripper's pads, shocks, and
-torque about the jaws."""
+"""Checks the effects of loads on grips: torques at the robot's joints, deflection of the gripper's pads, slip at the
+limit of the torque about the jaws, and the opening of a hand by a shock."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_pads_deflect_as_springs(kind):
 @pytest.mark.parametrize(("limit_share", "lost"), [(0.97, 1), (1.03, 0)])
 def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
     """A rod gripped 60 mm from its middle loads the jaws with a torque of its weight times 60 mm, and slips if this
-    exceeds the limit."""
+    torque exceeds the limit."""
     mass, lever = 0.4, 0.06
     limit = limit_share * mass * GRAVITY_MPS2 * lever
     thing = rod(GRIPPER + [0, lever, 0], held_by_robot=True, mass_kg=mass, robot_grip=lib.GRIP_FIXED)
@@ -74,7 +74,7 @@ def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
 @pytest.mark.parametrize(("shock_steps", "lost"), [(1, 0), (40, 1)])
 def test_a_shock_of_one_step_does_not_open_the_hand(shock_steps, lost):
     """A force of three times the limit is tolerated for 1 ms but opens the hand within 40 ms. The hands have no
-    stiffness, so the force results from the puller's acceleration alone."""
+    stiffness, so the force on the rod results from the acceleration of the pulling hand alone."""
     places = [FREE_PLACE - [0, 0.1, 0], FREE_PLACE + [0, 0.1, 0]]
     limp = {"stiffness_Npm": 0.0, "mass_kg": 1.5}
     people = [person(places[0], grip_force_limit_N=10.0, **limp), person(places[1], **limp)]
@@ -83,7 +83,8 @@ def test_a_shock_of_one_step_does_not_open_the_hand(shock_steps, lost):
         assert scene.grip(0) and scene.grip(1)
         aim, speed, peak_N = places[1].copy(), 0.0, 0.0
         for n in range(100):
-            # 60 N accelerate two hands of equal mass, so 30 N act on the other hand.
+            # The aim's acceleration of 40 m/s^2 applies 60 N to the pulling hand of 1.5 kg. This force accelerates two
+            # hands of equal mass, so 30 N act on the other hand.
             speed += 40.0 * scene.step_s if n < shock_steps else 0.0
             aim = aim + [0, speed * scene.step_s, 0]
             scene.aim(1, aim)

@@ -30,7 +30,7 @@ def minimum_jerk(s):
 
 
 class Estimate:
-    """The estimate as the firmware computes it. Times in us are relative to `zero_us` on the firmware's clock."""
+    """The firmware's estimate of the hand's motion. Times in us are relative to `zero_us` on the firmware's clock."""
 
     def __init__(self, zero_us=0):
         self.zero_us = zero_us
@@ -56,7 +56,8 @@ def run(truth, duration_s, rate_hz=250, latency_s=0.004, noise_m=0.0, rng=None, 
     prediction at each tick.
 
     Options in `how`: lost(t) returns whether a sample is lost, change(position, rotation) modifies a sample,
-    announced_s is the assumed latency, and jitter is a share of the interval.
+    announced_s is the latency that the estimate assumes (default: the true latency_s), and jitter is the range of
+    random shifts of the sampling times, as a share of the sampling interval.
     """
     estimate = estimate or Estimate()
     lost, change = how.get("lost", lambda t: False), how.get("change", lambda p, r: (p, r))
@@ -147,7 +148,7 @@ def test_a_wrong_latency_only_shifts_the_time(wrong_s):
 
 def test_the_velocity_is_the_derivative_of_the_pose():
     """Between samples, once the last correction has faded, the predicted velocity agrees with finite differences
-    between predictions made in the same tick."""
+    between predictions made in the same tick for slightly earlier and later times."""
     estimate = Estimate()
 
     def truth(t):
@@ -164,9 +165,9 @@ def test_the_velocity_is_the_derivative_of_the_pose():
 
 @pytest.mark.parametrize(("latency_s", "most"), [(0.0, 1.2), (0.02, 1.4), (0.05, 2.4)])
 def test_a_shaking_hand_is_not_amplified_beyond_the_cost_of_its_latency(latency_s, most):
-    """A shake of the hand at 4 Hz and 50 mm is amplified at most 1.2 times without latency, and 2.4 times at a latency
-    of 50 ms. An earlier estimate, which extrapolated a constant acceleration over the whole horizon, amplified the
-    shake 1.1 to 3.1 times and mistook it for noise."""
+    """A shake of the hand at 4 Hz and 50 mm is amplified by a factor of at most 1.2 without latency, and of at most 2.4
+    at a latency of 50 ms. An earlier estimate, which extrapolated a constant acceleration over the whole horizon,
+    amplified the shake by factors of 1.1 to 3.1 and mistook it for noise."""
     estimate = Estimate()
     t, got = run(lambda t: (0.05 * np.sin(8 * np.pi * t) * X, IDENTITY), 4.0, 250, latency_s, estimate=estimate)
     assert np.abs(got[t > 2, 4]).max() < most * 0.05
@@ -371,8 +372,8 @@ def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
 
 
 def test_after_a_gap_the_earlier_speed_is_discarded():
-    """A hand that stopped at the start of the gap is predicted at rest after it. If both sides of the gap were treated
-    as one motion, the old speed would make the prediction move backwards."""
+    """A hand that stopped at the start of the gap is predicted to be at rest after the gap. If the samples before and
+    after the gap were treated as one motion, the old speed would make the prediction move backwards."""
     t, got = run(lambda t: (0.4 * min(t, 1.0) * X, IDENTITY), 1.6, lost=lambda t: 1.0 < t < 1.3)
     assert np.abs(got[t > 1.31, 7]).max() < 0.01
 

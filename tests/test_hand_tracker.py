@@ -241,7 +241,8 @@ def test_the_newest_sample_is_reached_after_one_period_and_kept():
 
 @pytest.mark.parametrize("period_us", [4000, 16_670, 66_660])
 def test_the_path_is_continuous_even_if_samples_jitter(rng, period_us):
-    """At 1 kHz, no step is longer than the hand's speed allows, with a margin for the jitter."""
+    """Read at 1 kHz, the interpolated position never moves further in a step than the hand's speed allows, apart from a
+    margin for the jitter of the samples."""
     tracker, speed = Tracker(), 0.5
     tracker.announce(period_us)
     path, i, received_us = [], 0, 0
@@ -257,7 +258,8 @@ def test_the_path_is_continuous_even_if_samples_jitter(rng, period_us):
 
 
 def test_flipped_signs_change_nothing(rng):
-    """The tracker may send either q or -q at any time. The path stays the same, and its sign is continuous."""
+    """The tracker may send either q or -q at any time. The interpolated path stays the same, and the sign of its
+    quaternions never flips."""
     rotations = [oracle.rotation([1, 2, 3], angle) for angle in np.linspace(0, 4 * np.pi, 200)]
     steady, flipped = Tracker(), Tracker()
     last = None

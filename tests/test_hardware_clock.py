@@ -1,5 +1,5 @@
-"""Checks how a CAN controller's timestamps are mapped to the kernel's clock. The test itself generates the true
-times."""
+"""Checks how a CAN controller's timestamps are mapped to the kernel's clock. The test generates the true times itself,
+so it knows the error of the mapping."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def mapped(library, hardware_ns, kernel_ns) -> np.ndarray:
 
 
 def delays_ns(rng, count: int) -> np.ndarray:
-    """Returns random interrupt delays: 20 us plus a random part of about 50 us, occasionally up to a millisecond, with
-    a pause of 8 ms in each second."""
+    """Returns random interrupt delays: 20 us plus a random part of about 50 us, occasionally up to a millisecond. In
+    the first 8 ms of each second, no interrupt is handled at all."""
     delays = 20_000 + rng.exponential(50_000, count)
     delays += np.where(rng.random(count) < 0.01, rng.uniform(0, 1_000_000, count), 0)
     place = np.arange(count) * PERIOD_NS % 1_000_000_000
@@ -59,8 +59,8 @@ SETTLED = 400  # frames (100 ms) until the mapping has settled
 
 @pytest.mark.parametrize("ppm", [0, 20, 100, -100, 500, -500])
 def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
-    """The remaining error, which includes the minimum interrupt delay, is at most 0.1 ms, although the kernel's
-    timestamps are up to 8 ms late."""
+    """The error of the mapped times, which includes the minimum interrupt delay, is at most 0.1 ms, although the
+    kernel's timestamps are up to 8 ms late."""
     true, hardware, kernel = bus(rng, 20, ppm)
     late = (mapped(library, hardware, kernel) - true)[SETTLED:]
     assert (kernel - true).max() >= 7_000_000
@@ -77,7 +77,8 @@ def test_no_frame_looks_later_than_the_kernel_saw_it(library, rng):
 
 @pytest.mark.parametrize("step_ns", [-(10**12), -(2**32) * 1000, -(2**56), 10**9, 3600 * 10**9])
 def test_a_counter_that_wraps_or_is_set(library, rng, step_ns):
-    """The frame times stay correct when the counter steps, as it does after 2^32 us or a restart of the controller."""
+    """The mapped times are correct again within SETTLED frames after the controller's counter has stepped, as it does
+    after 2^32 us or a restart of the controller."""
     true, hardware, kernel = bus(rng, 4, 50, hardware_start_ns=2**57)
     half = len(true) // 2
     hardware[half:] += step_ns
@@ -97,8 +98,8 @@ def test_a_kernels_clock_that_is_set(library, rng, step_ns):
 
 
 def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
-    """A frame that is stamped just as the clock is set back gets a time far in the past, but the mapping recovers
-    within SETTLED frames."""
+    """A frame that is stamped just as the kernel's clock is set back gets a time far in the past, but the mapping
+    recovers within SETTLED frames."""
     true, hardware, kernel = bus(rng, 2)
     kernel[4000] -= 10**12
     late = mapped(library, hardware, kernel) - true

@@ -21,7 +21,7 @@ from simulation import REPOSITORY
 JOURNAL_FRAMES = int(
     re.search(r"JOURNAL_FRAMES (\d+)u", (REPOSITORY / "host_tools" / "hub" / "journal.h").read_text())[1]
 )
-LISTEN = "0A"  # the listening state of TCP in /proc/net/tcp
+LISTEN = "0A"  # code of the state LISTEN in /proc/net/tcp
 
 
 def receive(client: socket.socket, count: int) -> list[bytes]:
@@ -313,7 +313,7 @@ def test_an_endless_command_gets_an_error_and_is_closed():
         line = Line(hub)
         line.send("< " + "a" * 300)
         line.expect("< error command too long >")
-        with pytest.raises(ConnectionError):  # or end of file; the kernel sends a reset if data was left unread
+        with pytest.raises(ConnectionError):  # end of file counts too; a reset comes only if the hub left data unread
             if line.socket.recv(1) == b"":
                 raise ConnectionResetError
 

@@ -1,5 +1,5 @@
-"""The source tree obeys the include directions. The checker reads the same includes as the compiler, and detects every
-kind of violation."""
+"""Each #include in the source tree is permitted by the checker's table. The checker sees the same includes as the
+compiler, and detects every kind of violation."""
 
 from __future__ import annotations
 

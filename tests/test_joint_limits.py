@@ -41,8 +41,8 @@ def arm_of(jerk: float) -> core.Arm:
 
 
 class Drives:
-    """Joints that follow commands with a first-order lag, `delay_ticks` after the tick in which their position was
-    read."""
+    """Joints that follow commands with a first-order lag. A command takes effect `delay_ticks` after the tick that read
+    the positions from which the command was computed."""
 
     def __init__(
         self, position_rad, delay_ticks: int, acceleration=25.0, jerk=DEFAULT_JERK, lag_s=0.0, tick_s=TICK_S, **config
@@ -85,7 +85,7 @@ class Drives:
 
 
 class Judge:
-    """Checks the velocity of each command and its first and second difference, in float64."""
+    """Checks each commanded velocity, and its first and second differences in float64, against the limits."""
 
     def __init__(self, speed_max, acceleration: float, jerk: float, tick_s: float):
         self.velocity, self.change = np.zeros(N), np.zeros(N)
@@ -133,7 +133,7 @@ def test_no_limit_is_ever_exceeded(start, commanded, delay_ticks, acceleration, 
 
 LONGEST_HOLD = {"a tick": 1, "some ticks": 30, "until it is there": 500}
 LAG_AS_DELAY = (
-    1.42  # sqrt(2), because a lag adds v lag + a lag^2 to the stopping distance, and a delay v delay + a delay^2 / 2
+    1.42  # sqrt(2): a delay adds v delay + a delay^2 / 2 to the stopping distance, and a lag adds v lag + a lag^2
 )
 
 
@@ -240,8 +240,8 @@ def test_a_non_finite_demand_brakes(bad, where):
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(demanded=st.lists(st.floats(-50, 50), min_size=N, max_size=N))
 def test_speed_limits_keep_the_direction(demanded):
-    """If only speed limits act, all joints are scaled by the same factor, so that the most constrained one runs exactly
-    at its limit."""
+    """If only the speed limits act, the velocities of all joints are scaled by the same factor, so that the most
+    constrained joint moves exactly at its limit."""
     drives = Drives(position_at([0.5] * N), 0, acceleration=70, command_delay_s=0.0, approach_gain_per_s=0.0)
     for _ in range(100):
         velocity = drives.tick(demanded, position_at([0.5] * N))[1]
@@ -256,8 +256,8 @@ def test_speed_limits_keep_the_direction(demanded):
     gain=st.floats(10, 200),
 )
 def test_feedforward_is_not_reduced_for_the_stopping_distance(error, feedforward, gain):
-    """Only the part of the demand that corrects the error is reduced, to the speed from which a joint whose demand is K
-    times the error can still stop. The sum with the feedforward is then scaled to the speed limit."""
+    """The part of the demand that corrects the error is reduced to the speed from which the joint can still stop where
+    the error is zero. The feedforward is added without this reduction, and the sum is scaled to the speed limit."""
     drives = Drives(position_at([0.5] * N), 0, approach_gain_per_s=gain, command_delay_s=0.0)
     error, feedforward = np.array(error), np.array(feedforward)
     linear = 0.9 * 25.0 / gain
@@ -327,6 +327,6 @@ def test_which_joints_are_at_a_limit(end, inside_rad, is_there):
 def test_a_joint_of_a_narrow_range_is_at_both_limits():
     limit = np.full(1, 1e-3, np.float32)
     arm = core.Arm(IDENTITY, Z_AXIS, -limit, limit, np.ones(1, np.float32))
-    config = Drives(position_at([0.5] * N), 0).config  # the configuration defines the margins
+    config = Drives(position_at([0.5] * N), 0).config  # provides at_limit_rad
     at_limit = lib.joints_at_limit_find(arm.table, config.at_limit_rad, ffi.new("float[8]"))
     assert (at_limit.lower, at_limit.upper) == (1, 1)

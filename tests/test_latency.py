@@ -1,5 +1,5 @@
-"""The latency in summary.json agrees with the one that numpy computes from the trace, is correct for motions of known
-delay, and follows changes of the tracker."""
+"""The latency in summary.json agrees with the latency that numpy computes from the trace, and changes with the latency
+and rate of the tracker. The fit behind it finds known delays."""
 
 from __future__ import annotations
 
@@ -104,8 +104,8 @@ def test_an_unmeasurable_latency_is_null_with_a_reason(tmp_path, arguments, word
 
 @pytest.mark.parametrize("delay_ms", [-7.3, 0.0, 37.6, 180.2])
 def test_a_known_delay_is_found(rng, delay_ms):
-    """The fit finds the delay of a hand that moves and turns, with an offset, a lever arm and 0.2 mm of noise. Offset
-    and lever arm differ between the two intervals."""
+    """The fit finds the delay of a hand that moves and turns, with an offset, a lever arm and 0.2 mm of noise. The
+    motion is followed in two separate intervals, with a different offset and lever arm in each."""
 
     def hand(t_s):
         """Returns positions (N, 3) and rotations (N, 3, 3) at the given times."""

@@ -93,7 +93,7 @@ def test_velocity_and_its_change():
     watch = Watch()
     watch.command()
     assert watch.command([0, 0.026, 0, 0]) == 1
-    assert watch.command([0, 0.042, 0, 0]) == 1  # back within the limit
+    assert watch.command([0, 0.042, 0, 0]) == 1  # this change of 16 mrad/s is within the limit, so the count stays at 1
     assert watch.command([0, float("nan"), 0, 0]) > 1
 
 

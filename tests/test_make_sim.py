@@ -11,7 +11,7 @@ from images import MAKE_LOCK
 from once import lock
 from simulation import REPOSITORY, recording_csv
 
-MAKES_OWN = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # set by make if it runs these tests
+MAKES_OWN = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # set if make runs these tests
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:

@@ -103,8 +103,8 @@ def test_parameters_are_written_and_read_back(live, comanip):
 
 
 def test_parameters_are_saved_once_even_if_the_store_is_slow(live, comanip, monkeypatch):
-    """If a save takes longer than one attempt may take, the request is repeated with the same number, and the
-    parameters are saved only once."""
+    """If a save takes longer than the client waits for an answer, the request is repeated with the same sequence
+    number, and the parameters are saved only once."""
     monkeypatch.setattr("comanip.bus.operator_client.SAVE_S", 0.0)
     live.bench.store_result = lib.RESULT_ACCEPTED
     live.bench.store_ticks = 10**9

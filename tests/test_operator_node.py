@@ -30,7 +30,7 @@ class Bench:
         self.wishes = ffi.new("operator_overrides_t *", wishes or {})
         script = ffi.new("operator_step_t[]", 100)
         self.count = lib.operator_script(self.scenario, self.wishes, script)
-        self.events = ffi.new("events_t *", events[0])  # the events of this run, copied as the world copies them
+        self.events = ffi.new("events_t *", events[0])  # a copy for this run, as the simulator's world makes one
         self.bus = ffi.gc(lib.bus_create(lib.CAN_PROFILE_FD), lib.bus_destroy)
         self._handlers = [ffi.callback("bus_handler_t", self._receive)]
         lib.bus_listen(self.bus, self._handlers[0], ffi.NULL)

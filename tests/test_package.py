@@ -1,5 +1,5 @@
-"""The Python package on its own: it is built from the sources into a wheel, can be imported without the packages that
-the command line needs, and reports missing parts clearly."""
+"""The Python package works on its own: it is built from the sources into a wheel, can be imported without the packages
+that the command line needs, and reports missing parts clearly."""
 
 from __future__ import annotations
 

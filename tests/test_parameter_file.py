@@ -105,7 +105,8 @@ def test_without_a_file_there_is_no_store(hub, tmp_path):
 
 @pytest.mark.parametrize("profile", ["fd", "classic"])
 def test_a_run_with_stored_parameters_replays(tmp_path, profile):
-    """A run whose parameters come from a store replays, also with a plant and with another save in between."""
+    """The log of a run with a plant replays without a difference if the firmware reads its parameters from a store at
+    boot, and saves them again during the run."""
     (tmp_path / "parameters").write_bytes(with_scale(0.75))
     with Bus(tmp_path, SLOW, profile) as bus:
         plant = bus.plant("--scenario", PLAIN, "--duration", 3)
@@ -185,8 +186,8 @@ def is_complete(file: Path, *scales: float) -> bool:
 
 @pytest.mark.parametrize("bytes_written", [0, 1, 11, 12, 100, len(record(DEFAULTS)) - 1])
 def test_killed_during_the_write(hub, file, bytes_written):
-    """The kernel kills the process (RLIMIT_FSIZE) after it has written this number of bytes. The next firmware boots
-    and saves normally."""
+    """The kernel kills the process (RLIMIT_FSIZE) after it has written `bytes_written` bytes. Firmware that is started
+    afterwards boots and saves normally."""
     file.write_bytes(with_scale(0.5))
     with firmware(hub, "--parameters", file) as (process, client):
         client.write("motion_scale", 0.25)
@@ -222,7 +223,7 @@ int main(int argc, char *argv[]) {
 
 
 def test_killed_at_any_moment(tmp_path, rng):
-    """Whenever a process that only writes two records in turn is killed, one of them is complete."""
+    """A process writes two records in turn. Whenever it is killed, the file contains one of the two completely."""
     source, program, path = tmp_path / "writer.c", tmp_path / "writer", tmp_path / "records" / "record"
     source.write_text(WRITER)
     path.parent.mkdir()

@@ -56,8 +56,9 @@ def test_the_defaults_and_all_slower_gains_are_accepted(tick_s):
 
 
 def test_gains_are_refused_by_the_loops_delay():
-    """Gains and a loop delay that are unstable together are refused. Only the responsible parameters are named: either
-    a gain alone, or a delay with the default gains, or one of each."""
+    """Gains and a loop delay that are unstable together are refused. Only the responsible parameters are named: gains
+    that are too large by themselves, a delay together with the default gains, or a delay together with a changed
+    gain."""
     delay = lib.PARAMETER_COMMAND_DELAY_S
     assert check(LAW_4 | {3: 500.0}) == (lib.PARAMETER_SET_UNSTABLE, {3})
     assert check(LAW_4 | TOO_FAST) == (lib.PARAMETER_SET_UNSTABLE, set(GAINS))

@@ -33,7 +33,7 @@ def test_names_and_numbers_match_the_dbc(dbc, message):
 
 @pytest.mark.parametrize("parameter", ALL, ids=name)
 def test_range(parameters, parameter):
-    """The default and both ends of the range are accepted. Values beyond them, NaN and infinities are refused and
+    """The default and both ends of the range are accepted. Values outside the range, NaN and infinities are refused and
     change nothing."""
     row = lib.parameter_table[parameter]
     assert row.minimum <= row.default_value <= row.maximum

@@ -75,8 +75,8 @@ def contacts_of_all_pairs(position_m, radius_m, spilt):
 
 @pytest.mark.parametrize("way_m", [1e-4, 1e-3, 1e-2])
 def test_contacts_match_those_of_all_pairs(rng, way_m):
-    """The contacts of a crowd match those of all pairs while the crowd moves by small and large steps and some
-    particles spill."""
+    """The contacts found in a crowd of particles are those found by comparing all pairs, while the particles move by
+    small or large steps and some of them spill."""
     count = 60
     radius_m, mass_kg = sizes(rng, count)
     particles = Particles(rng.uniform(-0.02, 0.02, (count, 3)), radius_m, mass_kg)
@@ -154,9 +154,10 @@ def jacobian(particles, contacts) -> np.ndarray:
 
 
 def test_impulses_solve_the_soft_contacts_exactly(rng):
-    """Repeated for the same contacts and velocities, the solver converges to the solution of the complementarity
-    problem 0 <= p, 0 <= (J M^-1 J' + s) p + J v - b. The matrix and the right-hand side are derived from two properties
-    measured on a single contact: the speed that separates an overlap, and the fraction of the speed that remains."""
+    """If its step is repeated with the same contacts and velocities, the solver converges to the solution of the
+    complementarity problem 0 <= p, 0 <= (J M^-1 J' + s) p + J v - b. The matrix and the right-hand side are derived
+    from two properties measured on a single contact: the speed that separates an overlap, and the fraction of the speed
+    that remains."""
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
     j, per_kg = jacobian(particles, contacts), np.repeat(1 / particles.mass_kg, 3)
@@ -187,7 +188,7 @@ def test_impulses_solve_the_soft_contacts_exactly(rng):
 
 
 def test_momentum_is_conserved_except_at_the_walls(rng):
-    """However far the impulses of one step are from the exact solution, only those of the floor change the
+    """However far the impulses of one step are from the exact solution, only the floor's impulses change the total
     momentum."""
     particles, contacts, velocity = crowd(rng)
     solver = Solver(particles)
@@ -224,8 +225,8 @@ def test_separating_contacts_get_no_impulse():
 
 
 def test_an_interrupted_contact_starts_from_zero():
-    """After an interruption, the solver returns the same bits as one that has never seen the contact. They differ from
-    those of a solver that continues from the previous step."""
+    """After a step without the contact, the solver returns the same impulse, bit for bit, as a solver that has never
+    seen the contact. Without the interruption it returns a different impulse."""
 
     def impulse(*steps):
         particles = Particles([[0, 0, 7e-3], [0, 0, 0]], [4e-3] * 2, [MASS_KG] * 2)
@@ -241,7 +242,7 @@ def test_an_interrupted_contact_starts_from_zero():
 
 
 def test_a_stack_presses_with_its_weight(rng):
-    """Each particle in a column of eight carries those above it, and the floor carries all of them. Overlaps are
+    """Each particle in a column of eight carries those above it, and the floor carries the whole column. Overlaps are
     proportional to the load."""
     count = 8
     radius_m, mass_kg = sizes(rng, count)

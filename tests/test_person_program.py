@@ -1,4 +1,5 @@
-"""People's programs in a scene without physics (stand_in_scene.c): moves, waits and corrections, and how they fail.
+"""People's programs in a scene without physics (stand_in_scene.c): moves, waits and corrections, and how the programs
+fail.
 
 Person.run() returns the hand's pose at the end of each physics step, one row per step."""
 
@@ -132,8 +133,8 @@ GRIPPER = {"kind": lib.POINT_ROBOT_GRIPPER}
 
 @pytest.mark.parametrize("step_s", [0.0005, 0.001, 0.002])
 def test_moves_are_minimum_jerk_for_any_step_size(step_s):
-    """The first move begins at the start, and the second when the first ends, even if that is between two steps. Both
-    have a minimum-jerk profile for any step size."""
+    """The first move begins at the start, and the second at the moment when the first ends, even if this moment lies
+    between two steps of the simulation. Both moves have a minimum-jerk profile for any step size."""
     turn, turn_on = Rotation.from_rotvec([0.5, 0.2, -0.4]), Rotation.from_rotvec([-0.3, 0.9, 0.1])
     person = Person(
         {
@@ -157,8 +158,8 @@ def test_moves_are_minimum_jerk_for_any_step_size(step_s):
     begins_s, durations_s = (0, 0.4015, 1.1), (0.4015, 0.5, 0.3)
     shares = [share((t - begin) / duration) for begin, duration in zip(begins_s, durations_s, strict=True)]
     expected_m = START_M + sum(s[:, None] * way for s, way in zip(shares, ways_m, strict=True))
-    # The position may be off only in the step in which one move ends and the next begins, by the small displacement 10
-    # x^3 at the start of a move.
+    # The position may be off only in the step in which one move ends and the next begins, by the small displacement at
+    # the start of a move, 10 x^3 of the whole displacement after the fraction x of the duration.
     np.testing.assert_allclose(position_m, expected_m, atol=10 * (step_s / 0.5) ** 3 * 0.1 + 1e-12)
     np.testing.assert_allclose(position_m[t > 0.41], expected_m[t > 0.41], atol=1e-12)
     first = Rotation.from_rotvec(shares[0][:, None] * turn.as_rotvec()) * START
@@ -195,7 +196,7 @@ def test_a_step_waits_for_its_time_its_events_and_its_delay():
             person.raise_event("robot.holds")
 
     t, position_m, _ = person.run(1.3, before=before)
-    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.5 + 0.15, then 0.75 + 0.05; the last step's event came before
+    begins_s = (0.2, 0.65, 0.8, 0.9)  # 0.2; 0.5 + 0.15; 0.75 + 0.05; at once, since bob.there came before
     expected_m = START_M[0] + 0.1 * sum(share((t - begin) / 0.1) for begin in begins_s)
     np.testing.assert_allclose(position_m[:, 0], expected_m, atol=1e-12)
     assert person.done
@@ -230,8 +231,8 @@ def test_empty_program_is_done_at_once():
 
 
 def test_reach_corrects_for_a_sagging_arm():
-    """The first move follows an arc of the given height. Corrections of 0.4 s, each by the remaining distance, follow
-    until the hand is close enough."""
+    """The first move follows an arc of the given height. Corrections of 0.4 s follow, each by the remaining distance,
+    until the hand is close enough to the goal."""
     reach = {"action": "reach", "to": PIPE_END, "offset_m": [0, 0, 0.03], "duration_s": 1.0, "lift_m": 0.05}
     person = Person({**reach, "tolerance_m": 0.001, "name": "there"})
     goal_m = PIPE_END_M + [0, 0, 0.03]
@@ -315,7 +316,7 @@ def test_guide_moves_the_hand_until_the_robot_arrives(follows):
     assert person.time_of("ann.there") == pytest.approx(1.15 + 2 * 0.55, abs=0.0011)
 
 
-FALLING = [  # program step, and the part of the failure message that says what is brought where
+FALLING = [  # program step, and the part of the failure message that names what is to be brought where
     ({"action": "guide", "what": GRIPPER, "to": PIPE_END, "duration_s": 1.0, "tolerance_m": 0.001},
      "the robot's gripper to pipe.end"),
     ({"action": "guide", "what": PIPE_END, "to": BOBS_GRIP, "duration_s": 1.0, "tolerance_m": 0.001},
@@ -447,7 +448,7 @@ def test_recorded_steps_play_the_recording_from_here(tmp_path):
     played = np.clip(t - 0.5, 0, 1.3)
     expected_m = START_M + np.outer(share(t / 0.5), [0, 0, 0.1]) + np.outer(0.5 * played, [0, 1, 0])
     np.testing.assert_allclose(position_m, expected_m, atol=1e-9)
-    hidden_ms = set(np.flatnonzero(hidden))  # before step n, the hand is at its position at n ms
+    hidden_ms = set(np.flatnonzero(hidden))  # entry n was appended before step n, at n ms
     assert hidden_ms | {900, 1100} == set(range(900, 1101)), "rounding decides the ends of the gap"
     assert person.time_of("ann.done") == pytest.approx(1.9)
     description = ffi.string(lib.person_program_description(person.program)).decode()

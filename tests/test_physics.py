@@ -176,8 +176,8 @@ def test_rod_falls_as_galileo_predicts(step_s):
 
 @pytest.mark.parametrize("kind", [lib.GRIP_BALL, lib.GRIP_FIXED])
 def test_impulse_of_hand_and_weight_is_the_rods_momentum(kind):
-    """When a hand swings the rod in all directions, the impulse of the force that ODE reports for the joint equals the
-    rod's change of momentum."""
+    """When a hand swings the rod in all directions, the impulse of its weight and of the force that ODE reports for the
+    hand equals the rod's change of momentum."""
     rod = {"kind": lib.OBJECT_ROD, "pose": (list(HAND_M + [0, 0.05, 0]), ALONG_Y), "person_grip": kind}
     with Scene([{}], [rod]) as scene:
         assert scene.grip()
@@ -196,7 +196,8 @@ def test_impulse_of_hand_and_weight_is_the_rods_momentum(kind):
 
 
 def test_two_hands_on_one_rod_act_and_react():
-    """Without gravity, the part of one hand's impulse that the rod does not keep acts on the other hand."""
+    """Without gravity, the part of one hand's impulse that does not change the rod's momentum acts on the other
+    hand."""
     people = [{"start": (list(HAND_M + [0, y, 0]), [1, 0, 0, 0])} for y in (-0.1, 0.1)]
     with Scene(people, [{"kind": lib.OBJECT_ROD, "pose": (list(HAND_M), ALONG_Y)}]) as scene:
         scene.set_gravity(0.0)
@@ -250,7 +251,7 @@ def test_internal_forces_do_not_change_the_momentum():
 
 
 CRANK_RADIUS_M = 0.05
-# Models a cylinder of 10 mm radius at the handle, which turns with the crank's arm about the hinge.
+# Inertia about the hinge of a cylinder of 10 mm radius at the handle. The cylinder turns with the crank's arm.
 CRANK_INERTIA = CRANK["mass_kg"] * (0.5 * 0.01**2 + CRANK_RADIUS_M**2)
 HINGE_M = np.array([0.5, 0.2, 0.0])
 
@@ -313,7 +314,7 @@ def spin_down(rate_radps: float, duration_s: float, **fields) -> np.ndarray:
     return np.array(angles)
 
 
-@pytest.mark.parametrize("damping", [0.0005, 0.005, 2.0])  # for 2.0, the time constant is far below a step
+@pytest.mark.parametrize("damping", [0.0005, 0.005, 2.0])  # at 2.0, the time constant is far shorter than a step
 def test_viscous_crank_slows_down_exponentially(damping):
     angles = spin_down(6.0, 1.0, damping_Nmspprad=damping)
     rate = np.diff(angles) / 1e-3

@@ -101,7 +101,8 @@ def test_holding_torque_balances_gravity(sim, rng):
 
 
 def test_torque_of_a_velocity_step_is_inertia_times_it(sim, rng):
-    """From rest, a velocity step dv needs the torque M(q) dv / dt in addition to the torque of gravity."""
+    """To change the velocities from rest by dv within one tick dt, the motors need the torque M(q) dv / dt in addition
+    to the torque that holds the arm against gravity."""
     for _ in range(20):
         q, velocity = hoap3.random_posture(rng), rng.uniform(-0.03, 0.03, 4)
         with plant_at(sim, q) as (plant, step):
@@ -215,7 +216,7 @@ def test_reported_velocity_and_torque(sim, drives):
     for _ in range(100):
         drives.tick([0.3, -0.2, 0.25, 0.15])
     for i, velocity in enumerate([0.3, -0.2, 0.25, 0.15]):
-        # eight samples span 7 ms, so one pulse more or less changes the velocity by 12 mrad/s
+        # eight samples span 7 ms, so one encoder pulse more or less changes the reported velocity by 12 mrad/s
         assert drives.states[i]["velocity_radps"] == pytest.approx(velocity, abs=0.013)
     for _ in range(100):
         drives.tick([0.0] * 4)
@@ -247,7 +248,7 @@ def test_watchdog_brakes_and_is_reported(sim, drives):
     for _ in range(10):
         drives.tick()
         errors.append(drives.states.get(0, {}).get("error"))
-    assert errors.index(1) in (3, 4)  # the watchdog acts after 3 ms, and the state is sent in the next tick
+    assert errors.index(1) in (3, 4)  # the drives' watchdog acts after 3 ms, and the state is sent a tick later
     assert set(errors[errors.index(1) :]) == {1} and drives.states[3]["mode"] == 0
     assert sim[1].arm_plant_velocity_radps(drives.plant, 0) == pytest.approx(0.0, abs=1e-6)
     drives.tick([0.1, 0, 0, 0])

@@ -205,7 +205,7 @@ def test_curves_and_limits_match_the_run(tmp_path):
     ]
     run = read_run(synthetic_run.write(tmp_path, "mirror", checks=checks))
     x, error = time_plots.tracking(run).axes[:2]
-    np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # constructed to be 2 mm behind
+    np.testing.assert_allclose(error.lines[0].get_ydata()[-1], -2.0, atol=1e-3)  # synthetic_run lags by 2 mm
     np.testing.assert_allclose(x.lines[0].get_ydata()[-1], 168.0, atol=1e-3)
     force = time_plots.force(run).axes[0]
     np.testing.assert_allclose(np.nanmax(force.lines[0].get_ydata()), 5.0)  # the norm of (3, 4, 0) N
@@ -276,7 +276,8 @@ def test_a_custom_scene_is_drawn_with_its_objects(tmp_path, name, curves):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_instants_are_steps_of_the_scenario(name):
-    """Grip events come from the scene, and all others from the named steps of the scenario file."""
+    """Each instant at which a snapshot is drawn is either a grip event of the scene (holds) or a named step of the
+    scenario file."""
     text = experiment(name).read_text()
     for event, _, _ in SCENES[name].instants:
         what = event.partition(".")[2]

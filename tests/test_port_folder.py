@@ -16,7 +16,7 @@ SHARED = {"hal/cortex_m", "hal/common"}
 
 
 def make_in(tree, *arguments: str):
-    # -o deps keeps make from installing anything, as the repository's environment is complete
+    # -o deps keeps make from installing packages, because the repository's environment is complete
     return make("-C", str(tree), "-o", "deps", *arguments)
 
 

@@ -1,6 +1,6 @@
-"""Faults injected into the port are reported in PortStatus frames, by `comanip monitor` and in summary.json. They are
-injected into the simulator, into a bench around the controller, and into the Linux process. test_target.py checks the
-counts of the images."""
+"""Faults of the port are reported in PortStatus frames, by `comanip monitor` and in summary.json. The tests inject them
+into the simulator, a bench around the controller, and the Linux process. test_target.py checks the counts in the images
+for microcontrollers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ COUNTS = ("refused_frames", "lost_frames", "error_passive", "bus_off", "missed_t
 
 
 def statuses(frames) -> list[dict]:
-    """Returns each PortStatus in a log on CAN FD, with UNKNOWN for every count that is unknown."""
+    """Returns the signals of each PortStatus in a log of CAN FD frames. A signal whose value is unknown is the string
+    UNKNOWN."""
     return [
         {name: str(value) if str(value) == UNKNOWN else value for name, value in decode(frame).items()}
         for frame in frames
@@ -269,5 +270,5 @@ def test_a_late_tick(alone):
         process.wait(0.02 * bus.slow)
     process.send_signal(signal.SIGCONT)
     status = wait_status(bus, lambda s: s["missed_ticks"] >= before["missed_ticks"] + 10, "ticks missed")
-    # the longest tick is the one in which the process was paused, unless it was asleep at that moment
+    # the pause counts as a long tick only if it came while the process was executing a tick, not asleep
     assert 0 < status["longest_tick_us"] != UNKNOWN

@@ -23,8 +23,8 @@ def hand_at(q: np.ndarray) -> np.ndarray:
 
 
 def geometric_jacobian(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns d position / dq and the angular velocity per dq, (3, 4) each, in torso axes, by central differences of
-    dqrobotics' kinematics."""
+    """Returns the end effector's Jacobians of position and of rotation (angular velocity per joint velocity), (3, 4)
+    each, in torso axes, by central differences of dqrobotics' kinematics."""
     h = 1e-5
     linear, angular = np.empty((3, JOINTS)), np.empty((3, JOINTS))
     for i in range(JOINTS):
@@ -128,8 +128,8 @@ def test_both_velocities_match_the_equations(rng, written_out):
 
 @pytest.mark.parametrize("written_out", [False, True])
 def test_it_descends_the_potential_given_in_its_header(rng, written_out):
-    """N u = -K grad V, with grad V from differences of V and N positive definite. Therefore V never grows, which is why
-    the arm comes to rest."""
+    """The joint velocities u obey N u = -K grad V. Here the gradient of the potential V is computed from differences of
+    V, and N is positive definite. Therefore V never grows, and the arm comes to rest."""
     for q, target in cases(rng, 200):
         h, k = 1e-6, stiffness(error(q, target)[1])
         gradient = np.array(
@@ -168,7 +168,7 @@ def test_either_sign_of_the_target_is_the_same_pose(rng, written_out):
 @pytest.mark.parametrize("written_out", [False, True])
 def test_a_doubly_singular_posture_gives_a_bounded_velocity(written_out):
     """The velocity is bounded when the arm is fully stretched and the end effector lies on the first joint's axis, so
-    that only one of three directions is left."""
+    that the end effector can move in only one of the three directions."""
     for q in (
         [0.3, 0.0, 0.0, 0.0],
         [0.3, -1.6580, 0.0, 0.0],

@@ -11,7 +11,7 @@ from controller_bench import FRAME_ID, TICK_US, Bench
 
 TICK_S = TICK_US * 1e-6
 MOVE_S = 1.0
-# start [deg] and displacement of the hand [m] in torso axes, found by random search
+# joint angles at the start [deg] and displacement of the hand [m] in torso axes, found by random search
 DEAD_ENDS = [
     ((81, -90, 20, -79), (-0.04, 0.11, 0.08)),
     ((74, -95, 1, -76), (0.08, 0.18, -0.07)),
@@ -52,7 +52,7 @@ def reported(bench: Bench) -> bool | None:
 
 
 def carry(bench: Bench, way_m, duration_s: float = MOVE_S) -> list[int]:
-    """Moves the hand by `way_m` along a minimum-jerk profile. Returns the phase in each tick."""
+    """Moves the hand by `way_m` along a minimum-jerk profile. Returns the phase of the posture change in each tick."""
     s = np.arange(1, round(duration_s / TICK_S) + 1) * TICK_S / duration_s
     steps = np.diff(s**3 * (10 - 15 * s + 6 * s**2), prepend=0.0)
     phases = []
@@ -114,7 +114,7 @@ def test_a_dead_end_is_left(dead_end):
             reported_when.add((phases[-1] == lib.POSTURE_CHANGING, reported(bench)))
     assert reported_when == {(False, False), (True, True)}
     assert 0.5 * JOINT_RADPS < fastest_radps <= JOINT_RADPS + 1e-3
-    assert fastest_mps < 1.03 * HAND_MPS  # slightly above the limit, because the jerk limit of the joints adds a lag
+    assert fastest_mps < 1.03 * HAND_MPS  # may slightly exceed the limit, because the jerk limit makes the joints lag
     assert searches(phases) == 1 and phases[-1] == lib.POSTURE_CHANGED
     assert error_m(bench) < 1e-3
     assert (bench.velocity_radps == 0).all()
@@ -128,8 +128,8 @@ def test_one_parameter_switches_it_off(dead_end):
 
 
 def test_the_end_effectors_speed_limit_applies_where_it_binds():
-    """While the stretched arm swings round, the limit on joint speeds alone would allow the end effector 0.3 m/s, so
-    the end effector's own limit applies."""
+    """While the stretched arm swings round, the limit on joint speeds alone would let the end effector move at 0.3 m/s.
+    Therefore the end effector's own limit applies."""
     bench = started((128, -54, -68, -99))
     carry(bench, (-0.04, -0.16, 0.11))
     until(bench, lib.POSTURE_CHANGING)

@@ -81,7 +81,8 @@ class Scene:
         return ffi.gc(lib.proximity_create(self.scenario, self.scene), lib.proximity_destroy)
 
     def measure(self, proximity=None) -> tuple[float, str, float, str]:
-        """Returns clearance and pair name, first for person and robot, then for the robot with itself."""
+        """Returns the clearance and the name of the closest pair of parts, first between person and robot, then between
+        parts of the robot."""
         proximity = proximity or self.proximity()
         found = lib.proximity_measure(proximity)
         names = [
@@ -113,8 +114,8 @@ def test_flat_hand_above_the_forearm(height_m):
 @pytest.mark.parametrize(
     ("hand_m", "rotation", "clearance_m", "part"),
     [
-        # finger tips, 0.12 m in front of the hand's origin, point at the gripper, whose box extends 55 mm in front of
-        # the end effector
+        # The finger tips, 0.12 m in front of the hand's origin, point at the gripper. Its box extends 55 mm in front of
+        # the end effector.
         (HAND + [0.055 + 0.12 + 0.03, 0, 0], FACING, 0.03, "gripper"),
         # from the left towards the torso, which is 150 mm wide
         ([-0.035, 0.075 + 0.12 + 0.05, 0.1], Rotation.from_euler("x", 90, degrees=True), 0.05, "torso"),
@@ -136,8 +137,8 @@ def test_finger_tips_in_front_of_each_part(hand_m, rotation, clearance_m, part):
 
 @pytest.mark.parametrize("degrees", [(90, -5, 0, -90), (60, -40, 20, -70), (20, -80, -50, -20), (-60, -10, 80, -110)])
 def test_arm_parts_follow_the_kinematics(degrees):
-    """A person's hand holds a crumb, 2 mm wide and long, beside the middle of each link in turn. The clearance follows
-    the arm."""
+    """A person's hand holds a crumb, 2 mm wide and long, beside the middle of each link in turn. The clearance to the
+    link is correct in each posture of the arm."""
     scene = Scene()
     scene.set_posture(degrees)
     link = hoap3.frames(np.radians(degrees))
@@ -153,7 +154,7 @@ def test_arm_parts_follow_the_kinematics(degrees):
             at = middle + 0.03 * away
             if at[0] < 0.03 and at[1] > -0.09:
                 continue  # the torso is closer
-            # turns the rod's end face, 1 mm in radius, towards the link
+            # turns the end face of the crumb (a rod of 1 mm radius) towards the link
             across = Rotation.align_vectors([away], [[0, 0, 1]])[0]
             scene.set_pose(scene.scene.object[rod], at, across)
             found_m, pair, *_ = scene.measure(proximity)
@@ -162,8 +163,8 @@ def test_arm_parts_follow_the_kinematics(degrees):
 
 
 def test_forearm_points_from_wrist_to_elbow():
-    """The elbow stays 50 mm in front of the gripper's face wherever the hand is. The closest part is therefore the
-    forearm's end, 45 mm in radius, or its side."""
+    """The elbow stays 50 mm in front of the gripper's face wherever the hand is. The part of the forearm that is
+    closest to the gripper is therefore the forearm's end, 45 mm in radius, or its side."""
     scene = Scene()
     elbow_m = np.array([HAND[0] + 0.055 + 0.05, *HAND[1:]])
     scene.set_elbow(elbow_m)
@@ -251,8 +252,8 @@ def test_a_rod_held_by_both_and_a_gripper_that_has_released():
 
 
 def test_forearm_beside_the_torso():
-    """The forearm is 111 mm from the torso's middle plane and has a radius of 20 mm. The torso extends to 75 mm, and
-    the elbow is level with the torso."""
+    """The forearm's axis is 111 mm from the torso's middle plane, and its radius is 20 mm. The torso extends to 75 mm
+    from this plane, and the elbow is level with the torso."""
     assert Scene().measure()[2:] == (pytest.approx(0.111 - 0.020 - 0.075, abs=ERROR_M), "robot.forearm - robot.torso")
 
 
@@ -266,7 +267,8 @@ def test_a_held_rod_counts_as_the_arm():
 
 
 def test_neighbouring_parts_never_count_as_touching(rng):
-    """Parts that touch in every posture are excluded, so an arm stretched sideways touches nothing."""
+    """Neighbouring parts, which touch in every posture, are not compared, so an arm stretched sideways touches
+    nothing."""
     scene = Scene()
     scene.set_posture((0, -90, 0, 0))
     assert scene.measure()[2] > 0.05
@@ -290,8 +292,8 @@ def busy_scene(rng) -> Scene:
 
 
 def test_the_search_of_a_moving_scene_equals_a_fresh_one(rng):
-    """Remembering the search from tick to tick saves time but changes no result, even when bodies jump or change
-    hands."""
+    """A search that starts from the result of the last tick saves time but finds the same clearance as a new search,
+    even when bodies jump or change hands."""
     scene = busy_scene(rng)
     proximity = scene.proximity()
     phase, speed = rng.uniform(0, 6, 30), rng.uniform(0.5, 6, 30)

@@ -83,14 +83,15 @@ def test_no_sampled_posture_is_better(sim, rng, brute_force):
         nearest = brute_force.query(target)[0]
         if nearest < 0.1:
             assert distance <= max(nearest, TOLERANCE_M) + 1e-4
-        else:  # far outside, the search may end beside the best posture, and reach_contains() allows for that
+        else:  # far from the workspace, the search may miss the best posture; reach_contains() allows for this
             assert distance <= 1.1 * nearest
         outside += distance > TOLERANCE_M
     assert 300 < outside < 1400  # both cases occur often enough
 
 
 def test_shortcut_along_a_path_changes_no_answer(sim, rng):
-    """Along a path in and out of reach, reach_contains() skips searches without changing any answer."""
+    """Along a path that leaves and re-enters the reach, reach_contains() skips some searches, but its answers are those
+    of a full search."""
     walking, fresh = Search(sim), Search(sim)
     target, velocity, answers = np.array([0.1, -0.15, 0.0]), np.zeros(3), set()
     for _ in range(4000):

@@ -1,5 +1,5 @@
-"""Recorded hand motions: reading the CSV file, resampling (against scipy), gaps, axes, and a clear one-line message for
-each defect."""
+"""Checks recorded hand motions: reading of the CSV file, resampling (against scipy), gaps, axes, and a clear one-line
+message for each defect of a file."""
 
 from __future__ import annotations
 
@@ -249,8 +249,8 @@ def test_files_that_cannot_be_read(tmp_path):
 
 def test_playback_repeats_the_recorded_motion(tmp_path, rng):
     """Playback may start from a different pose than the recording, and may be scaled. The hand in this recording makes
-    nearly a full turn about a tilted axis, and is played at half the angle. The recorded angle exceeds pi, where its
-    rotation vector would jump."""
+    slightly more than a full turn about a tilted axis, and is played at half the angle. A rotation vector computed from
+    each pose alone would jump where the recorded angle passes pi."""
     times_s = np.arange(201) / 100
     positions_m = np.cumsum(rng.normal(scale=0.001, size=(201, 3)), axis=0)
     turns = Rotation.from_rotvec(np.outer(2.2 * np.pi * times_s / 2, [0.6, 0.0, 0.8])) * Rotation.random(rng=rng)

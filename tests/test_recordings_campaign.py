@@ -1,6 +1,6 @@
 """Every recorded hand motion runs through the simulator, and the bus traffic is checked in numpy. At raw resolution,
-the robot stays within the manual's limits. It goes into hold in time at each gap in the recording, and at no other
-moment. All numbers are finite, and a second run repeats the first byte for byte."""
+the robot stays within the manual's limits. It enters the mode hold in time at each gap in the recording, and at no
+other moment. All numbers are finite, and a second run repeats the first byte for byte."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RANGE_RAD = np.radians(STOPS_DEG + [1.0, -1.0])  # one degree inside the stops g
 VELOCITY_MAX_RAW = 4760  # mrad/s
 VELOCITY_STEP_RAW = 25  # 25 rad/s^2 over a tick of 1 ms
 JERK_STEP_RAW = 10  # 10,000 rad/s^3: allowed difference of two successive velocity steps
-# how far the measured position may exceed the usable range: a fortieth of the distance to the stop
+# how far the measured position may exceed the usable range: a fortieth of the distance from there to the stop
 OVERSHOOT_RAD = 5 / PULSES_PER_RAD
 
 MOTION_START_S = 2.0
@@ -180,7 +180,8 @@ def assert_braking(frames: dict, from_s: float, until_s: float) -> None:
 
 # ---- numbers and repetition
 
-# Columns that are empty and keys that are null in these scenes, which lack second person, held object, water and crank.
+# Columns that are empty and keys that are null because these scenes lack a second person, a held object, water and a
+# crank.
 ABSENT_COLUMNS = re.compile(r"second_|object_|force_|water_|crank_turns")
 ABSENT_KEYS = re.compile(r"second_recording|people\[\d\]\.force_|gripper\.force_|water|object")
 

@@ -1,6 +1,6 @@
 """`comanip replay`: given a log, the C core reproduces the recorded frames, whatever clock stamped them, and the first
-difference is reported. The logs come from the simulator and from a bench around the core, and the tests of this file
-insert the defects."""
+difference is reported. The logs come from the simulator and from a bench around the core. The tests modify some of
+them, so that there is a difference to find."""
 
 from __future__ import annotations
 
@@ -156,8 +156,8 @@ def run_bench(bench: RecordingBench, rng: np.random.Generator, ticks: int = 1500
 
 @pytest.mark.parametrize("seed", range(8))
 def test_drives_that_fall_silent_and_frames_that_are_refused(seed):
-    """Whether a drive counts as silent depends on reception times, which are not logged. The replay reaches the same
-    decisions."""
+    """Whether the firmware regards a drive as silent depends on times of reception, which are not in the log. The
+    replay reaches the same decisions as the firmware."""
     bench = run_bench(RecordingBench(), np.random.default_rng(seed))
     report = replay(bench.log)
     assert report.difference is None, report.difference
@@ -211,8 +211,8 @@ def test_frames_that_were_read_late(age_us):
 
 @pytest.mark.parametrize("lost_ticks", [1, 2, 3, 9, 10, 40, 100])
 def test_frames_that_the_firmware_lost(lost_ticks):
-    """The firmware may lose frames, as when its queue overflows during a pause. The log contains them although it never
-    read them."""
+    """The firmware may lose frames, as when its queue overflows during a pause. The log contains these frames although
+    the firmware never read them."""
     bench = RecordingBench()
     bench.tick(60)
     bench.start(lib.TASK_TELEOP)
@@ -240,7 +240,7 @@ def stored_parameters(rng: np.random.Generator):
     cooperate."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
-    # as a fraction of the distance from the default to the maximum
+    # each parameter's distance from its default, as a fraction of the distance from the default to the maximum
     share = 0.3 * rng.uniform(0, 1, lib.PARAMETER_COUNT)
     unstable = True
     while unstable:
@@ -322,7 +322,8 @@ def test_saves_end_with_the_recorded_result(result, rng):
 
 @pytest.mark.parametrize("order", ["sent", "by id"])
 def test_a_save_while_parameters_are_announced(order):
-    """Frames sent through a queue are on the bus in the order of sending; otherwise the lowest id comes first."""
+    """The frames of a tick appear on the bus in the order of sending if the port sends them through a queue, or with
+    the lowest id first. Both orders replay."""
     bench = RecordingBench()
     bench.by_id = order == "by id"
     bench.store_result = lib.RESULT_ACCEPTED

@@ -1,4 +1,4 @@
-"""Worst-case response times agree with the published example, and with a simple model of the bus."""
+"""Worst-case response times agree with the published example, and with a simple simulation of the bus."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def stream(name: str, identifier: int, length: int, period: int, **more: object)
 
 def test_the_example_in_which_the_earlier_analysis_was_wrong():
     """In the counterexample of Davis et al. 2007, three frames of 125 bits are sent at 125 kbit/s. The longest response
-    time is that of C's second instance, 3.5 ms. The analysis of 1994 considered only the first instance, which takes 3
-    ms. The model reproduces both."""
+    time, 3.5 ms, is that of the second frame of stream C. The analysis of 1994 considered only C's first frame, which
+    takes 3 ms. The simulated bus reproduces both times."""
     streams = [stream("A", 1, MS, 2_500_000), stream("B", 2, MS, 3_500_000), stream("C", 3, MS, 3_500_000)]
     found = analyse(streams, bit_ns=8_000)
     assert {name: response.queued_ns / MS for name, response in found.items()} == {"A": 2.0, "B": 3.0, "C": 3.5}
@@ -38,7 +38,7 @@ def test_the_example_in_which_the_earlier_analysis_was_wrong():
 
 @st.composite
 def stream_sets(draw, jitter: bool):
-    """Draws two to five streams with a load below one. Times are in units of a bit."""
+    """Draws two to five streams that together use less than the whole bus. Times are in units of a bit."""
     count = draw(st.integers(2, 5))
     streams = []
     for i in range(count):
@@ -61,7 +61,8 @@ def releases(streams, phases, until: int, jitter):
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(stream_sets(jitter=False))
 def test_the_lowest_priority_reaches_its_bound_exactly(streams):
-    """Nothing blocks the lowest priority, so its worst case occurs when all frames are queued at once."""
+    """No frame of lower priority can block the stream of lowest priority, so its worst case occurs when all streams
+    queue a frame at once."""
     lowest = streams[-1]
     played = PriorityBus(streams).play(list(releases(streams, [0] * len(streams), 3000, lambda _: 0)))
     longest = max(frame.end - frame.queued for frame in played if frame.stream is lowest)
@@ -116,8 +117,8 @@ def answered_sets(draw):
 
 
 def answered_releases(tick, computing, streams, chance: random.Random):
-    """Yields the batch of each tick at one instant. A frame with twice the period comes at random in the even or in the
-    odd ticks."""
+    """Yields the frames of the batch, which are all queued at the same instant of a tick. A stream with a period of two
+    ticks comes either in the even or in the odd ticks, chosen at random."""
     odd = {item.name: chance.randrange(2) for item in streams}
     for number, event in enumerate(range(0, 30 * tick, tick)):
         at = event + chance.choice([0, computing, chance.randint(0, computing)])
@@ -145,7 +146,8 @@ def test_no_answer_takes_longer_than_computed(answered, chance: random.Random):
 
 
 def test_answers_are_not_charged_twice():
-    """For one command with its two answers and a long blocking frame, the result equals the one computed by hand."""
+    """For one command with its two answers and a long blocking frame, the response times equal those computed by
+    hand."""
     streams = [
         stream("command", 1, 100, 1000, batch="tick"),
         stream("trace", 2, 80, 1000, batch="tick"),

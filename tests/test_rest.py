@@ -1,4 +1,5 @@
-"""Tests the cases and the arithmetic of `make rest`, and that its checks fail for the former law, which oscillates."""
+"""Tests the cases and the arithmetic of `make rest`, and that these checks fail for the former control law, with which
+the arm oscillates."""
 
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ BUILD = Path(os.environ.get("COMANIP_SANITISED", REPOSITORY / "build"))
 
 @pytest.fixture(scope="module", autouse=True)
 def loop() -> rest_loop.Loop:
-    # Rebuilds the library, so that it never comes from an older firmware.
+    # Rebuilds the library, so that it never contains older firmware.
     built = make(str(BUILD.relative_to(REPOSITORY) / "rest" / "loop.so"))
     assert built.returncode == 0, built.stderr
     return rest_loop.Loop(BUILD)
@@ -64,7 +65,8 @@ def test_a_position_without_posture_is_not_found_by_a_search_either(rng):
 
 
 def test_the_valley_matches_half_the_squared_distance(rng):
-    """Slope and curvature of the valley match first and second differences of half the squared distance."""
+    """The slope and the curvature that rest_arm.valley() returns match first and second differences of half the squared
+    distance to the position."""
     inside = rest_arm.RANGE_RAD.T + np.outer([1, -1], np.full(4, 0.05))
     for q in rng.uniform(*inside, size=(20, 4)):
         position, h = rest_arm.hand_m(q) + rng.normal(0, 0.1, 3), 1e-3
@@ -118,7 +120,7 @@ def test_the_target_matches_algorithm_1(loop):
     outcomes = loop.run(cases, {})
     assert (outcomes["start"] == rest_loop.ACCEPTED).all() and not outcomes["interrupted"].any()
     expected = [rest_cases.target_m(case) for case in cases]
-    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the start is known to one encoder pulse
+    assert np.abs(outcomes["target"][:, 4:] - expected).max() < 1e-4  # the start is measured in encoder pulses
 
 
 def outcome(peak_radps: float, sign_changes: int, joint: int = 2) -> np.ndarray:
@@ -139,7 +141,7 @@ def test_oscillating_and_creeping_are_told_apart(peak_radps, sign_changes, expec
 
 
 def test_the_checks_and_their_limits():
-    """Each check passes if all cases are at rest, and fails with one bad case more than it tolerates."""
+    """Each check passes if all cases are at rest, and fails if there is one bad case more than the check tolerates."""
     good = np.repeat(outcome(0.0, 0), 1000)
     assert all(check.passed for check in rest.rest(good)[0])
     for count, bad, failed in (
@@ -191,8 +193,8 @@ def test_a_reversal_counts_only_between_speeds_above_rest(tmp_path):
 
 
 def test_all_pairs_are_counted(loop):
-    """The pairs combine both ends of each parameter and of each of six groups, except pairs that would set a parameter
-    twice."""
+    """The pairs combine the ends of the ranges of all parameters and of six groups of parameters, except pairs that
+    would set a parameter twice."""
     n = len(loop.names)
     assert {end.name: len(end.parameters) for end in rest_pairs.ends(loop) if len(end.parameters) > 1} == {
         f"{vector}_{group}": size
@@ -241,8 +243,8 @@ def test_a_refused_set_is_not_run(loop):
 
 
 def test_the_simulator_runs_the_same_case(loop, tmp_path):
-    """In a short motion within reach, the simulator and the loop have the same target, and their joints reach the same
-    posture. The loop's drives behave like ODE's."""
+    """In a short motion within reach, the simulator and the loop in tests/rest have the same target, and their joints
+    reach the same posture. The loop's drives behave like ODE's."""
     case = rest_cases.random_case("choice", 0)
     case["start_rad"], case["way_m"], case["turn_rad"] = (
         np.radians([60, -30, -10, -80]),
@@ -276,8 +278,8 @@ def test_the_checks_fail_on_the_former_law(tmp_path):
 
 
 def test_the_present_law_rests_in_a_small_campaign(tmp_path):
-    """`make rest` runs 5,000 cases, and this test only a few. All figures are zero, except that 2.5 % of the cases may
-    creep at 8 s, and that 90 % of the positions suffice instead of the required 95 %."""
+    """`make rest` runs 5,000 cases, and this test only a few. All figures must be zero, with two exceptions: 2.5 % of
+    the cases may creep at 8 s, and it suffices to reach 90 % of the reachable positions instead of 95 %."""
     _, report = campaign(tmp_path, "--cases", "40", "--reachable", "40", "--ode", "0", "--pairs", "0")
     values = {check["name"]: check["value"] for check in report["checks"]}
     assert values.pop("rest: share creeping in the last 2 s of 8 s") <= 0.025

@@ -36,8 +36,8 @@ MODULES = {name: path for package in PACKAGES for name, path in modules(package)
 
 
 def imported(path: Path) -> set[str]:
-    """Returns the modules of our packages that a file imports, including imports inside functions. `from package import
-    module` counts as importing the module."""
+    """Returns the modules of comanip and comanip_dev that a file imports, including imports inside functions. `from
+    package import module` counts as importing the module."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):

@@ -416,8 +416,8 @@ def test_a_section_of_the_wrong_form(tmp_path, section):
 )
 @given(data=st.data())
 def test_any_damage_is_accepted_or_refused_with_one_line(tmp_path, data):
-    """Any damaged file is either accepted or refused with one line. The sanitiser ends the process at the first memory
-    error or undefined behaviour in the C code."""
+    """A file with random damage is either accepted or refused with a one-line message. The sanitiser ends the process
+    at the first memory error or undefined behaviour in the C code."""
     text = without("water").replace("  - {name: caught, measure: water_caught, at_least: 95}\n", "")
     for _ in range(data.draw(st.integers(1, 3))):
         begin = data.draw(st.integers(0, len(text)))
@@ -506,7 +506,8 @@ def test_an_object_held_by_the_robot_is_in_its_gripper(tmp_path):
 @pytest.mark.parametrize("program", ["program", "program_with_recording"])
 def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
     """The peak speed of a minimum-jerk move is 15/8 of the mean speed (Flash and Hogan, 1985). The distance of the last
-    move follows from the steps before it: a rest keeps the hand's position, and a move by_m adds to it."""
+    move follows from the hand's position after the steps before it: a rest keeps the position, and a move with by_m
+    adds to it."""
     way_m = 0.3 - 0.03 + 0.1
     least_s = 15 / 8 * way_m / 5
     place = "      - {do: rest, name: ready" if program == "program" else "      - {do: play"
@@ -525,7 +526,7 @@ def test_nobody_moves_faster_than_five_metres_per_second(tmp_path, program):
 
 
 def test_nobody_cranks_faster_than_five_metres_per_second(tmp_path):
-    """duration_s is the time of one turn, and the handle is at a radius of 50 mm."""
+    """duration_s is the time of one turn, in which the hand follows the handle around a circle of 50 mm radius."""
     least_s = 2 * math.pi * 0.05 / 5
     for duration_s, is_slow in ((1.001 * least_s, True), (0.999 * least_s, False)):
         text = refusal_of(tmp_path, ("turns: 2, duration_s: 2", f"turns: 2, duration_s: {duration_s}"))
@@ -574,8 +575,9 @@ def test_people_start_near_the_torso(tmp_path):
 
 
 def test_water_fits_its_cup(tmp_path):
-    """The spheres may fill at most 64 % of the cup's volume (random close packing). Even a smaller amount may pile up
-    and fall over the rim, and everything falls out of a cup that is upside down."""
+    """The spheres may fill at most 64 % of the cup's volume (random close packing). The message also advises fewer
+    particles or an upright cup where a smaller amount would fall over the rim, as everything does from a cup that is
+    upside down."""
     most = math.floor(0.64 * math.pi * 0.03**2 * 0.03 / (4 / 3 * math.pi * 0.005**3))
     text = refusal_of(tmp_path, ("particles: 10", f"particles: {most + 1}"))
     assert f"water.particles '{most + 1}': expected at most {most}," in text
@@ -646,8 +648,8 @@ def test_objects_stay_together_and_with_the_gripper(tmp_path):
 
 
 def test_draws_are_uniform_and_within_bounds(scene):
-    """The Kolmogorov-Smirnov distance of n draws from the uniform distribution stays below 1.95 / sqrt(n), which holds
-    in all but one of a thousand cases. The seeds are fixed."""
+    """The Kolmogorov-Smirnov distance of n draws from the uniform distribution exceeds 1.95 / sqrt(n) only once in a
+    thousand samples. The seeds are fixed, so the test does not fail at random."""
     count, before = 400, scene.person[0]
     draws = {name: [] for name in ("start", "elbow", "move", "recorded", "duration", "turn")}
     for seed in range(1, count + 1):
@@ -711,7 +713,7 @@ MAPPINGS = [
 
 @pytest.mark.parametrize(("old", "new"), MAPPINGS, ids=[new.strip()[:40] for _, new in MAPPINGS])
 def test_each_key_and_word_is_documented(tmp_path, old, new):
-    """Every key and word that the reader accepts is in docs/scenario-files.md."""
+    """Every key and word that the reader accepts is documented in docs/scenario-files.md."""
     text = (REPOSITORY / "docs" / "scenario-files.md").read_text()
     known = re.search(r"'qqqqqqqqqqqq': expected one of the (?:keys|words) (.*)", refusal_of(tmp_path, (old, new)))
     for word in known.group(1).split(", "):

@@ -35,7 +35,7 @@ class Check:
 
 @dataclass
 class Tick:
-    """The state in one tick, with lengths in m and rotations as scipy objects."""
+    """The state of the scene in one tick. Rotations are scipy objects."""
 
     mode: int = COOPERATING
     hand_m: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -46,7 +46,8 @@ class Tick:
     force_N: np.ndarray = field(default_factory=lambda: np.zeros(3))
     holds: tuple[tuple[int, int], ...] = ()  # pairs (holder, object)
     cup: Rotation = field(default_factory=Rotation.identity)
-    # particles in the robot's cup, in the person's cup, elsewhere, and those that left the robot's cup
+    # numbers of particles in the robot's cup, in the person's cup and elsewhere, and of those that have left the
+    # robot's cup
     water: tuple[int, int, int, int] = (50, 0, 0, 0)
     turns: float = 0
     clearance_m: tuple[float, float] = (1, 1)
@@ -168,7 +169,8 @@ def test_distance_from_the_target(rng):
 
 @pytest.mark.parametrize("motion_scale", [1.0, 0.5])
 def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
-    """Both displacements count from the window's start and do not depend on the target that the firmware reports."""
+    """relation_rms compares the displacements of robot and person since the window's start, whatever target the
+    firmware reports."""
     robot, person = random_walk(rng, 400), random_walk(rng, 400)
     watch = Watch(Check("relation_rms", 0.1, 0.3), motion_scale=motion_scale)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -178,8 +180,8 @@ def test_relation_compares_the_two_hands_displacements(rng, motion_scale):
 
 
 def test_aim_uses_the_mean_position(rng):
-    """Unlike the measure relation_rms, aim compares positions, not displacements since the window's start. An error
-    that averages to zero is not an aiming error."""
+    """Unlike the measure relation_rms, aim compares positions, not displacements since the window's start. It measures
+    the mean error, so an error that averages to zero does not count."""
     robot, person, expected_m = random_walk(rng, 400), random_walk(rng, 400), (0.1, -0.2, 0.3)
     watch = Watch(Check("aim", 0.1, 0.3, expected_m=expected_m), motion_scale=0.5)
     watch.sample(*(Tick(hand_m=r, person_m=p) for r, p in zip(robot, person, strict=True)))
@@ -234,8 +236,8 @@ def test_displacement_counts_from_the_start_command():
 
 
 def test_tilt_of_the_initially_vertical_axis(rng):
-    """A rotation about a horizontal axis tilts by its angle, whereas one about the vertical axis does not tilt. The
-    smallest tilt in the window counts."""
+    """A rotation about a horizontal axis tilts the end effector by its angle, whereas a rotation about the vertical
+    axis does not tilt it. The smallest tilt in the window counts."""
     start = Rotation.random(random_state=7)
     angles_deg = rng.uniform(5, 175, 60)
     heading = rng.uniform(0, 2 * np.pi, 60)
@@ -284,12 +286,13 @@ def test_nothing_poured_counts_as_nothing_caught():
 
 @pytest.mark.parametrize(("speed_mps", "expected"), [(0.0045, 0), (0.0055, 12)])
 def test_flow_while_moving(speed_mps, expected):
-    """The hand also trembles by 0.1 mm at 9 Hz, which is as fast as 5 mm/s but does not count as motion."""
+    """The hand also trembles by 0.1 mm at 9 Hz. The tremor reaches speeds above 5 mm/s, but does not count as
+    motion."""
     t_s = TICK_S * np.arange(1000)
     person = np.full((1000, 3), 0.5)
     person[:, 1] += speed_mps * t_s
     person[:, 2] += 0.1e-3 * np.sin(2 * np.pi * 9 * t_s)
-    left = np.where(t_s < 0.6, 7, 19)  # seven leave before any motion can be detected, and twelve during the motion
+    left = np.where(t_s < 0.6, 7, 19)  # seven particles leave before motion can be detected, and twelve after that
     assert np.abs(np.diff(person[:, 2])).max() / TICK_S > 0.005
     ticks = [Tick(person_m=p, water=(50 - int(n), int(n), 0, int(n))) for p, n in zip(person, left, strict=True)]
     assert Watch(Check("flow_while_moving")).sample(*ticks).value() == expected
@@ -313,8 +316,8 @@ def test_each_drop_of_the_object_counts_in_its_window():
 
 
 def test_an_object_that_slips_is_lost_by_its_holder():
-    """robot.lost counts as a drop of object 1, which the robot held. It counts whether it is raised in the last tick
-    that shows the grip or in the next one."""
+    """The event robot.lost counts as a drop of object 1, which the robot held. It counts whether it is raised in the
+    last tick in which the robot still holds the object or in the first tick after that."""
     held = Tick(holds=(*ALONE, *OTHER))
     watch = Watch(Check("drops", object=0), Check("drops", object=1))
     watch.sample(held, Tick(holds=held.holds, raises=("robot.lost",)), Tick(holds=ALONE))
@@ -394,8 +397,8 @@ def test_least_clearances(rng):
 
 
 def peak_ticks(count=100, mode=COOPERATING, **at):
-    """Returns ticks in which the person's force in newtons equals the tick's number, so that the peak shows the last
-    tick of a window."""
+    """Returns ticks in which the person's force in newtons equals the tick's number, so that the peak force of a window
+    is the number of its last tick."""
     raises = {tick: (name,) for name, tick in at.items()}
     names = {"latched": "operator.latched", "done": "person.done"}
     return [

@@ -1,4 +1,5 @@
-"""Hands, grips, gripper and objects of the physical scene agree with statics and dynamics computed by hand."""
+"""Hands, grips, the gripper and objects of the physical scene behave as statics and dynamics computed by hand
+predict."""
 
 from __future__ import annotations
 
@@ -76,7 +77,7 @@ def test_lever_bends_the_wrist_by_torque_over_stiffness():
         assert scene.grip()
         scene.step(8000)
         turn = scene.hand()[1].as_rotvec()
-        # The rod hangs on a lever arm that turns with the hand.
+        # The rod hangs on a lever arm that turns with the hand, so its torque depends on the angle.
         expected = solve_angle(lambda angle: 3.0 * angle - WEIGHT_N * lever_m * np.cos(angle))
         assert turn == pytest.approx([-expected, 0, 0], abs=1e-5)
 
@@ -204,7 +205,8 @@ def test_gripper_holds_what_lies_between_its_jaws(share_of_capture, holds):
 
 
 def test_pads_deflect_by_force_over_stiffness():
-    """The rod hangs below the gripper's middle by the deflection of the pads. The arm itself holds still."""
+    """The middle of the rod is below the gripper's middle by the deflection of the pads, because the arm itself does
+    not yield."""
     with Scene([], [rod_at(gripper_at(), held_by_robot=True)], gripper={"stiffness_Npm": 400.0}) as scene:
         scene.step(2000)
         sag_m = scene.thing()[0] - scene.point("POINT_ROBOT_GRIPPER")
@@ -231,8 +233,8 @@ def test_robots_grip_slips_at_its_limit_and_not_before(limit_N):
 
 
 def test_robots_fixed_grip_slips_at_its_torque_limit():
-    """A hand lifts one end of the rod. The torque on the robot's grip is the lifting force times the lever arm; the
-    weight acts at the grip."""
+    """A hand lifts one end of the rod. The torque on the robot's grip is the lifting force times the lever arm. The
+    rod's weight adds nothing, because it acts at the grip."""
     at, lever_m, limit_Nm = gripper_at(), 0.12, 0.3
     hand = at + [0, lever_m, 0]
     rod = rod_at(at, held_by_robot=True, robot_grip=lib.GRIP_FIXED)
@@ -247,15 +249,15 @@ def test_robots_fixed_grip_slips_at_its_torque_limit():
 
 
 def test_a_shock_of_one_step_does_not_open_the_jaws():
-    """A sudden tug by the hand far exceeds the force limit, but lasts only a step or two. Only an overload of 5 ms
-    opens the jaws."""
+    """A sudden tug by the hand far exceeds the force limit, but lasts only one or two steps. Only an overload that
+    lasts 5 ms opens the jaws."""
     at = gripper_at()
     rod = rod_at(at, held_by_robot=True)
     with Scene([person_at(at)], [rod], gripper={"force_limit_N": 10.0, "stiffness_Npm": 1e5}) as scene:
         scene.set_gravity(0.0)
         scene.step(10)
         assert scene.grip()
-        # the hand's aim jumps: its 1.5 kg are accelerated to 0.2 m/s and stopped within two steps
+        # the hand's aim jumps: the hand of 1.5 kg reaches 0.2 m/s and stops again within two steps
         scene.aim(0, at + [0, 0, 2e-4])
         scene.step(1)
         peak_N = np.linalg.norm(scene.hand_force())
@@ -318,8 +320,8 @@ def test_rod_rests_in_its_groove(axis, along_m, ode_messages):
 @pytest.mark.parametrize(("slope_deg", "slides"), [(20, False), (60, True)])
 def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
     """With a friction coefficient of 0.6, the two sides of a V of 90 degrees resist sliding with 0.6 sqrt(2) times the
-    force that presses the rod into the V. They resist less while the rod settles, because lateral friction carries part
-    of the weight. A rod that is held creeps by 1 mm/s per N at each of its four contacts."""
+    force that presses the rod into the V. While the rod settles, they resist less, because friction across the groove
+    carries part of the weight. A rod that is held by friction creeps by 1 mm/s per N at each of its four contacts."""
     slope = Rotation.from_euler("x", slope_deg, degrees=True)
     rod, stand = rod_on_stand(HAND_M)
     stand["pose"] = (list(HAND_M - slope.apply(HAND_M - stand["pose"][0])), list(slope.as_quat(scalar_first=True)))
@@ -332,7 +334,7 @@ def test_groove_on_a_slope_holds_by_friction(slope_deg, slides):
     pull, press = np.sin(slope.magnitude()), np.cos(slope.magnitude())
     if slides:
         expected_m = 0.5 * GRAVITY_MPS2 * (pull - 0.6 * 2**0.5 * press) * duration_s**2
-        assert way_m == pytest.approx(expected_m, rel=0.15)  # without friction the distance would be twice as long
+        assert way_m == pytest.approx(expected_m, rel=0.15)  # without friction the rod would slide about twice as far
     else:
         assert way_m == pytest.approx(1e-3 * WEIGHT_N * pull / 4 * duration_s, abs=3e-5)
 
@@ -361,7 +363,7 @@ def test_rod_is_lifted_off_its_stand_with_its_weight_alone(ode_messages):
 
 
 def test_rod_in_its_groove_taken_by_both(ode_messages):
-    """Robot and person grip the rod where it lies, hold it for a while and lift it together."""
+    """Robot and person grip a rod that lies in its groove, hold it for a while and lift it together."""
     at = gripper_at()
     hand = at + [0.2, 0, 0]
     with Scene([person_at(hand)], rod_on_stand(at + [0.1, 0, 0], ALONG_X, length_m=0.32)) as scene:

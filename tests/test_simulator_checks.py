@@ -1,5 +1,5 @@
-"""The verdict on a run: no check is silently missing, no control law escapes judgement, and the last line names the
-parts that were not judged."""
+"""The verdict on a run: no check is left out silently, no control law avoids being judged, and the last line of the
+output names the parts of the run that were not judged."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_complete_script_has_all_its_checks(tmp_path, scenario):
     assert "left out" not in done.summary["reason"]
 
 
-@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the gap covers the whole second at the spot, or 0.9 s of it
+@pytest.mark.parametrize("gap_s", [1.3, 1.0])  # the gap covers all or 0.9 s of the second that is judged
 def test_check_that_could_not_be_measured_fails(tmp_path, gap_s):
     """In hold there is no target at which the arm could settle, so the check fails."""
     gap = ("--gap", f"2.4:{gap_s}")
@@ -89,7 +89,7 @@ def test_without_the_trace_only_checks_that_need_it_are_left_out(tmp_path):
 def test_an_arm_that_cannot_follow_is_not_excused(tmp_path, arguments):
     done = run(tmp_path / "out", "--scenario", "pour", *arguments)
     assert done.status == EXIT_CHECK_FAILED
-    judged = checks(done)  # either too little could be followed, or the arm did not follow what it could
+    judged = checks(done)  # fails for too little followable motion, or for following it badly
     assert not (judged["followable_share"]["pass"] and judged["followable_rms_position"]["pass"])
 
 
@@ -141,7 +141,8 @@ ROUND_A_LOOP = (0.8 - 0.8 * np.cos(2.5 * T_S), 0.5 * np.sin(2.5 * T_S), 0.6 * np
 
 @pytest.mark.parametrize(("way_m", "scale"), [(AWAY_AND_STAYING, 1), (AWAY_AND_STAYING, 0.08), (ROUND_A_LOOP, 1)])
 def test_recording_out_of_reach_reports_the_largest_scale_in_reach(tmp_path, way_m, scale):
-    """At the reported scale the target is always in reach, and at the next larger two-digit scale it is not."""
+    """At the reported scale the target is always in reach. At the next larger scale of two significant digits it is
+    not."""
     recording = moving_hand(tmp_path, *way_m)
 
     def scaled(by: float) -> Run:

@@ -64,7 +64,7 @@ def test_summary_has_the_fields_of_the_contract(tmp_path, scenario):
 
 
 def poses_of(done: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the timestamp of each HandPose, and whether it contains a pose."""
+    """Returns the timestamp of each HandPose frame, and whether the frame contains a valid pose."""
     poses = bus_log.read(done.log)["HandPose"]
     return poses.raw("t_us"), poses.raw("valid") == 1
 
@@ -139,7 +139,7 @@ def test_motion_does_not_depend_on_the_trackers_position(tmp_path, scenario):
         assert np.abs(np.sum(hand[:, 3:] * hands[0][:, 3:], axis=1)).min() > np.cos(0.5 * np.radians(0.1))
 
 
-# runs without prediction, which would compensate for the latency
+# Prediction is off in these runs, because it would compensate for the latency.
 def test_latency_delays_the_motion_and_nothing_else(tmp_path):
     early, late = (
         hand_of(run(tmp_path / str(ms), "--scenario", "teleop", *SILENT, "--param", "prediction=0", "--latency-ms", ms))
@@ -200,7 +200,8 @@ def value_of(access: bus_log.Frames) -> np.ndarray:
 
 
 def test_axes_turn_the_motion(tmp_path):
-    """A recorded motion along x moves the hand along the torso's x axis, or with -yxz along its y axis."""
+    """A recorded motion along x moves the hand along the torso's x axis, or along the torso's y axis with the option
+    --axes=-yxz."""
     recording = tmp_path / "hand.csv"
     path_m = 0.03 * np.sin(np.linspace(0, np.pi / 2, 200)) ** 2
     recording.write_text(recording_csv(*(f"{0.01 * i:.2f},{x:.6f},0,0,1,0,0,0" for i, x in enumerate(path_m))))

@@ -1,5 +1,5 @@
-"""The SLCAN code of the targets (hal/slcan) agrees with python-can's implementation and with the grammar of the
-dialect, also at its limits."""
+"""The SLCAN code of the targets (hal/slcan) agrees with python-can's implementation and with the grammar of the SLCAN
+dialect. The limits of lengths and queues are included."""
 
 from __future__ import annotations
 

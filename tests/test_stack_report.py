@@ -98,8 +98,8 @@ def symbol(image: str, folder: Path, name: str) -> int:
 
 @pytest.mark.parametrize("image", TESTED)
 def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
-    """The image uses no more stack than the bound. RAM is zero at the start, so every byte that is not zero was
-    used."""
+    """The image uses no more stack than the bound. RAM is zero at the start, so every byte of the stack that is not
+    zero at the end was used."""
     if shutil.which(IMAGES[image].emulator[0]) is None:
         pytest.skip(f"{IMAGES[image].emulator[0]} is not installed: make target-deps")
     assert report(folders, BUDGET, tmp_path / "stack.json") == 0
@@ -111,7 +111,7 @@ def test_an_image_uses_no_more_than_the_bound(folders, tmp_path, image):
     )
     bottom, middle, top = (symbol(image, folders[image], f"link_{name}") for name in names)
     assert (middle - bottom, top - middle) == tuple(bound["budget_bytes"] for bound in bounds.values())
-    # the address at which QEMU's monitor sees the stack: on the M33 the non-secure alias
+    # the stack's address in QEMU's monitor, which on the Cortex-M33 is the non-secure alias
     seen = bottom & 0x0FFFFFFF | 0x20000000 if image == "cortex-m33" else bottom
     _, dump = run(image, folders[image] / "comanip.elf", tmp_path, lambda text: text.count("\rb050") > 200,
                   monitor=f"xp /{(top - bottom) // 4}xw {seen:#x}\n")  # fmt: skip

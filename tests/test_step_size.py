@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from simulation import EXPERIMENTS, Run, experiment, shared
 
-# Allowed differences between the values of a check: 1 % of the allowed 5 N, 2 degrees in three turns, 0.02 mm, 0.1
-# degree.
+# Allowed differences of a check's value between step sizes: forces in N (1 % of the limit of 5 N), turns (2 degrees in
+# three turns), following in mm and tilt in degrees.
 AGREE = {
     "crank": {"force_rms": 0.05, "turns": 0.005},
     "mirror": {"force_rms": 0.05, "following": 0.02},
@@ -23,9 +23,9 @@ DEFAULT_US = 1000
 FINEST_US = STEPS_US[0]
 HANDS = (("hand_x_m", "hand_y_m", "hand_z_m"), ("person_x_m", "person_y_m", "person_z_m"))
 JOINTS = ("q0_rad", "q1_rad", "q2_rad", "q3_rad")
-# Allowed distance from the path at the finest step, in m. People and operator wait for events, so with steps of 2 ms a
-# grip closes up to 2 ms later, at a point of the pipe tenths of a millimetre away. This offset exceeds the error of the
-# integration itself.
+# Allowed distance from the path that results with the finest step, in m. People and operator wait for events, so with
+# steps of 2 ms a grip closes up to 2 ms later, at a point of the pipe tenths of a millimetre away. This offset exceeds
+# the error of the integration itself.
 LARGEST_M = {1000: 0.5e-3, 2000: 1.0e-3}
 LARGEST_RAD = {1000: 0.01, 2000: 0.02}  # norm over the four joints
 

@@ -1,8 +1,8 @@
 """The images for microcontrollers: what is linked into them, and what they do in an emulator.
 
-QEMU counts instructions instead of measuring time (-icount), so a second is a second of the emulated machine, however
-busy the host is. These tests show that start-up code, drivers and firmware work. They cannot show cycles, jitter or
-electrical behaviour."""
+QEMU counts instructions instead of measuring time (-icount), so a second in these tests is a second of the emulated
+machine, however busy the host is. These tests show that start-up code, drivers and firmware work. They cannot show
+cycles, jitter or electrical behaviour."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ def target_build():
     return REPOSITORY / "build" / "target"
 
 
-# One image with a floating-point unit and one without. `make test-images` tests all of them.
+# By default, one image for a processor with a floating-point unit and one for a processor without. `make test-images`
+# tests all images that use the serial line.
 TESTED = SERIAL if os.environ.get("ALL_IMAGES") else ["cortex-m4f", "rv32imac"]
 
 
@@ -91,7 +92,8 @@ def test_no_heap_no_stdio_no_libm_and_no_double(elf, image):
 
 
 def test_forbidden_functions_would_be_found(target_build, image, tmp_path):
-    """The same toolchain, flags and check find all forbidden functions in a program that calls them."""
+    """In a program that calls forbidden functions, built with the same toolchain and processor flags, the check finds
+    all of them."""
     source = tmp_path / "program.c"
     source.write_text("""
         #include <math.h>
@@ -431,8 +433,8 @@ PORT_FAULTS = """
 
 
 def test_the_port_counts_its_faults(image, target_build, tmp_path):
-    """The port counts the faults caused by a tick in which 200 frames are sent and 8 ms pass, and by two malformed
-    lines."""
+    """The port counts the faults of a tick in which the program sends 200 frames and takes 8 ms, and two malformed
+    lines that it receives."""
     elf = planted(image, tmp_path, PORT_FAULTS)
     text, _ = run(
         image, elf, tmp_path, lambda t: re.search("b1249.*\r", t) is not None, b"garbage\rb2019" + b"0" * 5 + b"\r"
@@ -441,7 +443,7 @@ def test_the_port_counts_its_faults(image, target_build, tmp_path):
     data = bytes.fromhex(re.search("b1249([0-9A-F]{24})\r", text)[1])
     refused, lost, missed, longest_us, bus_off = struct.unpack("<5H", data[:10])
     ticks = ticks_us(text)
-    assert ticks.count(50000) == 1 + 200 - refused  # the loop itself sends one
+    assert ticks.count(50000) == 1 + 200 - refused  # one of them is sent by the loop itself
     assert refused in (127, 128)  # 1,023 bytes hold 73 lines of 14 bytes, one of which may be the loop's own
     assert lost == 2
     resumed = 50000 + 1000 * (missed + 1)

@@ -51,7 +51,7 @@ def quiet(**changes):
 
 def play(dbc, motion, tracker_options, duration_s=2.0, step_ns=TICK_NS):
     """Returns poses, statuses and statistics of a run. Each frame is paired with the time in ns at which it ends on the
-    bus. The tracker gets the hand's pose of each tick that has started."""
+    bus. At the start of each tick, the tracker is given the hand's pose."""
     frames = []
 
     @ffi.callback("bus_handler_t")
@@ -105,8 +105,8 @@ def test_marker_is_measured_in_the_mounted_trackers_frame(dbc):
 
 
 def test_default_mount_is_the_papers(dbc):
-    """The default mount is that of equation (9), in which q_Tv^E = q(x, -pi/2) rotates the tracker's axes back to the
-    torso's."""
+    """The default mount is that of equation (9) of the paper, in which q_Tv^E = q(x, -pi/2) rotates the tracker's axes
+    back to the torso's."""
     poses, *_ = play(dbc, legs(), quiet(), duration_s=2)
     position_m, _ = vectors(poses)
     moved_m = Rotation.from_euler("x", 90, degrees=True).apply(position_m[-1] - position_m[0])
@@ -151,9 +151,9 @@ def test_hand_out_of_sight_is_invalid(dbc):
 
 @pytest.mark.parametrize("latency_s", [0.0, 0.0005, 0.5])
 def test_hand_is_measured_between_the_ticks(dbc, latency_s):
-    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated or, without latency, extrapolated by less
-    than a tick. Either error is at most f'' h^2 for a displacement f, with h = 1 ms, plus half a micrometre of
-    resolution."""
+    """Samples at 333 Hz fall between ticks of 1 ms. They are interpolated between the ticks or, without latency,
+    extrapolated by less than a tick. The error of either is at most f'' h^2 for a displacement f, with h = 1 ms, plus
+    half a micrometre of resolution."""
     poses, *_ = play(
         dbc,
         legs(turn_rad=(0, 0, 0)),
@@ -207,7 +207,8 @@ def test_out_of_range_is_invalid_and_counted(dbc):
     beyond = 20 * (10 * x**3 - 15 * x**4 + 6 * x**5) > 8.3886075
     assert [not pose["valid"] for _, pose in poses] == beyond.tolist()
     assert statistics.range_errors == statistics.lost == beyond.sum()
-    # The last status is due at 1.98 s. It counts the pose measured 4 ms earlier, which is due at the same time.
+    # The last status is due at 1.98 s. It already counts the pose that was measured 4 ms (the latency) earlier, because
+    # that pose is sent at the same time.
     assert status[-1][1]["range_errors"] == np.count_nonzero(beyond[: 1976 // 4 + 1])
 
 

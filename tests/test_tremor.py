@@ -27,7 +27,8 @@ def sample(rms_m: float, times_s: np.ndarray, seed: int = 1, name: bytes = b"per
 
 
 def band_rms(displacement: np.ndarray, interval_s: float, low_hz: float, high_hz: float) -> float:
-    """Returns the RMS over all axes within the band, through a Hann window, in the unit of the displacement."""
+    """Returns the RMS over all axes within the frequency band, computed with a Hann window, in the unit of the
+    displacement."""
     count = len(displacement)
     window = np.hanning(count)[:, None]
     power = np.abs(np.fft.rfft(displacement * window, axis=0)) ** 2
@@ -81,7 +82,7 @@ def rest_rms_mm(path: Path) -> np.ndarray:
 
 @pytest.mark.skipif(not RECORDINGS.is_dir(), reason="the recordings are not available")
 def test_default_is_within_the_range_of_recorded_hands():
-    """The hands were recorded nearly at rest with markers, so the recorded amplitudes include the measurement noise."""
+    """The hands were recorded with markers, so the recorded amplitudes include the noise of the measurement."""
     rms_mm = {name: rest_rms_mm(RECORDINGS / f"{name}.csv") for name in HANDS}
     for name, values in rms_mm.items():
         low, middle, high = values.min(), np.median(values), values.max()

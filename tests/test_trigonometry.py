@@ -15,8 +15,8 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 
 def angles(rng) -> np.ndarray:
-    """Returns random angles over the whole range, and angles next to the border of every octant, where the reduction
-    switches."""
+    """Returns random angles over the whole range, and angles next to the border of every octant, where the range
+    reduction switches to the next octant."""
     limit = np.float32(lib.TRIGONOMETRY_MAX_RAD)
     borders = np.arange(-81, 82) * (np.pi / 4)
     near = [(borders + offset).astype(np.float32) for offset in (0, 1e-7, -1e-7, 1e-6, -1e-6, 1e-5, -1e-5)]

@@ -35,8 +35,8 @@ NAMES_A_LOSS = {"drive_silent", "drive_error"}
 
 @pytest.fixture(scope="module")
 def waving(tmp_path_factory) -> str:
-    """Writes a scenario in which the hand moves all the time. Its operator starts so late that the test can operate
-    instead."""
+    """Writes a scenario in which the hand moves all the time. The scenario's operator sends its commands so late that
+    the test can take the operator's place."""
     text = PLAIN.read_text()
     to_and_fro = [f"      - {{do: move, to_m: [{0.03 * (i % 2)}, 0, 0], duration_s: 0.5}}\n" for i in range(38)]
     before, rest = text.split("    program:\n")
@@ -68,7 +68,8 @@ def begin(bus: Bus, scenario: str, *options: object) -> tuple[subprocess.Popen, 
 
 
 def cooperate(bus: Bus) -> None:
-    """Waits until the arm cooperates and moves. Repeats a start that failed because the machine was busy."""
+    """Starts the arm and waits until it cooperates and moves. Starts it again if it leaves the mode cooperating because
+    the machine was busy."""
     bus.wait_mode("ready", "fault", start=len(bus.frames))
     while True:
         rearm(bus)
@@ -157,8 +158,8 @@ def test_each_process_names_its_bus(together):
 
 
 def test_the_plants_log_matches_the_bus(together):
-    """If the kernel passes the plant's own frames back to it, the log is in bus order. Otherwise only the frames of
-    each id are in order."""
+    """If the kernel returns the plant's own frames to the plant, the plant's log has the order of the bus. Otherwise
+    only the frames of each id are in this order."""
     folder, seen, _, _ = together
     logged = [(frame.frame_id, frame.data) for frame in logged_frames(folder / "plant" / "bus.log")]
     tapped = [(frame.frame_id, frame.data) for frame in seen]
@@ -292,7 +293,7 @@ def require_brake_after_timeout(bus: Bus, start: int) -> None:
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
         late = [state for state in states if str(state["error"]) == "command_timeout"]
         assert len(late) > 1
-        # the first state with this error still reports the mode before the timeout
+        # the first JointState with this error still contains the mode before the timeout
         assert {str(state["mode"]) for state in late[1:]} == {"brake"}
 
 
@@ -371,7 +372,7 @@ def test_a_hub_in_a_folder_that_others_may_write_to_is_not_trusted(tmp_path, pro
 
 
 def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
-    """When a test firmware that stops looping is linked to the port, its process ends and reports why."""
+    """If firmware that hangs in an endless loop is linked to the port, the watchdog ends its process with a message."""
     main = tmp_path / "hanging.c"
     main.write_text(
         '#include "hal/hal.h"\n#include "firmware/main.h"\n'

@@ -91,8 +91,8 @@ def pour(water, degrees, direction_rad=0.0, tilt_s=2.0, hold_s=1.0, step_s=TICK_
 
 
 def shell_distance(cup, points) -> np.ndarray:
-    """Returns the distance of each point from the shell's surface, (n,), computed from 40000 samples of the shell's
-    centre line in the half-plane of the point."""
+    """Returns the distance of each point from the shell's surface, (n,). The distance is computed from 40,000 points on
+    the centre line of the shell's profile."""
     half = cup["wall_m"] / 2
     outer = cup["radius_m"] + half
     t = np.linspace(0.0, 1.0, 20000)
@@ -137,7 +137,7 @@ def test_inner_size_matches_the_cup():
 @pytest.mark.parametrize(
     ("rho_mm", "z_mm", "inside", "left"),
     [
-        # on the axis; at the inner edge of the rim; within the wall, which counts neither as inside nor as having left
+        # on the axis; at the inner edge of the rim; within the wall, where a particle is neither inside nor has left
         (0, 20, True, False), (25, 45, True, False), (25.1, 20, False, False),
         (27.1, 44.9, False, True), (27.1, 45.1, False, False),  # outside the wall: has left if below the rim
         (0, 56.9, False, False), (0, 57.1, False, True), (0, -11.9, False, False), (0, -12.1, False, True),
@@ -228,8 +228,8 @@ def test_nothing_bounces():
 
 
 def test_energy_never_grows_in_a_still_cup():
-    """After the cup has stopped abruptly from 0.16 m/s, the energy does not grow, except that contacts may store and
-    return 1 % of the heap's potential energy."""
+    """After the cup has stopped abruptly from 0.16 m/s, the energy does not grow, apart from 1 % of the heap's
+    potential energy, which contacts may store and return."""
     with water_in(CUP, 72) as water:
         for i in range(1, 101):
             water.step(START_M + [0.005 * np.sin(np.pi * i / 100), 0.0, 0.0])
@@ -248,8 +248,8 @@ def test_energy_never_grows_in_a_still_cup():
 
 
 def test_nothing_leaks_from_a_shaken_cup():
-    """Water stays in a cup that is shaken sideways and vertically with peaks of 0.3 m/s and 5 m/s^2, which is below 1
-    g."""
+    """Water stays in a cup that is shaken sideways and vertically with peaks of 0.3 m/s and 5 m/s^2, less than the
+    acceleration of gravity."""
     speed, acceleration = 0.3, 5.0
     omega = acceleration / speed
     with water_in(CUP, 50) as water:
@@ -347,7 +347,8 @@ def test_spilt_water_stays_where_it_fell():
 
 
 def test_step_size_does_not_matter():
-    """The share poured at steps of 0.5, 1 and 2 ms, as the mean of four directions, agrees within 6 % of the water."""
+    """The share of the water that is poured, as the mean of four directions, differs by less than 6 percentage points
+    between steps of 0.5, 1 and 2 ms."""
     shares = []
     for step_s in (0.5e-3, 1e-3, 2e-3):
         poured = []
