@@ -1,9 +1,9 @@
-"""Measures how closely the end effector follows the person's hand, with various recordings, trackers and followers.
+"""Measures how closely the end effector follows the person's hand, for various recordings, trackers and followers.
 
 ``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
 DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
-all criteria passed, or nothing was measured because the default folder of recordings is missing; 1 a criterion failed,
-2 wrong use, 130 interrupted.
+if all criteria passed, or if nothing was measured because the default folder of recordings is missing; 1 if a criterion
+failed; 2 for wrong use; 130 if interrupted.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PRINT_EVERY_S = 10.0
 
 
 class Progress:
-    """Prints the progress about every PRINT_EVERY_S and at the end."""
+    """Prints the progress about every PRINT_EVERY_S seconds and at the end."""
 
     def __init__(self, what: str, count: int) -> None:
         self._what, self._count, self._done, self._printed_s = what, count, 0, time.monotonic()
@@ -64,11 +64,12 @@ def _interrupts_postponed() -> Iterator[None]:
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
-    """Calls each (function, argument, ...) in `work` in a worker process and stores the (key, value) that it
-    returns."""
+    """Calls each (function, argument, ...) in `work` in a worker process and stores the (key, value) that
+    the function returns."""
     work = list(work)
     progress = Progress(what, len(work))
-    # A forked worker would hang if another thread held a lock, such as the allocator's, at the moment of the fork.
+    # Workers are spawned, because a forked worker would hang if another thread held a lock, such as the allocator's, at
+    # the moment of the fork.
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, spawn) as pool:
         try:
