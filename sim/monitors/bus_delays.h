@@ -22,11 +22,11 @@ typedef struct {
 void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t tracker_us);
 void bus_delays_tracker(bus_delays_t *self, const tracker_status_t *status);
 
-/* All times are on the firmware's clock. */
+/* Add a JointCmd and a TickTrace. All times are on the firmware's clock. */
 void bus_delays_command(bus_delays_t *self, uint32_t end_us);
 void bus_delays_trace(bus_delays_t *self, const tick_trace_t *trace);
 
-/* Return the latency that the tracker reports or a mean delay, in ms; NaN without data. */
+/* Return the latency that the tracker reports, and the mean delays of poses and commands, in ms; NaN without data. */
 double bus_delays_tracker_ms(const bus_delays_t *self);
 double bus_delays_pose_ms(const bus_delays_t *self); /* delay on the bus, without the tracker's latency */
 double bus_delays_command_ms(const bus_delays_t *self);

@@ -1,5 +1,6 @@
 /* Measures how well the end effector in ODE follows the target of Algorithm 1: statistics over all ticks in
- * cooperation, and over the ticks in which the arm could follow. Both poses are taken at the same instant. */
+ * cooperation, and over the ticks in which the arm could follow. Target and end effector are compared at the same
+ * instant. */
 #ifndef COMANIP_SIM_TRACKING_H
 #define COMANIP_SIM_TRACKING_H
 
