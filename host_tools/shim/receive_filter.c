@@ -36,7 +36,7 @@ static void emit_filter(program_t *self, const struct can_filter *filter, bool w
     const bool is_inverted = (filter->can_id & CAN_INV_FILTER) != 0;
     uint32_t mask = filter->can_mask & ~CAN_ERR_FLAG;
     if ((mask & CAN_EFF_FLAG) != 0 && (filter->can_id & CAN_EFF_FLAG) == 0) {
-        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* a standard id has 11 bits; the kernel does so too */
+        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* 11 bits of id; the kernel applies the same mask */
     }
     const bool ends_if_equal = is_inverted != when_matching;
     emit_masked_id(self, mask);

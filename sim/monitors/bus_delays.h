@@ -13,7 +13,7 @@ typedef struct {
     double pose_age_us; /* sum of the times from the stamp of a HandPose to the end of its frame */
     double command_us;  /* sum of the times from the firmware's tick to the end of its JointCmd */
     bool has_latency;
-    double reported_latency_us; /* latency reported in TrackerStatus, from a pose's stamp to its frame */
+    double reported_latency_us; /* time from measurement to frame, as reported in TrackerStatus */
     bool has_command;
     uint32_t command_end_us;
 } bus_delays_t;

@@ -5,7 +5,7 @@
  *   value of the last tick, as do held and water_caught. water_caught is a share of all particles that left the cup and
  *   did not fall back into it.
  * - For flow_while_moving, a hand counts as moving if its mean velocity over the last 0.2 s exceeds 5 mm/s. Tremor can
- *   reach this speed, but averages out.
+ *   reach this speed, but its mean over 0.2 s is small.
  * - drops counts each OBJECT.dropped (held by nobody for 20 ms, see scene.h), and each robot.lost or PERSON.lost that
  *   the holder of the object raises. An object that slips out and then falls counts twice.
  * - carried_for is the total time in which both robot and person hold the object.

@@ -167,7 +167,7 @@ def _report(
 def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.recordings
     if not folder.is_dir() and folder != RECORDINGS_FOLDER:
-        raise CampaignError(f"{folder}: no such folder: expected one with recordings (docs/recordings.md)")
+        raise CampaignError(f"{folder}: no such folder: expected a folder of recordings (docs/recordings.md)")
     if not folder.is_dir():
         print(
             f"comanip_dev.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); "
@@ -176,7 +176,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     paths, unseen = recordings(folder)
     if not paths:
-        raise CampaignError(f"{folder}: no recordings: expected CSV files of docs/recordings.md")
+        raise CampaignError(f"{folder}: no recordings: expected CSV files as in docs/recordings.md")
     choice = QUICK if arguments.quick else FULL
     if arguments.quick:
         known = [path for path in paths if path.stem in plan.QUICK_RECORDINGS]
@@ -203,7 +203,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
     parser.add_argument(
-        "--quick", action="store_true", help="four recordings, the judged conditions only, no other programs"
+        "--quick", action="store_true", help="only four recordings and the judged conditions, and no other programs"
     )
     parser.add_argument(
         "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)"
