@@ -21,7 +21,8 @@ bool hub_init(hub_t *self, const char *bus) {
     return self->epoll_fd >= 0;
 }
 
-/* index: index of a client, or HUB_MAX_CLIENTS plus the index of a listener. */
+/* Calls epoll_ctl(). index: identifies fd in later events; index of a client, or HUB_MAX_CLIENTS plus the index of a
+ * listener. */
 static bool watch(const hub_t *self, int operation, int fd, uint32_t index, uint32_t events) {
     struct epoll_event event = {.events = events, .data.u32 = index};
     return epoll_ctl(self->epoll_fd, operation, fd, &event) == 0;

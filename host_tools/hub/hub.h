@@ -24,8 +24,8 @@ typedef enum {
 /* A kind of client. None of the functions blocks. */
 typedef struct {
     const char *name;
-    /* Called for a new client, to which no frames are sent until the endpoint sets is_listening. NULL: frames are sent
-     * to the client at once. */
+    /* Called for a new client, to which no frames are sent until the endpoint sets is_listening. If greet is
+     * NULL, frames are sent from the start. */
     client_result_t (*greet)(const client_t *client);
     client_result_t (*read)(hub_t *hub, client_t *client);
     /* Sends the frames from client->position on, up to the journal's end at most, and advances client->position. */
@@ -43,7 +43,7 @@ struct client {
     bool may_send;
     bool is_full;
     uint64_t refused;  /* number of malformed packets or commands */
-    uint64_t silenced; /* number of frames from a client that may not send */
+    uint64_t silenced; /* number of frames not forwarded, because may_send is false */
     uint64_t left_out; /* number of frames that the client's protocol cannot carry */
 };
 
@@ -71,7 +71,7 @@ bool hub_init(hub_t *self, const char *bus);
 bool hub_listen(hub_t *self, int listen_fd, const endpoint_t *endpoint, bool may_send);
 
 /* Adds a client with a connected, non-blocking socket. If there are already HUB_MAX_CLIENTS, prints a message, closes
- * the socket and returns NULL. */
+ * the socket and returns NULL. Also returns NULL if the client has already disconnected. */
 client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool may_send);
 
 /* Accepts the clients that are waiting. Endpoints call this after reading packets and before hub_receive(), so that a

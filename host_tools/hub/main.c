@@ -18,7 +18,7 @@
 #define EXIT_WRONG_USE 2
 #define ERROR_BYTES 512
 #define STEP_MS 100
-#define FLUSH_STEPS 2000 /* steps of about 1 ms at the end, in which clients can read the remaining frames */
+#define FLUSH_STEPS 2000 /* largest number of steps of 1 ms at the end, for clients to read the last frames */
 
 static const char usage[] =
     "comanip-hub: a CAN bus for the processes on this machine, without CAN in the kernel\n"
@@ -69,7 +69,7 @@ static bool parse_port(const char *text, int *port) {
     return *port <= 65535;
 }
 
-/* Returns the exit status, or -1 if the program should run. */
+/* Parses the arguments. Returns an exit status if the program should end at once, else -1. */
 static int parse_options(options_t *self, int argc, char *argv[]) {
     static const struct option table[] = {{"bus", required_argument, NULL, 'b'},
                                           {"socketcand", required_argument, NULL, 's'},

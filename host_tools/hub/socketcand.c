@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORDS_MAX (3 + CANFD_MAX_DLEN + 1) /* one more than the longest command has */
+#define WORDS_MAX (3 + CANFD_MAX_DLEN + 1) /* one word more than the longest command has */
 #define STANDARD_ID_DIGITS 3
 
 static const socketcand_command_t malformed = {.kind = SOCKETCAND_MALFORMED};

@@ -17,7 +17,7 @@ int unix_endpoint_open(const char *path, char error[], size_t error_size) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     memcpy(address.sun_path, path, strnlen(path, HUB_PATH_BYTES - 1));
     const int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    (void)unlink(path); /* an old socket is that of a killed hub: the lock ensures that no other hub is running */
+    (void)unlink(path); /* left behind by a killed hub: the lock ensures that no other hub is running */
     const mode_t mask = umask(S_IRWXG | S_IRWXO);
     const bool is_open =
         fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0 && listen(fd, HUB_MAX_CLIENTS) == 0;
@@ -76,7 +76,7 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
         }
         const int sent = count > 0 ? sendmmsg(client->fd, message, count, MSG_DONTWAIT | MSG_NOSIGNAL) : 0;
         if (sent < 0 && errno == EPIPE) {
-            client->is_listening = false; /* the client only sends; if it has disconnected, read() reports that */
+            client->is_listening = false; /* the client does not receive; if it has left, read_frames() finds out */
             return CLIENT_GOES_ON;
         }
         if (sent < 0) {

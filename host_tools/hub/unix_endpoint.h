@@ -7,8 +7,8 @@
 
 extern const endpoint_t unix_endpoint;
 
-/* Opens a listening socket at the path and replaces an existing one. Only the owner can access the socket. Returns its
- * descriptor, or -1 with one line in `error`. */
+/* Opens a listening socket at the path and replaces an existing one. Only the owner can access the socket. Returns the
+ * descriptor of the socket, or -1 with one line in `error`. */
 int unix_endpoint_open(const char *path, char error[], size_t error_size);
 
 #endif

@@ -70,7 +70,7 @@ int can_socket_bind(can_socket_t *self, unsigned index) {
         return -1;
     }
     index = is_any ? interface_only() : index;
-    if (index != 0 || !is_any || !receives_nothing) { /* a socket that only sends may choose an interface per frame */
+    if (index != 0 || !is_any || !receives_nothing) { /* otherwise, each frame sent names its interface */
         if (receive_filter_attach(&self->filter, self->fd) != 0 || !connect_to(self->fd, index)) {
             return -1;
         }
@@ -121,7 +121,7 @@ static int set_filters(receive_filter_t *self, const void *value, socklen_t leng
     return 0;
 }
 
-/* Returns the flag for an option whose value is an int, or NULL if there is no such option. */
+/* Returns the flag that this option sets, or NULL if the option is not a flag. */
 static bool *find_flag(can_socket_t *self, int name) {
     return name == CAN_RAW_LOOPBACK        ? &self->loopback
            : name == CAN_RAW_RECV_OWN_MSGS ? &self->receives_own
@@ -156,7 +156,7 @@ int can_socket_set_option(can_socket_t *self, int name, const void *value, sockl
 }
 
 int can_socket_get_option(const can_socket_t *self, int name, void *value, socklen_t *length) {
-    can_socket_t copy = *self; /* for find_flag(), which returns a writable pointer */
+    can_socket_t copy = *self; /* writable, as find_flag() requires */
     const bool *flag = find_flag(&copy, name);
     const int number = flag != NULL ? *flag : (int)self->filter.errors;
     const void *from = name == CAN_RAW_FILTER ? (const void *)self->filter.filter : &number;

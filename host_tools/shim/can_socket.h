@@ -30,7 +30,7 @@ can_socket_t *can_socket_find(int fd);
 
 void can_socket_forget(can_socket_t *self);
 
-/* Connects to the hub of the interface. index: 0 for the only hub. Returns 0, or -1 with errno. */
+/* Connects the socket to the hub of the interface. index: 0 for the only hub. Returns 0, or -1 with errno. */
 int can_socket_bind(can_socket_t *self, unsigned index);
 
 /* Returns the descriptor through which a frame must be sent to the interface, or -1 with errno. index: 0 for the

@@ -42,8 +42,8 @@ char *if_indextoname(unsigned index, char name[IF_NAMESIZE]) {
     return ours != NULL ? strcpy(name, ours) : next_if_indextoname(index, name);
 }
 
-/* Answers a request about a hub. Returns false for other requests and other interfaces, which are left to the kernel.
- */
+/* Answers an ioctl() request about the interface of a hub. Returns false for other requests and other interfaces: the
+ * kernel answers these. */
 static bool answer(unsigned long request, struct ifreq *interface) {
     if (request == SIOCGIFNAME) {
         const char *name = interface_name((unsigned)interface->ifr_ifindex);

@@ -30,13 +30,13 @@ static void emit_return(program_t *self, uint32_t verdict) {
     emit(self, BPF_RET | BPF_K, 0, 0, verdict);
 }
 
-/* Emits code that returns the verdict for ids that match the filter (when_matching) or for ids that do not
- * (!when_matching). */
+/* Emits code that returns the verdict for ids that match the filter or, if when_matching is false, for ids that do
+ * not. */
 static void emit_filter(program_t *self, const struct can_filter *filter, bool when_matching, uint32_t verdict) {
     const bool is_inverted = (filter->can_id & CAN_INV_FILTER) != 0;
     uint32_t mask = filter->can_mask & ~CAN_ERR_FLAG;
     if ((mask & CAN_EFF_FLAG) != 0 && (filter->can_id & CAN_EFF_FLAG) == 0) {
-        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* a standard id has 11 bits; the kernel does the same */
+        mask &= CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG; /* 11 bits of id; the kernel applies the same mask */
     }
     const bool ends_if_equal = is_inverted != when_matching;
     emit_masked_id(self, mask);

@@ -110,7 +110,7 @@ bool bus_send(bus_t *self, int node_number, const can_frame_t *frame, int64_t re
 typedef struct {
     int node;              /* negative: no frame is ready */
     int index;             /* index into the node's `order` */
-    int64_t next_ready_ns; /* if no frame is ready: when the next one will be; INT64_MAX: none is queued */
+    int64_t next_ready_ns; /* if no frame is ready: time at which one will be; INT64_MAX: no frame is queued */
 } arbitration_t;
 
 /* Selects the lowest id among the ready frames. If two nodes send the same id, which a real bus forbids, the node with

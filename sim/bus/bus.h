@@ -1,6 +1,6 @@
 /* The bus that the simulated nodes share. bus.c is a deterministic CAN bus in virtual time, with arbitration by id,
- * exact frame durations (1/5 Mbit/s; classic 1 Mbit/s) and bounded queues. live_bus.c is a real bus in real time
- * (live_bus.h).
+ * exact frame durations (CAN FD 1/5 Mbit/s, classic CAN 1 Mbit/s) and bounded queues. live_bus.c is a real bus in real
+ * time (live_bus.h).
  *
  * A node queues each frame together with the time at which it is ready to be sent. bus_run_until() runs the bus up to a
  * given time and delivers each frame, at its end, to the listeners and to every other node. Times are in ns since the
@@ -47,7 +47,7 @@ void bus_listen(bus_t *self, bus_handler_t handler, void *context);
  * encode. */
 bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns);
 
-/* Transmits every frame that starts before time_ns. A frame still on the wire at time_ns is delivered in the next
+/* Transmits every frame that starts before time_ns. A frame still on the wire at time_ns is delivered by the next
  * call. */
 void bus_run_until(bus_t *self, int64_t time_ns);
 

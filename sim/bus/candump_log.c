@@ -61,7 +61,7 @@ void candump_log_write(candump_log_t *self, const can_frame_t *frame, int64_t en
     *end++ = hex[(frame->id >> 8) & 0xFU];
     *end++ = hex[(frame->id >> 4) & 0xFU];
     *end++ = hex[frame->id & 0xFU];
-    end = frame->fd ? put_text(end, "##1", 3) : put_text(end, "#", 1); /* CAN FD; flag 1 is the bit rate switch */
+    end = frame->fd ? put_text(end, "##1", 3) : put_text(end, "#", 1); /* ##1: CAN FD with bit rate switch */
     for (int i = 0; i < frame->length; i++) {
         *end++ = hex[frame->data[i] >> 4];
         *end++ = hex[frame->data[i] & 0xFU];

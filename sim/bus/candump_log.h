@@ -14,7 +14,7 @@ typedef struct candump_log candump_log_t;
  * names the file and the cause. */
 candump_log_t *candump_log_open(const char *path, char error[], size_t error_size);
 
-/* Adds a frame. end_ns: time of its end on the clock that stamps the log (bus_epoch_ns()). The interface is always
+/* Adds a frame. end_ns: end of the frame on the clock that stamps the log (bus_epoch_ns()). The interface is always
  * logged as vcan0. Write errors are reported by candump_log_close(). */
 void candump_log_write(candump_log_t *self, const can_frame_t *frame, int64_t end_ns);
 

@@ -37,8 +37,8 @@ static bool connect_hub(hub_publisher_t *self, const char *bus, char error[], si
     return true;
 }
 
-/* Runs in the child process. The hub gets its own process group, so that Ctrl-C does not stop it before this
- * program. */
+/* Runs in the child process. The hub gets its own process group, so that Ctrl-C does not stop the hub before
+ * the simulator. */
 static void become_hub(const char *program, const char *bus) {
     const int null_fd = open("/dev/null", O_WRONLY);
     (void)setpgid(0, 0);
@@ -115,7 +115,7 @@ void hub_publisher_close(hub_publisher_t *self) {
     }
     if (self->hub > 0) {
         (void)kill(self->hub, SIGTERM);
-        (void)kill(self->hub, SIGCONT); /* a stopped process would not handle SIGTERM */
+        (void)kill(self->hub, SIGCONT); /* a hub that SIGSTOP has stopped would not handle SIGTERM */
         (void)waitpid(self->hub, NULL, 0);
         self->hub = 0;
     }

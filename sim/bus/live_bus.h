@@ -1,10 +1,10 @@
 /* Implements bus.h on a real bus in real time: frames of the nodes are sent through a socket, and frames from the
- * socket are delivered to the nodes. The real bus arbitrates and determines the frame durations. A program links this
- * file in place of bus.c.
+ * socket are delivered to the nodes. The real bus arbitrates and determines the frame durations. A program links
+ * live_bus.c in place of bus.c.
  *
  * Time is wall time since live_bus_start(), divided by the time scale. bus_run_until() returns at the given time and,
  * until then, delivers each frame as it arrives. The nodes' own frames are delivered when the bus echoes them, in bus
- * order and with the kernel's timestamps; a hub does not echo, so there they are delivered when they are sent. A run
+ * order and with the kernel's timestamps; a hub does not echo, so on a hub they are delivered when they are sent. A run
  * that falls behind catches up tick by tick and counts the late ticks; if it falls more than 200 ms behind, its clock
  * is set back instead. */
 #ifndef COMANIP_SIM_LIVE_BUS_H

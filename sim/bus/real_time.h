@@ -1,5 +1,5 @@
-/* A bus listener that keeps simulated time from running ahead of real time. After each frame, it waits until the wall
- * clock reaches the frame's end time. */
+/* A bus listener that keeps simulated time from running ahead of real time. After each frame, the listener waits until
+ * the wall clock reaches the frame's end time. */
 #ifndef COMANIP_SIM_REAL_TIME_H
 #define COMANIP_SIM_REAL_TIME_H
 

@@ -1,5 +1,5 @@
 /* Named events of a run: steps that the people or the operator have finished, and grips made or lost. Scripts wait for
- * events, checks are measured between them, and plots are labelled with them. A name is "ACTOR.WHAT", for example
+ * events, checks are measured between events, and plots are labelled with them. A name is "ACTOR.WHAT", for example
  * "person.at_spot_1". */
 #ifndef COMANIP_SIM_EVENTS_H
 #define COMANIP_SIM_EVENTS_H

@@ -1,5 +1,5 @@
-/* Return the DBC's names of modes, reasons, results, commands, tasks and CAN states, or "unknown" for a number that the
- * DBC does not name. */
+/* These functions return the DBC's names of modes, reasons, results, commands, tasks and CAN states, or "unknown" for a
+ * number that the DBC does not name. */
 #ifndef COMANIP_SIM_NAMES_H
 #define COMANIP_SIM_NAMES_H
 

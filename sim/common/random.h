@@ -1,5 +1,5 @@
-/* Seeded random numbers. Each user draws from its own stream, so adding a user does not change the numbers that the
- * others get. */
+/* Seeded random numbers. Each part of the simulator draws from its own stream, so adding a part does not change the
+ * numbers that the others get. */
 #ifndef COMANIP_SIM_RANDOM_H
 #define COMANIP_SIM_RANDOM_H
 

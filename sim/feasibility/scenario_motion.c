@@ -25,7 +25,8 @@ static double length_m(const double v[3]) {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* peak: ratio of the peak speed to the mean speed. */
+/* Checks the speed of the hand in a step. path_m: length of the path. peak: ratio of the peak speed to the mean
+ * speed. */
 static bool check_speed(const motion_t *self, size_t step_index, const person_step_t *step, double path_m,
                         double peak) {
     const double speed_mps = peak * path_m / step->duration_s;

@@ -43,7 +43,7 @@ typedef struct {
     convex_shape_t shape;
     solid_kind_t kind;
     char name[NAME_BYTES];
-    char key[KEY_BYTES]; /* key of the scenario file that sets its position */
+    char key[KEY_BYTES]; /* key in the scenario file that sets the solid's position */
     const double *value; /* value of that key */
     size_t value_count;
 } solid_t;
@@ -154,8 +154,8 @@ static bool check_pairs(const solids_t *self, const scenario_t *scenario, char e
     return true;
 }
 
-/* Places the bodies in their start poses. The water is left out, because it is inside its cup and takes long to
- * settle. */
+/* Places the bodies in their start poses. The water is left out, because it is inside the cup and would take long
+ * to settle. */
 static bool place_bodies(bodies_t *bodies, const scenario_t *scenario) {
     scenario_t *dry = malloc(sizeof *dry);
     scene_t *scene = NULL;

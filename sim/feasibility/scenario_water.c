@@ -25,8 +25,8 @@ static bool check_volume(const scenario_t *self, char error[], size_t error_size
     return true;
 }
 
-/* Checks that no water spills while it settles. Even a smaller volume may overflow, because the particles heap up and
- * the cup may be tilted. */
+/* Checks that no water spills while it settles. Even water that check_volume() accepts may overflow, because the
+ * particles heap up and the cup may be tilted. */
 static bool check_settled(const scenario_t *self, char error[], size_t error_size) {
     events_t events = self->events;
     scene_t *scene = scene_create(self, &events);

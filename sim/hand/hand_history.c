@@ -6,7 +6,7 @@
 
 typedef struct {
     int64_t time_ns;
-    rigid_pose_t pose; /* the quaternion has the sign that is closer to the previous entry */
+    rigid_pose_t pose; /* of q and -q, the quaternion is the one closer to the previous entry */
     bool visible;
 } entry_t;
 

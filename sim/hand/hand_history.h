@@ -21,7 +21,7 @@ void hand_history_push(hand_history_t *self, int64_t time_ns, const rigid_pose_t
 
 /* Sets pose to the hand's pose at time_ns, interpolated linearly in position and spherically in rotation, or
  * extrapolated by at most one tick beyond the newest pose. Returns false, leaving pose invalid, if time_ns is before
- * the oldest pose or if the hand was not visible in a pose that the result depends on. */
+ * the oldest pose or if the hand was not visible in a pose used for the result. */
 bool hand_history_sample(const hand_history_t *self, int64_t time_ns, rigid_pose_t *pose);
 
 #endif

@@ -6,8 +6,8 @@
 #include "../common/rigid_pose.h"
 
 typedef struct {
-    rigid_pose_t from, to; /* the quaternion of `to` has the sign that is closer to `from` */
-    double bow_m[3];       /* offset of the midpoint from the straight line */
+    rigid_pose_t from, to; /* of q and -q, the quaternion of `to` is the one closer to `from` */
+    double bow_m[3];       /* offset of the path's midpoint from the straight line */
     double begin_s, duration_s;
 } hand_path_t;
 

@@ -1,4 +1,5 @@
-/* Plays a section of a recording. The hand repeats the recorded displacement, starting from its current pose. */
+/* Plays a section of a recording. The hand repeats the recorded motion, starting from the pose at which the playback
+ * begins. */
 #ifndef COMANIP_SIM_PLAYBACK_H
 #define COMANIP_SIM_PLAYBACK_H
 
@@ -21,9 +22,9 @@ void playback_begin(playback_t *self, double begin_s, const rigid_pose_t *here);
 
 double playback_duration_s(const playback_t *self);
 
-/* Scales the displacement since from_s by position_scale and the rotation vector since from_s by rotation_scale, both
- * in torso axes, and applies them to `here`. Handles rotations of up to a full turn. Returns false in a gap of the
- * recording. */
+/* Sets pose to the hand's pose at time_s: `here`, moved by the recorded displacement since from_s times position_scale,
+ * and turned by the recorded rotation vector since from_s times rotation_scale, both in torso axes. Handles rotations
+ * of up to a full turn. Returns false in a gap of the recording. */
 bool playback_sample(const playback_t *self, double time_s, rigid_pose_t *pose);
 
 #endif

@@ -10,7 +10,7 @@
 typedef struct recorded_motion recorded_motion_t;
 
 /* Reads a CSV in the format of docs/recordings.md. axes: the recorder axes that correspond to the torso's x, y and z,
- * e.g. "xyz", "zxy" or "-yxz"; must be right-handed. NULL: chosen by the file name (docs/recordings.md). Returns NULL
+ * e.g. "xyz", "zxy" or "-yxz"; must be right-handed. If NULL, the file name decides (docs/recordings.md). Returns NULL
  * on failure; `error` then holds one line that names file, line, value and what was expected. */
 recorded_motion_t *recorded_motion_create(const char *path, const char *axes, char error[], size_t error_size);
 

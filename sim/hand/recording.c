@@ -169,7 +169,8 @@ static bool convert_matrix(reader_t *self, const double value[9], double rotatio
     return true;
 }
 
-/* before: the previous sample, NULL for the first one. before_time_s: its time as written in the file. */
+/* Converts a row to a sample. before: the previous sample; NULL for the first one. before_time_s: time of the previous
+ * sample as written in the file. */
 static bool convert_row(reader_t *self, const double value[], double first_time_s, const recording_sample_t *before,
                         double before_time_s, recording_sample_t *sample) {
     if (before != NULL && !(value[0] > before_time_s)) {

@@ -23,8 +23,8 @@ typedef struct {
     double median_interval_s;
 } recording_t;
 
-/* Returns false on failure. `error` then holds one line that names file, line, value and what was expected, and nothing
- * needs to be freed. */
+/* Reads the file. Returns false on failure; `error` then holds one line that names file, line, value and what was
+ * expected, and nothing needs to be freed. */
 bool recording_read(recording_t *self, const char *path, char error[], size_t error_size);
 
 void recording_free(recording_t *self);

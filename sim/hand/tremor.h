@@ -1,6 +1,6 @@
 /* The 8 to 12 Hz component of the physiological tremor of a hand (R. J. Elble, J. E. Randall, "Mechanistic components
- * of normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) modelled as a sum of sines, so
- * that velocity and acceleration are smooth. tests/test_tremor.py compares its amplitude with that of recorded
+ * of normal hand tremor", Electroencephalography and Clinical Neurophysiology 44, 1978) is modelled as a sum of sines,
+ * so that velocity and acceleration are smooth. tests/test_tremor.py compares its amplitude with that of recorded
  * hands. */
 #ifndef COMANIP_SIM_TREMOR_H
 #define COMANIP_SIM_TREMOR_H

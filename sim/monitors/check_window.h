@@ -19,10 +19,10 @@ typedef struct {
     double first_s, last_s; /* times of the first and the last of these ticks */
 } check_window_t;
 
-/* Returns true if the window contains this tick. Called once per tick, in order. events: their state at the end of the
+/* Returns true if the window contains this tick. Called once per tick, in order. events: as they are at the end of the
  * tick.
  *
- * Without `from`, a window begins with the first tick in cooperation. Without `until`, it covers only ticks in
+ * Without `from`, a window begins with the first tick in cooperation. Without `until`, the window covers only ticks in
  * cooperation or hold, so it ends when the operator stops the arm. If the measure applies to the whole run, a missing
  * limit defaults to the start or the end of the run. */
 bool check_window_contains(check_window_t *self, const scenario_check_t *check, double t_s, control_mode_t mode,

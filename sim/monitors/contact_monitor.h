@@ -1,5 +1,5 @@
 /* Records the smallest clearances of the whole run, the force at each hand while that hand holds an object, and the
- * force in the gripper while the gripper holds one. */
+ * force in the gripper while the gripper holds an object. */
 #ifndef COMANIP_SIM_CONTACT_MONITOR_H
 #define COMANIP_SIM_CONTACT_MONITOR_H
 

@@ -29,7 +29,7 @@ typedef struct {
 typedef struct {
     double turn[3][3]; /* R */
     struct {
-        double fitted_m[3], rotated_m[3], square_m2; /* fitted vector, the same rotated by R^T, its squared norm */
+        double fitted_m[3], rotated_m[3], square_m2; /* follower - s h; also rotated by R^T; its squared norm */
     } follower[DELAY_FOLLOWERS];
 } delay_sums_t;
 

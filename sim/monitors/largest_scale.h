@@ -33,7 +33,7 @@ void largest_scale_sample(largest_scale_t *self, const tick_record_t *tick);
 void largest_scale_pause(largest_scale_t *self);
 
 /* Returns the largest scale with two significant digits, from `minimum` to `scale` (the current scale, above 0), at
- * which all targets are in reach. Returns 0 if there is none, if no target was sampled, or if memory ran out. */
+ * which all targets are in reach. Returns 0 if no scale qualifies, if no target was sampled, or if memory ran out. */
 double largest_scale(const largest_scale_t *self, double scale, double minimum);
 
 #endif

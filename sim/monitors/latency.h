@@ -36,7 +36,7 @@ typedef struct {
 /* Mean latencies [ms]; NaN: not measured. tracker + bus + estimate + law + command + drive = end_to_end. */
 typedef struct {
     double tracker, bus, estimate, law, command, drive, end_to_end;
-    double moved_s; /* duration of the measured motion; below LATENCY_NEEDED_S, end_to_end is NaN */
+    double moved_s; /* duration of the measured motion; if below LATENCY_NEEDED_S, end_to_end is NaN */
 } latency_ms_t;
 
 void latency_init(latency_t *self);

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Half the resolution of the frame plus float32 rounding. */
+/* Half the resolution of the values in JointCmd, plus float32 rounding. */
 #define POSITION_TOLERANCE_RAD 1e-6
 #define VELOCITY_TOLERANCE_RADPS 0.51e-3
 #define VELOCITY_STEP_TOLERANCE_RADPS 1e-5 /* commands are whole mrad/s, so only float32 rounding remains */

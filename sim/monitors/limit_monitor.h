@@ -1,5 +1,5 @@
 /* Checks every JointCmd on the bus against the position, velocity, acceleration and jerk limits of the manual
- * (robot_model.h) and of the parameters. It shares with the firmware only the unpacking of the frame
+ * (robot_model.h) and of the parameters. The monitor shares with the firmware only the unpacking of the frame
  * (firmware/protocol/can_protocol.h), not the arm's table or the code that enforces the limits. */
 #ifndef COMANIP_SIM_LIMIT_MONITOR_H
 #define COMANIP_SIM_LIMIT_MONITOR_H

@@ -48,7 +48,7 @@ static void keep_last(measurement_t *self, double value) {
     self->ticks++;
 }
 
-/* Keeps NaN, which fmax() would hide, so that the check fails if the physics diverges. */
+/* Unlike fmax(), keeps NaN once it occurs, so that the check fails if the physics diverges. */
 static void keep_largest(measurement_t *self, double value) {
     if (self->ticks == 0 || (!isnan(self->value) && !(value <= self->value))) {
         self->value = value;

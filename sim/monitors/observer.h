@@ -27,8 +27,8 @@ typedef struct {
 #define OBSERVER_PAST_TICKS 8
 
 /* One tick of 1 ms: the pose of the end effector, and the firmware's target and command. On classic CAN the firmware
- * computes a target every 4 ms, and it arrives over the bus some ms later; each target is kept until the next one
- * arrives. */
+ * computes a target every 4 ms, and the target arrives over the bus a few ms later; each target is kept until the next
+ * one arrives. */
 typedef struct {
     int64_t time_ns;
     rigid_pose_t hand; /* end effector in ODE */
@@ -51,7 +51,7 @@ typedef struct {
     uint32_t target_ticks; /* number of ticks for which a target is valid */
     uint32_t target_ticks_left;
     double defined_blend_s, blend_s; /* blend times of the last TaskDefine and of the task selected last */
-    int64_t settled_ns; /* end of the blend of the last accepted command; until then the target moves by itself */
+    int64_t settled_ns; /* end of the blend of the last accepted command; until then the target may move by itself */
     float parameter[PARAMETER_COUNT]; /* current values; defaults until a ParameterValue arrives */
     mode_change_t *modes;
     size_t mode_count;

@@ -38,7 +38,7 @@ void physical_state_read(physical_state_t *self, const scenario_t *scenario, con
 /* Returns the magnitude [N] of the force at this person's hand. */
 double physical_state_force_N(const physical_state_t *self, size_t person);
 
-/* Returns true if the holder, a person or SCENE_HOLDER_ROBOT, holds an object. */
+/* Returns true if the holder, a person or SCENE_HOLDER_ROBOT, holds any object. */
 bool physical_state_holds_any(const physical_state_t *self, size_t holder);
 
 #endif

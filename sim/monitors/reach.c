@@ -7,12 +7,12 @@
 #include "../robot/position_jacobian.h"
 
 #define MAX_ITERATIONS 40
-#define DAMPING_START 1e-4 /* m^2: the squared singular values of the position Jacobian are 1e-3 to 1e-1 */
+#define DAMPING_START 1e-4 /* m^2; small compared with the squared singular values of the Jacobian, 1e-3 to 1e-1 */
 #define DAMPING_MIN 1e-9
 #define DAMPING_MAX 1e3
 #define STEP_MIN_RAD 1e-6
 #define GRID_STARTS 8
-#define FAR_RESERVE 0.1 /* margin for the search error far out of reach, as a share of the distance */
+#define FAR_RESERVE 0.1 /* margin for the error of a search far out of reach, as a share of its result */
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];
@@ -35,7 +35,7 @@ static void evaluate(candidate_t *self, const double target_m[3], double jacobia
     self->distance_m = sqrt(square);
 }
 
-/* Excludes from the step each joint that is at a limit and whose gradient points beyond it. */
+/* Excludes from the step each joint that is at a limit and would be moved beyond this limit. */
 static void find_free_joints(const candidate_t *self, double jacobian[ROBOT_JOINTS][3], bool is_free[ROBOT_JOINTS]) {
     for (int i = 0; i < ROBOT_JOINTS; i++) {
         const double pull =

@@ -7,7 +7,8 @@
 
 #include "../robot/robot_model.h"
 
-/* A position is in reach if, in some posture within the limits, the end effector is this close to it. */
+/* A position is in reach if, in some posture within the limits, the distance of the end effector from the position is
+ * at most this. */
 #define REACH_TOLERANCE_M 0.001
 
 #define REACH_GRID 6 /* angles per joint, including the joint limits */

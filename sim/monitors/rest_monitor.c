@@ -20,9 +20,9 @@ static bool is_away(const rigid_pose_t *hand, const rigid_pose_t *anchor) {
            rotation_angle_between(hand->rotation, anchor->rotation) > REST_HAND_RAD;
 }
 
-/* If the mean of the block is away from the anchor, the hand has moved. It is then taken to have been still only since
- * the start of this block, and the mean becomes the new anchor. While the hand may still be arriving, the anchor
- * follows it, because tremor alone could carry the hand away from an anchor that was set during the approach. */
+/* If the mean of the block is away from the anchor, the hand has moved. The hand is then taken to have been still only
+ * since the start of this block, and the mean becomes the new anchor. While the hand may still be arriving, the anchor
+ * follows the mean, because tremor alone could carry the hand away from an anchor that was set during the approach. */
 static void end_block(rest_monitor_t *self) {
     rigid_pose_t mean = self->block;
     for (int k = 0; k < 3; k++) {

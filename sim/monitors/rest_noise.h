@@ -3,9 +3,9 @@
  *
  * The value is computed, not measured, because the controller must not influence its own limit and because a run may
  * have no phase in which to measure it. In the scenario's start posture, the end effector is assumed to follow the
- * tremor at its full speed. It also follows the noise of each sample at a rate of 35/s, which is the rate of the
- * default controller. With prediction the rate is a quarter of this, because the estimate filters out three quarters of
- * the noise. (Following at a rate K turns noise of s metres into a speed of K s.) The speed of the fastest joint
+ * tremor at its full speed, and to follow the noise of each sample at a rate of 35/s, the rate of the default
+ * controller. With prediction, the rate is a quarter of 35/s, because the estimate filters out three quarters of the
+ * noise. (At a rate K, noise of s metres causes a speed of K times s.) The speed of the fastest joint
  * follows from the pseudo-inverse of the position Jacobian. Rotation noise is assumed to move a joint by the same
  * angle. */
 #ifndef COMANIP_SIM_REST_NOISE_H

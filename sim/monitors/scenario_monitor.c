@@ -33,8 +33,8 @@ static void read_hands(scenario_monitor_t *self, const physical_state_t *state, 
     }
 }
 
-/* The event does not name the lost object. It is the object that the holder held in the previous tick or still holds in
- * `state`, which is read before the event. */
+/* A `lost` event does not name the object. The lost object is the one that the holder held in the previous tick or
+ * still holds in `state`, which is read before the event. */
 static void read_losses(scenario_monitor_t *self, const physical_state_t *state, const events_t *events,
                         measurement_input_t *input) {
     for (size_t i = 0; i <= SCENARIO_MAX_PEOPLE; i++) {

@@ -1,5 +1,6 @@
 /* Measures how well the end effector in ODE follows the target of Algorithm 1: statistics over all ticks in
- * cooperation, and over the ticks in which the arm could follow. Both poses are taken at the same instant. */
+ * cooperation, and over the ticks in which the arm could follow. Target and end effector are compared at the same
+ * instant. */
 #ifndef COMANIP_SIM_TRACKING_H
 #define COMANIP_SIM_TRACKING_H
 
@@ -9,7 +10,7 @@
 #define TRACKING_SETTLE_S 0.2   /* motion within this time after a joint leaves a limit does not count as followable */
 #define TRACKING_LOOK_AHEAD 50  /* motion within this number of ticks before a limit does not count as followable */
 #define TRACKING_MEAN_TICKS 20  /* averaging time of a joint's commanded speed */
-#define TRACKING_STOP_S 0.02    /* a joint that needs longer to stop cannot follow changes of the hand's motion */
+#define TRACKING_STOP_S 0.02    /* a joint that takes longer to stop cannot follow changes of the hand's motion */
 #define TRACKING_REACH_TICKS 10 /* period of the reach search */
 
 typedef struct {

@@ -32,8 +32,8 @@ struct drive_node {
     int64_t command_ns;
 };
 
-/* Returns the reading in whole pulses. The manual's counting directions, + + - -, are internal to the drive; the bus
- * carries radians. */
+/* Returns the encoder reading in whole pulses, with the sign of the joint angle. The manual's counting directions,
+ * + + - -, are not modelled: they are internal to the drive, and the bus carries radians. */
 static double encoder_pulses(const drive_node_t *self, int joint) {
     return nearbyint(arm_plant_position_rad(self->plant, joint) * PULSES_PER_RAD);
 }

@@ -5,7 +5,7 @@
  * loops; the motor follows the lagged velocity with limited torque. In brake mode the joint is held. If no JointCmd
  * arrives within the timeout, the drives brake and report DRIVE_ERROR_COMMAND_TIMEOUT at the period of JointState until
  * the next JointCmd. Before the first JointCmd the drives brake, report no error and send nothing. While the enable
- * line is off they brake, whatever is commanded; this is not reported as an error. */
+ * line is off, the drives brake, whatever is commanded; this is not reported as an error. */
 #ifndef COMANIP_SIM_DRIVE_NODE_H
 #define COMANIP_SIM_DRIVE_NODE_H
 

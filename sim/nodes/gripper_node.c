@@ -6,7 +6,7 @@
 #include "../bus/endpoint.h"
 
 #define NS_PER_MS 1000000
-#define RESPONSE_NS 20000  /* time from the end of GripperCommand to the GripperState that answers it */
+#define RESPONSE_NS 20000  /* time from the end of GripperCommand until its answer is ready to be sent */
 #define END_OF_STROKE 1e-3 /* share of the stroke: an end closer than this counts as reached */
 #define FORCE_MAX_N 6500.0 /* limit of the reported force; the frame carries up to 6553.5 N */
 

@@ -13,7 +13,7 @@ typedef struct gripper_node gripper_node_t;
 gripper_node_t *gripper_node_create(bus_t *bus, scene_t *scene);
 void gripper_node_destroy(gripper_node_t *self);
 
-/* Queues the frames that are due in [from_ns, until_ns). */
+/* Queues the periodic GripperState frames that are due in [from_ns, until_ns). */
 void gripper_node_step(gripper_node_t *self, int64_t from_ns, int64_t until_ns);
 
 /* Returns the number of frames rejected so far, including those with an unknown action. */

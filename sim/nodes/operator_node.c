@@ -37,7 +37,7 @@ struct operator_node {
     bool latched;
     task_form_t custom_form;      /* form of the task defined last */
     char refusal[REFUSAL_BYTES];  /* text of the refusal; "": none */
-    int64_t refusal_ns, named_ns; /* arrival times of the refusal and of the latest parameter that caused it */
+    int64_t refusal_ns, named_ns; /* arrival times of the refusal and of the last parameter named */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
 };
@@ -92,7 +92,7 @@ static void finish_step(operator_node_t *self, int64_t now_ns) {
 /* Handles an answer to the current step's frame. */
 static void on_result(operator_node_t *self, uint8_t sequence, result_t result, int64_t now_ns) {
     if (self->send_count == 0 || sequence != self->sequence) {
-        return; /* one of the values published at boot, or a late second answer */
+        return; /* a value published at boot, or a second answer to an earlier frame */
     }
     if (result == RESULT_ACCEPTED) {
         finish_step(self, now_ns);
@@ -106,7 +106,8 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* If a refusal has arrived, appends to its text one of the parameters that make the parameter set unstable. */
+/* If a refusal has arrived, appends the parameter of this frame, one of those that make the parameter set unstable, to
+ * the text of the refusal. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {
@@ -257,7 +258,7 @@ static bool is_due(const operator_node_t *self, size_t index, int64_t until_ns, 
     return *due_ns < until_ns;
 }
 
-/* If the current step gives way and only the next step is due, swaps the two steps. */
+/* If the current step has gives_way set and is not due, but the next step is, swaps the two steps. */
 static void choose_step(operator_node_t *self, int64_t until_ns) {
     const size_t next = self->current + 1;
     int64_t due_ns;

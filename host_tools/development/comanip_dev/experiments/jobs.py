@@ -17,7 +17,7 @@ LAW_SEEDS = 5
 
 @dataclass(frozen=True)
 class Recording:
-    """A recorded motion of the tracked person. second: recorded motion of the second person."""
+    """A recorded motion that the tracked person performs. second: the motion of the second person, if recorded."""
 
     scenario: str
     file: str
@@ -28,19 +28,19 @@ class Recording:
 # Each recording is scaled into the arm's reach. The factor is in the scenario and in the summary of each run.
 RECORDINGS = (
     Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of this task"),
-    Recording("pour", "kul_pour2_com.csv", "the same with a longer path; every sample is logged twice"),
-    Recording("pour", "cmu_13_08_rhand.csv", "unscrews a cap and drinks: a vessel in the hand, other axes"),
+    Recording("pour", "kul_pour2_com.csv", "the same motion along a longer path; every sample is logged twice"),
+    Recording("pour", "cmu_13_08_rhand.csv", "a person unscrews a cap and drinks: turns a vessel about other axes"),
     Recording("teleop", "ethz_handheld1.csv", "an object moved in all six degrees of freedom, as in teleoperation"),
     Recording("teleop", "dfki_pillow_grasp.csv", "repeated reach and grasp"),
     Recording(
         "teleop",
         "kth_ho_sample_giver.csv",
-        "giver and taker of one handover move both people",
+        "both simulated people move: one as the giver of a recorded handover, the other as its taker",
         second="kth_ho_sample_taker.csv",
     ),
-    Recording("handover", "kth_ho_sample_taker.csv", "a person takes a baton from another: here from the robot"),
+    Recording("handover", "kth_ho_sample_taker.csv", "a person takes a baton, here from the robot"),
     Recording("handover", "kth_ho_p1s1h2_taker.csv", "another taker, with glitches of 20 mm near the contact"),
-    Recording("handover", "kth_ho_sample_taker_raw.csv", "the first with the 8 % of lost samples left out"),
+    Recording("handover", "kth_ho_sample_taker_raw.csv", "the first handover, without the 8 % of lost samples"),
 )
 
 

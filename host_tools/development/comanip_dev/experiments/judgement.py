@@ -17,7 +17,7 @@ def shown(value: float | None) -> str:
 
 
 def record(outcome: Outcome) -> dict:
-    """Returns the run's element of experiments.json."""
+    """Returns the entry for this run in experiments.json."""
     job = outcome.job
     return {
         "scenario": job.scenario,
@@ -31,9 +31,9 @@ def record(outcome: Outcome) -> dict:
 
 @dataclass(frozen=True)
 class Condition:
-    """A scenario with its built-in motion or a recording, with all of its seeds. They are judged together because in a
-    single run of `pour` only about 60 of 160 particles leave the glass. The permitted loss of 5 % would be three
-    particles, so the verdict on a single run would depend on chance."""
+    """All runs of a scenario with the same motion, built-in or recorded, but different seeds. The runs are judged
+    together, because in a single run of `pour` only about 60 of 160 particles leave the glass. The permitted loss of
+    5 % would then be three particles, so the verdict on a single run would depend on chance."""
 
     scenario: str
     recording: str | None
@@ -72,7 +72,7 @@ class Condition:
         )
 
     def record(self) -> dict:
-        """Returns the condition's element of conditions.json."""
+        """Returns the entry for this condition in conditions.json."""
         return {
             "scenario": self.scenario,
             "recording": self.recording,

@@ -14,8 +14,8 @@ def law_parameters(
     weight_dual: float,
     damping: float,
 ) -> tuple[tuple[str, float], ...]:
-    """Returns the firmware's parameters for law (4), with K and W constant over the four components of each
-    quaternion."""
+    """Returns the firmware's parameters for law (4). Both K and W have one value for the four components of the
+    rotation and one for the four components of the dual part."""
     parameters = [("prediction", 0.0), ("error_frame", error_frame), ("damping", damping)]
     parameters += [(f"gain_{axis}_per_s", gain_rotation_per_s) for axis in _ROTATION]
     parameters += [(f"gain_dual_{axis}_per_s", gain_dual_per_s) for axis in _ROTATION]

@@ -21,7 +21,7 @@ def positive_integer(text: str) -> int:
 
 
 def interrupt_on_sigterm() -> None:
-    """Handles SIGTERM like Ctrl-C, so that a program terminates its children."""
+    """Handles SIGTERM like Ctrl-C, so that a program that is terminated also terminates its children."""
 
     def interrupt(signal_number: int, frame: object) -> None:
         raise KeyboardInterrupt

@@ -40,7 +40,7 @@ def part_times(outcomes: Sequence[Outcome]) -> str:
 def run_with_progress(
     jobs: Sequence[Job], simulator: Path, workers: int, console: Console, finish: Callable[[Outcome], None]
 ) -> list[Outcome]:
-    """Runs the jobs. Shows a progress bar on a terminal, and otherwise prints a line per run."""
+    """Runs the jobs. On a terminal, shows a progress bar; otherwise, prints one line per run."""
     if not console.is_terminal:
         done = 0
 

@@ -44,8 +44,8 @@ DECISIVE = {
 
 
 def figure_lines(outcomes: Sequence[Outcome], figures: Sequence[Figure]) -> list[tuple[str, str, str, str]]:
-    """Returns (name with unit, median, worst, limit) of each figure over the runs that measured it. Values are "-" if
-    none did."""
+    """Returns (name with unit, median, worst value, limit) for each figure. The median and the worst value are taken
+    over the runs that measured the figure, and are "-" if no run measured it."""
     lines = []
     for figure in figures:
         found = [check for o in outcomes for check in o.checks if check["name"] == figure.check]
@@ -60,7 +60,7 @@ def figure_lines(outcomes: Sequence[Outcome], figures: Sequence[Figure]) -> list
 
 
 def condition_lines(conditions: Sequence[Condition]) -> list[tuple[str, str, str, str]]:
-    """Works like figure_lines(), but with conditions instead of runs."""
+    """Returns a line like those of figure_lines(), for the share of caught particles in each condition."""
     if not conditions:
         return []
     values = [c.caught_percent for c in conditions if c.caught_percent is not None]

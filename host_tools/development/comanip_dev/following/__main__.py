@@ -1,9 +1,9 @@
-"""Measures how closely the end effector follows the person's hand, with various recordings, trackers and followers.
+"""Measures how closely the end effector follows the person's hand, for various recordings, trackers and followers.
 
 ``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
 DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
-all criteria passed, or nothing was measured because the default folder of recordings is missing; 1 a criterion failed,
-2 wrong use, 130 interrupted.
+if all criteria passed, or if nothing was measured because the default folder of recordings is missing; 1 if a criterion
+failed; 2 for wrong use; 130 if interrupted.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PRINT_EVERY_S = 10.0
 
 
 class Progress:
-    """Prints the progress about every PRINT_EVERY_S and at the end."""
+    """Prints the progress about every PRINT_EVERY_S seconds and at the end."""
 
     def __init__(self, what: str, count: int) -> None:
         self._what, self._count, self._done, self._printed_s = what, count, 0, time.monotonic()
@@ -64,11 +64,12 @@ def _interrupts_postponed() -> Iterator[None]:
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
-    """Calls each (function, argument, ...) in `work` in a worker process and stores the (key, value) that it
-    returns."""
+    """Calls each (function, argument, ...) in `work` in a worker process and stores the (key, value) that
+    the function returns."""
     work = list(work)
     progress = Progress(what, len(work))
-    # A forked worker would hang if another thread held a lock, such as the allocator's, at the moment of the fork.
+    # Workers are spawned, because a forked worker would hang if another thread held a lock, such as the allocator's, at
+    # the moment of the fork.
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, spawn) as pool:
         try:
@@ -166,7 +167,7 @@ def _report(
 def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.recordings
     if not folder.is_dir() and folder != RECORDINGS_FOLDER:
-        raise CampaignError(f"{folder}: no such folder: expected one with recordings (docs/recordings.md)")
+        raise CampaignError(f"{folder}: no such folder: expected a folder of recordings (docs/recordings.md)")
     if not folder.is_dir():
         print(
             f"comanip_dev.following: skipped: there is no folder {folder} of recordings (docs/recordings.md); "
@@ -175,7 +176,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     paths, unseen = recordings(folder)
     if not paths:
-        raise CampaignError(f"{folder}: no recordings: expected CSV files of docs/recordings.md")
+        raise CampaignError(f"{folder}: no recordings: expected CSV files as in docs/recordings.md")
     choice = QUICK if arguments.quick else FULL
     if arguments.quick:
         known = [path for path in paths if path.stem in plan.QUICK_RECORDINGS]
@@ -202,7 +203,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
     parser.add_argument(
-        "--quick", action="store_true", help="four recordings, the judged conditions only, no other programs"
+        "--quick", action="store_true", help="only four recordings and the judged conditions, and no other programs"
     )
     parser.add_argument(
         "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)"

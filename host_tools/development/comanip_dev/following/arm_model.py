@@ -63,7 +63,8 @@ class ArmModel:
 
     def reach(self, target_m: np.ndarray, start_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Finds postures that bring the end effector to the targets (N, 3), by damped Gauss-Newton steps from start_rad
-        (N, n) within the joint limits. Returns the nearest postures (N, n) and the remaining distances in m (N,)."""
+        (N, n) within the joint limits. Returns the best postures found (N, n) and the remaining distances in m
+        (N,)."""
         q = np.clip(start_rad, self.position_min_rad, self.position_max_rad)
         best, nearest_m = q.copy(), np.full(len(q), np.inf)
         for _ in range(MAX_ITERATIONS):

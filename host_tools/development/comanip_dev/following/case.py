@@ -14,11 +14,11 @@ from comanip_dev.following.recorded_hand import HandMotion, Recording
 from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import Samples, Tracker, measure
 
-BEGIN_S = 3.0  # start of the motion; by then the cooperation has started and the transition to the task is complete
+BEGIN_S = 3.0  # start of the motion; by then the arm cooperates, and its transition to the task is complete
 AFTER_S = 0.5
 REST_S = 20.0  # duration of the hand's rest in which the noise is measured
 ACCELERATION_MAX_RADPS2 = 25.0
-# Start postures of the scenarios, in degrees.
+# The arm's start posture for each task, as in the scenarios, in degrees.
 START_DEG = {"teleop": (60, -30, -10, -80), "mirror": (90, -5, 0, -90), "pour": (90, -60, 0, -100)}
 
 # A follower is a function that computes the arm's motion from (arm, task, start posture, motion of the hand, tracker,
@@ -46,7 +46,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Figures:
-    """The figures of a run. Errors are distances from the instantaneous target during the motion."""
+    """The figures of a run. Errors are measured during the motion, relative to the instantaneous target."""
 
     rms_mm: float
     max_mm: float

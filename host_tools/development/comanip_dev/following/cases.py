@@ -23,7 +23,8 @@ ARM = "hoap3_right"
 
 @dataclass(frozen=True)
 class Case:
-    """A case. recording: None if the hand is at rest. position_scale: scale of the recording in this setting."""
+    """A follower to be measured under one condition. recording: None if the hand is at rest.
+    position_scale: scale of the recording in this setting."""
 
     loop: str
     follower: str
@@ -62,7 +63,7 @@ def _recording(path: Path) -> Recording:
 
 
 def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
-    """Returns the recordings of a hand in the folder, and the skipped files with the reason for each."""
+    """Returns the recorded hand motions in the folder, and the reason for each file that is skipped."""
     paths, left_out = [], {}
     for path in sorted(folder.glob("*.csv")):
         with path.open(encoding="utf-8-sig") as file:
@@ -78,7 +79,7 @@ def recordings(folder: Path) -> tuple[list[Path], dict[str, str]]:
 
 
 def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
-    """Returns the position scale of the recording in this setting, and the optimum at this scale."""
+    """Returns the position scale of the recording in this setting, and the figures of the optimum at this scale."""
     from comanip_dev.following.optimum import optimum
 
     recording = _recording(path)
@@ -90,7 +91,7 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 
 
 def measure(case: Case) -> tuple[Key, dict]:
-    """Measures a case in the loop without physics. If the arm does not cooperate, returns the error as the result."""
+    """Measures a case in the loop without physics. If the arm does not cooperate, returns the error instead."""
     follower = followers.named(case.follower)
     tracker = case.condition.tracker(case.seed)
     try:

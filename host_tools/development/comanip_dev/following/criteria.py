@@ -46,14 +46,15 @@ class Judge:
     def figure(
         self, loop: str, follower: str, condition: Condition, setting: Setting, name: str | None, figure: str
     ) -> float:
-        """Returns the mean of a figure over the seeds of the tracker's noise. name: None if the hand is at rest."""
+        """Returns the mean of a figure over the seeds of the tracker's noise. name: recording; None if the hand is at
+        rest."""
         seeds = plan.seeds(follower, condition) if name else (1,)
         keys = [case_key(loop, follower, condition, setting, name, seed) for seed in seeds]
         found = [self._results.values.get(key, {}).get(figure, math.nan) for key in keys]
         return sum(found) / len(found)
 
     def ratio(self, loop: str, condition: Condition, setting: Setting, name: str | None, figure: str) -> float:
-        """Returns the figure of the default divided by that of the former default."""
+        """Returns a figure of the default law divided by the same figure of the former default law."""
         former = self.figure(loop, plan.FORMER, condition, setting, name, figure)
         return self.figure(loop, plan.DEFAULT, condition, setting, name, figure) / former if former else math.nan
 
@@ -64,7 +65,8 @@ class Judge:
         self, loop: str, what: str, setting: Setting, limit: float, one: Callable[[str], float], unit: str = "",
         without: Sequence[str] = (),
     ) -> list[Criterion]:  # fmt: skip
-        """Returns a criterion for each fold. Its value is the mean of one(name) over the recordings of the fold."""
+        """Returns a criterion for each fold, a half of the recordings. The value of the criterion is the mean of
+        one(name) over the recordings in the fold, except those in `without`."""
         found = []
         for number, fold in enumerate(self.folds(setting), 1):
             values = [one(name) for name in fold if name not in without]
@@ -122,8 +124,8 @@ class Judge:
         return found
 
     def wrong_latency(self) -> list[Criterion]:
-        """Returns the criteria for the noise at rest with a wrong announced latency. At rest only an oscillation of the
-        arm could increase the noise."""
+        """Returns the criteria for the noise at rest with a wrong announced latency. At rest, the wrong latency could
+        increase the noise only through an oscillation of the arm."""
         found = []
         for condition in plan.WRONG:
             right = Condition(condition.rate_hz, condition.latency_ms, condition.noise_mm)
@@ -140,8 +142,8 @@ class Judge:
 
 
 def tuned(judge: Judge, peer: str, condition: Condition, figure: str) -> tuple[float, list[str]]:
-    """Returns the mean of a figure over all recordings, and the tuning values used. Each half is evaluated with the
-    values that had the smallest mean RMS error on the other half."""
+    """Returns the mean of a figure over all recordings, and the peer's tuning values for each half of the recordings:
+    those that gave the smallest mean RMS error on the other half."""
     halves, total, count, chosen = judge.folds(plan.TELEOP), 0.0, 0, []
     names = [plan.peer_name(peer, values) for values in plan.PEERS[peer]]
 

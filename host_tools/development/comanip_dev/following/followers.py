@@ -1,4 +1,4 @@
-"""Provides all followers by name: the firmware with the paper's control law, with its former default law or with its
+"""Provides all followers by name: the firmware with the paper's control law, with the former default law or with the
 default law, and other programs."""
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ _PEERS = {"one-euro": one_euro, "ruckig": _ruckig, "qp": _qp}
 
 
 def named(name: str) -> Follower:
-    """Returns the follower with this name: plan.PAPER, FORMER, DEFAULT or one of PEER_NAMES. The packages for the
-    latter are imported only when needed."""
+    """Returns the follower with this name: plan.PAPER, plan.FORMER, plan.DEFAULT or one of plan.PEER_NAMES. The
+    packages for a peer are imported only when needed."""
     if name in PARAMETERS:
         return firmware(PARAMETERS[name])
     peer, values = name.split(" ")

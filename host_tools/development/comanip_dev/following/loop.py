@@ -1,4 +1,4 @@
-"""Runs the firmware with a hand's motion and a tracker in the loop without physics (_binding/kinematic_loop.h)."""
+"""Runs the firmware in a closed loop without physics (_binding/kinematic_loop.h), given a hand motion and a tracker."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def knows(parameter: str) -> bool:
 
 
 def parameter_set(values: Mapping[str, float]):
-    """Returns the firmware's default parameters, with these values in place of the defaults. Raises LoopError for an
+    """Returns the firmware's parameters with these values, and the defaults of all others. Raises LoopError for an
     unknown name or a value out of range."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)

@@ -7,7 +7,7 @@ import numpy as np
 
 TICK_S = 1e-3
 DELAYS = range(-40, 201)  # candidate delays in ms
-COARSE_MS = 5  # step of the coarse search, for both the delays and the ticks
+COARSE_MS = 5  # the coarse search tries every fifth delay and compares every fifth tick
 
 
 def errors_mm(path_m: np.ndarray, truth_m: np.ndarray) -> np.ndarray:

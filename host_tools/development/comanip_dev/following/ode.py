@@ -88,8 +88,8 @@ def _pose(trace: np.ndarray, who: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_trace(path: Path, joint_count: int) -> np.ndarray:
-    """Returns the time, the poses of both hands and the commands in all ticks in which the arm cooperates. Raises
-    LoopError if it never cooperates."""
+    """Returns the time, the poses of the end effector and of the person's hand, and the commands, for all ticks in
+    which the arm cooperates. Raises LoopError if the arm never cooperates."""
     names = ["t_s", *_pose_names("hand"), *_pose_names("person"), *(f"dq{i}_command_radps" for i in range(joint_count))]
     with path.open() as file:
         header = file.readline().strip().split(",")
@@ -101,7 +101,8 @@ def read_trace(path: Path, joint_count: int) -> np.ndarray:
 
 
 def judge(arm: ArmModel, task: str, outcome: Outcome, end_s: float) -> Figures:
-    """Returns the figures until end_s, the end of the recorded motion. Raises LoopError if the run ended earlier."""
+    """Returns the figures of a run up to end_s, the end of the recorded motion. Raises LoopError if the run ended
+    earlier."""
     trace = read_trace(outcome.job.out / "trace.csv", arm.joint_count)
     path_m, rotation = _pose(trace, "hand")
     person_m, turned = _pose(trace, "person")

@@ -20,7 +20,7 @@ def _share(cutoff_hz: np.ndarray | float, period_s: float) -> np.ndarray | float
 
 
 def filtered(samples: Samples, min_cutoff_hz: float, beta_per_m: float) -> Samples:
-    """Filters the valid samples. beta_per_m: increase of the cutoff in Hz per m/s of the hand's speed."""
+    """Filters the valid samples. beta_per_m: increase of the cutoff in Hz per m/s or rad/s of the hand's speed."""
     position_m, rotation = samples.position_m.copy(), samples.rotation.copy()
     seen = np.flatnonzero(samples.valid)
     speed_mps, turning_radps = np.zeros(3), np.zeros(3)

@@ -1,4 +1,4 @@
-"""Estimates how closely the arm could follow a motion that is known in advance, within its limits.
+"""Estimates how closely the arm, within its limits, could follow a motion that is known in advance.
 
 Inverse kinematics computes the joint path for the instantaneous targets. Among the paths that keep the limits of
 position, speed and acceleration, ADMM then finds the one closest to that joint path in the least-squares sense. The arm
@@ -49,7 +49,7 @@ def _transposed(d: np.ndarray, order: int) -> np.ndarray:
 
 
 def _gram(count: int, order: int) -> np.ndarray:
-    """Returns the lower bands (order + 1, count) of the differences' normal matrix."""
+    """Returns the main and the two lower diagonals (3, count) of D^T D, where D is the matrix of _differences()."""
     stencil = {1: [-1.0, 1.0], 2: [1.0, -2.0, 1.0]}[order]
     bands = np.zeros((3, count))
     for row in range(order + 1):

@@ -1,8 +1,8 @@
-"""Runs other programs as followers in the firmware's loop, with the same tracker frames, limiter, bus times, drives and
-encoders. The programs replace only the computation of joint velocities from the hand's samples.
+"""Runs other programs as followers in the same closed loop as the firmware: with the same tracker frames, limiter, bus
+times, drives and encoders. The programs replace only the computation of joint velocities from the hand's samples.
 
-A follower receives the target of the newest sample, computed by Algorithm 1 with the firmware's reference, and the
-measured joint positions.
+In each tick, a follower receives the measured joint positions and the target for the newest sample. The target is
+computed by Algorithm 1, from the sample at the start of the cooperation, as in the firmware.
 """
 
 from __future__ import annotations

@@ -21,7 +21,8 @@ def plot(
     rows: Sequence[dict], sweeps: dict[str, Sequence[tuple[float, str]]], judged: Sequence[str], path: Path
 ) -> Path:
     """Draws the plots. rows: rows of the report for teleop in the loop without physics. sweeps: (value, condition)
-    pairs for each axis. judged: conditions in the last column, which compares all followers."""
+    pairs for each varied property of the tracker. judged: conditions in the last column, which compares all
+    followers."""
     found = {(row["condition"], row["follower"]): row for row in rows}
     known = {condition for condition, _ in found}
     measured = {follower: colour for follower, colour in COLOURS.items() if follower in {name for _, name in found}}

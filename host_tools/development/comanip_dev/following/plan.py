@@ -31,7 +31,7 @@ def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # the former law locks the arm on these (rotation scale 1)
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # at rotation scale 1, the arm locks with the former law
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 
@@ -64,7 +64,7 @@ CONDITIONS = tuple(dict.fromkeys((*JUDGED, Condition(60, 50, 0.5), *RATES, *LATE
 
 @dataclass(frozen=True)
 class Setting:
-    """A task with the share of the recorded rotation that is played."""
+    """A task, and the share of the recorded rotation that the hand performs."""
 
     task: str
     rotation_scale: float
@@ -94,8 +94,8 @@ def peer_name(peer: str, values: tuple[float, ...]) -> str:
 
 
 def seeds(follower: str, condition: Condition) -> tuple[int, ...]:
-    """Returns the seeds for the tracker's noise. With large noise the largest error depends on the seed, so the
-    firmware is then measured with several seeds."""
+    """Returns the seeds for the tracker's noise. If the noise is large, the largest error depends on the seed, so
+    the firmware is measured with several seeds."""
     return (1, 2, 3) if condition.noise_mm >= 0.5 and follower in FIRMWARE else (1,)
 
 

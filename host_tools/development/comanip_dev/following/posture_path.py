@@ -14,7 +14,7 @@ def posture_path(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns postures (N, n) within the joint limits that bring the end effector as close as possible to the targets
     (N, 3) at the times t_s (N,), and the remaining distances in m (N,). On a coarse time grid, the search for each
-    posture starts from the previous one. Between the grid points it starts from the interpolated posture."""
+    posture starts from the previous one. Between the grid points, each search starts from an interpolated posture."""
     stride = max(1, round(COARSE_S / float(np.median(np.diff(t_s)))))
     coarse = np.unique(np.append(np.arange(0, len(t_s), stride), len(t_s) - 1))
     postures = [start_rad]

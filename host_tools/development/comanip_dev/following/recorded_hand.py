@@ -67,8 +67,8 @@ def read(path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class HandMotion:
-    """The hand's motion in a run from 0 to duration_s. The hand starts to move at begin_s. Without a recording it stays
-    at rest."""
+    """The hand's motion in a run from 0 to duration_s. The hand starts to move at begin_s. Without a recording, the
+    hand stays at rest."""
 
     recording: Recording | None
     position_scale: float
@@ -85,7 +85,7 @@ class HandMotion:
         return self.end_s + self.rest_s
 
     def displacement(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the displacement in m (N, 3) and the rotation (N, 4) relative to the beginning. Positions are
+        """Returns the displacement in m (N, 3) and the rotation (N, 4) relative to the start pose. Positions are
         interpolated linearly, and rotations along the great circle."""
         if self.recording is None:
             return np.zeros((len(t_s), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(t_s), 1))

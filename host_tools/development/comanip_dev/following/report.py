@@ -19,8 +19,8 @@ HEADINGS = ("RMS mm", "max mm", "RMS deg", "delay ms", "m/s2", "% lim.", "rest u
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:
-    """Returns the mean of each figure over those recordings of the setting for which the figure exists. For example, a
-    hand at rest has no delay."""
+    """Returns the mean of each figure over the recordings of the setting, except those for which the figure is NaN, and
+    the noise at rest."""
     names = [name for fold in judge.folds(setting) for name in fold]
     means = {}
     for figure in FIGURES:
@@ -97,7 +97,7 @@ def without_nan(value):
 
 
 def wrong_latency_lines(judge: Judge) -> list[str]:
-    """Returns a line per condition with the effect of a wrong announced tracker latency on the default law."""
+    """Returns a line per condition that shows how a wrong announced latency affects the default law."""
     lines = []
     for condition in plan.WRONG:
         right, wrong = (

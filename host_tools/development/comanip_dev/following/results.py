@@ -26,7 +26,7 @@ def scene_key(setting: Setting, recording: str) -> Key:
 
 
 def fingerprint(*files: Path) -> str:
-    """Returns a digest of everything on which a result depends: the compiled core, these tools and further files.
+    """Returns a digest of everything on which a result depends: the compiled core, these tools and the given files.
     Stored results with a different digest are not used."""
     core, here = Path(comanip.__file__).parent, Path(__file__).parent
     digest = hashlib.sha256()

@@ -1,4 +1,4 @@
-"""Functions for unit quaternions [w x y z] in double precision, with any leading dimensions."""
+"""Functions for unit quaternions [w x y z] in double precision, as arrays (..., 4) with any leading dimensions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Returns the Hamilton product of (..., 4) and (..., 4)."""
+    """Returns the Hamilton product of the quaternions a and b."""
     aw, ax, ay, az = (a[..., i] for i in range(4))
     bw, bx, by, bz = (b[..., i] for i in range(4))
     return np.stack(
@@ -46,7 +46,7 @@ def from_vector(vector_rad: np.ndarray) -> np.ndarray:
 
 def to_vector(rotation: np.ndarray) -> np.ndarray:
     """Converts quaternions to rotation vectors (..., 3) with angles from 0 to 2 pi. The negated quaternion
-    yields the rotation the other way round."""
+    yields the rotation that turns the other way to the same orientation."""
     sine = np.linalg.norm(rotation[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, rotation[..., :1])
     return rotation[..., 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)

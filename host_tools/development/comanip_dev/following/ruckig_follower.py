@@ -1,6 +1,6 @@
 """A follower that uses Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
-States", RSS 2021), in the same way as many arms do. The target joint positions are computed by inverse kinematics for
-each sample, and Ruckig computes the time-optimal trajectory to them from the present reference."""
+States", RSS 2021), as many robot arms do. Inverse kinematics computes target joint positions for each sample, and
+Ruckig computes the time-optimal trajectory from the present reference to these positions."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from comanip_dev.following.peer_loop import Velocities
 from comanip_dev.following.posture_path import posture_path
 
 JERK_MAX_RADPS3 = 10000.0  # default in an arm's description
-GAIN_PER_S = 35.0  # feedback gain on reference minus measured joint positions, as in our control law
+GAIN_PER_S = 35.0  # gain on the difference of reference and measured positions, as in our control law
 
 
 def velocities(velocity_share: float):
-    """Returns a function that creates the follower. velocity_share: share of the samples' difference quotient that is
-    used as the target's velocity. With 0 the target is treated as being at rest."""
+    """Returns a function that creates the follower. velocity_share: share of the target's estimated velocity that
+    Ruckig is given as the velocity to reach. With 0, Ruckig plans to stop at each target."""
 
     def make(
         arm: ArmModel, start_rad: np.ndarray, t_s: np.ndarray, target_m: np.ndarray, rotation: np.ndarray

@@ -1,4 +1,4 @@
-"""Finds the largest scale of a recording at which the arm can reach all of its targets."""
+"""Finds the largest scale of a recording at which the arm can reach every target."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from comanip_dev.following.arm_model import ArmModel
 from comanip_dev.following.recorded_hand import HandMotion, Recording
 from comanip_dev.following.target import targets
 
-SHARE = 0.9  # share of the largest reachable scale that is used
+SHARE = 0.9  # recordings are played at this share of the largest scale
 REACHED_M = 1e-4
 POINTS = 150
 LARGEST = 10.0

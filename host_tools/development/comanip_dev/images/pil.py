@@ -15,7 +15,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-# One instruction takes 2 ns of the board's time, which stops while the board waits for the simulator. The watchdog
+# Each instruction takes 2 ns of the emulated time, which stops while the board waits for the simulator. The watchdog
 # therefore does not expire on a busy machine.
 VIRTUAL_TIME = ["-icount", "shift=1,sleep=off"]
 START_S = 10

@@ -2,7 +2,7 @@
 
 ``python -m comanip_dev.images.size_report BUDGET.toml REPORT.json [--update] IMAGE=MAP...``. The sizes are read from
 the linker's maps and exclude unused functions, which the linker removes. Sizes that exceed their budget are printed.
-``--update`` writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 wrong use.
+``--update`` writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 for wrong use.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def joined_lines(text: str) -> list[str]:
 
 def read_map(path: Path) -> Image:
     """Reads the size of each module from the map BUILD/IMAGE/comanip.map, which must be in the folder of the
-    objects."""
+    image's object files."""
     text = path.read_text()
     image, kind = Image(), None
     parts: list[tuple[str, int, int, str]] = []  # kind, address, bytes, module
@@ -95,7 +95,8 @@ def read_budget(path: Path) -> dict[str, dict]:
 
 
 def budgeted(image: Image) -> dict[str, Size]:
-    """Returns the sizes that have a budget: the total and all modules except padding, which depends on all sizes."""
+    """Returns the sizes that have a budget: the total, and all modules except padding, which is a
+    consequence of the sizes of the others."""
     return {"total": image.total, **{name: size for name, size in image.modules.items() if name != PADDING}}
 
 

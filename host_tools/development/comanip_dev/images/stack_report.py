@@ -1,11 +1,11 @@
 """Computes the worst-case stack depth of the images (``make stack``).
 
 ``python -m comanip_dev.images.stack_report BUDGET.toml... REPORT.json IMAGE=FOLDER...``. The compiler provides the call
-graph and the frame sizes (-fcallgraph-info=su); for library functions they are read from the disassembly. The budgets
+graph and the frame sizes (-fcallgraph-info=su); for library functions, both are read from the disassembly. The budgets
 list the targets of calls through pointers. Unlisted calls through pointers and recursion are errors. The budgets also
 list the parts of each stack, for example interrupts and faults, each of which may interrupt the previous part. The
 worst case is the sum of the deepest calls of all parts, plus the registers that the processor saves. Exit status: 1
-over budget or unbounded, 2 wrong use.
+if a stack exceeds its budget or has no bound, 2 for wrong use.
 """
 
 from __future__ import annotations
@@ -104,8 +104,8 @@ def read_disassembly(listing: str, graph: Graph) -> None:
 
 
 def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
-    """Replaces calls through pointers by calls to the targets that the budget lists. Drops callees that are not in the
-    graph: they were inlined or removed."""
+    """Replaces calls through pointers with calls to the targets that the budget lists. Drops callees that are not in
+    the graph: they were inlined or removed."""
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:
@@ -129,7 +129,7 @@ def image_graph(folder: Path, objdump: str, indirect: dict[str, list[str]]) -> G
 
 
 def worst_case(graph: Graph, rules: dict) -> dict:
-    """Returns the worst case of one stack. rules: table of this stack in the budget."""
+    """Returns the worst case of one stack. rules: the stack's table in the budget file."""
     parts = []
     for entries in rules["parts"]:
         missing = set(entries) - {plain(name) for name in graph.frame}

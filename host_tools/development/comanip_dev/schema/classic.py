@@ -218,7 +218,7 @@ class Codec:
 
 
 class JointCodec(Codec):
-    """The codec of a message that consists only of arrays. Part i carries the values of joint i."""
+    """Generates the functions of a message that consists only of arrays. Part i carries the values of joint i."""
 
     def functions(self) -> list[str]:
         name, part = codec_name(self.message), self.parts[0]

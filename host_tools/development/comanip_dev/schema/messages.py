@@ -2,8 +2,9 @@
 
 ``comanip_messages.h`` contains an enumeration for each value table with the attribute EnumType, a struct for each
 message, and the functions ``X_pack(message, frame)`` and ``X_unpack(frame, message)``. ``comanip_messages.inc``, which
-is included by firmware/protocol/messages.c, contains their bodies. Messages NAME0..NAME7 with equal layouts share one
-struct, and their functions take the joint's number. signals.py determines which signals form one member.
+is included by firmware/protocol/messages.c, contains the bodies of these functions. Messages NAME0..NAME7
+with equal layouts share one struct, and their functions take the joint's number. signals.py determines which signals
+form one member.
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ def codec_name(message: Message) -> str:
 
 
 def enumeration(signal: Signal) -> tuple[str, str, bool] | None:
-    """Returns (type, prefix of the values, whether the member has this type), or None if the signal has no
-    enumeration."""
+    """Returns (enumeration type, prefix of its values, True if the struct's member has this type), or None if
+    the signal has no enumeration."""
     words = str(attribute(signal, "EnumType", "")).split()
     if not words:
         return None
@@ -289,7 +290,7 @@ def signature_unpack(message: Message) -> str:
 
 
 def with_codec(messages: list[Message]) -> list[Message]:
-    """Returns one message for each codec of CAN FD."""
+    """Returns the CAN FD messages, but only one of those that share a codec."""
     return [message for message in messages if not message.name.startswith(CLASSIC) and leads(message)]
 
 

@@ -1,6 +1,6 @@
 """Checks that every frame and parameter has a reader: ``python -m comanip_dev.schema.readers`` (``make check``).
 
-For frames that the firmware receives, the compiler does this check, because each must have a function in
+For frames that the firmware receives, the compiler does this check, because each frame must have a function in
 firmware/controller_inputs.c. A frame for another node counts as read if sim/ calls its X_unpack(), or if a tool in
 host_tools/comanip mentions the name of the message or of its frame kind. A parameter counts as read if firmware/ uses
 its enumerator.

@@ -84,7 +84,7 @@ class Layout:
 
     @property
     def poses(self) -> set[str]:
-        """The bases of poses, which have a name and both a vector and a quaternion."""
+        """The bases of poses: all bases, except the empty one, that have both a vector and a quaternion."""
         bases = {kind: {g.base for g in self.groups if g.kind == kind} for kind in ("vector", "quaternion")}
         return {base for base in bases["vector"] & bases["quaternion"] if base}
 
@@ -103,8 +103,8 @@ def _vector_base(names: set[str], name: str) -> str | None:
 
 
 def _quaternion_prefix(names: set[str], name: str) -> str | None:
-    """Returns the prefix of a quaternion's signals, given that of w: `q` for qw, `target_q` for target_qw, `q_task_`
-    for q_task_w. Returns None if the signal is not part of a quaternion."""
+    """Returns the prefix of a quaternion's signals, given the name of its w: `q` for qw, `target_q` for target_qw,
+    `q_task_` for q_task_w. Returns None if the name is not that of a quaternion's w."""
     prefix = name[:-1]
     return prefix if name.endswith("w") and all(prefix + axis in names for axis in QUATERNION) else None
 

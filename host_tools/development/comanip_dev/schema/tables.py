@@ -1,4 +1,4 @@
-"""Generates C headers from parameters.toml and tasks.toml, and updates the rows of comanip.dbc that repeat them.
+"""Generates C headers from parameters.toml and tasks.toml, and updates the rows of comanip.dbc that repeat these files.
 
 ``comanip_parameters.h``: parameter_id_t, and COMANIP_PARAMETERS with an X-macro row for each parameter.
 ``comanip_tasks.h``: COMANIP_TASKS with an X-macro row for each built-in task.
@@ -77,12 +77,12 @@ def _value_table(names: dict[int, str]) -> str:
 
 
 def with_names(text: str, signal: str, names: dict[int, str]) -> str:
-    """Returns the DBC with this value table in all signals of this name."""
+    """Returns the text of the DBC, with these names as the value table of each signal called `signal`."""
     return re.sub(rf"^(VAL_ \d+ {signal}) .*;$", lambda m: f"{m[1]} {_value_table(names)} ;", text, flags=re.MULTILINE)
 
 
 def _with_table(text: str, signal: str, names: dict[int, str]) -> str:
-    """Returns the DBC with this value table, and the resulting range, in all signals of this name."""
+    """Works like with_names(), and also sets the range of the signals to the numbers that have names."""
     text = with_names(text, signal, names)
     return re.sub(rf"^( SG_ {signal} : \S+ \(1,0\)) \[0\|\d+\]", rf"\1 [0|{max(names)}]", text, flags=re.MULTILINE)
 
