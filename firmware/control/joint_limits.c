@@ -89,7 +89,8 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
                                                __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
-    /* A command is held for one tick; the velocity lags behind the stopping speed by half the duration of a ramp. */
+    /* Besides the growth of the deceleration, this allows for the command delay, for the tick during which a command is
+     * held, and for the lag of the velocity behind the stopping speed, half the duration of a ramp. */
     const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
     const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
     return (joint_limits_plan_t){

@@ -29,7 +29,7 @@
 #define JOINT_LIMITS_BRAKING_RESERVE 0.9f
 
 /* A joint is treated as being at its limit as soon as it is this close to the point at which its stopping speed becomes
- * 0. From there on, it would only creep. */
+ * 0, because it would only creep towards that point. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
 /* Constants of a joint, derived from the config and the arm. */

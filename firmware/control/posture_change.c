@@ -94,8 +94,8 @@ static void keep_nearest(posture_change_t *self, const float position_rad[], int
     }
 }
 
-/* After all seeds, the nearest candidate takes further steps, so that its orientation becomes nearly optimal as
- * well. */
+/* Makes one step of the search. After all seeds have been tried, the nearest candidate takes further steps, so that its
+ * orientation becomes nearly optimal as well. */
 static void search(posture_change_t *self, const posture_change_config_t *config,
                    const position_priority_request_t *request) {
     const float distance_m = improve(self, config, request->target);
