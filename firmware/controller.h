@@ -20,10 +20,10 @@ void controller_set_parameters(controller_t *self, const parameters_t *parameter
 
 /* Runs one tick.
  *
- * now_us: the time, monotonic modulo 2^32, one tick after the previous call.
- * inbox: the frames received since the previous call, oldest first; they are reassembled in place. A frame that arrived
- * while the inbox was being filled has a timestamp after now_us, and is treated as received at now_us.
- * outbox: the sink receives the frames to send, in order; the call sets the other members. */
+ * now_us: the time, monotonic modulo 2^32, one tick after the time of the previous call. inbox: the frames received
+ * since the previous call, oldest first; they are reassembled in place. A frame that arrived while the inbox was being
+ * filled has a timestamp after now_us, and is treated as received at now_us. outbox: the sink receives the frames to
+ * send, in order; the call sets the other members. */
 void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *inbox, controller_outbox_t *outbox);
 
 #endif

@@ -1,4 +1,4 @@
-/* The first stages of a tick: process the received frames, update the person's hand, and derive the mode from both. */
+/* The first stages of a tick: process the received frames, update the person's hand, and derive the mode. */
 #ifndef COMANIP_CONTROLLER_INPUTS_H
 #define COMANIP_CONTROLLER_INPUTS_H
 
@@ -10,7 +10,7 @@ void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t 
 /* Sets self->hand and self->lever_m. */
 void controller_update_hand(controller_t *self, uint32_t now_us);
 
-/* Checks that the data from drives and tracker are fresh, and updates the mode. */
+/* Checks whether the data from drives and tracker are fresh, and updates the mode. */
 void controller_supervise(controller_t *self, uint32_t now_us);
 
 #endif

@@ -103,7 +103,7 @@ void controller_finish_save(controller_t *self, const controller_inbox_t *inbox,
 }
 
 /* If a parameter is written before the boot announcement has reached it, its value at boot is announced first, because
- * a replay needs it. */
+ * a replay needs this value. */
 void controller_access_parameter(controller_t *self, const parameter_access_t *access, controller_outbox_t *outbox) {
     if (access->operation == PARAMETER_SAVE) {
         begin_save(self, access, outbox);

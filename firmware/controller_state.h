@@ -69,14 +69,15 @@ typedef struct {
     hand_tracker_t hand_tracker;
     hand_motion_t marker_motion; /* in the tracker frame */
     joint_feedback_t joints;
-    /* The person's hand in the tracker frame, and the lever from the marker to the hand (not updated while
-     * marker_is_hand): their present values, or, with prediction, those at the time when the encoders were sampled. */
+    /* The pose of the person's hand in the tracker frame at present or, with prediction, at the time when the encoders
+     * were sampled; and the lever from the marker to the hand at that time (0 without prediction, and not updated while
+     * marker_is_hand). */
     pose_t hand;
     vector3_t lever_m;
 
     supervisor_t supervisor;
     supervisor_inputs_t supervisor_inputs;
-    bool finite; /* all numbers of the last tick were finite */
+    bool finite; /* all numbers computed in the last tick were finite */
 
     task_id_t task_id; /* the selected task */
     task_t task;

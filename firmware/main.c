@@ -35,7 +35,8 @@ static void report_save(controller_inbox_t *inbox) {
     inbox->save_result = inbox->save_over ? result[status] : RESULT_ACCEPTED;
 }
 
-/* The port counts the frames that it refuses. If commands are lost, the drives' timeout stops the arm. */
+/* The result is ignored, because the port counts the frames that it refuses. If commands are lost, the drives' timeout
+ * stops the arm. */
 static void send_frame(void *context, const can_frame_t *frame) {
     (void)context;
     (void)hal_can_send(frame);

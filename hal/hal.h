@@ -1,5 +1,6 @@
 /* The complete interface between the firmware and its platform. The functions are bound at link time; each port has a
- * folder of its own. Only firmware/main.c calls them, from a single thread, but ports may call hal_panic(), too. */
+ * folder of its own. Only firmware/main.c calls the functions, from a single thread, but ports may call hal_panic(),
+ * too. */
 #ifndef COMANIP_HAL_H
 #define COMANIP_HAL_H
 

@@ -63,10 +63,10 @@ pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]) {
     return end_effector;
 }
 
-/* Proceeds from the end effector towards the torso. The columns are in the end effector's frame, where the numbers stay
- * small. */
+/* Proceeds from the end effector towards the torso. The columns are in the end effector's frame, in which levers are
+ * short and rounding errors small. */
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian) {
-    pose_t end_effector = arm->effector; /* in the current joint's frame; the joint's axis passes through the origin */
+    pose_t end_effector = arm->effector; /* in the current joint's frame, whose origin is on the joint's axis */
     for (int i = arm->joint_count - 1; i >= 0; i--) {
         const arm_joint_t *joint = &arm->joints[i];
         const quaternion_t to_end_effector = quaternion_conjugate(end_effector.rotation);

@@ -21,7 +21,7 @@ typedef struct {
     float position_min_rad; /* usable range, inside the mechanical stops and within +-8 rad */
     float position_max_rad;
     float velocity_max_radps; /* greater than 0, at most 32 */
-    float jerk_max_radps3;    /* 1,000 (jerk_steps of 1 in joint_limits.h, for a tick of 1 ms) to 1e6 */
+    float jerk_max_radps3;    /* 1000 to 1e6; 1000 and a tick of 1 ms yield the minimum of jerk_steps, 1 */
 } arm_joint_t;
 
 /* A function with the same contract as arm_forward_kinematics(). */
@@ -45,19 +45,20 @@ typedef struct {
     vector3_t linear_m[ARM_MAX_JOINTS];
 } arm_jacobian_t;
 
-/* Returns NULL if the table is complete and within the ranges above, otherwise a line that names the defect. */
+/* Returns NULL if the table is complete and its values are within the ranges above; otherwise, returns a one-line
+ * message that names the defect. */
 const char *arm_check(const arm_t *arm);
 
-/* Returns the end effector's pose in the torso frame (equation (3)), for any arm. Callers use
- * arm->forward_kinematics(), which may be faster. position_rad: joint_count angles, each within
+/* Returns the end effector's pose in the torso frame (equation (3)), for any arm. Call arm->forward_kinematics()
+ * instead, which is faster if it was generated for the arm. position_rad: joint_count angles, each within
  * TRIGONOMETRY_MAX_RAD. */
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 
 void arm_jacobian(const arm_t *arm, const float position_rad[], arm_jacobian_t *jacobian);
 
-/* Returns half a column of the geometric Jacobian as a dual quaternion. Multiplied from the left by the end effector's
- * dual quaternion x, it yields the joint's column of the analytic 8 x n Jacobian, d(vec8 x) / d(position). If x is
- * replaced by -x, which is the same pose, the column changes its sign as well. */
+/* Returns a column of the geometric Jacobian, multiplied by 1/2, as a dual quaternion h. If x is the end effector's
+ * pose as a dual quaternion, the product x h is the joint's column of the analytic 8 x n Jacobian, d(vec8 x) /
+ * d(position). Replacing x by -x, which is the same pose, changes the sign of this column. */
 dual_quaternion_t arm_half_twist(vector3_t angular, vector3_t linear_m);
 
 #endif

@@ -1,5 +1,5 @@
-/* An arm and its inverse kinematics, which are either functions that `make arms` generated for this arm (arms/) or
- * functions that work for any arm. */
+/* An arm and the functions of its inverse kinematics: either those that `make arms` generated for this arm (arms/), or
+ * those that work for any arm. */
 #ifndef COMANIP_ARM_IK_H
 #define COMANIP_ARM_IK_H
 
@@ -21,7 +21,8 @@ typedef struct {
 /* Returns the arm with the functions that work for any arm. The arm must outlive the result. */
 arm_ik_t arm_ik_any(const arm_t *arm);
 
-/* Returns NULL if all members are set and arm_check() finds no defect, otherwise a line that names the defect. */
+/* Returns NULL if all members are set and arm_check() finds no defect, otherwise a one-line message that names the
+ * defect. */
 const char *arm_ik_check(const arm_ik_t *self);
 
 /* Computes the paper's differential inverse kinematics. velocity_radps: joint_count values, not limited. */

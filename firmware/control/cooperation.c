@@ -1,12 +1,12 @@
 /* Algorithm 1: see cooperation.h. */
 #include "cooperation.h"
 
-/* Not inline, so that the code that is not time-critical shares one copy. */
+/* A quaternion product for code that is not time-critical. Not inline, so that the callers share one copy. */
 __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion_t b) {
     return quaternion_multiply(a, b);
 }
 
-/* ---- the loop's constants
+/* ---- constants of Algorithm 1's loop
  *
  * Let q_H^E be (r, t) now and (r_0, t_0) at the start, c = conj(q_Tv^E), s the scale, q_Hv0^H0 = (r_v, t_v), and p_0
  * the virtual hand's translation at the start. Algorithm 1 up to equation (7) then yields a virtual hand with
@@ -16,8 +16,8 @@ __attribute__((noinline)) static quaternion_t product(quaternion_t a, quaternion
  * With q_task = (r_k, t_k), the target q_Hv^Tv conj(q_task) has the rotation r' = c r r_v conj(r_k), and its
  * translation is that of the virtual hand minus R(r') t_k. */
 
-/* Computes the matrix of the map r -> left r right on (w, x, y, z). Its columns are left 1 right, left i right, left j
- * right and left k right. */
+/* Computes the 4 x 4 matrix that maps a quaternion r, as (w, x, y, z), to the product `left` r `right`. The columns of
+ * the matrix are the images of 1, i, j and k. */
 static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4]) {
     const quaternion_t times_unit[4] = {
         left,
@@ -34,7 +34,7 @@ static void fold_rotation(quaternion_t left, quaternion_t right, float turn[4][4
     }
 }
 
-/* Computes the matrix of the map v -> scale rotation v conj(rotation). */
+/* Computes the 3 x 3 matrix that rotates a vector by `rotation` and multiplies it by `scale`. */
 static void fold_displacement(quaternion_t rotation, float scale, float carry[3][3]) {
     const float w = rotation.w, x = rotation.x, y = rotation.y, z = rotation.z;
     const float twice = scale + scale;
@@ -53,16 +53,16 @@ static void fold_displacement(quaternion_t rotation, float scale, float carry[3]
 
 /* ---- start and changes */
 
-/* Returns conj(a) b, which is the pose b in the frame a. The result is normalised, so that rounding errors do not
- * accumulate over successive changes. */
+/* Returns conj(a) b, which is the pose b in the frame a. The rotation is normalised, so that rounding errors do not
+ * accumulate over successive changes of the relation. */
 static pose_t seen_from(pose_t a, pose_t b) {
     const quaternion_t back = quaternion_conjugate(a.rotation);
     const vector3_t way = vector3_add(b.translation_m, vector3_scale(a.translation_m, -1.0f));
     return (pose_t){quaternion_normalise(product(back, b.rotation)), quaternion_rotate(back, way)};
 }
 
-/* Returns the virtual hand at the start, q_Rv0^Tv q_inv: the end effector's pose, moved by the start offset and rotated
- * by q_inv. */
+/* Returns the virtual hand's pose at the start, q_Rv0^Tv q_inv: the end effector's pose, moved by the start offset and
+ * rotated by q_inv. */
 static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     return (pose_t){
         product(robot.rotation, self->task.q_inv),
@@ -70,8 +70,9 @@ static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     };
 }
 
-/* Makes `hand` and `virtual_hand` the references for displacements. The last line of Algorithm 1's initialisation
- * computes q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv, but the loop needs only its rotation. */
+/* From now on, displacements are relative to `hand` and `virtual_hand`. The last line of Algorithm 1's initialisation
+ * computes the pose q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv; only the rotation of this pose is stored, because the loop does
+ * not need the translation. */
 static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
     const quaternion_t from_tracker = quaternion_conjugate(self->config.tracker_rotation);
     const quaternion_t hand_in_torso = product(from_tracker, hand.rotation); /* equation (8) */
@@ -82,7 +83,7 @@ static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand
     self->forward_displacement_m = 0.0f;
 }
 
-/* Returns the latest virtual hand, q_Hv^Tv = q_R^Tv q_task. */
+/* Returns the latest pose of the virtual hand, q_Hv^Tv = q_R^Tv q_task. */
 static pose_t virtual_hand(const cooperation_t *self) {
     return pose_multiply(self->target, task_relation_at(&self->relation, self->forward_displacement_m));
 }
@@ -151,7 +152,7 @@ void cooperation_latch_measured(cooperation_t *self, pose_t robot) {
 
 /* ---- the loop */
 
-/* Sets the target. r: the target's rotation. */
+/* Sets self->target. hand_m: position of the person's hand in the tracker frame. r: the target's rotation. */
 static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_t r) {
     const cooperation_loop_t *loop = &self->loop;
     const float (*carry)[3] = loop->carry;
@@ -162,7 +163,7 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     const float left = carry[1][0] * t_x + carry[1][1] * t_y + carry[1][2] * t_z;
     const float up = carry[2][0] * t_x + carry[2][1] * t_y + carry[2][2] * t_z;
 
-    /* R(r) t_k = t_k + r_w 2 v + r x 2 v with v = r x t_k */
+    /* R(r) t_k = t_k + r_w 2 v + u x 2 v, where u is the vector part of r, and v = u x t_k */
     const float k_x = self->relation.pose.translation_m.x, k_y = self->relation.pose.translation_m.y;
     const float k_z = self->relation.pose.translation_m.z + self->relation.slope * forward;
     const float v_x = r.y * k_z - r.z * k_y, v_y = r.z * k_x - r.x * k_z, v_z = r.x * k_y - r.y * k_x;
@@ -177,8 +178,8 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     self->target.translation_m.z = loop->virtual_hand_start_m.z + up - self->relation_m.z;
 }
 
-/* Used until the relation is constant, for example while a task is being blended in. Not inline, so that the loop need
- * not save registers. */
+/* Updates the target as long as the relation is not known to be constant, for example during a blend; as soon as it is
+ * constant, computes the loop's constants from it. Not inline, so that cooperation_update() need not save registers. */
 __attribute__((noinline)) static void update_and_settle(cooperation_t *self, const pose_t *hand, float blend) {
     self->relation = relation_in_force(self, blend);
     const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);
@@ -214,7 +215,8 @@ static vector3_t carried(const float carry[3][3], vector3_t v) {
     };
 }
 
-/* Computes the derivative of set_target(): the target rotates with the hand, about the virtual hand. */
+/* Computes the time derivative of the target that set_target() computes. The target rotates as the hand does, about the
+ * virtual hand. */
 twist_t cooperation_target_motion(const cooperation_t *self, const twist_t *hand) {
     const float (*carry)[3] = (const float (*)[3])self->loop.carry;
     const vector3_t virtual_hand_mps = carried(carry, hand->velocity_mps);

@@ -1,7 +1,8 @@
 /* Algorithm 1: computes the target pose of the end effector from the pose of the person's hand.
  *
  * Names follow the paper: E is the tracker, T the robot's torso, Tv the virtual torso (with the tracker's origin and
- * the torso's axes), H0 the person's hand at the start, Hv the virtual hand, and R the end effector.
+ * the torso's axes), H the person's hand, H0 the person's hand at the start, Hv the virtual hand, and R the end
+ * effector.
  *
  * The paper's products of dual quaternions are expanded into rotations and translations, without the terms that cancel.
  * In the loop, the constant factors are combined into a 4 x 4 matrix for the hand's rotation and a 3 x 3 matrix for its
@@ -14,12 +15,12 @@
 #include "task.h"
 
 typedef struct {
-    quaternion_t tracker_rotation; /* q_Tv^E, unit: the torso's axes in the tracker's frame, q(x, -pi/2) in (9) */
+    quaternion_t tracker_rotation; /* q_Tv^E, unit: the torso's axes in the tracker's frame; (9): q(x, -pi/2) */
     vector3_t start_offset_m;      /* virtual hand minus end effector at the start, in torso axes; 0 in the paper */
     float motion_scale;            /* factor on the hand's displacement, not on its rotation; 1 in the paper */
 } cooperation_config_t;
 
-/* Constants of the loop, computed in advance. */
+/* Constants of Algorithm 1's loop, computed in advance. */
 typedef struct {
     float turn[4][4];       /* maps the rotation of q_H^E (w x y z) to that of the target */
     float carry[3][3];      /* maps the hand's displacement, in tracker axes, to the virtual hand's, in torso axes */
@@ -33,7 +34,7 @@ typedef struct {
     task_t task;
     quaternion_t virtual_hand_start; /* rotation of q_Hv0^H0 */
     task_relation_t relation;        /* the q_task that currently applies */
-    task_relation_t blend_from;      /* the q_task from which the current one is blended */
+    task_relation_t blend_from;      /* the q_task at which the blend to the q_task of `task` starts */
     bool latched;
     bool settled; /* the relation is constant, and the loop's constants have been computed from it */
     cooperation_loop_t loop;
@@ -42,8 +43,8 @@ typedef struct {
     pose_t target;                /* the latest target, in the torso frame */
 } cooperation_t;
 
-/* Initialises Algorithm 1. hand: q_H^E. robot: q_R^T. A blend to the task starts from the current relation between hand
- * and robot. */
+/* Initialises Algorithm 1. hand: q_H^E. robot: q_R^T. cooperation_update() can then blend from the present relation of
+ * hand and robot to the relation of the task. */
 void cooperation_start(cooperation_t *self, const cooperation_config_t *config, const task_t *task, pose_t hand,
                        pose_t robot);
 
@@ -51,16 +52,16 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
  * cooperation_update() at 0. */
 void cooperation_select(cooperation_t *self, const task_t *task);
 
-/* Takes a new reference (clutch). From then on, displacements are relative to `hand` and `robot`. The task continues
- * with the relation that currently applies (the latched one, or the one at `blend`), so that the next target is
- * `robot`. */
+/* Makes `hand` and `robot` the new references for displacements (clutch), so that the next target is `robot`. The
+ * relation remains the one that applies at present: the latched one or, without a latch, the one at `blend`. */
 void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float blend);
 
 /* Latches the current q_task (the commanded relation), which then remains constant, as at the grasp in section
  * V-B.3. */
 void cooperation_latch(cooperation_t *self);
 
-/* Latches the measured relation conj(q_Rm) q_Hm. robot: q_Rm, which becomes the target. */
+/* Latches conj(q_Rm) q_Hm, the relation of the virtual hand to the end effector's measured pose. robot: this measured
+ * pose, q_Rm, which becomes the target. */
 void cooperation_latch_measured(cooperation_t *self, pose_t robot);
 
 /* Runs one pass of Algorithm 1's loop, which computes self->target, q_R^Tv = q_Hv^Tv conj(q_task), in the torso frame.

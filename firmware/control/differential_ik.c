@@ -1,9 +1,10 @@
 /* Determines whether the isotropic form applies, and prepares its constants: see differential_ik.h. */
 #include "differential_ik.h"
 
-/* Without refinement, the error of the solution is the rounding error of J^T W J divided by the damping. Since axes are
- * unit vectors and levers are short, the rotation's weight matters most. Outside these bounds, which were found by
- * measurement (tests/test_differential_ik.py), differential_ik_general() is used, because it refines the solution. */
+/* The isotropic form does not refine its solution, whose error is therefore the rounding error of J^T W J divided by
+ * the damping. Since axes are unit vectors whereas levers are short, the rotation's weight matters most. Outside the
+ * following bounds, which were found by measurement (tests/test_differential_ik.py), differential_ik_general() is used,
+ * which refines its solution. */
 #define DAMPING_MIN 1e-5f                 /* relative to the largest weight */
 #define ROTATION_WEIGHT_MAX 1.0f          /* the rotation's weight must be at most this, */
 #define ROTATION_TO_TRANSLATION_MAX 0.25f /* or at most this multiple of the translation's weight */

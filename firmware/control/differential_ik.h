@@ -3,8 +3,8 @@
  *
  *     u = (J^T W J + lambda I)^-1 J^T W K e
  *
- * This is the n x n form of the paper's J^T (J J^T + lambda I)^-1 K e, to which it is equal for W = I. Poses and e are
- * vec8, that is, the eight numbers of a dual quaternion.
+ * This n x n form is equal to the paper's J^T (J J^T + lambda I)^-1 K e for W = I. Poses and e are vec8, that is, the
+ * eight numbers of a dual quaternion.
  *
  * The equation is isotropic if K and W each have one value for rotation and one for translation. It then need not be
  * evaluated in vec8: see arm_ik_differential(). */
@@ -25,8 +25,8 @@ typedef enum {
 typedef struct {
     bool applies; /* the equation is isotropic, and damped enough for float32 without refinement */
     float weight_rotation;
-    float pull_rotation, pull_translation; /* 2 x weight x gain of rotation and translation */
-    float diagonal;                        /* weight_rotation + 4 lambda: rotation and damping on the diagonal */
+    float pull_rotation, pull_translation; /* 2 x weight x gain; after the division, the translation's weight is 1 */
+    float diagonal;                        /* weight_rotation + 4 lambda / translation's weight; on the diagonal */
     float trace_max;                       /* largest trace of the translation's J^T W J for which damping suffices */
 } differential_ik_isotropic_t;
 
@@ -43,7 +43,7 @@ typedef struct {
 typedef struct {
     const float *position_rad;  /* joint_count angles */
     const pose_t *target;       /* in the torso frame; either sign */
-    joints_at_limit_t at_limit; /* joints that must not be driven beyond their limits */
+    joints_at_limit_t at_limit; /* joints at a limit, which must not be driven beyond it */
 } differential_ik_request_t;
 
 /* Sets config->isotropic. Call it once, after the other members of the config are set. */

@@ -5,8 +5,8 @@
 
 #include "../maths/ldlt.h"
 
-/* Relative to the largest diagonal element of J^T W J. With less damping than the first value, float32's rounding would
- * dominate at a singularity, so the second value is used instead. */
+/* Damping, relative to the largest diagonal element of J^T W J. Below the minimum, float32's rounding would dominate at
+ * a singularity, so the safe value is used instead. */
 #define RELATIVE_DAMPING_MIN 2.5e-7f
 #define RELATIVE_DAMPING_SAFE 2e-6f
 
@@ -20,7 +20,8 @@ static dual_quaternion_t from_vec8(const float vec8[8]) {
     return x;
 }
 
-/* Returns the dot product, summed in pairs, which takes three successive roundings instead of seven. */
+/* Returns the dot product. It is summed in pairs, so that only three additions, each with its rounding, follow one
+ * another instead of seven. */
 static float dot8(const float a[8], const float b[8]) {
     return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
            ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
@@ -39,7 +40,7 @@ static dual_quaternion_t multiply_transposed(dual_quaternion_t x, dual_quaternio
 typedef struct {
     int joint_count;
     dual_quaternion_t hand;
-    /* The joints' axes in the end effector's frame, halved, so that the columns of J are hand * half_line. */
+    /* The joints' axes in the end effector's frame, multiplied by 1/2. Column i of J is hand * half_line[i]. */
     dual_quaternion_t half_line[ARM_MAX_JOINTS];
     const float *weight;
     float desired[8]; /* K e */
@@ -48,8 +49,8 @@ typedef struct {
 } equations_t;
 
 /* Computes J^T W e. The product with `hand` is computed once for all joints, so that its rounding acts as an error in
- * e, which is harmless. If the columns were rounded instead, the rounding would act as an error in J, which a damping
- * as small as 1e-4 amplifies. */
+ * e, which is harmless. If the columns were rounded instead, the rounding would act as an error in J, which is
+ * amplified if the damping is as small as 1e-4. */
 static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {

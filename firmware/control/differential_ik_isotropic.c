@@ -6,9 +6,9 @@
 /* Equation (4) without vec8, for the case in which K and W each have one value for rotation and one for translation.
  *
  * Multiplying error and Jacobian by a unit quaternion, from the left or the right, is an orthogonal map of each half of
- * vec8. It commutes with such K and W, so it changes neither J^T W J nor J^T W K e. Let x = r + eps 1/2 t r be the end
- * effector, let x_d with r_d and t_d be the target, let l_i + eps m_i be the axis of joint i in the end effector's
- * frame, and let d = conj(r) r_d. The vector v' = conj(r) v r is v in the end effector's axes.
+ * vec8. This map commutes with such K and W, so it changes neither J^T W J nor J^T W K e. Let x = r + eps 1/2 t r be
+ * the end effector's pose, let x_d = r_d + eps 1/2 t_d r_d be the target, let l_i + eps m_i be the axis of joint i in
+ * the end effector's frame, and let d = conj(r) r_d. The vector v' = conj(r) v r is v in the end effector's axes.
  *
  * Torso frame: e = x_d - x, J_i = x 1/2 (l_i + eps m_i). Multiplied by conj(r) from the left:
  *
@@ -19,12 +19,13 @@
  *
  *     e -> d - 1 - eps h,                                  J_i -> 1/2 (l_i + eps (m_i + h l_i))
  *
- * With g = -1/2 t' or g = 1/2 (t_d' - t'), respectively, both are J_i -> 1/2 (l_i + eps (l_i . g + m_i + l_i x g)),
- * which consists of 7 numbers. Since l_i is a vector, only the vector part of d matters.
+ * With g = -1/2 t' in the torso frame, and g = 1/2 (t_d' - t') in the target frame, both forms of J_i are equal to 1/2
+ * (l_i + eps (l_i . g + m_i + l_i x g)), which consists of 7 numbers. Since l_i is a vector, only the vector part of d
+ * matters.
  *
- * Therefore J_i^T W e equals 1/2 (w_r l_i . turn + w_t (l_i . g s + (m_i + l_i x g) . dual)), where s is the scalar of
- * the dual part (0 in the target frame), or, without the factor 1/2, l_i . (w_r turn + w_t s g) + w_t (m_i + l_i x g) .
- * dual. */
+ * Therefore J_i^T W e equals 1/2 (w_r l_i . turn + w_t (l_i . g s + (m_i + l_i x g) . dual)), where `turn` is the
+ * vector part of d, and s and `dual` are the scalar and the vector part of the error's dual part (s is 0 in the target
+ * frame). Without the factor 1/2, this is l_i . (w_r turn + w_t s g) + w_t (m_i + l_i x g) . dual. */
 typedef struct {
     vector3_t g;      /* [m] */
     vector3_t turn;   /* rotation error times pull_rotation, plus s g times pull_translation */

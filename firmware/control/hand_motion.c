@@ -13,7 +13,7 @@ static const motion_filter_scale_t rotation_scale = {
 #define INTERVAL_MAX_S 0.1f
 #define INTERVAL_WEIGHT 0.1f /* weight of a new interval in the running mean of the intervals */
 
-/* A pose farther than this from the prediction is not treated as a continuation of the motion. */
+/* If a pose is farther than this from the prediction, in position or in angle, the motion restarts there. */
 #define JUMP_M 0.5f
 #define JUMP_COS_HALF 0.87758256f /* cosine of half of 1 rad */
 
@@ -35,8 +35,8 @@ static inline pose_t displace(pose_t pose, vector3_t way_m, vector3_t turn_rad) 
     };
 }
 
-/* Returns the rotation vector of a unit quaternion with w > 0, from the series of 2 asin(|v|). The error is below 1e-4
- * rad up to 1 rad; at pi the result is 18 % too short. */
+/* Returns the rotation vector of a unit quaternion with w > 0, from the series of 2 asin(|v|), where v is the vector
+ * part. For angles up to 1 rad, the error is below 1e-4 rad; at pi, the result is 18 % too short. */
 static vector3_t rotation_vector(quaternion_t q) {
     const vector3_t v = {q.x, q.y, q.z};
     const float square = vector3_dot(v, v);
@@ -53,11 +53,11 @@ static float awaited_s(const hand_motion_t *self) {
     return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_GRACE_S;
 }
 
-/* The extrapolation to a point in time. */
+/* How the motion is extrapolated to a point in time. */
 typedef struct {
     motion_filter_ahead_t horizon;
     float pace; /* factor on the velocity; falls from 1 to 0 in a gap */
-    float left; /* remaining share of the hand_motion_change_t; falls from 1 to 0 */
+    float left; /* remaining share of the hand_motion_change_t; falls from 1 to 0 within one interval */
 } schedule_t;
 
 static inline schedule_t schedule(const hand_motion_t *self, uint32_t now_us, float ahead_s) {
@@ -102,8 +102,8 @@ void hand_motion_reset(hand_motion_t *self) {
     self->is_running = false;
 }
 
-/* Restarts the motion at this pose. If the sample arrived in time, the jump fades in. After a gap, and for the first
- * sample, the prediction starts from the new pose at once. */
+/* Restarts the motion at this pose. If the sample arrived in time, the prediction moves from its present pose to the
+ * new one gradually. After a gap, and at the first sample, it is the new pose at once. */
 static void restart(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
     const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
     const twist_t motion = hand_motion_twist(self, now_us, 0.0f);
@@ -125,9 +125,10 @@ typedef struct {
     motion_filter_ahead_t latency;  /* from the new sample to now */
 } sample_times_t;
 
-/* Updates the filter. moved: the filter's displacement in the interval. innovation: the sample minus the pose predicted
- * with that displacement. Sets *change to the old prediction minus the new one. Rotation vectors are added as if
- * rotations commuted, so the prediction is continuous only to first order in the angle of extrapolation. */
+/* Updates the filter. moved: the displacement that the filter predicts for the interval from the last sample to this
+ * one. innovation: the sample minus the pose predicted with that displacement. Sets *change to the old prediction minus
+ * the new one. Rotation vectors are added as if rotations commuted, so the prediction is continuous only to first order
+ * in the angle of extrapolation. */
 static inline vector3_t update(motion_filter_t *filter, hand_motion_change_t *change,
                                const motion_filter_scale_t *scale, vector3_t moved, vector3_t innovation,
                                const sample_times_t *at) {
@@ -166,8 +167,8 @@ static bool continue_motion(hand_motion_t *self, const pose_t *hand, float inter
     return true;
 }
 
-/* The running mean of the interval grows by at most a tenth per sample, so that a gap is not mistaken for a slow
- * tracker. */
+/* Updates the running mean of the interval. The mean grows by at most a tenth per sample, so that a gap is not mistaken
+ * for a slow tracker. */
 static void learn_interval(hand_motion_t *self, float interval_s) {
     const float longest_s = 2.0f * self->interval_s;
     const float seen_s = float_is_below(interval_s, longest_s) ? interval_s : longest_s;

@@ -22,8 +22,8 @@
 #define HAND_MOTION_LATENCY_MIN_S -0.02f
 #define HAND_MOTION_LATENCY_MAX_S 0.1f
 
-/* The prediction before the newest sample minus the one after it. This difference is added to the prediction and fades
- * to 0 over one interval, so that the prediction does not jump. */
+/* The prediction without the newest sample minus the prediction with it. This difference is added to the prediction and
+ * fades to 0 over one interval, so that the prediction does not jump. */
 typedef struct {
     vector3_t displacement, velocity;
 } hand_motion_change_t;
@@ -42,8 +42,8 @@ typedef struct {
 void hand_motion_init(hand_motion_t *self);
 
 /* Call this when the tracker is lost and its clock is unknown. The hand is then at rest in its last pose, and the next
- * sample restarts the motion. It must be called at most 35 minutes after the last sample, before the firmware's clock
- * wraps. */
+ * sample restarts the motion. This must be called at most 35 minutes after the last sample, because longer differences
+ * between times overflow. */
 void hand_motion_reset(hand_motion_t *self);
 
 /* Takes the hand's pose (a unit quaternion of either sign), captured at captured_us and received at now_us, both by the

@@ -3,7 +3,7 @@
 
 #define UNIT_TOLERANCE 1e-3f
 
-/* Two quartz clocks drift apart by some tens of ppm. The minimum clock offset is raised by 1 us every 5 ms (200 ppm),
+/* Two quartz clocks drift apart by a few tens of ppm. The minimum clock offset is raised by 1 us every 5 ms (200 ppm),
  * so that it follows the drift instead of becoming outdated. */
 #define CLOCK_CREEP_PERIOD_US 5000u
 
@@ -37,7 +37,8 @@ void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status) {
     self->latency_us = status->latency_us < LATENCY_MAX_US ? status->latency_us : LATENCY_MAX_US;
 }
 
-/* Returns the delay of this frame relative to the fastest one, from the readings of both clocks modulo 2^32. */
+/* Returns the delay of this frame relative to the fastest frame. stamp_us, received_us: when the frame was stamped and
+ * received, by the tracker's and the firmware's clock, respectively, modulo 2^32. */
 static uint32_t lateness_us(hand_tracker_t *self, uint32_t stamp_us, uint32_t received_us) {
     uint32_t offset_us = received_us - stamp_us;
     if (!self->has_clock) {

@@ -19,7 +19,7 @@ typedef struct {
     uint32_t age_at_reception_us; /* that pose's delay relative to the fastest frame */
     bool interpolates;
     uint32_t blend_start_us;
-    pose_t from, to; /* poses of the marker in the tracker frame; interpolated over one period */
+    pose_t from, to; /* poses of the marker in the tracker frame; hand_tracker_pose() interpolates between them */
 } hand_tracker_t;
 
 /* period_us: used until the tracker reports its period. */
@@ -37,9 +37,9 @@ void hand_tracker_status(hand_tracker_t *self, const tracker_status_t *status);
  * invalid, its quaternion is not unit within 1e-3, or its stamp is not newer than the last one. */
 bool hand_tracker_receive(hand_tracker_t *self, const hand_pose_t *pose, uint32_t received_us, uint32_t now_us);
 
-/* Returns the age of the newest valid pose: the time since its reception, plus its delay, derived from its stamp,
- * relative to the fastest frame. A constant clock offset and a transport time common to all frames cancel out. Returns
- * UINT32_MAX if there is no pose. */
+/* Returns the age of the newest valid pose: the time since its reception plus its delay relative to the fastest frame.
+ * The delay is derived from the frames' stamps. A constant clock offset and a transport time common to all frames
+ * cancel out. Returns UINT32_MAX if there is no pose. */
 uint32_t hand_tracker_age_us(const hand_tracker_t *self, uint32_t now_us);
 
 /* Returns the time, by the firmware's clock, at which the newest valid pose was measured, assuming that the fastest

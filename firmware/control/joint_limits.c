@@ -14,8 +14,8 @@
 /* A quotient that is an integer except for float32's rounding error is treated as that integer. */
 #define ROUNDING_STEPS 1e-3f
 
-/* Upper limit of a^2 / j. If the jerk limit makes the deceleration grow too slowly, braking is planned with less than
- * the acceleration limit. With a larger value, the arm would overshoot on arrival. */
+/* Upper limit of a^2 / j, where a is the deceleration used for planning and j the jerk limit. If j is small, braking is
+ * therefore planned with less than the acceleration limit. With a larger value, the arm would overshoot on arrival. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
 static float clamp(float x, float low, float high) {
@@ -37,9 +37,9 @@ static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad)
     return float_is_below(0.0f, speed) ? float_smaller(speed, plan->speed_max_radps) : 0.0f;
 }
 
-/* The demanded speed is K times the remaining distance, so it decays as exp(-K t). Above the linear speed a / K, this
- * would require more deceleration than a, so the speed is limited to the one from which the joint stops within the
- * remaining distance. Below a / K, the demanded speed is returned. */
+/* The demanded speed is K times the remaining distance, so it decays as exp(-K t). Above the speed linear_radps = a /
+ * K, this decay would require more deceleration than a, so the speed is limited to the one from which the joint stops
+ * within the remaining distance. Below a / K, the demanded speed is returned. */
 static float approach_speed(float demanded_radps, float linear_radps) {
     if (!float_is_below(linear_radps, demanded_radps)) {
         return demanded_radps;
@@ -60,10 +60,10 @@ static int32_t clamp_steps(int32_t x, int32_t low, int32_t high) {
 /* Returns the change of velocity in this tick, towards a velocity that is `way` >= 0 steps higher. last: the change in
  * the last tick.
  *
- * The result is the largest change that does not overshoot. Let J be jerk_steps. A change x that decreases by J per
- * tick adds up to (k + 1) x - T(k), where k = floor(x / J) is the number of ticks that follow and
- * T(k) = J k (k + 1) / 2. Since x is within J of the last change, its k is within 1 of that of the last change. If even
- * last - J overshoots, last - J is returned. */
+ * The result is the largest change that does not overshoot. Let J be jerk_steps. The sum of a change x and the
+ * following changes, each smaller by J, is (k + 1) x - T(k), where k = floor(x / J) is the number of ticks that follow
+ * and T(k) = J k (k + 1) / 2. Since x is within J of the last change, its k is within 1 of that of the last change. If
+ * even last - J overshoots, last - J is returned. */
 static int32_t next_change(const joint_limits_plan_t *plan, int32_t way, int32_t last) {
     const int32_t jerk = plan->jerk_steps;
     int32_t k = last > 0 ? last / jerk : 0;
@@ -89,7 +89,8 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
                                                __builtin_sqrtf(RAMP_SPEED_MAX_RADPS * jerk_radps3));
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
-    /* A command is held for one tick; the velocity lags behind the stopping speed by half the duration of a ramp. */
+    /* Besides the growth of the deceleration, this allows for the command delay, for the tick during which a command is
+     * held, and for the lag of the velocity behind the stopping speed, half the duration of a ramp. */
     const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
     const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
     return (joint_limits_plan_t){

@@ -1,8 +1,9 @@
 /* Limits the position, velocity, acceleration and jerk of each joint. Every command passes through here, regardless of
  * demand and state.
  *
- * Let j be the jerk limit, and a be JOINT_LIMITS_BRAKING_RESERVE times the acceleration limit, but at most sqrt(0.1
- * rad/s j). Both limits are first rounded down to whole steps of the bus's resolution. The rules are:
+ * Let j be the jerk limit, K the largest gain of the feedback, and a be JOINT_LIMITS_BRAKING_RESERVE times the
+ * acceleration limit, but at most sqrt(0.1 rad/s j). Both limits are first rounded down to whole steps of the bus's
+ * resolution. The rules are:
  *
  *   approach  A feedback speed u above a/K is lowered to sqrt(a/K (2 u - a/K)), from which the joint stops within the
  *             remaining distance; all joints are scaled by the same factor. The feedforward is added as is.
@@ -28,7 +29,7 @@
 #define JOINT_LIMITS_BRAKING_RESERVE 0.9f
 
 /* A joint is treated as being at its limit as soon as it is this close to the point at which its stopping speed becomes
- * 0. From there on, it would only creep. */
+ * 0, because it would only creep towards that point. */
 #define JOINT_LIMITS_AT_LIMIT_RAD 2e-3f
 
 /* Constants of a joint, derived from the config and the arm. */
@@ -43,8 +44,8 @@ typedef struct {
     float ramp_square;       /* (a^2 / (2 j))^2; the speed a^2 / (2 j) is lost while the deceleration grows to a */
     float fastest_square;    /* from this squared speed on, the stopping speed is speed_max_radps */
     float coasting_radps;    /* subtracted from the stopping speed: growth of the deceleration, lag, earlier commands */
-    float reference_min_rad; /* lower limit of the reference, one step of the bus's resolution inside the joint's */
-    float reference_max_rad; /* upper limit, likewise; the rounded reference is thus within the joint's limits */
+    float reference_min_rad; /* lower limit of the reference: the joint's limit plus one step of the bus's resolution */
+    float reference_max_rad; /* upper limit, likewise; a rounded reference is thus within the joint's limits */
 } joint_limits_plan_t;
 
 typedef struct {

@@ -34,8 +34,8 @@ typedef void joints_at_limit_solution_t(void *equations, float velocity_radps[])
 typedef void joints_at_limit_lock_t(void *equations, uint8_t joints);
 
 /* Computes the solution in which no joint at a limit moves beyond it. velocity_radps: joint_count values. Solves the
- * equations once if no joint would move beyond a limit, and at most joint_count + 1 times. Inline, so that no function
- * is called through a pointer. */
+ * equations once if no joint would move beyond a limit, and at most joint_count + 1 times. Inline, so that `solve` and
+ * `lock` are not called through pointers. */
 static inline void joints_at_limit_solve(joints_at_limit_t self, int joint_count, void *equations,
                                          joints_at_limit_solution_t *solve, joints_at_limit_lock_t *lock,
                                          float velocity_radps[]) {

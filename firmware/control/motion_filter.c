@@ -11,8 +11,8 @@
 
 #define NOISE_MIN 0.2f /* in units of the scale's standard deviation */
 #define NOISE_MAX 100.0f
-/* Upper limit of a single second difference of innovations, in variances, so that an outlier does not count as
- * noise. */
+/* Upper limit of a single measurement of the noise variance, relative to the present estimate, so that an outlier does
+ * not count as noise. */
 #define OUTLIER_VARIANCES 9.0f
 
 #define INTERVAL_S 0.004f /* sample interval for which MOTION_FILTER_MEMORY_S was tuned */
@@ -56,8 +56,8 @@ static float clamp(float x, float min, float max) {
 }
 
 /* Returns x^(1/8) of a normal number, within 0.4 %. Without a floating-point unit, three square roots would cost twice
- * as much. The bits of a float approximate its logarithm, so an eighth of them yields a guess within 4 %; one Newton
- * step follows. */
+ * as much. The bits of a float approximate its logarithm, so dividing them by 8 and adding a constant yields a guess
+ * within 4 %; one Newton step follows. */
 static float eighth_root(float x) {
     const uint32_t guess_bits = (float_bits(x) >> 3) + 0x378B6000u;
     float guess;

@@ -14,9 +14,10 @@
 #include "../maths/dual_quaternion.h"
 #include "../maths/float_bits.h"
 
-/* The shortest memory, which is used in motion, at the scale's noise and a sample interval of 4 ms. It grows with the
- * eighth root of noise variance times interval, and shrinks in very fast motion. (The memory of a Kalman filter for
- * white jerk would grow with the sixth root, but recordings need less growth.) */
+/* The shortest memory, which is used in motion. The value is for the noise variance of the scale and a sample interval
+ * of 4 ms. The shortest memory grows with the eighth root of noise variance times interval, and shrinks in very fast
+ * motion. (The memory of a Kalman filter for white jerk would grow with the sixth root, but recordings need less
+ * growth.) */
 #define MOTION_FILTER_MEMORY_S 0.038f
 /* Ratio of the longest memory, which is used at rest, to the shortest. */
 #define MOTION_FILTER_REST_RATIO 2.8f

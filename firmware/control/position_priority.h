@@ -39,7 +39,7 @@
 
 typedef struct {
     float gain_per_s;            /* K > 0 */
-    float orientation_weight_m2; /* w >= 0: the squared position error that counts as much as 1 rad^2 */
+    float orientation_weight_m2; /* w >= 0: the squared position error equivalent to an orientation error of 1 rad */
 } position_priority_config_t;
 
 typedef struct {

@@ -48,8 +48,8 @@ static inline float position_priority_task_scale(float determinant, float trace)
     return POSITION_PRIORITY_TASK_DAMPING_M2 / (float_is_below(determinant, least) ? least : determinant);
 }
 
-/* Returns a joint's diagonal element of D, without the Hessian terms, plus w k if the joint is in a margin.
- * weighted_stiffness: w k. within_rad: x. */
+/* Returns a joint's diagonal element of D, except for the share of Gershgorin's bound, plus w k if the joint is in a
+ * margin. weighted_stiffness: w k. within_rad: x. */
 static inline float position_priority_damping(float weighted_stiffness, float within_rad) {
     return POSITION_PRIORITY_DAMPING_M2 + (float_magnitude_bits(within_rad) != 0u ? weighted_stiffness : 0.0f);
 }

@@ -11,7 +11,7 @@
 #define SEEDS (1 << SEED_JOINTS)
 #define STEPS 40 /* number of steps per candidate */
 #define MET_M 5e-4f
-#define ORIENTATION_SHARE 0.1f /* share of the orientation weight in a search, where it need only rank postures */
+#define ORIENTATION_SHARE 0.1f /* factor on the orientation weight in a search */
 
 #define ARRIVED_RAD 1e-3f
 #define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther than this from the posture, */
@@ -57,9 +57,9 @@ static void begin_search(posture_change_t *self, const arm_t *arm, const positio
     begin_candidate(self, arm, 0);
 }
 
-/* Moves the candidate by one step, which is position_priority() applied for a second with K = 1/s. Each joint keeps
- * away from its limits, by slightly less than the distance at which it is treated as being at a limit. Returns the end
- * effector's distance from the target before the step. */
+/* Moves the candidate by one step: the velocities of position_priority() for K = 1/s, applied for one second. Each
+ * joint keeps away from its limits, by slightly less than the distance at which it is treated as being at a limit.
+ * Returns the end effector's distance from the target before the step. */
 static float improve(posture_change_t *self, const posture_change_config_t *config, const pose_t *target) {
     static const twist_t none = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     const arm_t *arm = config->ik->arm;
@@ -94,8 +94,8 @@ static void keep_nearest(posture_change_t *self, const float position_rad[], int
     }
 }
 
-/* After all seeds, the nearest candidate takes further steps, so that its orientation becomes nearly optimal as
- * well. */
+/* Makes one step of the search. After all seeds have been tried, the nearest candidate takes further steps, so that its
+ * orientation becomes nearly optimal as well. */
 static void search(posture_change_t *self, const posture_change_config_t *config,
                    const position_priority_request_t *request) {
     const float distance_m = improve(self, config, request->target);
@@ -130,8 +130,8 @@ static float hand_speed(const arm_t *arm, const float position_rad[], const floa
     return __builtin_sqrtf(vector3_dot(hand_mps, hand_mps));
 }
 
-/* All joints are scaled by the same factor, so the arm moves in a straight line in joint space. Since both ends of that
- * line are within the joint limits, so is the whole line. */
+/* Sets the velocities of all joints, scaled by the same factor, so the arm moves in a straight line in joint space.
+ * Since both ends of that line are within the joint limits, so is the whole line. */
 static void move(const posture_change_t *self, const posture_change_config_t *config, const float position_rad[],
                  float velocity_radps[]) {
     const arm_t *arm = config->ik->arm;

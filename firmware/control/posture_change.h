@@ -44,8 +44,8 @@ typedef struct {
     float way_rad;                     /* largest joint displacement to `nearest_rad`; FLT_MAX if there is none */
 } posture_change_t;
 
-/* The inverse kinematics and limits in use. The functions below use all members of a request except the target's
- * motion. */
+/* The inverse kinematics and limits in use. The functions below use all members of a position_priority_request_t except
+ * `motion`. */
 typedef struct {
     const arm_ik_t *ik;
     const position_priority_config_t *law;

@@ -1,4 +1,4 @@
-/* The state machine of the control modes, with the reason of each transition. */
+/* The state machine of the control modes, with the reason for each transition. */
 #ifndef COMANIP_SUPERVISOR_H
 #define COMANIP_SUPERVISOR_H
 
@@ -8,7 +8,7 @@ typedef struct {
     bool drives_fresh;
     bool drive_error;
     bool tracker_fresh;
-    bool finite; /* all numbers of the last tick were finite */
+    bool finite; /* all numbers computed in the last tick were finite */
 } supervisor_inputs_t;
 
 typedef struct {

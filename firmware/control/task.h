@@ -21,7 +21,7 @@ extern const task_t task_table[COMANIP_TASK_NUMBERS];
 /* Returns the built-in task with this number, or NULL. */
 const task_t *task_built_in(uint8_t number);
 
-/* q_task as a function of the person's hand. The hand's displacement along the torso's x axis since the start, times
+/* q_task as a function of the hand's displacement. The displacement along the torso's x axis since the start, times
  * `slope`, is added to the translation along z. */
 typedef struct {
     pose_t pose;

@@ -13,8 +13,8 @@ static inline uint32_t float_bits(float x) {
     return bits;
 }
 
-/* Returns the bits of |x|. They are ordered like the magnitudes, with infinity above all numbers and NaN above
- * infinity. */
+/* Returns the bits of |x|. As integers, these bits are ordered like the magnitudes, with infinity above all numbers and
+ * NaN above infinity. */
 static inline uint32_t float_magnitude_bits(float x) {
     return float_bits(x) & 0x7FFFFFFFu;
 }

@@ -44,7 +44,7 @@ void classic_join(frame_kind_t kind, uint8_t part[CLASSIC_MAX_PARTS][CLASSIC_MAX
 #define CLASSIC_STAMP_PERIOD_US (256u * CLASSIC_STAMP_STEP_US)
 
 /* Extends the timestamp of a joined HandPose to 32 bits, in place, and returns it. Chooses the candidate closest to
- * expected_us, so the result is within half a CLASSIC_STAMP_PERIOD_US of it. */
+ * expected_us, so the result differs from expected_us by at most half of CLASSIC_STAMP_PERIOD_US. */
 uint32_t classic_unwrap_stamp(uint8_t message[CAN_FRAME_MAX_BYTES], uint32_t expected_us);
 
 #endif

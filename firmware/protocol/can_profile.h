@@ -4,7 +4,7 @@
 
 typedef enum {
     CAN_PROFILE_FD = 0,      /* CAN FD, 1/5 Mbit/s: control at 1 kHz, one frame per message, E2E Profile 5 */
-    CAN_PROFILE_CLASSIC = 1, /* 1 Mbit/s: control at 250 Hz, long messages split into parts, E2E Profile 2 */
+    CAN_PROFILE_CLASSIC = 1, /* classic CAN, 1 Mbit/s: control at 250 Hz, long messages in parts, E2E Profile 2 */
 } can_profile_t;
 
 /* Returns the requested profile. In an image built with -DCAN_FD_ONLY or -DCAN_CLASSIC_ONLY, always returns the only

@@ -38,10 +38,10 @@ protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *f
 
 /* ---- the input of a tick, as recorded in TickTrace */
 
-#define TRACE_AGE_MAX_US 0xFFFFFFu /* hand_age_us has 24 bits; also means that there is no hand */
+#define TRACE_AGE_MAX_US 0xFFFFFFu /* largest value of hand_age_us, 24 bits; also means no hand */
 
-/* Convert between the input frames and their record in a TickTrace. last: for each frame kind, the last frame received
- * with a correct CRC. */
+/* Convert between the input frames and their record in a TickTrace. last: for each frame kind, the counter of the last
+ * frame received with a correct CRC. */
 void protocol_trace_inputs(const e2e_receiver_t last[FRAME_KIND_COUNT], tick_trace_t *trace);
 void protocol_traced_inputs(const tick_trace_t *trace, e2e_receiver_t last[FRAME_KIND_COUNT]);
 

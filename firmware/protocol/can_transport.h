@@ -1,6 +1,6 @@
 /* Sends and receives messages in either profile. A message is a frame of can_protocol.h in its CAN FD layout. On
  * classic CAN, it is split into the frames of can_classic.h, which are reassembled only if their counters are equal and
- * they arrived within one timeout. A message therefore never mixes parts of two samples. */
+ * they arrive within the message's timeout. A message therefore never mixes parts of two samples. */
 #ifndef COMANIP_CAN_TRANSPORT_H
 #define COMANIP_CAN_TRANSPORT_H
 

@@ -3,7 +3,7 @@
 
 #define ONE ((int64_t)1 << ROTATION_CODE_ONE_BITS)
 #define UNIT (ONE * ONE)
-#define TOLERANCE (UNIT / 512) /* tolerance of the squared norm, 1e-3 of the norm */
+#define TOLERANCE (UNIT / 512) /* tolerance of the squared norm, that is, 1e-3 for the norm */
 #define ENCODE 5931280         /* 16383 sqrt(2) 2^8 */
 #define DECODE 2966002         /* 2^22 / (16383 sqrt(2)) 2^14 */
 

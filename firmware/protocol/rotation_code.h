@@ -1,5 +1,5 @@
 /* The smallest-three code of a rotation, in 47 bits: the three smaller components of its unit quaternion, from which
- * the largest follows. It uses integer arithmetic, so all targets compute the same bits. */
+ * the largest follows. The code is computed in integer arithmetic, so all targets compute the same bits. */
 #ifndef COMANIP_ROTATION_CODE_H
 #define COMANIP_ROTATION_CODE_H
 

@@ -7,9 +7,9 @@
 #define NOMINAL_BIT_NS 1000
 #define DATA_BIT_NS 200
 
-/* SOF, id 11, RRS, IDE, FDF, res, BRS; ACK, ACK delimiter, EOF 7, intermission 3. */
+/* Bits at the nominal rate: SOF, id 11, RRS, IDE, FDF, res, BRS; ACK, ACK delimiter, EOF 7, intermission 3. */
 #define NOMINAL_BITS (17 + 12)
-/* ESI, DLC 4; CRC delimiter. */
+/* Bits at the data rate, besides data and CRC field: ESI, DLC 4; CRC delimiter. */
 #define DATA_PHASE_BITS (5 + 1)
 /* Stuff count 4, CRC, and a fixed stuff bit before the first and after every fourth of these bits. */
 #define CRC17_FIELD_BITS (4 + 17 + 6)
@@ -25,9 +25,9 @@
 #define ID_MAX 0x7FFU
 #define STUFF_RUN 5U
 
-/* The last bit sent, and the number of times it has been sent in a row, 1..STUFF_RUN. A stuff bit is counted when the
- * next bit is sent. A run that ends with the data therefore causes no stuff bit, as in the standard, where the fixed
- * stuff bit is sent instead. */
+/* State of the bit stuffing: the last bit sent, and the number of times it has been sent in a row, 1..STUFF_RUN. A
+ * stuff bit is counted when the next bit is sent. A run that ends with the data therefore causes no stuff bit, as in
+ * the standard, where the fixed stuff bit is sent instead. */
 #define STATE(bit, run) (((bit) << 3) | (run))
 #define STATES 16
 

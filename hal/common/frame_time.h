@@ -1,5 +1,5 @@
-/* Computes how long a frame occupies the bus, according to ISO 11898-1, with an 11-bit id and 1 Mbit/s nominal; the
- * data phase of CAN FD runs at 5 Mbit/s. */
+/* Computes how long a frame occupies the bus, according to ISO 11898-1, for an 11-bit id and a nominal bit rate of 1
+ * Mbit/s; the data phase of CAN FD runs at 5 Mbit/s. */
 #ifndef COMANIP_FRAME_TIME_H
 #define COMANIP_FRAME_TIME_H
 

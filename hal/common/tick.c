@@ -29,7 +29,7 @@ bool hal_wait_tick(uint32_t *now_us) {
         interrupts_on();
         interrupts_off();
     }
-    if (ticks.running) { /* there is no tick before the first call */
+    if (ticks.running) { /* before the first call, there is no tick to measure */
         measure(end_us);
     }
     ticks.running = true;

@@ -37,7 +37,7 @@
 #define MPU_REGION_ATTRIBUTES REGISTER(0xE000EDA0u)
 #define MPU_REGION_ENABLE (1u << 0)
 #define MPU_REGION_SIZE(log2_bytes) (((log2_bytes) - 1u) << 1)
-#define MPU_REGION_EXECUTE_NEVER (1u << 28) /* with all other bits 0, no access at all */
+#define MPU_REGION_EXECUTE_NEVER (1u << 28) /* if all other attributes are 0, no access is allowed */
 
 static inline void interrupts_off(void) {
     __asm__ volatile("cpsid i" ::: "memory");

@@ -20,8 +20,8 @@ void unexpected_handler(void);
 /* Starts the board's UART: 8N1, interrupt-driven, connected to slcan_hal_link. */
 void uart_start(void);
 
-/* Starts the board's watchdog. If it is not fed in time, it panics; if even the panic does not run, it resets the
- * board. */
+/* Starts the board's watchdog. If it is not fed in time, it triggers a panic; if even the panic does not run, it resets
+ * the board. */
 void watchdog_start(uint32_t timeout_us);
 void watchdog_feed(void);
 

@@ -1,7 +1,7 @@
 /* The thread uses the process stack, at the lowest addresses of RAM. Exceptions use the main stack above it, and can
  * therefore report that the thread has overflowed its stack. An access below the process stack causes a fault. On
- * ARMv8-M, the stack limit register triggers it; on ARMv7-M, the MPU does. ARMv6-M may have neither, but there is no
- * memory at those addresses. */
+ * ARMv8-M, the stack limit register triggers it; on ARMv7-M, the MPU does. ARMv6-M may have neither; the access then
+ * causes a fault because there is no memory at those addresses. */
 #include "cortex_m.h"
 #include "drivers.h"
 

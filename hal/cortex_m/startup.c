@@ -57,7 +57,7 @@ _Noreturn void thread(void) {
     hal_panic("the firmware's loop ended");
 }
 
-/* Reports a fault. kind: the fault that the processor detected first. */
+/* Panics. Reports a stack overflow, if there was one, or else `kind`, the kind of fault that the processor detected. */
 static _Noreturn void fault(const char *kind) {
     hal_panic(stack_overflowed() ? "stack overflow" : kind);
 }

@@ -71,7 +71,7 @@ static bool set_options(int fd, const can_selection_t *selection) {
 int can_kernel_open(const char *name, const can_selection_t *selection, char error[], size_t error_size) {
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     struct ifreq request = {0};
-    memcpy(request.ifr_name, name, strlen(name)); /* it fits, because can_socket_open() has checked it */
+    memcpy(request.ifr_name, name, strlen(name)); /* fits, because can_socket_open() has checked its length */
     if (fd < 0 || ioctl(fd, SIOCGIFMTU, &request) != 0) {
         return fail(fd, name, "cannot be opened", error, error_size);
     }

@@ -1,6 +1,6 @@
 /* A CAN bus for a Linux process. It uses the kernel's SocketCAN if the kernel has the interface; otherwise, it uses the
- * hub (AF_UNIX, SOCK_SEQPACKET) of the same name, which carries the same structures. It sends CAN FD frames with
- * bit-rate switch and classic frames, and receives both, with 11-bit ids. It never blocks, and must be used by one
+ * hub (AF_UNIX, SOCK_SEQPACKET) of the same name, which carries the same structures. It sends and receives classic
+ * frames and CAN FD frames (sent with bit-rate switch), all with 11-bit ids. It never blocks, and must be used by one
  * thread only. */
 #ifndef COMANIP_CAN_SOCKET_H
 #define COMANIP_CAN_SOCKET_H

@@ -3,8 +3,8 @@
  * The controller stamps a frame on the bus, by its own clock with an arbitrary origin. The kernel stamps the frame when
  * it serves the interrupt, after a varying delay. The minimum difference of the two stamps over all frames is therefore
  * the offset between the clocks, and a frame's time is its hardware stamp plus this offset. The minimum is raised by
- * 1000 ppm of the elapsed time, so that an outdated one is not kept for ever. Two quartz clocks drift apart more slowly
- * than that (100 ppm), even while NTP slews one of them (500 ppm). */
+ * 1000 ppm of the elapsed time, so that an outdated minimum is not kept for ever. Two quartz clocks drift apart more
+ * slowly than that (100 ppm), even while NTP slews one of them (500 ppm). */
 #ifndef COMANIP_HARDWARE_CLOCK_H
 #define COMANIP_HARDWARE_CLOCK_H
 

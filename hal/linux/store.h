@@ -1,7 +1,7 @@
 /* The HAL's store on Linux, which is one file.
  *
- * A separate thread of ordinary priority writes the file, since fsync() can take a second on an SD card. The loop
- * copies the record, continues, and polls the status in each tick. */
+ * A separate thread of ordinary priority writes the file, since fsync() can take a second on an SD card. The firmware's
+ * loop copies the record, continues, and polls the status in each tick. */
 #ifndef COMANIP_LINUX_STORE_H
 #define COMANIP_LINUX_STORE_H
 
@@ -13,7 +13,8 @@
  * `error`. */
 bool store_open(const char *program, const char *path, char error[], size_t error_size);
 
-/* Starts the thread, if there is a store, with the caller's own scheduling. Panics if the thread cannot be created. */
+/* Starts the thread, if there is a store, with the caller's scheduling policy and priority. Panics if the thread cannot
+ * be created. */
 void store_start(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* UART of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.3): buffers one byte in each direction. */
+/* UART of the Cortex-M System Design Kit (ARM DDI 0479, chapter 4.3), which buffers one byte in each direction. */
 #include <board.h> /* from the image's -I folder */
 
 #include "../cortex_m/drivers.h"
@@ -57,7 +57,7 @@ void uart_tx_handler(void) {
 
 void serial_start_transmission(void) {
     /* The UART interrupts when a byte has been sent. Since no byte precedes the first one, software triggers that
-     * interrupt. The interrupt handler is thus also the only consumer of the link's bytes. */
+     * interrupt. The interrupt handler is thus the only consumer of the link's bytes. */
     NVIC_SET_PENDING(BOARD_UART_TX_INTERRUPT) = NVIC_BIT(BOARD_UART_TX_INTERRUPT);
 }
 

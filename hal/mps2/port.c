@@ -40,7 +40,7 @@ _Noreturn void hal_panic(const char *cause) {
     interrupts_off();
     if (!panicking) { /* if already panicking, the report itself faulted: do not try again */
         panicking = true;
-        watchdog_stop(); /* prevents a reset, which would lose the cause; this state is the safe one */
+        watchdog_stop(); /* prevents a reset, which would lose the cause; the drives are already disabled */
         slcan_hal_report_panic(cause);
     }
     for (;;) {
