@@ -16,9 +16,10 @@ MAKE_LOCK = REPOSITORY / "build" / "tests" / "make.lock"
 
 @dataclass(frozen=True)
 class Image:
-    """A target image. `prefix` is the prefix of the compiler's name, `specs` its specs file for the libc, and `cpu` its
-    options for the processor core. `emulator` is its emulator's command, empty if no emulator has the board. `can` is
-    "slcan" if CAN goes over a serial line, through which the tests talk to the image."""
+    """A target image. `prefix` is the prefix of the compiler's name, `specs` the specs file that selects the libc, and
+    `cpu` the compiler's options for the processor core. `emulator` is the command that runs the image in an emulator,
+    empty if no emulator supports the board. `can` is "slcan" if CAN goes over a serial line, through which the tests
+    talk to the image."""
 
     name: str
     board: str

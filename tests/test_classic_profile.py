@@ -246,7 +246,7 @@ def test_another_build_is_named_and_replayed(eventful, tmp_path):
     assert done.returncode == 0 and "recorded by another build" in done.stdout and "EQUAL" in done.stdout
 
 
-# ---- wrong use
+# ---- usage errors
 
 
 @pytest.mark.parametrize("value", ["", "FD", "can2.0", "classic "])

@@ -58,7 +58,7 @@ def workspace(tmp_path):
     return tmp_path
 
 
-# ---- wrong use
+# ---- usage errors
 
 NUMBER_OPTIONS = {
     "duration": ("1.9", "86401"),

@@ -192,7 +192,7 @@ def test_mcap_keeps_frames_that_the_dbc_does_not_have(tmp_path, kinds):
     assert [(c["id"], c["data"]) for c in contents] == [(frame.frame_id, frame.data.hex()) for frame in KINDS]
 
 
-# ---- wrong use
+# ---- usage errors
 
 
 def test_bad_input_leaves_nothing_behind(tmp_path, kinds):

@@ -1,5 +1,5 @@
 """Particles interact correctly in one step: contacts agree with those that numpy finds among all pairs, and impulses
-agree with statics and with the exact solution of the step's problem (scipy)."""
+agree with statics and with the exact solution of the step's contact problem, from scipy."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ def test_hand_is_measured_between_the_ticks(dbc, latency_s):
     t = np.round(np.arange(len(poses)) * 1e9 / 333) * 1e-9
     x = np.clip(t - 0.5, 0, 1)[:, None]
     expected_m = np.array([0.2, -0.1, 0.1]) + (10 * x**3 - 15 * x**4 + 6 * x**5) * np.array([0.1, -0.2, 0.3])
-    # f'' peaks at 10 / sqrt(3) per s^2 times the displacement
+    # for a move of 1 s over a distance d, f'' peaks at 10 / sqrt(3) d per s^2
     largest_m = 10 / np.sqrt(3) * np.array([0.1, 0.2, 0.3]) * 1e-6
     assert (np.abs(position_m - expected_m) < largest_m + 0.6e-6).all()
     assert len(poses) == len([k for k in range(700) if k / 333 + latency_s < 2])

@@ -22,9 +22,9 @@ static float clamp(float x, float low, float high) {
     return x < low ? low : (x > high ? high : x);
 }
 
-/* Returns the largest speed, up to the limit, from which a joint stops within the distance if its deceleration grows
- * from 0: v^2 / (2 a) + v a / (2 j) = distance. Until a command takes effect, the joint follows earlier commands, which
- * are faster while it brakes; coasting_radps allows for that. */
+/* Returns the largest speed, up to the joint's speed limit, from which a joint stops within the distance if its
+ * deceleration grows from 0: v^2 / (2 a) + v a / (2 j) = distance. Until a new command takes effect, a braking joint
+ * follows earlier commands, which demand a higher speed; coasting_radps makes allowance for this delay. */
 static float stopping_speed(const joint_limits_plan_t *plan, float distance_rad) {
     if (!float_is_below(0.0f, distance_rad)) {
         return 0.0f;

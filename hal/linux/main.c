@@ -29,7 +29,7 @@ static const char usage[] =
     "               without it, they have their defaults and cannot be saved\n"
     "  -h, --help   this text\n"
     "\n"
-    "Ends on SIGINT or SIGTERM. Exit status: 0 after such a signal, 1 panic, 2 wrong use\n";
+    "Ends on SIGINT or SIGTERM. Exit status: 0 after such a signal, 1 panic, 2 usage error\n";
 
 /* Prints one line without control characters, because a terminal must not interpret escape sequences from the command
  * line. */

@@ -35,7 +35,7 @@ static const char usage[] =
     "The socket is $COMANIP_HUB_DIR/NAME, by default /tmp/comanip-hub-UID/NAME. Run can-utils and python-can with\n"
     "build/host/with-can, for example: build/host/with-can candump -ta vcan0\n"
     "\n"
-    "exit status: 0 ended by a signal, 1 cannot run, 2 wrong use\n";
+    "exit status: 0 ended by a signal, 1 cannot run, 2 usage error\n";
 
 typedef struct {
     const char *bus;

@@ -91,4 +91,4 @@ def save(
     """
     with open_bus(address) as bus:
         OperatorClient(bus).save()
-    console().print("saved: the firmware uses these parameters from its next boot on")
+    console().print("saved: the firmware will load the present values at its next boot")

@@ -93,7 +93,7 @@ def tracker(
     {"t": 0.1, "position": [x,y,z], "quaternion": [w,x,y,z]}   or {"matrix": [[...],[...],[...]]}.
 
     A malformed line is reported, counts as a lost sample and is sent as an invalid pose.
-    Exit status: 0 all lines were valid, 1 some were malformed, 2 wrong use.
+    Exit status: 0 all lines were valid, 1 some were malformed, 2 usage error.
     """
     if not stdin:
         raise ToolError("tracker: no source of poses, expected --stdin")

@@ -2,7 +2,7 @@
 (``make bus-report``).
 
 Prints the worst case of each frame for 4, 6, 7 and 8 joints on CAN FD and classic CAN, and marks frames that miss their
-deadline. Also writes the results to FILE (JSON). Exit status: 0, even if frames are late; 2 wrong use.
+deadline. Also writes the results to FILE (JSON). Exit status: 0, even if frames are late; 2 usage error.
 """
 
 from __future__ import annotations

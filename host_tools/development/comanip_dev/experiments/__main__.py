@@ -3,7 +3,7 @@
 ``python -m comanip_dev.experiments --seeds 20 --out DIR`` prints one table and writes DIR/experiments.json (the verdict
 and the checks of each run), DIR/laws.json and DIR/laws.md (a comparison of our control law with the paper's), and
 DIR/conditions.json (the verdicts over all seeds of a condition). Exit status: 0 all runs and conditions with our law
-passed, 1 a run or condition failed, 2 wrong use, 130 interrupted. With exit status 2 or 130, none of these files is
+passed, 1 a run or condition failed, 2 usage error, 130 interrupted. With exit status 2 or 130, none of these files is
 written. Finished runs stay in DIR. When the same command is run again, it repeats only runs for which the program, the
 scenario, the recording or the options have changed.
 """

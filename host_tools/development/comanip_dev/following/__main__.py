@@ -3,7 +3,7 @@
 ``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
 DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
 if all criteria passed, or if nothing was measured because the default folder of recordings is missing; 1 if a criterion
-failed; 2 for wrong use; 130 if interrupted.
+failed; 2 for a usage error; 130 if interrupted.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Processor in the loop: runs a firmware image in QEMU, in lockstep with the simulator over a serial line.
 
 ``python -m comanip_dev.images.pil "EMULATOR" IMAGE.elf PROGRAM [options of comanip-sim]`` (``make pil``). EMULATOR is
-the command that emulates the board. Exit status: that of the simulator, or 2 for wrong use or a missing emulator. QEMU
-executes the processor's instructions but does not model cycles or times.
+the command that emulates the board. Exit status: that of the simulator, or 2 for a usage error or a missing emulator.
+QEMU executes the processor's instructions but does not model cycles or times.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 ``python -m comanip_dev.images.size_report BUDGET.toml REPORT.json [--update] IMAGE=MAP...``. The sizes are read from
 the linker's maps and exclude unused functions, which the linker removes. Sizes that exceed their budget are printed.
-``--update`` writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 for wrong use.
+``--update`` writes the present sizes as the new budget. Exit status: 1 if a size exceeds its budget, 2 for a
+usage error.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ graph and the frame sizes (-fcallgraph-info=su); for library functions, both are
 list the targets of calls through pointers. Unlisted calls through pointers and recursion are errors. The budgets also
 list the parts of each stack, for example interrupts and faults, each of which may interrupt the previous part. The
 worst case is the sum of the deepest calls of all parts, plus the registers that the processor saves. Exit status: 1
-if a stack exceeds its budget or has no bound, 2 for wrong use.
+if a stack exceeds its budget or has no bound, 2 for a usage error.
 """
 
 from __future__ import annotations
