@@ -273,17 +273,29 @@ STATE = {
 }  # fmt: skip
 
 
-def log_with_late_poses(late_us: int, late_from_us: int, end_us: int) -> list[Frame]:
-    """Returns all frames on a bus with the firmware, drives that stand still, and a tracker whose poses arrive late
-    from the time `late_from_us` on."""
+# For each kind of tracker, the time at which the pose that arrives at now_us was captured, or None if no pose arrives.
+# From LATE_FROM_US on, every pose is stale.
+LATE_FROM_US = 400_000
+STALE_TRACKERS = {
+    "late": lambda now_us: max(LATE_FROM_US, now_us - 30_000),
+    "later than half a period of the classic stamp": lambda now_us: max((LATE_FROM_US + now_us) // 2, now_us - 200_000),
+    "the last pose again and again": lambda now_us: LATE_FROM_US,
+    "silent, then late": lambda now_us: now_us - 50_000 if now_us >= 1_416_000 else None,
+    "invalid, then late": lambda now_us: now_us - 50_000 if now_us >= 1_416_000 else -1,
+}
+
+
+def log_of(captured_us) -> list[Frame]:
+    """Returns all frames of a firmware with drives that stand still and a tracker that is late from LATE_FROM_US on.
+    captured_us: one of STALE_TRACKERS; for a negative time the pose is invalid."""
     sender, log = Sender(Profile.CLASSIC), []
     controller, outbox = ffi.new("controller_t *"), ffi.new("outbox_t *")
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_CLASSIC)
-    for now_us in range(TICK_US, end_us, TICK_US):
-        captured_us = now_us if now_us < late_from_us else max(late_from_us, now_us - late_us)
+    for now_us in range(TICK_US, 2_500_000, TICK_US):
+        t_us = now_us if now_us < LATE_FROM_US else captured_us(now_us)
         messages = [(f"JointState{joint}", STATE) for joint in range(4)]
-        if now_us % (2 * TICK_US) == 0:
-            messages.append(("HandPose", pose_signals(captured_us)))
+        if now_us % (2 * TICK_US) == 0 and t_us is not None:
+            messages.append(("HandPose", pose_signals(max(0, t_us)) | {"valid": int(t_us >= 0)}))
         received = [frame for message in messages for frame in sender.frames(*message)]
         inbox = ffi.new("controller_inbox_t *", {"count": len(received)})
         for i, (frame_id, data) in enumerate(received):
@@ -295,12 +307,12 @@ def log_with_late_poses(late_us: int, late_from_us: int, end_us: int) -> list[Fr
     return log
 
 
-def test_a_hand_forgotten_as_its_pose_arrives_replays():
-    """Poses that are 30 ms late are stale. After a second, in a tick in which a pose arrives, the firmware forgets the
-    hand and the offset of the tracker's clock. TickTrace then reports no age that would show when the pose was
-    received."""
-    log = log_with_late_poses(late_us=30_000, late_from_us=400_000, end_us=2_500_000)
-    ages = [frame.data[2:5] for frame in log if frame.name == "ClassicTickTraceAge"]
-    stale = next(i for i, age in enumerate(ages) if age == NO_AGE and i > 100)
-    assert int.from_bytes(ages[stale - 1], "little") > 20_000 and ages[-1] != NO_AGE
+@pytest.mark.parametrize("tracker", STALE_TRACKERS)
+def test_a_hand_forgotten_as_its_pose_arrives_replays(tracker):
+    """After a second of stale poses the firmware forgets the hand and the offset of its clock, in a tick in which a
+    pose arrives. TickTrace then reports no age that would show when the pose was received."""
+    log = log_of(STALE_TRACKERS[tracker])
+    without_age = [frame.t_us for frame in log if frame.name == "ClassicTickTraceAge" and frame.data[2:5] == NO_AGE]
+    forgotten_us = next(t_us for t_us in without_age if t_us > LATE_FROM_US)
+    assert forgotten_us in [frame.t_us for frame in log if frame.name == "ClassicHandRotation"], "no pose arrives"
     assert replay(log).difference is None

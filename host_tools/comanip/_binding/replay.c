@@ -214,6 +214,17 @@ static void end_without_trace(replay_t *self, uint32_t damaged) {
     }
 }
 
+/* Call after a tick, whose messages are then reassembled. */
+static void note_pose(replay_t *self, uint32_t now_us) {
+    for (int i = 0; i < self->received.count; i++) {
+        const can_frame_t *frame = &self->received.frame[i];
+        if (frame->id == frame_table[FRAME_HAND_POSE].id &&
+            (frame->data[COMANIP_HAND_POSE_VALID_BYTE] & COMANIP_HAND_POSE_VALID_MASK) != 0u) {
+            self->pose_tick_us = now_us;
+        }
+    }
+}
+
 static void replay_tick(replay_t *self) {
     replay_trace_t trace;
     uint32_t part_place[REPLAY_TRACE_PARTS];
@@ -235,6 +246,7 @@ static void replay_tick(replay_t *self) {
         }
         return;
     }
+    note_pose(self, trace.message.now_us);
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);
     }

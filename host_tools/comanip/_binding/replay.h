@@ -9,8 +9,9 @@
  *
  *   hand_age_us      A HandPose is given the time of reception now - hand_age. This reproduces the recorded age and
  *                    clock offset, although the true time may be later: hand_age includes the frame's delay. If the
- *                    trace has no age, the firmware has forgotten the hand in this tick, and a HandPose is given the
- *                    time now.
+ *                    trace has no age, the firmware has forgotten the hand in this tick. The HandPose is then given the
+ *                    time now, but on classic CAN, where the tracker's timestamp is extended by the time since the
+ *                    previous pose, the time of that pose plus the time between the ticks that read the two.
  *   drives_fresh     A JointState is given the oldest time of reception that keeps its drive fresh in every tick whose
  *                    trace reports fresh drives.
  *   rejected_frames  Its increase in a tick is the number of frames that the tick read but whose counter the trace does
@@ -73,6 +74,7 @@ typedef struct {
     outbox_t outbox;
     uint32_t place_of[CONTROLLER_INBOX_FRAMES]; /* index in the log of each frame in the inbox */
     replay_stream_t stream_before[REPLAY_MAX_STREAMS];
+    uint32_t pose_tick_us; /* now_us of the last tick that read a valid HandPose */
 
     replay_result_t result;
     uint32_t place;

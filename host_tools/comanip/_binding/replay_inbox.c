@@ -151,12 +151,21 @@ static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_t
     return (int32_t)(trace->message.now_us - stamp_us) < 0 ? trace->message.now_us : stamp_us;
 }
 
+static uint32_t pose_stamp_us(const replay_t *self, const replay_trace_t *trace) {
+    const uint32_t now_us = trace->message.now_us;
+    if (trace->message.hand_age_us < TRACE_AGE_MAX_US) {
+        return now_us - trace->message.hand_age_us;
+    }
+    return self->profile == CAN_PROFILE_CLASSIC ? self->before.receiver.pose_received_us + (now_us - self->pose_tick_us)
+                                                : now_us;
+}
+
 void replay_stamp_inbox(replay_t *self, const replay_trace_t *trace) {
     for (int i = 0; i < self->inbox.count; i++) {
         const frame_kind_t kind = self->stream[self->stream_of[self->place_of[i]]].kind;
         uint32_t stamp_us = trace->message.now_us;
         if (kind == FRAME_HAND_POSE) {
-            stamp_us -= trace->message.hand_age_us < TRACE_AGE_MAX_US ? trace->message.hand_age_us : 0u;
+            stamp_us = pose_stamp_us(self, trace);
         } else if (kind >= FRAME_JOINT_STATE0 && kind <= FRAME_JOINT_STATE7) {
             stamp_us = joint_stamp_us(self, kind, trace);
         }
