@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from bus_log import DBC
 from comanip._core import ffi, lib
-from comanip.bus.frame import Frame
+from comanip.bus.frame import Frame, protected
 from comanip.bus.operator_client import OperatorClient
 from comanip.bus.transport import Profile
 from comanip.errors import ToolError
@@ -148,25 +148,34 @@ def test_no_answer_is_an_error_with_a_deadline(live, comanip):
 
 
 class FloodedBus:
-    """A bus on which another frame is always waiting, as when frames arrive faster than they are read."""
+    """A bus on which another frame is always waiting, as when frames arrive faster than they are read. Each takes 1 ms
+    of `now_s`. The acknowledgement is read `answered_after_s` after the request."""
 
     profile = Profile.FD
 
-    def __init__(self):
-        self.requests = 0
+    def __init__(self, answered_after_s: float = np.inf):
+        self.now_s, self.requests, self._answered_after_s = 0.0, 0, answered_after_s
 
     def send(self, name: str, signals: dict) -> None:
         self.requests += 1
+        answer = {"command": signals["command"], "sequence": signals["sequence"], "result": "accepted"}
+        self._answer, self._answer_s = protected("CommandAck", answer, 0), self.now_s + self._answered_after_s
 
     def receive_until(self, deadline_s: float) -> Frame:
-        return Frame(0, DBC.get_message_by_name("TickTrace").frame_id, bytes(64))
+        self.now_s += 0.001
+        name, data = ("CommandAck", self._answer) if self.now_s > self._answer_s else ("TickTrace", bytes(64))
+        return Frame(0, DBC.get_message_by_name(name).frame_id, data)
 
 
-def test_the_deadline_holds_on_a_flooded_bus():
-    bus = FloodedBus()
-    with pytest.raises(ToolError, match="no CommandAck in 3 attempts"):
-        OperatorClient(bus, attempts=3, answer_s=0.01).command("stop")
-    assert bus.requests == 3
+def test_a_flooded_bus_is_read_for_at_most_twice_the_deadline(monkeypatch):
+    silent, late = FloodedBus(), FloodedBus(answered_after_s=0.15)
+    monkeypatch.setattr("comanip.bus.operator_client.time.monotonic", lambda: silent.now_s)
+    with pytest.raises(ToolError, match="no CommandAck in 3 attempts of 100 ms"):
+        OperatorClient(silent, attempts=3, answer_s=0.1).command("stop")
+    assert silent.requests == 3 and silent.now_s == pytest.approx(3 * 0.2, abs=0.01)
+    monkeypatch.setattr("comanip.bus.operator_client.time.monotonic", lambda: late.now_s)
+    OperatorClient(late, attempts=3, answer_s=0.1).command("stop")
+    assert late.requests == 1, "the answer arrived after the deadline, but was waiting"
 
 
 def test_no_bus_is_one_clear_line():

@@ -18,6 +18,7 @@ CONNECT_S = 2.0
 # Time for which to listen for traffic that reveals the profile. FirmwareStatus is sent every 2 ms (CAN FD) or 8 ms
 # (classic CAN); the hub's socketcand starts to forward frames after 300 ms.
 LISTEN_S = 0.8
+WAITING_FRAMES = 100
 
 
 @dataclass(frozen=True)
@@ -74,13 +75,18 @@ class LiveBus:
                 raise ToolError(f"{self._address}: {name} cannot be sent: {error}") from error
 
     def receive(self, timeout_s: float) -> Frame | None:
-        """Returns the next message, or None after the timeout. Raises ToolError if the bus can no longer be read."""
-        deadline_s = time.monotonic() + timeout_s
+        """Returns the next message, or None after the timeout. Up to WAITING_FRAMES frames that are waiting then are
+        still read. Raises ToolError if the bus can no longer be read."""
+        deadline_s, waiting = time.monotonic() + timeout_s, WAITING_FRAMES
         while True:
             frame = self.receive_frame(max(0.0, deadline_s - time.monotonic()))
             message = self._receiver.message(frame) if frame else None
-            if message is not None or time.monotonic() >= deadline_s:
+            if message is not None:
                 return message
+            if time.monotonic() >= deadline_s:
+                waiting -= 1
+                if frame is None or waiting == 0:
+                    return None
 
     def receive_frame(self, timeout_s: float) -> Frame | None:
         """Returns the next frame without checking it, or None after the timeout. Some interfaces of python-can return

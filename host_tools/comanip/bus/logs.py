@@ -118,7 +118,7 @@ def read(path: Path) -> Iterator[Frame]:
         is_empty = False
         yield frame
     if is_empty:
-        raise ToolError(f"{path}: contains no frames, expected a log of a CAN bus: was another bus recorded?")
+        raise ToolError(f"{path}: contains no frames: was the bus silent, or was another interface recorded?")
 
 
 def _frames(path: Path) -> Iterator[Frame]:

@@ -115,14 +115,16 @@ class OperatorClient:
         """Returns the error for a refusal. If the parameters are unstable, the error includes those that the firmware
         reports after its answer, one per tick."""
         involved = {}
-        deadline_s = time.monotonic() + self._answer_s
-        while result == UNSTABLE and time.monotonic() < deadline_s:
-            frame = self._bus.receive_until(deadline_s)
-            found = decode(frame) if frame is not None and frame.name == "ParameterValue" else None
-            if found and found["sequence"] == self._sequence and str(found["result"]) == UNSTABLE:
-                involved[str(found["parameter"])] = found["value"]
-                deadline_s = time.monotonic() + self._answer_s
+        while result == UNSTABLE and (found := self._next_unstable()):
+            involved[str(found["parameter"])] = found["value"]
         return RefusedError(request, result, involved)
+
+    def _next_unstable(self) -> dict | None:
+        for frame in self._received(self._answer_s):
+            found = decode(frame) if frame.name == "ParameterValue" else None
+            if found and found["sequence"] == self._sequence and str(found["result"]) == UNSTABLE:
+                return found
+        return None
 
     def _access(self, operation: str, parameter: str, value: float, answer_s: float | None = None) -> ParameterAnswer:
         signals = {"operation": operation, "parameter": parameter, "value": value}

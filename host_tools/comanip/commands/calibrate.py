@@ -126,7 +126,9 @@ def _print(result: Calibration) -> None:
 def calibrate(
     from_: Annotated[
         Path | None,
-        typer.Option("--from", help="A log (.log, .asc, .blf, .trc) or a recording (.csv) instead of the bus."),
+        typer.Option(
+            "--from", help="A log (.log, .log.gz, .log.xz, .asc, .blf, .trc) or a recording (.csv) instead of the bus."
+        ),
     ] = None,
     write: Annotated[
         bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")

@@ -23,7 +23,9 @@ HELP = examples(
 def decode(
     log: Annotated[
         Path,
-        typer.Argument(help="A log (.log, .asc, .blf, .trc); - or none: candump's lines on standard input."),
+        typer.Argument(
+            help="A log (.log, .log.gz, .log.xz, .asc, .blf, .trc); - or none: candump's lines on standard input."
+        ),
     ] = Path("-"),
     only: Annotated[
         list[str] | None,

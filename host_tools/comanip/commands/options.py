@@ -41,7 +41,10 @@ _BUS_OPTIONS = {
 }
 
 LogPath = Annotated[
-    Path, typer.Argument(help="A log of candump -L or python-can: .log, .asc, .blf, .trc", show_default=False)
+    Path,
+    typer.Argument(
+        help="A log of candump -L or python-can: .log, .log.gz, .log.xz, .asc, .blf, .trc", show_default=False
+    ),
 ]
 
 
