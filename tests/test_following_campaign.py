@@ -6,6 +6,11 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +24,8 @@ from comanip_dev.following.optimum import optimum, within_limits
 from comanip_dev.following.recorded_hand import HEADER, HandMotion, Recording
 from comanip_dev.following.results import Results, case_key
 from comanip_dev.following.tracker import measure
+from hub import wait_until
+from simulation import PATIENCE_S
 
 ARM = ArmModel("hoap3_right")
 NAMES = ("kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour1_com", "pyomeca_boxlift_hand")
@@ -303,6 +310,26 @@ def test_campaign_measures_reports_and_resumes(tmp_path, few_cases, capsys, monk
         program, "_in_processes", lambda r, work, *rest: pytest.fail("measured again") if list(work) else None
     )
     assert campaign(tmp_path) == 1
+
+
+def test_an_interruption_is_reported_in_one_line(tmp_path):
+    """Ctrl-C in a terminal reaches all processes of the group, including workers that are still starting."""
+    write(tmp_path, "sway", sway())
+    write(tmp_path, "sway_raw", sway())
+    command = [sys.executable, "-m", "comanip_dev.following", "--out", tmp_path / "out", "--recordings", tmp_path]
+    process = subprocess.Popen(
+        [str(part) for part in (*command, "--jobs", 2)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    workers_and_tracker = 3
+    wait_until(
+        lambda: process.poll() is not None or len(children.read_text().split()) == workers_and_tracker, "workers"
+    )
+    os.killpg(process.pid, signal.SIGINT)
+    _, error = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 130, error
+    assert error.startswith("comanip_dev.following: interrupted: ") and error.count("\n") == 1, error
 
 
 def test_results_of_another_firmware_are_not_used(tmp_path):

@@ -53,14 +53,14 @@ class Progress:
 
 
 @contextlib.contextmanager
-def _interrupts_postponed() -> Iterator[None]:
-    """Blocks SIGINT until the end of the with statement. Processes started within the statement keep SIGINT blocked, so
-    that on Ctrl-C only this process acts."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _sigint_blocked() -> Iterator[None]:
+    """Blocks SIGINT in this thread. Processes started meanwhile keep it blocked, so that on Ctrl-C only this process
+    acts."""
+    former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.pthread_sigmask(signal.SIG_SETMASK, former)
 
 
 def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: str) -> None:
@@ -73,7 +73,7 @@ def _in_processes(results: Results, work: Iterable[tuple], workers: int, what: s
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, spawn) as pool:
         try:
-            with _interrupts_postponed():
+            with _sigint_blocked():
                 pending = [pool.submit(*item) for item in work]
             for done in as_completed(pending):
                 results.add(*done.result())
