@@ -24,7 +24,9 @@ FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
 PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
-SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # time is slowed by this, as the machine is not real-time
+SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # factor by which time is slowed: the machine is not real-time
+# At this factor the watchdog expires after 100 ms. A virtual machine may pause one of its processors for that long.
+SLOWER = 2 * SLOW
 ATTEMPTS = 3  # at each run, because a busy machine may pause one of the processes and spoil the run
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
@@ -153,7 +155,11 @@ class Bus:
         deadline = time.monotonic() + PATIENCE_S
         while not condition():
             assert time.monotonic() < deadline, f"timed out after {PATIENCE_S} s waiting for: {what}; {self._story()}"
+            assert not self._has_panicked(), f"a process panicked while waiting for: {what}; {self._story()}"
             time.sleep(0.02)
+
+    def _has_panicked(self) -> bool:
+        return any(": panic: " in path.read_text() for path in self.folder.glob("*.err"))
 
     def _story(self) -> str:
         files = sorted([*self.folder.glob("*.err"), *self.folder.glob("*.out")])

@@ -10,12 +10,9 @@ import subprocess
 import pytest
 from comanip_command import COMANIP, WRONG_USE
 from hub import PATIENCE_S, WITH_CAN, Hub, running, tool, wait_until
-from live import FIRMWARE, PLANT
+from live import FIRMWARE, PLANT, SLOWER
 from simulation import REPOSITORY
 
-# Time is slowed by this factor, so that the watchdog expires only after 100 ms: a virtual machine may pause one of its
-# processors for longer than 50 ms.
-SLOW = 10
 STATUS = r"^(idle|ready|cooperating|hold|fault) \(\w+\), task \w+"
 SCENE = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
 
@@ -44,12 +41,11 @@ def session(tmp_path_factory, request):
     scene.write_text(SCENE.read_text().replace("{do: start, at_s: 0.5}", "{do: start, at_s: 500}"))
     with running("--socketcand", "0") as hub:
         with tool(
-            hub, PLANT, "--can", hub.bus, "--slow", SLOW, "--profile", request.param, "--scenario", scene, "--duration",
-            600,
-            "--out", out,
+            hub, PLANT, "--can", hub.bus, "--slow", SLOWER, "--profile", request.param, "--scenario", scene,
+            "--duration", 600, "--out", out,
         ) as plant:  # fmt: skip
             wait_until(lambda: "waits for the firmware" in plant.text(), "the plant")
-            with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--profile", request.param) as firmware:
+            with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOWER, "--profile", request.param) as firmware:
                 yield hub, plant, firmware, out
 
 

@@ -18,9 +18,9 @@ from comanip.bus.operator_client import OperatorClient, RefusedError
 from comanip.errors import ToolError
 from comanip_command import COMANIP, WRONG_USE, call
 from hub import PATIENCE_S, WITH_CAN, Hub, Tool, running, tool, wait_until
-from live import FIRMWARE, INTERFACE, Bus, has_kernel_can
+from live import FIRMWARE, INTERFACE, SLOWER, Bus, has_kernel_can
 from simulation import REPOSITORY
-from test_comanip_on_a_hub import SLOW, comanip
+from test_comanip_on_a_hub import comanip
 from test_parameter_store import DEFAULTS, NAMES, record
 from test_two_processes import PLAIN
 
@@ -52,7 +52,7 @@ def bus_of(hub: Hub) -> LiveBus:
 @contextlib.contextmanager
 def firmware(hub: Hub, *arguments: object):
     """Runs the firmware and an operator's client, and waits until the firmware has booted."""
-    with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOW, *arguments) as process, bus_of(hub) as bus:
+    with tool(hub, FIRMWARE, "--can", hub.bus, "--slow", SLOWER, *arguments) as process, bus_of(hub) as bus:
 
         def answers() -> bool:
             process.require_running()
@@ -108,7 +108,7 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
     """The log of a run with a plant replays without a difference if the firmware reads its parameters from a store at
     boot, and saves them again during the run."""
     (tmp_path / "parameters").write_bytes(with_scale(0.75))
-    with Bus(tmp_path, SLOW, profile) as bus:
+    with Bus(tmp_path, SLOWER, profile) as bus:
         plant = bus.plant("--scenario", PLAIN, "--duration", 3)
         bus.wait(lambda: "waits for the firmware" in bus.output("plant.out") or plant.poll() is not None, "the plant")
         bus.firmware("firmware", FIRMWARE, "--parameters", tmp_path / "parameters")
@@ -132,7 +132,7 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
 def boot_results(hub: Hub, file: Path) -> tuple[set[str], dict[str, float]]:
     """Returns the results and values that the firmware announces at boot."""
     values, results = {}, set()
-    command = [FIRMWARE, "--can", hub.bus, "--slow", SLOW, "--parameters", file]
+    command = [FIRMWARE, "--can", hub.bus, "--slow", SLOWER, "--parameters", file]
     with hub.connect() as tap, tool(hub, *command) as process:
         deadline_s = time.monotonic() + PATIENCE_S
         while len(values) < len(NAMES):

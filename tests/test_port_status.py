@@ -18,7 +18,7 @@ from comanip.replay import Replay
 from comanip_command import call
 from controller_bench import Bench
 from images import make
-from live import CAN_FRAME, Bus, has_kernel_can
+from live import CAN_FRAME, SLOWER, Bus, has_kernel_can
 from simulation import REPOSITORY, run
 
 PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
@@ -205,7 +205,7 @@ def alone(tmp_path):
     """Runs the firmware without a plant, on a hub."""
     if has_kernel_can():
         pytest.skip("the kernel's bus has no hub to be stopped")
-    with Bus(tmp_path) as bus:
+    with Bus(tmp_path, SLOWER) as bus:
         process = bus.firmware()
         bus.wait_mode("idle")
         yield bus, process
