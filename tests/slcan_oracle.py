@@ -1,5 +1,5 @@
-"""Provides an independent implementation of SLCAN: python-can's bus without its serial port, and a grammar of the
-dialect."""
+"""Checks SLCAN against independent code: python-can's slcan bus on a stand-in serial port, and a grammar of the dialect
+for CAN FD."""
 
 from __future__ import annotations
 

@@ -214,7 +214,7 @@ def test_only_what_changed_is_run_again(tmp_path, simulator, recordings, monkeyp
     run(simulator, out, *arguments)
     assert runs_made(simulator) == ["mirror/seed-01"]
     run(simulator, out, *arguments, "--keep")
-    assert len(runs_made(simulator)) == 47, "runs are repeated if their logs were not kept"
+    assert len(runs_made(simulator)) == 47, "--keep must repeat the runs whose logs were not kept"
     simulator.write_text(simulator.read_text() + "# another program\n")
     run(simulator, out, *arguments)
     assert len(runs_made(simulator)) == 47

@@ -47,7 +47,8 @@ def test_end_to_end_latency_matches_numpy_on_the_trace(tmp_path):
 
 
 def test_one_law_has_equal_latency_in_every_task(tmp_path):
-    """Lever arms and rotated or mirrored hands add no delay, so the latency of one law is the same in every task."""
+    """A lever between the hands and a rotated or mirrored hand add no delay, so a given law has the same latency in
+    every task."""
     found = [latency(tmp_path / name, scenario=name)["end_to_end_ms"] for name in SCENARIOS]
     assert max(found) - min(found) < 6, found
 

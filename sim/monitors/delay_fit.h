@@ -29,7 +29,9 @@ typedef struct {
 typedef struct {
     double turn[3][3]; /* R */
     struct {
-        double fitted_m[3], rotated_m[3], square_m2; /* follower - s h; also rotated by R^T; its squared norm */
+        double fitted_m[3];  /* follower - s h */
+        double rotated_m[3]; /* R^T (follower - s h) */
+        double square_m2;    /* |follower - s h|^2 */
     } follower[DELAY_FOLLOWERS];
 } delay_sums_t;
 

@@ -32,7 +32,7 @@
 #include "../scene/scene.h"
 
 #define WORLD_TICK_NS 1000000
-#define WORLD_TEXT_BYTES 900 /* fits the operator's failure and the note about the tracker */
+#define WORLD_TEXT_BYTES 900 /* enough for the message that the operator failed and the remark about the tracker */
 
 typedef struct world world_t;
 

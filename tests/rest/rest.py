@@ -130,7 +130,7 @@ def position_cause(left_m: float) -> str:
 def motion_cause(valley: arm.Valley) -> str:
     """Returns the reason why the arm is still moving."""
     if not valley.curvature_m2.size:
-        return "all joints at their limits with a small pull"
+        return "every joint is at a limit and would be moved beyond it"
     least = valley.curvature_m2[0]
     if least < -FLAT_M2:
         return "near a saddle of the distance"

@@ -95,7 +95,7 @@ def read_candump(lines: Iterable[str], name: str) -> Iterator[Frame]:
 
 
 def from_message(message: can.Message) -> Frame:
-    """Converts a message of python-can to a Frame."""
+    """Converts a python-can message to a Frame."""
     data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
     return Frame(
         round(message.timestamp * MICROSECONDS), message.arbitration_id, data, message.is_fd, message.bitrate_switch,
