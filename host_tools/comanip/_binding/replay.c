@@ -214,7 +214,7 @@ static void end_without_trace(replay_t *self, uint32_t damaged) {
     }
 }
 
-/* Call after a tick, whose messages are then reassembled. */
+/* Remembers that this tick read a valid HandPose. Call after the step, which reassembles the messages. */
 static void note_pose(replay_t *self, uint32_t now_us) {
     for (int i = 0; i < self->received.count; i++) {
         const can_frame_t *frame = &self->received.frame[i];
