@@ -10,7 +10,8 @@ CC := gcc
 Q := $(if $(V),,@)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror
-# -ffp-contract=off: results are bit-identical on every target. -fno-math-errno: sqrtf is one instruction.
+# -ffp-contract=off: no fused multiply-add, so that results are bit-identical on every target. -fno-math-errno: with an
+# FPU, sqrtf compiles to one instruction.
 CORE_CFLAGS := -std=c11 -O2 -ffp-contract=off -fno-math-errno $(WARNINGS) -I$(GENERATED)
 SIM_CFLAGS := $(CORE_CFLAGS) -D_POSIX_C_SOURCE=200809L
 LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
@@ -18,8 +19,8 @@ LINUX_CFLAGS := $(SIM_CFLAGS) -D_DEFAULT_SOURCE -pthread
 CORE_SOURCES := $(filter-out firmware/main.c,$(wildcard firmware/*.c firmware/*/*.c firmware/*/*/*.c)) \
     $(GENERATED)/comanip_dbc.c
 FIRMWARE_FILES := $(wildcard firmware/*.[ch] firmware/*/*.[ch] firmware/*/*/*.[ch])
-# Sources of the simulated world that its three programs share. They do not include the bus and the access to the
-# firmware, which differ.
+# Sources of the simulated world, which comanip-sim, comanip-plant and comanip-pil share. The bus and the connection to
+# the firmware are not among them, because they differ between these programs.
 SIM_SOURCES := $(filter-out sim/programs/% sim/port/% sim/bus/bus.c sim/bus/live_bus.c,$(wildcard sim/*/*.c)) \
     hal/common/frame_time.c hal/linux/hub_path.c
 HOST_SOURCES := firmware/main.c hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus.c sim/port/firmware_node.c \
@@ -27,7 +28,7 @@ HOST_SOURCES := firmware/main.c hal/common/no_store.c $(SIM_SOURCES) sim/bus/bus
 SIMULATOR := $(BUILD)/host/comanip-sim
 HOST_OBJECTS := $(CORE_SOURCES:%.c=$(BUILD)/host/%.o) $(HOST_SOURCES:%.c=$(BUILD)/host/%.o)
 
-# Required packages besides git and make, by their names in Debian and Ubuntu.
+# Names of the Debian and Ubuntu packages that are required in addition to git and make.
 DEBIAN_PACKAGES := gcc libc6-dev libode-dev libccd-dev libyaml-dev can-utils python3 python3-dev python3-venv
 INSTALL_DEPS := host_tools/install-deps.sh "$(DEBIAN_PACKAGES)" $(VENV) host_tools/requirements.txt
 
@@ -61,7 +62,7 @@ help: ## print this text
 
 # ---- dependencies
 
-# Runs before every build. Takes a fraction of a second if nothing is missing.
+# Every build runs this target first. It takes a fraction of a second if nothing is missing.
 deps: ## install what is missing: system packages through apt, Python packages into .venv/
 	@$(INSTALL_DEPS)
 
@@ -114,7 +115,8 @@ $(BUILD)/python/.built: $(DEVELOPMENT)/build_core.py $(wildcard host_tools/coman
 
 # ---- use
 
-# Values are passed through the environment, so that they may contain quotes and spaces. Unset variables are not passed.
+# The values of SCENARIO=, OUT= etc. are passed through the environment, so that they may contain quotes and spaces. The
+# program gets no option for an empty variable.
 sim run-plant pil: export RUN_SCENARIO := $(SCENARIO)
 sim run-plant pil: export RUN_TRACKER := $(TRACKER)
 sim run-plant pil: export RUN_SEED := $(SEED)
@@ -158,7 +160,7 @@ gain-search: build ## repeat the search for the gains of docs/gains.md (up to an
 	@$(PYTHON) -m comanip_dev.experiments.gain_search --out "$$RUN_OUT" $(ARGS)
 
 $(VENV)/.installed-following: host_tools/following-requirements.txt | deps
-	@echo "comanip: installing the other programs for make following into $(VENV)/"
+	@echo "comanip: installing the packages that make following compares with into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 
@@ -168,30 +170,30 @@ following: build $(VENV)/.installed-following ## measure how closely the robot f
 	@$(PYTHON) -m comanip_dev.following --out "$$RUN_OUT" $${RUN_RECORDINGS:+--recordings "$$RUN_RECORDINGS"} \
 	    $(if $(filter-out 0 no,$(QUICK)),--quick) $(ARGS)
 
-# One worker per processor. Tests that must run in the same worker are grouped by tests/groups.py. PYTEST_ARGS='-n 0'
-# disables workers, which --pdb requires.
+# pytest starts one worker per processor. tests/groups.py names the tests that must run in the same worker. Debugging
+# with --pdb requires PYTEST_ARGS='-n 0', which runs the tests without workers.
 PYTEST_WORKERS := -n auto --no-loadscope-reorder
 
 test: build $(VENV)/.installed-tests ## run all tests: maths, bus, closed loop, recordings, two target images
 	@$(PYTHON) -m pytest tests $(PYTEST_WORKERS) $(PYTEST_ARGS)
 
-# Boots a kernel with CAN modules in user-mode Linux, which is installed through apt if missing.
+# The script boots user-mode Linux, a kernel with CAN modules, and installs it through apt if it is missing.
 test-socketcan: build $(VENV)/.installed-tests ## run the tests on the kernel's SocketCAN, in user-mode Linux (2 min)
 	@REQUIRED=$(REQUIRED) tests/socketcan/run.sh $(PYTHON) $(PYTEST_ARGS)
 
-test-images: build $(VENV)/.installed-tests ## run the tests of all target images; `make test` covers two (five minutes)
+test-images: build $(VENV)/.installed-tests ## run the tests of all target images (5 min); `make test` runs two
 	@ALL_IMAGES=1 $(PYTHON) -m pytest tests/test_target.py tests/test_pil.py tests/test_stack_report.py \
 	    tests/test_size_report.py tests/test_bitexact.py $(PYTEST_ARGS)
 
-golden: build $(VENV)/.installed-tests ## record the golden logs again, after a change of behaviour; see tests/golden
+golden: build $(VENV)/.installed-tests ## record the golden logs again; see tests/golden/golden.py
 	@$(PYTHON) tests/golden/golden.py $(ARGS)
 
 include tests/bench/bench.mk
 
-bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## compare our tick with Pinocchio's, KDL's, MuJoCo's, dqrobotics'
+bench: build $(VENV)/.installed-tests $(BENCH)/ticks ## compare our tick with Pinocchio, KDL, MuJoCo and dqrobotics
 	@$(PYTHON) tests/bench/bench.py $(BUILD)
 
-arms: deps ## generate the arms' C, and their names in comanip.dbc, from their descriptions, firmware/arms/*.toml
+arms: deps ## generate the C code of the arms, and their names in comanip.dbc, from firmware/arms/*.toml
 	@$(PYTHON) -m comanip_dev.arms.codegen
 	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
 
@@ -200,7 +202,7 @@ schema: deps ## update comanip.dbc, docs/bus.md and docs/parameters.md from firm
 	@$(PYTHON) -m comanip_dev.bus.doc docs/bus.md
 	@$(PYTHON) -m comanip_dev.schema.parameters_doc docs/parameters.md
 
-bus-doc: schema # former name of the target
+bus-doc: schema # the former name of `make schema`, which still works
 
 bus-report: deps ## print load and worst-case response time of every frame; build/reports/bus.json
 	@$(PYTHON) -m comanip_dev.bus.report $(BUILD)/reports/bus.json

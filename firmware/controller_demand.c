@@ -8,7 +8,7 @@
 #define CATCHING_UP_SPEED 0.55f
 #define CAUGHT_UP_M 1e-3f
 
-/* Inline, because it is called in every tick. */
+/* Inline, to save a function call in every tick. */
 static inline float task_blend(const controller_t *self) {
     if (self->blend_elapsed_s >= self->blend_s) {
         return 1.0f;

@@ -4,8 +4,8 @@
 
 #include "controller_state.h"
 
-/* Returns the share of the selected task, from 0 (previous task) to 1 (selected task); it follows a minimum-jerk
- * profile. */
+/* Returns the weight of the selected task in the blend from the previous task, from 0 (only the previous task) to 1
+ * (only the selected task). The weight follows a minimum-jerk profile over blend_s. */
 float controller_task_blend(const controller_t *self);
 
 /* Sets the feedback to 0, as if the end effector were at its target. Keeps the feedforward of the target's motion. */

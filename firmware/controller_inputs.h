@@ -4,7 +4,8 @@
 
 #include "controller_state.h"
 
-/* Processes all measurements. Stores operator requests for later, because they need this tick's poses. */
+/* Processes all measurements. Stores the operator's requests, which are executed after this tick's poses have been
+ * computed. */
 void controller_receive(controller_t *self, uint32_t now_us, controller_inbox_t *inbox);
 
 /* Sets self->hand and self->lever_m. */

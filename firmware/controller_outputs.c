@@ -53,7 +53,7 @@ static void send_joint_command(controller_t *self, controller_outbox_t *outbox) 
 static const pose_t no_target = {{0.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
 
 static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t *outbox) {
-    tick_trace_t trace; /* every member is set below; an initialiser would first write zeros */
+    tick_trace_t trace; /* has no initialiser, which would first write zeros: every member is set below */
     trace.now_us = now_us;
     trace.target_valid = self->supervisor.mode == MODE_COOPERATING;
     trace.target = trace.target_valid ? self->cooperation.target : no_target;

@@ -77,8 +77,8 @@ static result_t read_or_write(controller_t *self, const parameter_access_t *acce
 
 /* ---- save */
 
-/* A repeated request with the same sequence number counts as the same save. Any other save is refused until the current
- * one has ended, and whenever may_change() is false. */
+/* A request with the sequence number of the save in progress repeats the request for that save, and is not answered
+ * separately. Any other save is refused while a save is in progress, and whenever may_change() is false. */
 static void begin_save(controller_t *self, const parameter_access_t *access, controller_outbox_t *outbox) {
     if (self->saving && access->sequence == self->save_sequence) {
         return;
@@ -102,8 +102,8 @@ void controller_finish_save(controller_t *self, const controller_inbox_t *inbox,
     }
 }
 
-/* If a parameter is written before the boot announcement has reached it, its value at boot is announced first, because
- * a replay needs this value. */
+/* A parameter can be written before the boot announcement has reached it. Its present value is then announced first,
+ * because a replay needs the value that applied at boot. */
 void controller_access_parameter(controller_t *self, const parameter_access_t *access, controller_outbox_t *outbox) {
     if (access->operation == PARAMETER_SAVE) {
         begin_save(self, access, outbox);

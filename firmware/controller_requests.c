@@ -80,7 +80,7 @@ static result_t latch(controller_t *self) {
     result_t result = require_cooperating(self);
     if (result == RESULT_ACCEPTED) {
         if (self->parameters.value[PARAMETER_LATCH_MEASURED] > 0.0f) {
-            /* so that the relation is measured with this tick's virtual hand */
+            /* update first, so that the relation is measured with this tick's virtual hand */
             cooperation_update(&self->cooperation, &self->hand, controller_task_blend(self));
             cooperation_latch_measured(&self->cooperation, measured_pose(self));
             controller_zero_feedback(self);

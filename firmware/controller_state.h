@@ -15,11 +15,12 @@
 #include "protocol/can_transport.h"
 #include "protocol/port_status.h"
 
-/* On CAN FD, eight drives, the tracker and the operator send 13 frames in a tick; any beyond 16 wait for the next
- * tick. */
+/* On CAN FD, usually at most 13 frames arrive in a tick: 8 JointState, HandPose, TrackerStatus, and one request of each
+ * of 3 kinds. Frames beyond 16 wait for the next tick. */
 #define CONTROLLER_INBOX_FRAMES 16
-/* Maximum number of cyclic frames in a tick, reached on classic CAN: JointCmd of 8 joints, TickTrace, status,
- * heartbeat, and either the identity, or two ParameterValue frames and PortStatus. */
+/* Upper bound of the number of cyclic frames in a tick, for classic CAN, which needs the most frames: JointCmd of 8
+ * joints (8 frames), TickTrace (5), status (1), heartbeat (1), and either the identity (3), or two ParameterValue (2)
+ * and PortStatus (2). */
 #define CONTROLLER_CYCLIC_FRAMES 19
 /* Maximum number of frames sent in a tick: the cyclic frames; for each received frame, an answer preceded by the
  * announcement of a parameter; and the outcome of a save. */
@@ -28,7 +29,7 @@
 typedef struct {
     can_frame_t frame[CONTROLLER_INBOX_FRAMES];
     uint8_t count;
-    bool save_over; /* the save requested by an outbox has ended, with save_result */
+    bool save_over; /* the last requested save, if any, has ended with save_result */
     result_t save_result;
     port_status_t port; /* published but never used in a decision, so TickTrace need not record it */
 } controller_inbox_t;
@@ -69,10 +70,11 @@ typedef struct {
     hand_tracker_t hand_tracker;
     hand_motion_t marker_motion; /* in the tracker frame */
     joint_feedback_t joints;
-    /* The pose of the person's hand in the tracker frame at present or, with prediction, at the time when the encoders
-     * were sampled; and the lever from the marker to the hand at that time (0 without prediction, and not updated while
-     * marker_is_hand). */
+    /* The pose of the person's hand in the tracker frame: with prediction, at the time when the encoders were sampled;
+     * without prediction, at present. */
     pose_t hand;
+    /* The lever from the marker to the hand at the same time, in tracker axes. It is 0 without prediction, and is not
+     * updated while marker_is_hand. */
     vector3_t lever_m;
 
     supervisor_t supervisor;
@@ -85,7 +87,7 @@ typedef struct {
     float blend_elapsed_s; /* elapsed part of blend_s; advances only while cooperating */
     cooperation_t cooperation;
     bool cooperation_changed;                /* in this tick, the operator started or changed the cooperation */
-    bool demand_deferred;                    /* because of that change, the demand was deferred to the next tick */
+    bool demand_deferred;                    /* because of such a change, this tick computes no new demand */
     float feedback_radps[ARM_MAX_JOINTS];    /* velocities that correct the pose error */
     float feedforward_radps[ARM_MAX_JOINTS]; /* velocities that follow the target's own motion; 0 without prediction */
     bool catching_up; /* the target was out of reach or too fast, and the end effector has not caught up yet */

@@ -1,6 +1,6 @@
-/* The complete interface between the firmware and its platform. The functions are bound at link time; each port has a
- * folder of its own. Only firmware/main.c calls the functions, from a single thread, but ports may call hal_panic(),
- * too. */
+/* The complete interface between the firmware and its platform. Each port implements the functions in its own folder,
+ * and the firmware is linked with one port. Only firmware/main.c calls the functions, from a single thread; hal_panic()
+ * may also be called by the port itself. */
 #ifndef COMANIP_HAL_H
 #define COMANIP_HAL_H
 
@@ -16,12 +16,12 @@
  * hardware is defective. */
 void hal_init(void);
 
-/* Returns the kind of bus, which is fixed by the board or chosen by whoever starts the port. */
+/* Returns the kind of CAN bus (CAN FD or classic). The board, a button or a command-line option determines it. */
 can_profile_t hal_can_profile(void);
 
 /* Sleeps until the next 1 kHz tick and returns the tick's time in *now_us, monotonic modulo 2^32 us. Missed ticks
- * are skipped, not made up for. Returns false if the platform is shutting down, as only a simulation or a process
- * does. */
+ * are skipped, not made up for. Returns false if the platform is shutting down, which happens only in a simulation or
+ * in a Linux process. */
 bool hal_wait_tick(uint32_t *now_us);
 
 /* Returns the oldest received frame, with its time of reception, which may be later than the tick's time. Returns false
@@ -51,15 +51,16 @@ typedef enum {
     HAL_STORE_NONE, /* no store */
     HAL_STORE_WRITING,
     HAL_STORE_WRITTEN,
-    HAL_STORE_FAILED, /* the previous record is kept; the cause is on the console, if there is one */
+    HAL_STORE_FAILED, /* the store still holds a valid record, in most cases the previous one: see hal_store_write() */
 } hal_store_status_t;
 
 /* Reads the record as it was at hal_init(): copies up to `capacity` bytes of it and returns their number in *length.
  * Returns false if there is no record. */
 bool hal_store_read(void *bytes, size_t capacity, size_t *length);
 
-/* Starts replacing the record by a copy of these bytes, and returns at once. If the write is interrupted, the next boot
- * reads either the previous record or this one. Must not be called during HAL_STORE_WRITING. */
+/* Starts replacing the record by a copy of these bytes, and returns at once. If the write fails or is interrupted, the
+ * next boot reads either the previous record or this one, never a mixture. A port with a console reports the cause of a
+ * failed write there. Must not be called during HAL_STORE_WRITING. */
 void hal_store_write(const void *bytes, size_t length);
 
 /* Returns the status of the last write. */

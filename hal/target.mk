@@ -142,7 +142,7 @@ size: ## bytes of each module and image, against hal/size_budget.toml; UPDATE=1;
 	    $(if $(filter-out 0 no,$(UPDATE)),--update) \
 	    $(foreach image,$(IMAGES),$(image)=$(TARGET_BUILD)/$(image)/comanip.map)
 
-# A port may have a budget of its own in its folder.
+# A port's folder may contain a separate stack budget.
 STACK_BUDGETS := hal/stack_budget.toml $(sort $(wildcard hal/*/stack_budget.toml))
 stack: stack-check deps targets
 stack: ## maximum stack depth of each image, against the files stack_budget.toml of hal/; build/reports/stack.json
@@ -164,7 +164,7 @@ images: ## list the images for scripts: one line each, separated by tabs
 	    $(image) $($(image).board) $($(image).prefix) $($(image).specs) "$($(image).cpu)" "$($(image).emulator)" \
 	    "$(if $(filter $(image),$(SLCAN_IMAGES)),slcan)")
 
-# A compiler that does not find a specs file prints only the file's name.
+# With -print-file-name, a compiler that does not find the specs file prints the bare name instead of a path.
 target-check:
 	@case '$(TARGET_PROFILE)' in fd|classic|both) ;; *) \
 	    echo "make target: PROFILE='$(PROFILE)': expected one of $(TARGET_PROFILES)" >&2; exit 2;; esac

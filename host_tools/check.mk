@@ -1,7 +1,7 @@
 # Static checks of the sources.
 
 C_FILES = $(shell git ls-files '*.[ch]')
-# Files in which lines are not wrapped by a formatter, or whose comments are not.
+# Files in which no formatter wraps the lines, or in which none wraps the comments (C).
 PROSE := Makefile '*.[ch]' '*.md' '*.mk' '*.toml' '*.yaml'
 RUFF := $(VENV)/bin/ruff
 CLANG_FORMAT := $(VENV)/bin/clang-format
@@ -12,16 +12,16 @@ $(VENV)/.installed-check: host_tools/check-requirements.txt | deps
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
-check: check-format check-directions check-c check-schema ## check formatting, lint, schema, includes; compile by clang
+check: check-format check-directions check-c check-schema ## check format, lint, schema, includes; compile with clang
 	@echo "check: passed"
 
 check-format: $(VENV)/.installed-check
 	@$(CLANG_FORMAT) --dry-run --Werror $(C_FILES)
 	@$(RUFF) format --quiet --check . || \
-	    { $(RUFF) format --check . | head -20; echo "check: not formatted: make format" >&2; exit 1; }
+	    { $(RUFF) format --check . | head -20; echo "check: not formatted, run make format" >&2; exit 1; }
 	@$(RUFF) check --quiet .
 	@! LC_ALL=C.UTF-8 git grep -nIE '^[^|].{120}' -- $(PROSE) || \
-	    { echo "make check: lines above: expected at most 120 columns, except in tables" >&2; exit 1; }
+	    { echo "make check: the lines above are too long: expected at most 120 columns, except in tables" >&2; exit 1; }
 
 format: $(VENV)/.installed-check ## format all C and Python
 	@$(CLANG_FORMAT) -i $(C_FILES)

@@ -26,7 +26,7 @@ install_system_packages() {
             "Please install the equivalents of these Debian packages, then try again: $packages (Python 3.11 or newer)"
     fi
     if [ -n "$sudo" ] && ! command -v sudo >/dev/null; then
-        fail "missing system packages, and you neither are root nor have sudo. Ask an administrator to run:" \
+        fail "missing system packages, and you are not root and have no sudo. Ask an administrator to run:" \
             "    apt-get install $packages" "then try again."
     fi
     echo "comanip: installing system packages: $packages"
@@ -36,8 +36,8 @@ install_system_packages() {
     system_is_complete || fail "packages are still missing after installing $packages: is Python older than 3.11?"
 }
 
-# True if the environment was created in this folder, is complete, and was made from these requirements. An environment
-# that was moved or copied would contain the paths of its old folder.
+# True if VENV is complete, was created for this clone, and was made from these requirements. If the clone was moved or
+# copied, the scripts in VENV contain the paths of the old folder.
 venv_is_complete() {
     [ "$(cat "$venv/.folder" 2>/dev/null)" = "$here" ] && cmp -s "$requirements" "$venv/.installed"
 }
@@ -55,7 +55,7 @@ install_python_packages() {
     cp "$requirements" "$venv/.installed" # last, so that an interrupted run starts over
 }
 
-# Links comanip, and comanip_dev for developers. Runs every time, even if the environment is complete.
+# Makes comanip and comanip_dev importable in VENV, through a .pth file. Runs every time, even if VENV is complete.
 link_packages() {
     for link in "$venv"/lib/python3*/site-packages; do
         link=$link/comanip.pth

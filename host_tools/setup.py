@@ -2,7 +2,7 @@
 development/comanip_dev/build_core.py.
 
 If the compilation fails, for example because there is no C compiler, the package is installed without the compiled
-core. Tools that need the core report that it is missing.
+core. Commands that need the core then report that the core is missing.
 """
 
 import sys

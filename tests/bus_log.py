@@ -1,6 +1,6 @@
 """Reads `candump -L` logs, which may have millions of frames, and decodes them in bulk with the DBC. The bit positions
-come from cantools, not from our C code. The command `cantools decode` is tested on a shorter log
-(test_bus_log.py)."""
+come from cantools, not from our C code. The command `cantools decode` is too slow for such logs; test_bus_log.py tests
+it on a shorter one."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def read(path: Path) -> dict[str, Frames]:
         for number, line in enumerate(lines, 1):
             match = LINE.match(line)
             assert match, f"{path}:{number}: not a frame in candump -L format: {line!r}"
-            assert match[1] >= last, f"{path}:{number}: time goes backwards"
+            assert match[1] >= last, f"{path}:{number}: time {match[1]} is earlier than the previous, {last}"
             last = match[1]
             frame_id = int(match[3], 16)
             times.setdefault(frame_id, []).append(match[1])

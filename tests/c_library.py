@@ -1,6 +1,6 @@
-"""Compiles C sources into Python libraries for the tests; see ``load()``. The product's warnings are enabled and
-treated as errors, and the undefined-behaviour sanitiser ends the process at the first fault. Needs build/generated,
-which ``make build`` writes.
+"""Compiles C sources into Python libraries for the tests; see ``load()``. The compiler warnings are those of
+the product's build and are treated as errors. The undefined-behaviour sanitiser ends the process at the first error.
+Needs build/generated, which ``make build`` writes.
 
 Each source is compiled only once for all libraries and test processes. It is recompiled when the source, a header or
 the command changes.
@@ -59,14 +59,14 @@ def _made(target: Path, key: str, command: list[str]) -> str:
             unfinished = target.with_suffix(".unfinished")
             _run([*command, "-o", str(unfinished)])
             stamp.unlink(missing_ok=True)
-            unfinished.replace(target)  # not overwritten, as processes may be using the old library
+            unfinished.replace(target)  # not overwritten: a process may have loaded the old library
             stamp.write_text(key)
     return key
 
 
 def objects(sources: Iterable[Path], compile_: list[str]) -> list[tuple[Path, str]]:
-    """Compiles the sources, all of which must be in the repository. Returns the object file and the key of each source.
-    The key is a digest of the source, the headers and the command."""
+    """Compiles the sources, which must be in the repository. Returns the object file and the key of each source. The
+    key is a digest of the source, the headers and the command."""
     kind = hashlib.sha256("\0".join(compile_).encode()).hexdigest()[:8]
 
     def compiled(source: Path) -> tuple[Path, str]:

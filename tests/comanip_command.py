@@ -1,5 +1,5 @@
-"""Runs ``comanip`` as a user would, or within the test's process if ``comanip`` and the test must share a virtual
-bus."""
+"""Runs ``comanip`` as a user would. If ``comanip`` and the test must share a python-can `virtual` bus, it runs in the
+test's process instead."""
 
 from __future__ import annotations
 

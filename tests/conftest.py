@@ -1,5 +1,5 @@
-"""Provides what all tests share: the built module, the frame database, the seed of the random tests, and the folder of
-shared files for the workers of `make test`."""
+"""Provides what all tests share: the frame database, a seeded random generator, and the folder in which the workers of
+`make test` share files. Ends the session if the compiled module is missing."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ except ImportError as error:
 REPOSITORY = Path(__file__).resolve().parents[1]
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # independent of the machine's load
 hypothesis.settings.load_profile("suite")
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # ignored, as in a background job; children would inherit this
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a background job ignores SIGINT; children would too
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -39,7 +39,7 @@ def dbc():
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_runs(tmp_path_factory):
-    """Sets the folder that all workers share. If there are workers, it lies beside the workers' own folders."""
+    """Sets the folder that all workers share. If there are workers, this folder lies beside their own folders."""
     own = tmp_path_factory.getbasetemp()
     simulation.SHARED.folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared-runs"
 
@@ -51,8 +51,8 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Schedules tests by the groups in groups.py. Replaces `--dist loadgroup`, whose marks have no effect in pytest
-    9.2."""
+    """Schedules tests by the groups in groups.py. pytest-xdist's own `--dist loadgroup` cannot be used, because its
+    marks have no effect in pytest 9.2."""
     from xdist.scheduler import LoadScopeScheduling
 
     class ByGroup(LoadScopeScheduling):

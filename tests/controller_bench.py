@@ -1,5 +1,5 @@
-"""Runs controller_step() on a test bench with a tracker, an operator, and ideal drives, which follow each command at
-once. All of them communicate with the controller only through frames."""
+"""Runs controller_step() on a test bench with a tracker, an operator, and ideal drives, which follow each command
+without delay. They communicate with the controller only through frames."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ class Bench:
     """A controller with simulated drives, tracker and operator.
 
     position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None to send no tracker
-    frames. prediction: whether prediction is on; None selects Bench.prediction. Prediction is off by default, so that
-    control law (4) follows the hand even if a test makes the hand jump. store_result: the result that the port reports
-    `store_ticks` ticks after a save has started. stored: the values written by each save.
+    frames. prediction: whether the hand's motion is predicted; None selects Bench.prediction. Prediction is off by
+    default, because after a jump of the hand, which many tests make, the predicted motion takes time to settle.
+    store_result: the result that the port reports `store_ticks` ticks after a save has started. stored: the values
+    written by each save.
     """
 
     prediction = False
@@ -70,7 +71,7 @@ class Bench:
         self.inbox.count += 1
 
     def _tracker_frame(self):
-        """Returns the hand in the tracker's axes, by the inverse of equation (9)."""
+        """Returns a HandPose frame with the hand's pose in the tracker's axes, computed with equation (9)."""
         seen = oracle.multiply(TRACKER, self.hand)
         message = ffi.new(
             "hand_pose_t *", {"t_us": (self.now_us + self.tracker_clock_offset_us) % 2**32, "valid": self.hand_valid}

@@ -41,8 +41,8 @@ class Shapes:
         return self.rotation.apply(nearest) + self.position_m
 
     def reach(self, direction: np.ndarray) -> np.ndarray:
-        """Returns how far the shapes extend along unit directions (n, 3), measured from the world's origin, as an array
-        (n,)."""
+        """Returns the support function (n,): the largest coordinate of each shape along its unit direction (n, 3),
+        measured from the world's origin."""
         local = self.rotation.inv().apply(direction)
         along = np.abs(local[:, 2]) * self.length_m / 2
         if self.kind == "box":
@@ -98,7 +98,7 @@ def hull_distance_m(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def hull_overlap_m(a: np.ndarray, b: np.ndarray) -> float:
-    """Returns how deep the origin lies in the convex hull of the differences of points (n, 3) and (m, 3), or 0 if it
-    lies outside."""
+    """Returns the penetration depth of the convex hulls of points (n, 3) and (m, 3). This is the depth of the origin in
+    the convex hull of all differences between points of the two sets, or 0 if the origin lies outside."""
     differences = (a[:, None] - b[None]).reshape(-1, 3)
     return max(0.0, -ConvexHull(differences).equations[:, 3].max())

@@ -1,5 +1,5 @@
-/* Implements the functions of scene.h and arm_plant.h that the modules under test call, with the state that the test
- * has set. */
+/* Implements the functions of scene.h and arm_plant.h that the proximity and gripper nodes call. They return the state
+ * that the test has set. */
 #include "fake_scene.h"
 
 double arm_plant_position_rad(const arm_plant_t *self, int joint) {

@@ -1,4 +1,4 @@
-/* A scene with a state that the test sets, for the modules that read scenes (proximity and gripper node). */
+/* A scene without physics for tests of the proximity and gripper nodes. Its state is what the test sets. */
 #ifndef COMANIP_TESTS_FAKE_SCENE_H
 #define COMANIP_TESTS_FAKE_SCENE_H
 

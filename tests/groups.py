@@ -23,7 +23,7 @@ GROUPS = (
         "real time",
         ("two_processes", "comanip_on_a_hub", "can_tools", "parameter_file", "port_status", "hub", "operator_commands",
          "monitor", "calibrate"),
-        "they run processes or threads on a live bus in real time and must not compete for the processor",
+        "they run processes or threads on a live bus, with time limits, and must not compete for the processor",
     ),
     Group(
         "images",

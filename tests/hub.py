@@ -1,5 +1,5 @@
-"""Provides a hub for a single test, raw SocketCAN packets, and a way to run users' listening tools, each in its own
-process."""
+"""Provides a hub for a single test, raw SocketCAN packets, and a way to run listening tools such as candump, each in
+its own process."""
 
 from __future__ import annotations
 
@@ -52,7 +52,8 @@ def wait_until(condition: Callable[[], object], what: str) -> object:
 
 
 def everything_in(file) -> str:
-    """Returns the contents of a file without moving the file offset, which the process that writes the file shares."""
+    """Returns the contents of a file without moving the file offset, because the process that writes the file uses the
+    same offset."""
     return os.pread(file.fileno(), os.fstat(file.fileno()).st_size, 0).decode(errors="replace")
 
 
@@ -153,7 +154,8 @@ class Tool:
         return everything_in(self.output)
 
     def require_running(self) -> None:
-        """Fails, with the program's output, if the program has ended, because it will send nothing more."""
+        """Fails if the program has ended, because it would send nothing more. The message contains the program's
+        output."""
         status = self.process.poll()
         assert status is None, f"{self.process.args[0]} has ended with exit status {status}: {self.text()}"
 

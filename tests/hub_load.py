@@ -78,7 +78,7 @@ def main() -> int:
         f"sent {expected} frames in {took_s:.2f} s ({expected / took_s:.0f}/s); the hub used {cpu_s:.1f} s of CPU time"
     )
     for count, latest_s in got:
-        print(f"listener: {count} frames, {expected - count} lost, {1e3 * latest_s:.1f} ms late at worst")
+        print(f"listener: {count} frames, {expected - count} lost, longest delay {1e3 * latest_s:.1f} ms")
     print(f"stalled listener: {'dropped' if dropped == 1 else f'{dropped} were dropped'}")
     return 0 if all(count == expected for count, _ in got) and dropped == 1 else 1
 

@@ -1,5 +1,6 @@
-"""Simulates an ideal control loop without bus or encoder, with dqrobotics' kinematics in double precision and drives
-that follow each command at once. Based only on the paper and on the description of the limits in the C headers."""
+"""Simulates an ideal control loop: without bus and encoder, with dqrobotics' kinematics in double precision, and with
+drives that follow each command without delay. It is written from the paper and from the description of the limits in
+the C headers, not from the C sources."""
 
 from __future__ import annotations
 
@@ -16,9 +17,10 @@ BRAKING_RESERVE = 0.9
 JERK = 1e4
 RAMP = (BRAKING_RESERVE * 25) ** 2 / (2 * JERK)  # speed lost while the deceleration ramps up at JERK
 LOST = 2 * RAMP + BRAKING_RESERVE * 25 * 0.006
-# A joint closer to a limit than this counts as at the limit: 2 mrad more than where its stopping speed becomes 0.
+# A joint counts as being at a limit if it is closer to it than this. At this distance less 2 mrad, the highest speed
+# from which the joint can still stop in time becomes 0.
 AT_LIMIT_RAD = 2e-3 + (LOST**2 - RAMP**2) / (2 * BRAKING_RESERVE * 25)
-RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # velocity changes per tick that can ramp down to 0 in 0, 1, 2... ticks
+RAMP_DOWN = np.arange(5) * JERK * TICK_S**2  # velocity changes per tick that can fall to 0 in 0, 1, 2... ticks
 RAMP_DOWN_SUM = np.cumsum(RAMP_DOWN)  # total velocity change of each of these ramps
 
 
@@ -46,8 +48,8 @@ def limited(demanded, last, last_change, q, gain, acceleration=25.0):
 
 
 def law(jacobian, hand, target, gain, weight, damping):
-    """Evaluates control law (4) with the error in the target's frame, as oracle.law does, but for a single
-    posture, because the overhead of arrays would dominate in a loop of many thousands of ticks."""
+    """Evaluates control law (4) with the error in the target's frame, as oracle.law does, but for a single posture. In
+    a loop of many thousands of ticks, the overhead of oracle.law's array operations would dominate."""
     back = DQ(-target if target[:4] @ hand[:4] < 0 else target).conj().hamiplus8()
     error = IDENTITY - back @ hand
     seen = back @ jacobian

@@ -35,8 +35,8 @@ class Image:
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess:
-    """Runs make. Two runs in the build folder never overlap, even if different test processes start them. A run in a
-    test's own folder (TARGET_BUILD) may overlap with any other run."""
+    """Runs make. A lock ensures that two runs in the build folder never overlap, even if different test processes start
+    them. A run in a test's own folder (TARGET_BUILD) needs no lock."""
     elsewhere = any(argument.startswith("TARGET_BUILD=") for argument in arguments)
     with contextlib.nullcontext() if elsewhere else lock(MAKE_LOCK):
         return _make(*arguments)

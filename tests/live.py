@@ -1,6 +1,6 @@
-"""Runs firmware and plant as two processes on one bus. If COMANIP_TEST_CAN names a CAN interface of the
-kernel (as in tests/socketcan), the bus is that interface; otherwise it is the test's own hub. The test reads and writes
-SocketCAN structures itself and decodes frames with cantools, so it uses none of the code under test."""
+"""Runs firmware and plant as two processes on one bus. If COMANIP_TEST_CAN names a CAN interface of the kernel (as in
+tests/socketcan), the bus is that interface; otherwise it is the test's own hub. The tests read and write SocketCAN
+structures themselves and decode frames with cantools, so that they do not rely on the code under test."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ FIRMWARE = REPOSITORY / "build" / "linux" / "comanip-firmware"
 PLANT = REPOSITORY / "build" / "linux" / "comanip-plant"
 HUB = REPOSITORY / "build" / "host" / "comanip-hub"
 INTERFACE = os.environ.get("COMANIP_TEST_CAN", "vcan0")
-SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # factor by which time is slowed: the machine is not real-time
-# At this factor the watchdog expires after 100 ms. A virtual machine may pause one of its processors for that long.
+SLOW = int(os.environ.get("COMANIP_TEST_SLOW", "5"))  # slows time down: the machine is not real-time
+# At SLOW = 5 the firmware's watchdog expires after 50 ms, and a virtual machine may pause a processor for longer. At
+# SLOWER it expires after 100 ms.
 SLOWER = 2 * SLOW
-ATTEMPTS = 3  # at each run, because a busy machine may pause one of the processes and spoil the run
+ATTEMPTS = 3  # per test: a busy machine may pause one of the processes and so make a run fail
 CAN_FRAME = struct.Struct("<IBBBB8s")  # linux/can.h: id, length, padding or flags, data
 CANFD_FRAME = struct.Struct("<IBBBB64s")
 CANFD_BRS = 1
@@ -70,8 +71,8 @@ def is_authentic(frame: Seen) -> bool | None:
 
 
 class Bus:
-    """A bus for the processes, with a tap that records all frames. Used as a context manager, it stops every process it
-    started when the context ends."""
+    """A bus for the processes, with a tap: a connection that records all frames. This is a context manager, which stops
+    all the processes that it started when the context ends."""
 
     def __init__(self, folder: Path, slow: int = SLOW, profile: str = "fd", interface: str = INTERFACE):
         self.folder, self.slow, self.profile, self.interface = folder, slow, profile, interface
@@ -120,7 +121,7 @@ class Bus:
             except OSError as error:
                 if self._over.is_set() or not has_kernel_can():
                     return
-                assert error.errno, error  # the interface is down; it will come back
+                assert error.errno, error  # the interface is down, and the test will bring it up again
                 time.sleep(0.01)
                 continue
             layout = CANFD_FRAME if len(data) == CANFD_FRAME.size else CAN_FRAME
@@ -204,8 +205,8 @@ class Bus:
         return "", ""
 
     def wait_mode(self, *modes: str, start: int = 0) -> None:
-        """Waits until the latest status reports one of the given modes and was received after the first `start`
-        frames."""
+        """Waits until the latest FirmwareStatus reports one of the given modes. A status among the first `start` frames
+        does not count."""
         self.wait(lambda: self.since(start, "FirmwareStatus") and self.status()[0] in modes, f"mode {modes}")
 
     def statuses_for(self, duration_s: float) -> list[tuple[str, str]]:

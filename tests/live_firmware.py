@@ -1,5 +1,5 @@
-"""Runs the C core on a python-can `virtual` bus, in its own thread, with drives and optionally a tracker, as the
-counterpart of `comanip`'s live commands. The core ticks as fast as it can, not in real time."""
+"""Runs the C core on a python-can `virtual` bus, in its own thread, with drives and optionally a tracker. The live
+commands of `comanip` are tested on this bus. The core ticks as fast as it can, not in real time."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class LiveFirmware(threading.Thread):
     def wait_for_mode(self, mode: int) -> None:
         deadline_s = time.monotonic() + PATIENCE_S
         while self.bench.controller.supervisor.mode != mode:
-            assert time.monotonic() < deadline_s, f"mode is {self.bench.controller.supervisor.mode}, not {mode}"
+            assert time.monotonic() < deadline_s, f"mode is {self.bench.controller.supervisor.mode}, expected {mode}"
             time.sleep(0.01)
 
     def end(self) -> None:

@@ -1,4 +1,5 @@
-// Stands in for the scene, which needs ODE: each function returns a fixed value of its own.
+// Replaces the scene, which needs ODE, in the tests of the scenario monitors. Each function returns fixed
+// values that depend only on its arguments.
 
 #include "../sim/scene/scene.h"
 

@@ -1,5 +1,5 @@
-"""Provides double-precision references, written independently of the firmware. They are the paper's equations, once in
-numpy for arrays and once term by term with dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
+"""Provides double-precision references, written independently of the firmware. They are the paper's
+equations, both in numpy for arrays and term by term with dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
 
 Quaternions are (..., 4) in the order w x y z, dual quaternions (..., 8), as in the paper.
 """
@@ -108,8 +108,8 @@ def rotation_angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def law(
     jacobian: np.ndarray, hand: np.ndarray, target: np.ndarray, gain, weight, damping: float, error_frame: str
 ) -> np.ndarray:
-    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. Of x and -x, which are the same target,
-    uses the one nearer to the end effector."""
+    """Returns (J^T W J + lambda I)^-1 J^T W K e, one row per posture. x and -x are the same target; the error is
+    computed with the one that is nearer to the end effector."""
     gain, weight = np.broadcast_to(gain, 8).astype(float), np.broadcast_to(weight, 8).astype(float)
     sign = np.where((target[:, :4] * hand[:, :4]).sum(1, keepdims=True) < 0, -1.0, 1.0)
     target = sign * target
@@ -183,8 +183,8 @@ def evaluate(arm, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, np.ndarray]:
-    """Converts a standard DH chain. Returns fixed transforms (n, 8), each of which precedes a joint's rotation about z,
-    and the transform from the last joint to the end effector."""
+    """Converts a standard DH chain. Returns n fixed transforms (n, 8), one before each joint's rotation about z, and
+    the transform from the last joint to the end effector."""
     one = np.array([1, 0, 0, 0, 0, 0, 0, 0.0])
     before, fixed = one if base is None else base, []
     for theta_i, d_i, a_i, alpha_i in zip(theta, d, a, alpha):
@@ -196,9 +196,9 @@ def dh_chain(theta, d, a, alpha, base=None, effector=None) -> tuple[np.ndarray, 
 def chain_kinematics(
     fixed: np.ndarray, axis: np.ndarray, effector: np.ndarray, q: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the end effector poses (N, 8) and Jacobians (N, 8, n) of an arm, which is described by the arguments of
-    core.Arm. By the product rule, column i of the Jacobian is the chain in which the i-th rotation is replaced by its
-    derivative."""
+    """Returns the end effector poses (N, 8) and Jacobians (N, 8, n) of an arm that is described by arguments of
+    core.Arm. By the product rule, column i of the Jacobian is the chain's product with the i-th rotation replaced by
+    its derivative."""
     count, n = q.shape
     turn = np.zeros((n, count, 8))
     slope = np.zeros((n, count, 8))

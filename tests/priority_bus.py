@@ -1,5 +1,5 @@
 """Models a bus with fixed priorities and without preemption as discrete events in integer time. It is the reference for
-response times and independent of the response-time analysis. Frames are queued at given times. An answer is queued a
+the response-time analysis, with which it shares no code. Frames are queued at given times. An answer is queued with a
 fixed delay after the end of the frame that it answers."""
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class PriorityBus:
     played: list[Played] = field(default_factory=list)
 
     def play(self, releases: Sequence[tuple[int, int, Stream]]) -> list[Played]:
-        """Simulates the bus for `releases`, each of which is (event, queueing time, stream). When a frame ends, the
-        queued frame with the lowest id starts. If ids are equal, the frame that was queued first starts."""
+        """Simulates the bus for `releases`, tuples (event, queueing time, stream). When a frame ends, the queued frame
+        with the lowest id starts. If ids are equal, the frame that was queued first starts."""
         coming = [(queued, number, event, stream) for number, (event, queued, stream) in enumerate(releases)]
         heapq.heapify(coming)
         number, now = len(coming), 0

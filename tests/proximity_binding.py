@@ -1,5 +1,5 @@
-"""Builds the convex shapes, the proximity computation, and the gripper and proximity nodes with libccd: ``ffi, lib =
-load()``. Tests set up their scene through fake_scene.h."""
+"""Builds the modules for convex shapes and proximity and the nodes of the gripper and of proximity, with libccd:
+``ffi, lib = load()``. Tests set up their scene through fake_scene.h."""
 
 from __future__ import annotations
 

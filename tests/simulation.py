@@ -20,7 +20,7 @@ EXPERIMENTS = ("pour", "teleop", "mirror", "handover", "crank")  # in sim/scenar
 SHIPPED = tuple(sorted(path.stem for path in (REPOSITORY / "sim" / "scenarios").glob("*.yaml")))  # includes EXPERIMENTS
 FILES = ("bus.log", "summary.json", "trace.csv")
 EXIT_PASS, EXIT_CHECK_FAILED, EXIT_WRONG_USE, EXIT_INTERRUPTED = 0, 1, 2, 130
-PATIENCE_S = 300  # maximum wall time of a run; an idle machine needs a fiftieth of it, a busy one may need more
+PATIENCE_S = 300  # maximum wall time of a run; an idle machine needs a fiftieth of it, a busy machine much more
 # EVENTFUL: the options of a run that writes the parameters WRITTEN and then sends select, start, clutch, latch and
 # stop. A tracker gap and lost samples cause holds, and the tracker's clock wraps.
 WRITTEN = {"task_blend_s": 0.5, "motion_scale": 0.75}
@@ -115,8 +115,8 @@ def _content(argument: str) -> bytes:
 
 
 def shared(*arguments: object) -> Run:
-    """Does the same as run(), for tests that only read the files of the run. Each combination of program, command
-    and files runs only once per session, for all tests and workers."""
+    """Does the same as run(), for tests that only read the files of the run. All tests and workers of a session share
+    one run for each combination of program, command and input files."""
     command = _plain([str(argument) for argument in arguments])
     digest = hashlib.sha256(_simulator_hash())
     for argument in command:

@@ -1,4 +1,4 @@
-/* Implements, without physics, the functions of scene.h that people's programs use. */
+/* Implements, without physics, the functions of scene.h that the programs of the simulated people call. */
 #include "stand_in_scene.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* A scene without physics for the tests of people's programs. Each hand is at its aim plus a sag, and the robot's
- * gripper follows the first person's hand. stand_in_scene.c implements the functions of scene.h that a program uses. */
+/* A scene without physics for the tests of the simulated people's programs. Each hand is at its commanded position plus
+ * a constant sag, and the robot's gripper follows the first person's hand. */
 #ifndef COMANIP_TESTS_STAND_IN_SCENE_H
 #define COMANIP_TESTS_STAND_IN_SCENE_H
 
@@ -7,7 +7,7 @@
 
 typedef struct {
     rigid_pose_t hand[SCENARIO_MAX_PEOPLE];
-    double sag_m[SCENARIO_MAX_PEOPLE][3]; /* actual position minus the aim */
+    double sag_m[SCENARIO_MAX_PEOPLE][3]; /* actual position minus commanded position */
     double gripper_start_m[3];
     double gripper_follows[3]; /* gripper displacement per unit displacement of the first hand, for each axis */
     rigid_pose_t object[SCENARIO_MAX_OBJECTS];

@@ -1,5 +1,5 @@
-"""Writes the files of a synthetic run in the formats of trace.csv and summary.json. The motions are minimum-jerk (Flash
-and Hogan, J. Neuroscience 1985), so that all figures can be computed in closed form."""
+"""Writes trace.csv and summary.json of a synthetic run. The motions are minimum-jerk (Flash and Hogan, J. Neuroscience
+1985), so that the expected values can be computed in closed form."""
 
 from __future__ import annotations
 

@@ -108,7 +108,8 @@ def test_any_arm_of_n_joints(rng, n):
 
 @pytest.mark.parametrize("n", [3, 8])
 def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
-    """Column i of the Jacobian equals (hand(q + h) - hand(q - h)) / 2h with a step h of joint i, including the sign."""
+    """Column i of the Jacobian equals the central difference (hand(q + h) - hand(q - h)) / 2h, where h is a step of
+    joint i."""
     fixed, effector = oracle.random_poses(rng, n, 0.2), oracle.random_poses(rng, 1, 0.2)[0]
     arm = make_arm(fixed, np.tile([0, 1, 0], (n, 1)), effector)
     q = random_joints(rng, 200, n, 8.0)
@@ -122,7 +123,8 @@ def test_jacobian_is_the_derivative_of_the_forward_kinematics(rng, n):
 
 
 def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
-    """Every pose satisfies |P| = 1 and P . D = 0, and each column of the Jacobian preserves both to first order."""
+    """The primary part P and the dual part D of every pose satisfy |P| = 1 and P . D = 0. Each column of the Jacobian
+    preserves both properties to first order."""
     q = random_joints(rng, COUNT, 4)
     hand, jacobian = core.forward_kinematics(HOAP3, q).astype(float), core.pose_jacobian(HOAP3, q).astype(float)
     assert np.abs(np.linalg.norm(hand[:, :4], axis=1) - 1).max() < 1e-6
@@ -132,7 +134,8 @@ def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
 
 
 def test_the_default_jerk_limits_of_core_and_description_are_equal():
-    """The two defaults are defined in packages that cannot import each other, so they must be kept equal by hand."""
+    """The two defaults are defined in packages that cannot import each other, so neither can be derived from
+    the other."""
     from comanip_dev.arms.description import JERK_DEFAULT_RADPS3
 
     arm = make_arm(np.eye(1, 8), np.eye(1, 3), np.eye(1, 8)[0])

@@ -1,5 +1,5 @@
 """Checks the C code that `make arms` generates for a particular arm, i.e. the arm's kinematics and control law (4),
-against numpy in double precision and against the control law for any arm."""
+against numpy in double precision and against the C functions that solve the control law for any arm."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_the_dbc_names_all_arms(tmp_path):
     for folder in ("arms", "schema"):
         shutil.copytree(FIRMWARE / folder, tmp_path / folder)
     dbc = tmp_path / "schema" / "comanip.dbc"
-    assert arm_codegen.dbc_with_arms(tmp_path) == {dbc: dbc.read_text()}, "make arms"
+    assert arm_codegen.dbc_with_arms(tmp_path) == {dbc: dbc.read_text()}, "run `make arms`"
     names = cantools.database.load_file(dbc).get_message_by_name("FirmwareIdentity").get_signal_by_name("arm").choices
     number = max(names) + 1
     text = (tmp_path / "arms" / f"{HOAP3}.toml").read_text().replace(f'name = "{HOAP3}"', 'name = "other"')
@@ -102,8 +102,9 @@ def test_the_committed_files_match_the_description():
 @pytest.mark.parametrize("frame", [lib.ERROR_FRAME_TORSO, lib.ERROR_FRAME_TARGET])
 @pytest.mark.parametrize("weight", [(1.0, 1.0), (0.01, 100.0)])
 def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, weight):
-    """The generated law, the law for any arm and the general law agree with a reference in double precision. The
-    reference repeatedly drops the Jacobian columns of the joints that would move past their limit, until none would."""
+    """The generated law, the isotropic law for any arm and the general law agree with a reference in double precision.
+    The reference repeatedly drops the Jacobian columns of the joints that would move past their limit, until no joint
+    would."""
     configuration = config(weight=weight, frame=frame)
     laws = (for_this_arm, for_any_arm, general_form)
     w = np.repeat(weight, 4)
@@ -141,8 +142,8 @@ def test_joints_at_a_limit_stay_there_and_the_others_follow(arm, inputs, frame, 
 
 
 def test_a_target_far_out_of_reach_uses_the_general_law(arm, inputs):
-    """If the damping is too small relative to J^T W J, as it is for a distant target, the generated law returns the
-    general law's result, bit for bit."""
+    """The generated law calls the general law if the damping is too small relative to J^T W J, as it is for a distant
+    target. The result is then that of the general law, bit for bit."""
     configuration = config(weight=(0.01, 100.0), damping=1e-3)
     assert configuration.isotropic.applies
     for q, target in inputs[:50]:
@@ -197,7 +198,8 @@ LAW_SOURCES = (
 
 
 def position_priority(law, arm, q, target, motion, lower=0, upper=0) -> np.ndarray:
-    """Returns one array of the joint velocities for the error, those for the target's motion, and the distance."""
+    """Returns one array: the joint velocities that correct the error, the joint velocities that follow the target's
+    motion, and the position error."""
     position = ffi.new("float[8]", q.tolist())
     config = ffi.new("position_priority_config_t *", {"gain_per_s": 35.0, "orientation_weight_m2": 1e-5})
     pose = ffi.new("pose_t *", (target[:4].tolist(), oracle.translation(target).tolist()))
@@ -223,7 +225,7 @@ def write_description(path, rows, effector) -> None:
 
 
 def compiled(folder, name: str):
-    """Compiles the arm with its inverse kinematics into a library of its own and loads it."""
+    """Compiles the arm with its inverse kinematics into a separate library and loads it."""
     command = ["gcc", "-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic",
                "-Wconversion",
                "-Wdouble-promotion", "-Wshadow", "-Werror", "-fPIC", *INCLUDES]  # fmt: skip
@@ -288,8 +290,8 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
             )
             found = np.array([solve(for_this_arm, arm, configuration, *pair) for pair in zip(q, targets, strict=True)])
             scale = np.maximum(3.5, np.linalg.norm(expected, axis=1))
-            # the bound is wider because the rounding error of J^T W J grows with the square of the reach, which is 2 m
-            # here and 0.3 m for HOAP-3
+            # the bound is wider than for HOAP-3, because the rounding error of J^T W J grows with the square of the
+            # reach, which is 2 m here and 0.3 m for HOAP-3
             bound = 4 * max(5e-5, 5e-8 * max(4, weight[1]) / 0.01)
             assert (np.abs(found - expected).max(axis=1) / scale).max() < bound
             # for joints at their limits, compare with the general law, which is tested against double precision above
@@ -320,7 +322,8 @@ def test_kinematics_and_law_for_arms_of_any_number_of_joints(rng, tmp_path, n, a
 
 
 def test_generated_code_compiles_for_any_arm(rng, tmp_path):
-    """The generated code has no unused variables, even if right angles and zero lengths eliminate many terms."""
+    """The generated code compiles without warnings such as unused variables, even if right angles and zero lengths
+    eliminate many terms."""
     flags = [
         "-std=c11",
         *INCLUDES,

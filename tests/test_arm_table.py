@@ -13,8 +13,8 @@ UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
 def verdict(
     joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object
 ) -> str | None:
-    """Returns arm_check()'s complaint about a table of two valid joints, the second of which is modified by
-    `changes`."""
+    """Returns arm_check()'s message about a table of two joints, or None. `changes` modifies the second joint; without
+    changes the table is valid."""
     joints = ffi.new("arm_joint_t[2]")
     for joint in joints:
         joint.fixed = (UNIT, ZERO)

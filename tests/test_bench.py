@@ -1,5 +1,5 @@
-"""Checks that `make bench` evaluates its measurements correctly, and that the inputs it gives to all contenders follow
-Algorithm 1."""
+"""Checks that `make bench` evaluates its measurements correctly, and that all the libraries it compares get inputs that
+follow Algorithm 1."""
 
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ def test_frame_time_equals_bitwise_construction(rng):
 
 @pytest.mark.parametrize("length", WORST_CASE_US)
 def test_worst_frame_is_close_to_the_bound(length):
-    """The longest frame falls short of the bound by no more than one nominal stuff bit, which IDE, FDF, res and BRS
-    rule out, and one stuff bit at the end of the data."""
+    """The longest frame is shorter than the bound by at most two stuff bits: a nominal stuff bit, which the fixed
+    values of IDE, FDF, res and BRS make impossible, and a stuff bit at the end of the data."""
     sent = [0, *bits(0x078, 11), 0, 0, 1, 0, 1, 0, *bits(LENGTHS.index(length), 4)]
     run = next(i for i in range(1, 6) if sent[-1 - i] != sent[-1])
     last, data_bits = sent[-1], []
@@ -123,8 +123,8 @@ def test_frame_on_the_wire_ends_in_the_next_call():
 
 @pytest.mark.parametrize("before", [0x200, None])
 def test_nothing_starts_exactly_at_the_end_of_a_call(before):
-    """A frame that becomes ready exactly when a call ends still takes part in arbitration in the next call, whether the
-    wire was busy or idle."""
+    """A frame that becomes ready exactly at the time up to which a call simulates does not start in this call. It takes
+    part in arbitration in the next call, whether the wire was busy or idle."""
     bus = Bus(2)
     time_ns = frame_duration_ns(0x200, bytes(8))
     if before is not None:

@@ -1,5 +1,5 @@
-"""Checks the log of a run: standard tools read and decode it; its frames are protected, on time and complete; and the
-firmware can be replayed from it byte for byte."""
+"""Checks the log of a run: standard tools read and decode it; its frames are protected, on time and complete; and a
+replay of it makes the firmware send the same bytes."""
 
 from __future__ import annotations
 
@@ -220,8 +220,8 @@ def test_each_parameter_write_is_answered_with_the_value_in_force(frames):
 
 
 def trace_counters(frame: LoggedFrame) -> dict[int, int | None]:
-    """Returns, by id, the counter of the last frame that the firmware read up to this tick, or None if it has read no
-    such frame. The bits of `received` are in the same order as the counter signals."""
+    """Returns, by frame id, the counter of the last frame that the firmware read up to this tick, or None if it has not
+    read any frame of this id. The bits of `received` are in the same order as the counter signals."""
     trace = DBC.get_message_by_name("TickTrace")
     signals = trace.decode(frame.data, decode_choices=False)
     received = {
@@ -248,8 +248,8 @@ def consumed(queue: deque[LoggedFrame], counters: dict, traced: dict) -> list[Lo
 
 
 def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
-    """Replays the firmware from the log alone. Returns the frames that the firmware sends, by id, and the number of
-    frames fed to it. In each tick, the port's counts are taken from the next PortStatus."""
+    """Runs the firmware with no input except the log. Returns the frames that the firmware sends, by id, and the number
+    of frames fed to it. In each tick, the counts that the port would report are taken from the next PortStatus."""
     controller, inbox, outbox = (ffi.new(f"{name}_t *") for name in ("controller", "controller_inbox", "outbox"))
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_FD)
     addressed = {message.frame_id for message in DBC.messages if "Firmware" in message.receivers}
@@ -264,7 +264,7 @@ def replay(frames: list[LoggedFrame]) -> tuple[dict[int, list[bytes]], int]:
         counters = dict.fromkeys(traced) if counters is None else counters
         now_us = int(trace.decode(tick.data)["now_us"])
         taken = consumed(queue, counters, traced)
-        assert all(frame.t_us <= now_us for frame in taken), "consumed before it was received"
+        assert all(frame.t_us <= now_us for frame in taken), "the firmware read a frame before it was received"
         inbox.count = len(taken)
         for i, frame in enumerate(taken):
             slot = inbox.frame[i]

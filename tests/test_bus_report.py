@@ -1,5 +1,5 @@
-"""Checks the report of bus loads and response times: the figures against the DBC, the marks for late frames, and the
-file it writes."""
+"""Checks the report of bus loads and response times: the loads and response times against the DBC, the marks for late
+frames, and the file that the report is written to."""
 
 from __future__ import annotations
 

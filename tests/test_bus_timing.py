@@ -45,9 +45,9 @@ LOG_NS = 1000  # log times are whole microseconds
     )
 )
 def test_arbitration_under_contention(traffic):
-    """The wire is never idle while a frame is ready, and the frame that starts has the lowest ready id. Frames with
-    the same id from the same node keep their order, so the later one counts as ready only once the earlier one has
-    started."""
+    """The wire is never idle while a frame is ready, and the frame that starts has the lowest id of all ready frames.
+    Frames with the same id from the same node keep their order: the later frame counts as ready only once the earlier
+    frame has started."""
     bus = Bus(5)
     waiting = []
     for number, (node, tens, length, ready_10us) in enumerate(traffic):
@@ -65,7 +65,7 @@ def test_arbitration_under_contention(traffic):
             "a frame starts as soon as the wire is free and a frame is ready"
         )
         own = min(item for item in waiting if item[1] <= start_ns)
-        assert (own[0], own[3]) == (identifier, data), "the frame with the lowest ready id starts"
+        assert (own[0], own[3]) == (identifier, data), "of all ready frames, the one with the lowest id starts"
         waiting.remove(own)
         free_ns = end_ns
 
@@ -120,8 +120,8 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """The response time of a joint state that arrives within one tick equals its bound, less the nanosecond by which
-    the frame of lower priority starts earlier."""
+    """No response time exceeds its bound. A joint state that arrives within one tick misses its bound by only 1 ns,
+    because the frame of lower priority starts 1 ns before the others are queued."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []
@@ -211,7 +211,7 @@ class Profile:
     tick_ms: int
     event_ticks: int
     sync: str
-    least_ratio: float  # share of its computed bound that a control frame's longest response must reach
+    least_ratio: float  # least ratio of a control frame's longest response time to its bound
 
     def plain(self, name: str) -> str:
         return name.removeprefix(self.prefix)
@@ -276,7 +276,7 @@ BOOT_NS = 100 * MS_NS  # at a tick rate of 1 kHz
 def test_responses_in_the_experiments_are_within_the_bounds(logged):
     """No response exceeds its bound, and the bounds are not overly pessimistic: the longest response of each control
     frame is a fair share of its bound (0.46 to 0.75 on CAN FD, at least 0.36 on classic CAN). Some other frames stay
-    far below their bounds, because they never compete with any frame: the phases in the simulator are fixed."""
+    far below their bounds: in the simulator all phases are fixed, so that they never have to wait for another frame."""
     profile, frames = logged.profile, logged.frames
     running = analyse(streams(profile.running, profile.rates), profile.rates.nominal_ns)
     booting = analyse(streams([*profile.running, *profile.booting], profile.rates), profile.rates.nominal_ns)

@@ -1,5 +1,5 @@
-"""Checks `comanip calibrate`: the tracker's rotation, found from three moves, against scipy's align_vectors, and the
-estimated error against the actual errors."""
+"""Checks `comanip calibrate`: the tracker's rotation, computed from three moves of the hand, against scipy's
+align_vectors, and the estimated error against the actual errors."""
 
 from __future__ import annotations
 
@@ -96,8 +96,8 @@ def test_half_a_turn(axis, less):
 
 
 def test_reported_standard_error_matches_the_actual_errors(rng):
-    """Over many calibrations, the reported standard error matches the spread of the actual errors about the least
-    certain axis."""
+    """Over many calibrations with orthogonal moves, which determine all three axes equally well, the reported standard
+    error matches the RMS of the actual errors."""
     sigma_rad = np.radians(2)
     reported, actual = [], []
     for turn in Rotation.random(600, random_state=5):

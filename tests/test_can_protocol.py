@@ -1,5 +1,5 @@
-"""Checks the frames against cantools and the DBC in both directions, the handling of values that do not fit in a frame,
-and end-to-end protection."""
+"""Checks that cantools, with the DBC, and the firmware decode each other's frames. Also checks values that do not fit
+in a frame, and end-to-end protection."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def test_tracker_period_is_rounded_to_its_resolution(dbc, period_us):
     assert codec.pack({"period_us": 700_000})[0] == lib.PROTOCOL_OUT_OF_RANGE
 
 
-# ---- TickTrace and FirmwareHeartbeat, whose fields are not plain copies
+# ---- TickTrace and FirmwareHeartbeat, whose signals are not copied one to one from members of a C struct
 
 RECEIVED = {
     "hand_pose": lib.FRAME_HAND_POSE,

@@ -18,8 +18,8 @@ from e2e import p05
 from hub import CAN_EFF_FLAG, PATIENCE_S, SCRIPTS, WITH_CAN, Hub, Tool, classic, fd, running, tool, wait_until
 from simulation import SIMULATOR, Run, run
 
-# A run of SCENARIO has 14,000 frames. The hub can queue more than that for a slow listener, so it drops no listener,
-# however slow the machine is.
+# A run of SCENARIO has 14,000 frames. The hub queues more than that for each listener, so it drops no listener, however
+# slow the machine is.
 PLAIN = Path(__file__).parent / "scenarios" / "teleop_moves.yaml"  # the file that run() uses for "teleop"
 SCENARIO = ("--scenario", "teleop", "--duration", 2)
 LOG_LINE = re.compile(r"\(\d+\.\d+\) \w+ ([0-9A-F]+)#(#1)?([0-9A-F]*)(?: [RT])?")
@@ -90,7 +90,7 @@ def with_listeners(tmp_path_factory) -> Listened:
         tools = {name: Tool(hub, WITH_CAN, *command) for name, command in commands.items()}
         stalled, talking = hub.connect(), hub.connect()
         hub.wait_for_clients(len(tools) + 2)
-        talking.send(classic(0x010, bytes(8)))  # imitates the firmware's status, and the hub must block it
+        talking.send(classic(0x010, bytes(8)))  # an imitation of FirmwareStatus, which the hub must not forward
         finished = run(
             tmp_path_factory.mktemp("with_listeners"), *SCENARIO, "--hub", "vcan0", environment=hub.environment
         )
@@ -378,8 +378,8 @@ def test_error_frames_are_filtered_by_class(hub):
 
 
 def shown(hub: Hub, sender, started: Tool, packets: list[bytes], pattern: str) -> None:
-    """Sends the packets repeatedly until the tool's output matches the pattern, because nothing else shows that the
-    tool is ready."""
+    """Sends the packets repeatedly until the tool's output matches the pattern. They must be repeated, because nothing
+    shows when the tool is ready to receive."""
 
     def is_shown() -> bool:
         for packet in packets:

@@ -316,8 +316,8 @@ def test_any_flipped_bit_is_refused():
 
 @pytest.mark.parametrize("last", [0, 7, 15])
 def test_the_counter(last):
-    """Profile 2 refuses a repeated counter, and a counter that advances by more than the limit, which is far below the
-    counter's range of 16."""
+    """Profile 2 refuses a repeated counter, and a counter that advances by more than E2E_PROFILE2_MAX_DELTA. This limit
+    is far below the counter's range of 16."""
     for step in range(16):
         sender, receiver = Sender(), Receiver()
         state = ffi.new("joint_state_t *")
@@ -362,7 +362,7 @@ def test_parts_of_different_poses_are_never_mixed(rng, lost):
     used = 0
     for number in range(3000):
         position, rotation = sample(number)
-        burst = (number // 100) % 3 == 2  # one kind of part is lost; the kind alternates every 7 samples
+        burst = (number // 100) % 3 == 2  # loses all positions or all rotations, alternating every 7 samples
         for place, part in enumerate(sender.send(pose_message(position, rotation), number * POSE_PERIOD_US)):
             gone = rng.random() < lost or (burst and place == (number // 7) % 2)
             if gone:
@@ -460,8 +460,8 @@ def stamps(times_us, delays_us) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize("start_us", [0, 2**31 - 300_000, 2**32 - 400_000])
 def test_the_stamp_is_restored_to_its_step(rng, start_us):
-    """All stamps have the same error as the first stamp, to within a step, after gaps of any length and when the clock
-    wraps."""
+    """The receiver restores all stamps with the same error, to within one step of the stamp, even after gaps of any
+    length and when the clock wraps."""
     gaps_us = rng.choice([8000, 8000, 8000, 16_000, 100_000, 1_000_000, 30_000_000], 300)
     times_us = start_us + np.cumsum(gaps_us)
     pairs = stamps(map(int, times_us), map(int, rng.integers(4000, 60_000, 300)))
@@ -471,8 +471,8 @@ def test_the_stamp_is_restored_to_its_step(rng, start_us):
 
 
 def test_a_delay_up_to_131_ms_shows_and_a_longer_one_does_not():
-    """The receiver sees the true delay up to the limit stated in docs/bus.md. A longer delay appears shorter than it
-    was."""
+    """Up to the limit stated in docs/bus.md, the receiver computes the true delay of a pose. A longer delay appears
+    shorter than it was."""
     for delay_us in range(0, 300_000, 5000):
         (_, first), (true, found) = stamps([0, 8000], [4000, 4000 + delay_us])
         shown_us = (8000 + 4000 + delay_us) - (found - first) - 4000  # the delay as the receiver sees it

@@ -99,8 +99,8 @@ def test_periods_are_those_of_the_dbc(eventful, frames):
 
 
 def test_frames_last_as_long_as_their_bits(frames):
-    """No two frames overlap. The time between the ends of two successive frames is at least the stuffed length of the
-    second, and exactly that length if the frames are back to back."""
+    """No two frames overlap. The time between the ends of two successive frames is at least the duration of the second,
+    with its stuff bits, and equals that duration if the frames are back to back."""
     ends_us = np.array([frame.t_us for frame in frames])
     durations_us = np.array([frame_duration_ns(frame.frame_id, frame.data) for frame in frames]) / 1000
     waits_us = np.diff(ends_us) - durations_us[1:]
@@ -257,7 +257,7 @@ def test_other_profiles_are_refused(tmp_path, value):
     assert not (tmp_path / "out").exists()
 
 
-# ---- a hand that is forgotten in the tick in which its pose arrives
+# ---- a hand's pose that is discarded in the tick in which the next pose arrives
 
 
 TICK_US = 4000
@@ -287,7 +287,7 @@ STALE_TRACKERS = {
 
 def log_of(captured_us) -> list[Frame]:
     """Returns all frames of a firmware with drives that stand still and a tracker that is late from LATE_FROM_US on.
-    captured_us: one of STALE_TRACKERS; for a negative time the pose is invalid."""
+    captured_us: one of STALE_TRACKERS; a negative time stands for an invalid pose."""
     sender, log = Sender(Profile.CLASSIC), []
     controller, outbox = ffi.new("controller_t *"), ffi.new("outbox_t *")
     lib.controller_init(controller, ffi.addressof(lib.arm_ik_hoap3_right), lib.CAN_PROFILE_CLASSIC)
@@ -309,8 +309,9 @@ def log_of(captured_us) -> list[Frame]:
 
 @pytest.mark.parametrize("tracker", STALE_TRACKERS)
 def test_a_hand_forgotten_as_its_pose_arrives_replays(tracker):
-    """After a second of stale poses the firmware forgets the hand and the offset of its clock, in a tick in which a
-    pose arrives. TickTrace then reports no age that would show when the pose was received."""
+    """After a second of stale poses the firmware discards the hand's pose and the offset of the tracker's clock. Here a
+    pose arrives in that same tick. TickTrace then reports no age, from which the replay normally computes when the pose
+    was received."""
     log = log_of(STALE_TRACKERS[tracker])
     without_age = [frame.t_us for frame in log if frame.name == "ClassicTickTraceAge" and frame.data[2:5] == NO_AGE]
     forgotten_us = next(t_us for t_us in without_age if t_us > LATE_FROM_US)

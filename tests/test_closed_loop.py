@@ -96,11 +96,11 @@ def test_default_law_settles_a_30_mm_move_within_1_mm(tmp_path, displacement_mm)
     assert moved_m == pytest.approx(np.array(displacement_mm) / 1e3, abs=2e-4)  # tolerance for marker noise
 
 
-@pytest.mark.parametrize("gain_per_s", [35, 70, 100])  # the default is 35; values far above 100 are refused
+@pytest.mark.parametrize("gain_per_s", [35, 70, 100])  # default: 35
 def test_gain_margin(tmp_path, gain_per_s):
-    """With the delays of bus, encoder and drives, a gain of up to nearly three times the default causes no oscillation
-    except that due to the encoder: at rest, an error of one encoder count causes a command of one count times the
-    gain."""
+    """With the delays of bus, encoder and drives, the loop does not oscillate at up to nearly three times the default
+    gain. Only the encoder's resolution causes motion at rest: an error of one count causes a velocity of one count
+    times the gain. The firmware refuses gains far above 100, as too high for the loop's delays."""
     recording = minimum_jerk_move(tmp_path / "move.csv", [0.03, 0, 0])
     run = simulation.run(
         tmp_path / "out",

@@ -1,5 +1,5 @@
-"""Checks that the code generator refuses an inconsistent schema, so that a mistake is found by the build and not in a
-user's run."""
+"""Checks that the code generator refuses an inconsistent schema, so that a mistake in it is found when the firmware is
+built and not when it runs."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_multiplexed_signals_are_refused():
         codegen.write_each_byte_once(body)
 
 
-# ---- a mismatch in the schema ends the build, with one line
+# ---- a mistake in the schema ends the build with a message of one line
 
 
 @pytest.fixture
@@ -159,7 +159,7 @@ BO_ 528 GripperCommand"""
 
 @pytest.fixture
 def with_a_frame(schema):
-    """Adds to the schema one more frame that the firmware receives, and the frame's counter to TickTrace."""
+    """Adds to the schema a frame that the firmware receives, and adds the frame's counter to TickTrace."""
     path, messages = schema / "comanip.dbc", {message.name: message for message in load_string(DBC, "dbc").messages}
     used_ids = {message.frame_id for message in messages.values()}
     frame_id = next(number for number in range(515, 1024) if number not in used_ids)

@@ -1,5 +1,5 @@
 """Checks `comanip` as a user runs it. Firmware and plant are two processes on a hub. The tests watch and operate them
-through socketcand and, with the shim, through SocketCAN. The log recorded meanwhile replays byte for byte."""
+through socketcand and, with the shim, through SocketCAN. The log recorded meanwhile replays without a difference."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def comanip(hub: Hub, through: str, *arguments: object) -> subprocess.CompletedP
 
 @pytest.fixture(scope="module", params=["fd", "classic"])
 def session(tmp_path_factory, request):
-    """Runs firmware and plant on a hub; yields the hub, the plant, the firmware and the folder of the plant's log. The
-    plant's own operator starts the task only at 500 s, when the tests are over: on a busy machine the firmware might
+    """Runs firmware and plant on a hub. Yields the hub, the plant, the firmware and the folder of the plant's log. The
+    plant's own operator starts the task only at 500 s, when the tests are over. On a busy machine the firmware might
     refuse an earlier start, and the refusal would end the run."""
     out = tmp_path_factory.mktemp("plant")
     scene = out / "scene.yaml"
@@ -50,7 +50,7 @@ def session(tmp_path_factory, request):
 
 
 def accepted(hub: Hub, through: str, *arguments: object) -> bool:
-    """Returns whether the command was accepted. A refusal may be correct, as a busy machine may pause a process."""
+    """Returns whether the command was accepted. A refusal is no error, since a busy machine may pause a process."""
     return comanip(hub, through, *arguments).returncode == 0
 
 
@@ -59,8 +59,8 @@ def test_watch_and_operate(session, through):
     hub, plant, firmware, _ = session
 
     def monitored() -> object:
-        """Monitors for one second. Returns a true value if the firmware and all drives were seen. Some may be missing
-        if the firmware has only just started."""
+        """Monitors for one second. Returns a true value if the monitor shows the firmware's status and the last drive,
+        which may be missing just after the firmware has started."""
         plant.require_running()
         firmware.require_running()
         shown = comanip(hub, through, "monitor", "--once", "--duration", 1)

@@ -1,5 +1,5 @@
-"""Tests the simulator's check comes_to_rest: the measured value against numpy on the trace, the failure for an arm
-that oscillates, the treatment of phases that are not still, and the report of phases that could not be measured."""
+"""Tests the simulator's check comes_to_rest: its measured value against numpy on the trace, its failure if the arm
+oscillates, how it treats phases in which the hand is not still, and how it reports phases that it cannot measure."""
 
 from __future__ import annotations
 
@@ -92,8 +92,8 @@ def assert_oscillates(done) -> None:
 
 
 def test_a_still_hand_out_of_reach_fails_with_the_former_law(tmp_path):
-    """The arm stretches towards a hand that has moved out of reach and stopped, and oscillates forever. Such a run once
-    passed, but must fail."""
+    """The arm stretches towards a hand that has moved out of reach and stopped, and oscillates forever. The check
+    must fail; an earlier version of it passed."""
     file = scene(
         tmp_path,
         by_m="[0.25, 0, 0]",
@@ -120,8 +120,8 @@ def test_the_recorded_fault_fails_with_the_former_law(tmp_path):
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_each_experiment_ends_at_rest(name):
-    """Before the stop, the person's hand is still for 2.5 s and the arm comes to rest, according to the hand's
-    positions and the commands in the trace."""
+    """Before the stop, the hand's positions in the trace show that the person's hand is still for 2.5 s, and the
+    commands in the trace show that the arm comes to rest."""
     done = shared("--scenario", experiment(name), "--seed", 2).require_pass()
     trace = trace_of(done)
     end = np.flatnonzero(trace["mode"] == "cooperating")[-1]
@@ -146,8 +146,8 @@ def test_without_noise_and_tremor_the_limit_is_as_stated(tmp_path):
     ids=["as it comes", "noise", "much noise", "much tremor"],
 )
 def test_the_limit_is_five_times_the_noise(tmp_path, tremor_mm, arguments):
-    """The limit is five times the computed noise, and at least 0.02 rad/s. A limit above 0.02 rad/s is also of the
-    order of the noise of a stable arm, measured as the RMS velocity of the fastest joint while the hand rests at the
+    """The limit is five times the computed noise, but at least 0.02 rad/s. A limit above 0.02 rad/s must also be 2 to
+    15 times the noise of a stable arm, measured as the RMS velocity of the fastest joint while the hand rests at the
     start."""
     file = scene(tmp_path, tremor_mm=tremor_mm, steps=["do: rest, duration_s: 3"])
     file.write_text(file.read_text().replace("do: rest, duration_s: 0.5,", "do: rest, duration_s: 4,"))
@@ -205,7 +205,7 @@ def assert_not_measured(done, complaint: str, *words: str) -> None:
         ),
         ({}, ["--duration", 3], ["beyond the end of the run"]),
         ({}, ["--gap", "3:20"], ["needs 2.5 s"]),
-        ({"tremor_mm": 20}, [], ["noise and tremor mask it: ", "4.76 rad/s"]),
+        ({"tremor_mm": 20}, [], ["noise and tremor mask the motion: ", "4.76 rad/s"]),
         ({}, ["--param", "task_blend_s=6"], ["needs 2.5 s"]),
     ],
     ids=["too short", "cut", "in hold", "noise", "task not yet in force"],
@@ -221,7 +221,8 @@ def test_an_unmeasured_phase_is_reported(tmp_path, options, arguments, words):
 
 
 class Watch:
-    """Feeds the monitor the ticks of a simulated cooperation. By default, the hand is exactly at the person's aim."""
+    """Feeds the monitor the ticks of a simulated cooperation. By default, the hand is exactly where the
+    person wants it (`aim_m`)."""
 
     def __init__(self):
         self.monitor = ffi.new("rest_monitor_t *")
@@ -298,9 +299,9 @@ def test_tremor_counts_as_still_and_a_slow_move_does_not():
 
 
 def test_a_hand_shaken_by_the_arm_still_counts_as_resting():
-    """If, until the end, an oscillating arm shakes the hand of a resting person who holds the same pipe, the phase is
-    reported as disturbed. If the hand settles before the end, the phase counts as undisturbed, but is too short to be
-    measured."""
+    """A resting person holds a pipe together with the arm, and the arm oscillates and shakes the person's hand. If this
+    lasts until the end of the phase, the phase is reported as disturbed. If the hand settles before, the rest of the
+    phase counts as undisturbed, but here it is too short to be measured."""
     shaken = Watch().ticks(4000, hand_m=lambda n: 0.01 * np.sin(2 * np.pi * 2e-3 * n)).ticks(10, aim_m=0.1).end()
     assert shaken.disturbed and not shaken.measured
     settled = (

@@ -12,7 +12,7 @@ from comanip._core import ffi, lib
 from controller_bench import FRAME_ID, JOINTS, TRACKER_PERIOD_TICKS, Bench
 
 ACCEPTED = lib.RESULT_ACCEPTED
-CLOSE_M = 2e-5  # position error due to the frames' resolution, also that of the marker's rotation at arm's length
+CLOSE_M = 2e-5  # position error due to the resolution of position and rotation (at arm's length) in the frames
 UNKNOWN_COMMAND = 99
 
 
@@ -72,8 +72,8 @@ def test_frames_keep_their_periods():
 
 
 def test_a_tick_count_that_wraps_is_not_a_boot():
-    """The heartbeat that is due when the tick count wraps to 0 after 2^32 ticks (50 days) must not report a boot (in
-    CANopen, 0 is boot-up and 5 is operational)."""
+    """The tick count wraps to 0 after 2^32 ticks (50 days). The heartbeat of that tick must still report 5, which means
+    operational in CANopen, and not 0, which means boot-up."""
     bench = Bench()
     bench.tick()
     assert dict(bench.sent)[FRAME_ID["FIRMWARE_HEARTBEAT"]] == bytes([0])
@@ -115,7 +115,7 @@ def test_stale_tracker_holds_the_arm_and_the_same_reference_is_resumed(lost):
         bench.hand = None
     else:
         bench.hand_valid = False
-    bench.tick(2 * TRACKER_PERIOD_TICKS)  # one or two frames may be missing
+    bench.tick(2 * TRACKER_PERIOD_TICKS)  # the hand is still fresh if one or two frames are missing
     assert bench.mode == lib.MODE_COOPERATING
     bench.tick(TRACKER_PERIOD_TICKS)
     assert (bench.mode, bench.reason) == (lib.MODE_HOLD, lib.REASON_TRACKER_STALE)
@@ -512,8 +512,8 @@ def in_motion() -> Bench:
 
 @pytest.mark.parametrize("change", ["select", "define", "latch"])
 def test_the_demand_is_deferred_in_a_tick_of_a_change(change):
-    """A tick in which the cooperation changes reuses the previous demand, which is still valid because the change does
-    not move the target."""
+    """In a tick in which the cooperation changes, the controller does not solve the control law but reuses the previous
+    joint velocity demand. This demand is still valid, because the change does not move the target."""
     bench = in_motion()
     before = feedback(bench)
     if change == "define":
@@ -572,8 +572,8 @@ def test_repeated_operator_commands_do_not_stop_the_control_law():
 
 
 def test_many_measured_latches_keep_the_relation_a_pose():
-    """Each latch computes the relation from the previous one, so an error of the norm must not grow from latch to
-    latch."""
+    """Each latch computes the relation between the hands from the previous relation, so an error of its norm must not
+    grow from latch to latch."""
     bench = Bench().until_ready()
     assert bench.write(lib.PARAMETER_LATCH_MEASURED, 1) == ACCEPTED
     bench.start(lib.TASK_TELEOP)
@@ -586,8 +586,8 @@ def test_many_measured_latches_keep_the_relation_a_pose():
 
 
 def test_no_demand_past_the_limit_of_a_joint_at_its_limit():
-    """The demand of a joint at its limit is zero, although the control law alone would move the joint further to follow
-    the hand."""
+    """The demanded velocity of a joint at its limit is zero, although the control law alone would move the joint beyond
+    the limit to follow the hand."""
     bench = Bench(position_deg=(90, -2, 0, -90)).until_ready().start(lib.TASK_TELEOP)
     bench.move_hand([0, 0.3, 0])
     bench.tick(1000)
@@ -676,8 +676,8 @@ def test_quaternion_sign_flips_in_the_stream_change_nothing():
 
 @pytest.mark.parametrize("late_us", [3, 900])
 def test_frames_stamped_after_the_tick_count_as_just_received(late_us):
-    """A frame that arrives while the inbox is being filled is stamped later than the tick, but this must not cause a
-    stop."""
+    """A frame that arrives while the inbox is being filled gets a timestamp later than the time of the tick. The
+    frame's age must not wrap to a huge value and cause a stop."""
     bench = Bench()
     bench.stamp_offset_us = late_us
     bench.until_ready().start(lib.TASK_TELEOP)
@@ -702,6 +702,6 @@ def test_restarted_operator_is_accepted():
     bench = Bench().until_ready()
     for _ in range(30):
         assert bench.command(lib.COMMAND_STOP) == ACCEPTED
-    bench.sender = ffi.new("protocol_sender_t *")  # a restart of all senders, as drives and tracker share it
+    bench.sender = ffi.new("protocol_sender_t *")  # restarts all senders, because drives and tracker share this one
     bench.tick(3)
     assert bench.command(lib.COMMAND_STOP) == ACCEPTED

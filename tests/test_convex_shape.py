@@ -123,8 +123,8 @@ def random_hull(rng) -> np.ndarray:
 
 
 def test_hulls_and_boxes(rng):
-    """The distances agree with a least-squares solution over the corners, which, unlike GJK, has no search
-    directions."""
+    """The distances agree with a least-squares solution over the corners, which is independent of the search by
+    directions in libccd."""
     overlapping = 0
     for i in range(2000):
         points = random_hull(rng), (random_hull(rng) if i % 2 else CUBE * rng.uniform(0.01, 0.3, 3))
@@ -166,8 +166,8 @@ def test_faces_edges_and_corners(gap_m):
 @pytest.mark.parametrize("kind", ["capsule", "cylinder"])
 @pytest.mark.parametrize("gap_m", [0.0, 1e-5, 0.004, 0.3])
 def test_parallel_and_in_line(rng, kind, gap_m):
-    """The distance is correct if many pairs of points are equally near, and if the shapes are separated in only one
-    direction."""
+    """The distance is correct for parallel shapes, of which many pairs of points are equally near, and for shapes in
+    line, which only their end faces separate."""
     for turn in Rotation.random(100, rng):
         radius, length = rng.uniform(0.005, 0.08, 2), rng.uniform(0.05, 0.4, 2)
         end = length / 2 + (radius if kind == "capsule" else 0)

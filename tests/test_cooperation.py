@@ -1,4 +1,5 @@
-"""Checks Algorithm 1 against its lines in the paper, evaluated with dqrobotics, and checks the paper's claims."""
+"""Checks the firmware's Algorithm 1 against the paper's, evaluated line by line with dqrobotics, and checks the paper's
+claims about it."""
 
 from __future__ import annotations
 
@@ -65,8 +66,9 @@ def test_targets_are_algorithm_1(rng, task, placed):
 
 @pytest.mark.parametrize("task", TASKS)
 def test_virtual_hand_in_closed_form(rng, task):
-    """The virtual hand is p_Hv = p_R0 + offset + s R_ET^T (p_H - p_H0), R_Hv = dR R_R0 R(q_inv), and the target is q_Hv
-    conj(q_task)."""
+    """The virtual hand has the position p_R0 + offset + s R_ET^T (p_H - p_H0) and the rotation dR R_R0 R(q_inv). Index
+    0 means at the start, s is the motion scale, R_ET the tracker's rotation, and dR the hand's rotation since the
+    start. The target is the virtual hand times the conjugate of the task's relation."""
     for _ in range(40):
         hands, robot = motion(rng).astype(float), oracle.random_poses(rng, 1, 0.3)[0].astype(float)
         scale, offset = float(rng.uniform(0.1, 3)), rng.uniform(-0.3, 0.3, 3).astype(np.float32)
@@ -318,8 +320,8 @@ def test_selecting_another_task_does_not_move_the_target(rng, first, second):
 
 @pytest.mark.parametrize("task", range(3))
 def test_a_task_selected_during_cooperation_equals_one_selected_before(rng, task):
-    """The start poses are kept, so that the result after the blend is the same as if the task had been selected before
-    the start."""
+    """Selecting a task keeps the start poses of hand and robot. Therefore, after the blend, the result is the same as
+    if the task had been selected before the start."""
     hands, robot = motion(rng), robot_at_check_posture()
     running = Running((task + 1) % 3, hands[0], robot)
     running.target(hands[20])
@@ -361,8 +363,8 @@ def test_select_right_after_a_measured_latch_continues_from_the_robots_pose(rng)
 @pytest.mark.parametrize("task", ["teleop", "pour", "mirror"])
 @pytest.mark.parametrize("motion_scale", [1.0, 0.3])
 def test_the_targets_motion_is_its_derivative(rng, task, motion_scale):
-    """The target's motion agrees with the difference between the targets that Algorithm 1, tested above, computes for
-    two slightly different hand poses."""
+    """The target's velocity agrees with a finite difference between two targets, which Algorithm 1 (tested above)
+    computes for two slightly different hand poses."""
     apart_s = 0.01
     for _ in range(20):
         cooperation = core.Cooperation(task, scale=motion_scale)

@@ -233,7 +233,7 @@ def test_arms_lists_the_available_names():
 
 
 def test_an_arm_lives_as_long_as_it_is_used(rng):
-    """An arm still works after the tables of other arms have been created and dropped."""
+    """An arm still works after the tables of other arms have been created and freed."""
     kept = arm()
     angles = rng.uniform(-1, 1, (50, 2)).astype(F)
     before = core.forward_kinematics(kept, angles)

@@ -22,8 +22,8 @@ def crank(**values) -> dict:
 
 @pytest.mark.parametrize("turns", [3.0, -2.0])
 def test_turns_are_counted_with_their_sign(turns):
-    """The turn count agrees with the handle's position, tracked step by step, and the hand's work equals the friction
-    losses."""
+    """The turn count agrees with the angle of the handle, summed up step by step, and the hand's work equals the
+    friction losses."""
     friction, damping, seconds = 0.03, 0.01, 4.0
     holder = {"start": (list(HINGE + [RADIUS_M, 0, 0]), (1, 0, 0, 0)), "stiffness_Npm": 2000.0, "damping_ratio": 1.0}
     with Scene([holder], [crank(friction_Nm=friction, damping_Nmspprad=damping)]) as scene:

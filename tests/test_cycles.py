@@ -1,5 +1,5 @@
-"""Checks `make cycles`: the modelled cycles of single instructions against ARM's tables, the counter against code
-counted by hand, and the budget."""
+"""Checks `make cycles`: the modelled cycles of single instructions against ARM's tables, the counter against a loop
+whose number of cycles is known, and the budget."""
 
 from __future__ import annotations
 

@@ -65,9 +65,9 @@ def test_law_on_100_000_random_inputs(rng, error_frame, gain, weight):
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [10.0, 100.0])
 def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, weight):
-    """The law stays within the tolerance for a large uniform weight and every lambda. The normal equations are then
-    worst conditioned, and without iterative refinement the law would exceed the tolerance. Errors are relative to the
-    largest component of u."""
+    """The law stays within the tolerance for a large uniform weight, for which the normal equations are worst
+    conditioned, and for each damping lambda. Without iterative refinement it would exceed the tolerance. Errors are
+    relative to the largest component of u."""
     gain = np.array([1] * 4 + [100] * 4, np.float32)
     q, target = postures(rng, COUNT), oracle.random_poses(rng, COUNT, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -81,8 +81,8 @@ def test_law_where_the_normal_equations_are_worst_conditioned(rng, error_frame, 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 @pytest.mark.parametrize("weight", [(0.01, 100), (1, 1), (1, 4), (25, 100), (0, 100)], ids=str)
 def test_the_fast_law_keeps_the_tolerance_up_to_its_bounds(rng, error_frame, weight):
-    """The fast law stays within the tolerance wherever differential_ik_prepare() selects it, as it does for the default
-    parameters."""
+    """The fast (isotropic) law stays within the tolerance wherever differential_ik_prepare() allows it. The default
+    parameters are among these cases."""
     weight = np.repeat(weight, 4).astype(np.float32)
     q, target = postures(rng, COUNT // 4), oracle.random_poses(rng, COUNT // 4, 0.3)
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
@@ -141,8 +141,8 @@ def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 def test_no_error_no_velocity(rng, error_frame):
-    """At zero error, neither sign of the target causes a motion. If the raw components were subtracted, the target -q_d
-    would command several rad/s."""
+    """At zero error, neither sign of the target causes a motion. If the law simply subtracted components, the
+    target -x, which is the same pose, would command several rad/s."""
     q = postures(rng, 1000)
     hand = core.forward_kinematics(HOAP3, q)
     for target in (hand, -hand):
@@ -170,7 +170,7 @@ def test_zero_damping_at_singular_postures(rng, error_frame, weight):
     target = oracle.random_poses(rng, len(q), 0.3)
     u = core.joint_velocity(HOAP3, q, target, gain, 0.0, error_frame, weight)
     assert np.isfinite(u).all()
-    assert np.abs(u).max() < 2000 * gain  # about 1 / sqrt(float32's resolution); weaker directions count as singular
+    assert np.abs(u).max() < 2000 * gain  # 2000 is about 1 / sqrt(float32's resolution)
     root = np.sqrt(np.broadcast_to(1.0 if weight is None else weight, 8))
     hand, jacobian = oracle.evaluate(oracle.hoap3(), q)
     target = np.where((hand[:, :4] * target[:, :4]).sum(axis=1, keepdims=True) < 0, -1, 1) * target.astype(float)
@@ -182,7 +182,8 @@ def test_zero_damping_at_singular_postures(rng, error_frame, weight):
 
 
 def test_zero_damping_with_more_joints_than_degrees_of_freedom(rng):
-    """An arm with 8 joints for 6 degrees of freedom is always singular, yet its end effector moves as demanded."""
+    """For an arm with 8 joints for 6 degrees of freedom, J^T J is always singular, yet the end effector moves as
+    demanded."""
     fixed, effector = oracle.random_poses(rng, 8, 0.3), oracle.random_poses(rng, 1, 0.3)[0]
     axis = np.tile(np.array([0, 0, 1], np.float32), (8, 1))
     limits = np.full(8, 3, np.float32)
@@ -223,8 +224,8 @@ def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tup
 
 @pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
 def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
-    """With the error in the target's frame, the orientation that 4 joints cannot reach does not spoil the position.
-    With the error in the torso frame, this orientation does spoil the position."""
+    """The orientation error that 4 joints cannot correct hardly affects the position if the error is computed in the
+    target's frame. In the torso frame, it causes a position error of centimetres."""
     start = (90, -5, 0, -90)
     torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
     target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)

@@ -76,8 +76,8 @@ def code_of(text: str) -> list[str]:
 
 
 def exists(path: str) -> bool:
-    """Returns whether a path exists, relative to the repository's root or as the end of any path. * and NAME match any
-    name."""
+    """Returns whether the repository contains a path. The path is relative to the root or is the end of a longer path.
+    * and NAME match any name."""
     pattern = path.replace(PLACEHOLDER, "*").rstrip("/")
     rooted = pattern.split("/")[0] in {name.split("/")[0] for name in files()}
     patterns = [pattern] if rooted and "/" in pattern else [pattern, f"*/{pattern}"]
@@ -133,7 +133,7 @@ def test_what_is_missing_is_found():
 
 
 def test_something_is_named_in_each_kind():
-    """Each pattern finds something in the README. With a pattern that never matches, every document would pass."""
+    """Each pattern finds something in the README. If a pattern never matched, every document would pass."""
     text = (REPOSITORY / "README.md").read_text()
     assert len(paths_in(text)) > 10
     assert {"sim", "test", "target"} <= make_targets()

@@ -1,5 +1,5 @@
-"""Checks the campaign of experiments and the search for gains: the runs made, the files written and the messages. A
-fake simulator passes, fails, refuses or hangs as each test requests."""
+"""Checks the campaign of experiments and the search for gains: which runs are made, which files are written, and the
+messages. The runs use a fake simulator, which passes, fails, refuses its arguments or hangs as each test requests."""
 
 from __future__ import annotations
 
@@ -163,8 +163,8 @@ def test_a_failed_run_is_named_and_fails(tmp_path, simulator, monkeypatch, capsy
 def test_pouring_is_judged_over_all_seeds_of_a_condition(
     tmp_path, simulator, recordings, monkeypatch, capsys, caught, passed
 ):
-    """At least 95 % of 3 x 60 particles, i.e. 171, must be caught in the runs with all seeds together, even though each
-    single run passes its own check."""
+    """The runs with all three seeds together must catch at least 95 % of 3 x 60 particles, i.e. 171. If they do not,
+    the campaign fails, even though each single run passes its own check."""
     monkeypatch.setenv("FAKE_CAUGHT", json.dumps(caught))
     assert run(simulator, tmp_path / "out", "--recordings", recordings) == (0 if passed else 1)
     text = capsys.readouterr().out
@@ -360,7 +360,8 @@ def test_a_failed_check_outweighs_a_better_tracking():
 
 
 def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
-    """The search finds the minimum at gain 14, ratio 32 and damping 3e-4, which is half a step off the coarse grid."""
+    """The search finds the minimum at gain 14, ratio 32 and damping 3e-4, which lies half a step between points of the
+    coarse grid."""
 
     def bowl(candidate: gain_search.Candidate, seeds: int) -> gain_search.Score:
         logs = np.log([candidate.gain_per_s / 14.0, candidate.ratio / 32.0, candidate.damping / 3e-4])

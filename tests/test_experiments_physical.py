@@ -52,7 +52,7 @@ def test_a_seed_repeats_an_experiment_bit_for_bit(tmp_path, name):
     assert first.trace.read_bytes() != other.trace.read_bytes()
 
 
-@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
+@pytest.mark.skipif(not RECORDINGS.is_dir(), reason=f"needs recordings: no folder {RECORDINGS}")
 @pytest.mark.parametrize("name", ["pour", "teleop", "handover"])
 def test_experiment_passes_with_a_recorded_hand(tmp_path, name):
     done = run(tmp_path / "out", "--scenario", experiment(name), "--tracker", RECORDINGS / "kth_ho_sample_giver.csv")
@@ -61,7 +61,7 @@ def test_experiment_passes_with_a_recorded_hand(tmp_path, name):
     assert recording["file"].endswith("kth_ho_sample_giver.csv") and 0 < recording["position_scale"] < 1
 
 
-@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
+@pytest.mark.skipif(not RECORDINGS.is_dir(), reason=f"needs recordings: no folder {RECORDINGS}")
 def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
     both = (
         "--tracker",
@@ -74,8 +74,8 @@ def test_giver_and_taker_of_one_take_drive_both_people(tmp_path):
 
 @pytest.mark.parametrize("duration", [[], ["--duration", "150"]])
 def test_waiting_in_vain_fails_at_any_duration(tmp_path, duration):
-    """The run fails if the gripper never closes: the teleoperator waits for robot.holds in vain, and the taker and the
-    operator wait for events that would follow."""
+    """The run fails if the gripper never closes: the teleoperator waits in vain for robot.holds, and the taker and the
+    operator wait for events that would follow from it."""
     path = variant(tmp_path, "teleop", ("  - {do: gripper, action: close, after: teleoperator.at_pipe}\n", ""))
     done = run(tmp_path / "out", "--scenario", path, *duration)
     assert done.status == EXIT_CHECK_FAILED
@@ -95,8 +95,9 @@ def test_an_unfinished_program_is_reported_with_its_step(tmp_path):
 
 
 def test_water_misses_the_glass_when_tilted_too_early(tmp_path):
-    """If the upright approach is left out, the glass tilts on its way to the person's glass. The amount spilled in a
-    single run is chaotic, but the two seeds together catch less than 90 %; `make experiments` requires 95 %."""
+    """If the operator selects the task pour without the upright approach, the glass tilts on its way to the person's
+    glass. The amount spilled in a single run is chaotic, but in the runs with both seeds together less than 90 % is
+    caught; `make experiments` requires 95 %."""
     path = variant(tmp_path, "pour", ("- {do: select, task: upright}", "- {do: select, task: pour}"))
     runs = {seed: run(tmp_path / f"out-{seed}", "--scenario", path, "--seed", seed) for seed in (2, 5)}
     outcomes = (
@@ -112,8 +113,8 @@ FEW_PARTICLES = ("particles: 160", "particles: 10")  # the particles do not affe
 
 @pytest.mark.parametrize("off_mm", [(10, 0, 0), (-10, 0, 0), (0, 10, 0), (0, -10, 0), (0, 0, 10), (0, 0, -10)], ids=str)
 def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
-    """The check of the aim fails even if the wide glass still catches the water. The start position also varies, by 3
-    mm per axis."""
+    """If the robot pours 10 mm off, the check of the aim fails, even if the wide glass still catches the water. The
+    start position also varies, by 3 mm per axis."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     offset_m = np.array([0, -0.06, 0]) + np.array(off_mm) / 1e3
     options = [f"--param=start_offset_{axis}_m={value:g}" for axis, value in zip("xyz", offset_m, strict=True)]
@@ -123,10 +124,10 @@ def test_an_aim_that_is_10_mm_off_fails(tmp_path, off_mm):
     assert 7 < values(done)["aim"] < 10 + 6
 
 
-@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="no recordings: ../shared/data/hand_motion is not there")
+@pytest.mark.skipif(not RECORDINGS.is_dir(), reason=f"needs recordings: no folder {RECORDINGS}")
 def test_the_glasses_do_not_collide_on_a_hand_that_turns_and_moves_far(tmp_path):
-    """The glasses stay apart while the hand turns by 90 degrees and moves by 1.3 m, mostly upwards. When the hand's
-    turns were scaled by 1/20 instead of 1/50, the clearance was only 0.3 mm."""
+    """The glasses stay apart while the hand turns by 90 degrees and moves by 1.3 m, mostly upwards. In an earlier
+    version, in which the hand's rotation was scaled by 1/20 instead of 1/50, the clearance was only 0.3 mm."""
     path = variant(tmp_path, "pour", FEW_PARTICLES)
     done = run(tmp_path / "out", "--scenario", path, "--tracker", RECORDINGS / "ethz_handheld1.csv")
     assert values(done)["clearance"] > 4 and not {"clearance", "aim"} & failed(done)
@@ -196,9 +197,9 @@ SEARCHED = [f"--param={name}={value:g}" for name, value in PAPER_GAINS]
     ],
 )
 def test_the_papers_law_with_its_published_gains_fails(tmp_path, name, gains, criteria):
-    """With K = 1 in metres, the error is dominated by the orientation, which four joints cannot follow. With the best K
-    found, the robot follows but pulls at the person. Each criterion fails because of its measured value, not for lack
-    of a measurement."""
+    """With K = 1 and lengths in metres, the orientation, which four joints cannot follow, dominates the error. With the
+    best K found, the robot follows but pulls at the person's hand. Each criterion fails because of its measured value,
+    not because there is no measurement."""
     done = run(tmp_path / "out", "--scenario", experiment(name), "--paper-law", *gains)
     assert done.status == EXIT_CHECK_FAILED
     assert criteria <= failed(done), values(done)
@@ -238,8 +239,8 @@ def test_a_robot_that_does_not_follow_cannot_pour(tmp_path, seed):
 
 
 def test_mirrored_motion_of_the_measured_robot(tmp_path):
-    """When the person moves along +x, the robot moves along -x. Their lateral and vertical motions are equal. The
-    displacements, computed from the trace, agree within 5 % of 30 mm."""
+    """When the person moves along +x, the robot moves along -x by the same distance. Their lateral and vertical motions
+    are equal. The displacements, computed from the trace, agree within 5 % of 30 mm."""
     done = run(tmp_path / "out", "--scenario", experiment("mirror"), "--seed", 5).require_pass()
     names = done.trace.open().readline().rstrip().split(",")
     columns = {

@@ -1,5 +1,5 @@
-"""Checks how `make following` measures control laws: its figures for paths with known delay and noise, its reference
-target against the paper's Algorithm 1, and its kinematic loop against results computed by hand."""
+"""Checks how `make following` measures control laws: its results for paths with known delay and noise, its reference
+target against the paper's Algorithm 1, and its kinematic loop against closed-form results."""
 
 from __future__ import annotations
 
@@ -165,9 +165,9 @@ def test_a_run_repeats_with_its_seed_and_differs_with_another():
 
 
 def test_former_default_lags_by_the_sum_of_its_parts():
-    """For a slow sway without noise, the lag is the sum of 4 ms of latency, half a tick until a command is read, one
-    period (4 ms) of interpolation, 1/K, and one tick of feedback. The tolerance covers the time for which frames wait
-    for the next tick."""
+    """For a slow sway without noise, the lag is the sum of 4 ms of tracker latency, half a tick until a command is
+    read, one tracker period (4 ms) of interpolation, 1/K, and one tick of feedback. The tolerance covers the time for
+    which frames wait for the next tick."""
     figures = follow(ARM, scene(), dataclasses.replace(TRACKER, noise_m=0.0), followers.named(plan.FORMER))
     assert figures.delay_ms == pytest.approx(4 + 0.5 + 4 + 1e3 / 35 + 1, abs=1.5)
     speed_mps = np.pi * 0.5 * 0.03 * np.linalg.norm([1.0, 0.5, -0.3]) / np.sqrt(2)
@@ -220,7 +220,7 @@ def write(path, rows) -> None:
 
 
 def test_recording_is_read_about_the_torsos_axes(tmp_path):
-    """In recordings named cmu_*, the recorder's y axis points up, and its z axis corresponds to the torso's x axis."""
+    """In recordings named cmu_*, the y axis points up, and the z axis corresponds to the torso's x axis."""
     turn = rotations.from_vector(np.array([0.0, 0.3, 0.0]))
     rows = [[5.0, 1, 2, 3, 1, 0, 0, 0], [5.1, 1.0, 2.5, 3.25, *(-turn)]]
     write(tmp_path / "cmu_x.csv", rows)

@@ -16,7 +16,7 @@ def started(**changes) -> Bench:
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     for name, value in changes.items():
         assert bench.write(getattr(lib, f"PARAMETER_{name.upper()}"), value) == lib.RESULT_ACCEPTED
-    bench.tick(300)  # time for the estimate to measure the noise and to lengthen its memory
+    bench.tick(300)  # time for the motion filter to measure the noise and to lengthen its memory
     return bench.start(lib.TASK_TELEOP)
 
 
@@ -25,8 +25,8 @@ def position(bench: Bench) -> np.ndarray:
 
 
 def move(bench: Bench, velocity_mps, ticks: int, ramp: int = 300) -> np.ndarray:
-    """Moves the hand for the given number of ticks. It reaches the velocity within the first `ramp` ticks and then
-    keeps it. Returns the robot's position at each tick."""
+    """Moves the hand for the given number of ticks. The hand accelerates to the velocity within the first `ramp` ticks
+    and then keeps it. Returns the robot's position at each tick."""
     places = []
     for k in range(ticks):
         bench.move_hand(np.asarray(velocity_mps) * min(1, (k + 1) / ramp) * TICK_US * 1e-6)
@@ -74,7 +74,7 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
     move(bench, [0, SPEED_MPS, 0], 600)
     bench.hand = None
     start = position(bench)
-    bench.tick(80)  # the prediction has faded, but the hand becomes stale only after 100 ms
+    bench.tick(80)  # the predicted motion has ended, but the hand becomes stale only after 100 ms
     assert bench.mode == lib.MODE_COOPERATING
     assert np.abs(bench.velocity_radps).max() < 0.15
     bench.tick(60)
@@ -84,8 +84,8 @@ def test_a_gap_in_motion_ends_in_a_smooth_stop():
 
 @pytest.mark.parametrize("ticks_lost", [100, 1500])
 def test_after_a_loss_the_start_does_not_use_the_old_hand_position(ticks_lost):
-    """The tracker loses the hand, which moves on by 200 mm and stops. Even if the arm is started as soon as the
-    firmware accepts a start, it does not move."""
+    """The tracker loses the hand, and the hand moves by 200 mm and stops. The arm does not move, even if the
+    cooperation is started as soon as the firmware accepts a start."""
     bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()
     assert bench.write(lib.PARAMETER_TASK_BLEND_S, 0.0) == lib.RESULT_ACCEPTED
     hand, bench.hand = bench.hand, None
@@ -113,8 +113,8 @@ def test_prediction_starts_with_the_current_hand_pose():
 
 
 def test_the_reference_is_the_estimate_and_not_one_sample(rng):
-    """After a start from noisy samples, the robot moves less than if the reference pose were the last sample (RMS over
-    several starts)."""
+    """After a start from noisy samples, the robot moves less (RMS over several starts) than it would if the reference
+    pose were the last sample."""
     sigma_m, offsets = 1e-3, []
     for _ in range(12):
         bench = Bench(position_deg=(60, -40, 0, -80), prediction=True).until_ready()

@@ -1,7 +1,7 @@
-"""Checks that the control law without prediction still computes the same velocities as formerly, bit for bit, with
-three sets of gains and weights: the former defaults, those of the paper, and unequal ones.
+"""Checks that the control law without prediction computes the same velocities, bit for bit, as before prediction was
+added. Three sets of gains and weights are tested: the former defaults, the paper's, and a set of unequal values.
 
-before_prediction.txt is the output of digest.c compiled with the firmware of commit e544a9a, the last one without
+before_prediction.txt is the output of digest.c, compiled with the firmware of commit e544a9a, the last commit without
 prediction.
 """
 

@@ -1,4 +1,5 @@
-"""Checks exact frame lengths: simulated durations and computed extremes are compared with bit-by-bit constructions."""
+"""Checks frame lengths exactly: the simulated durations, and the computed longest and shortest frames, are compared
+with frames that are constructed bit by bit."""
 
 from __future__ import annotations
 
@@ -35,8 +36,8 @@ def lengths(rates: BitRates) -> list[int]:
 
 
 def received(wire: str) -> str:
-    """Returns the bits that a receiver keeps. The receiver drops the bit after five equal bits, but counts it as the
-    first bit of the next run."""
+    """Returns the bits that remain after destuffing. The receiver drops the bit after five equal bits, but counts this
+    bit as the first of the next run."""
     kept, run = "", ""
     for bit in wire:
         kept += "" if len(run) == 5 else bit

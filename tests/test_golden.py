@@ -51,7 +51,7 @@ def test_the_firmware_repeats_the_recorded_output(frames_of, run, profile):
     frames = frames_of(run, profile)
     report = replayed(frames)
     assert report.difference is None, (
-        f"{run.name}-{profile}: {report.difference}; if the change is intended: make golden"
+        f"{run.name}-{profile}: {report.difference}; if the change is intended, run `make golden`"
     )
     counted = Counter(frame.name for frame in frames)
     commands = counted["JointCmd"] if profile == "fd" else counted["ClassicJointCmd0"]
@@ -137,8 +137,8 @@ def test_another_trace_is_refused(handover, change):
 
 
 def without_parameter(frames, number: int):
-    """Returns the frames as a build without the given parameter would have sent them. The parameter's ParameterValue
-    frames are missing, and the counters of all others are consecutive."""
+    """Returns the frames as a build without the given parameter would have sent them: without the parameter's
+    ParameterValue frames, and with consecutive counters in all other ParameterValue frames."""
     counter, kept = 0, []
     for frame in frames:
         if frame.name == "ParameterValue":

@@ -25,8 +25,8 @@ def person(at, **values) -> dict:
 
 @pytest.mark.parametrize("kind", ["GRIP_BALL", "GRIP_FIXED"])
 def test_the_arms_joints_bear_what_the_gripper_holds(kind):
-    """The joint torques equal the arm's own gravity torques plus J' times the rod's weight, with J from numpy's
-    kinematics."""
+    """The joint torques equal the arm's own gravity torques plus J^T times the rod's weight, where the Jacobian J is
+    computed with numpy."""
     q, mass = np.radians([80, -30, 15, -70]), 0.25
     hand = hoap3.frames(q)[4]
     gripper = hand[:3, :3] @ [0, 0, 0.03] + hand[:3, 3]
@@ -57,8 +57,8 @@ def test_pads_deflect_as_springs(kind):
 
 @pytest.mark.parametrize(("limit_share", "lost"), [(0.97, 1), (1.03, 0)])
 def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
-    """A rod gripped 60 mm from its middle loads the jaws with a torque of its weight times 60 mm, and slips if this
-    torque exceeds the limit."""
+    """A rod that is gripped 60 mm from its middle loads the jaws with a torque of its weight times 60 mm. The rod slips
+    if this torque exceeds the limit."""
     mass, lever = 0.4, 0.06
     limit = limit_share * mass * GRAVITY_MPS2 * lever
     thing = rod(GRIPPER + [0, lever, 0], held_by_robot=True, mass_kg=mass, robot_grip=lib.GRIP_FIXED)
@@ -73,8 +73,8 @@ def test_a_fixed_grip_slips_at_its_torque_limit(limit_share, lost):
 
 @pytest.mark.parametrize(("shock_steps", "lost"), [(1, 0), (40, 1)])
 def test_a_shock_of_one_step_does_not_open_the_hand(shock_steps, lost):
-    """A force of three times the limit is tolerated for 1 ms but opens the hand within 40 ms. The hands have no
-    stiffness, so the force on the rod results from the acceleration of the pulling hand alone."""
+    """A force of three times the hand's limit does not open the hand if it lasts for 1 ms, but does if it lasts for 40
+    ms. The hands have no stiffness, so the force on the rod results only from the acceleration of the pulling hand."""
     places = [FREE_PLACE - [0, 0.1, 0], FREE_PLACE + [0, 0.1, 0]]
     limp = {"stiffness_Npm": 0.0, "mass_kg": 1.5}
     people = [person(places[0], grip_force_limit_N=10.0, **limp), person(places[1], **limp)]

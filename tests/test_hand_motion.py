@@ -1,5 +1,5 @@
 """Checks the estimate of the hand's motion against motions in closed form, against the filter's equations in double
-precision, and for invariants."""
+precision, and for properties that must hold for any motion."""
 
 from __future__ import annotations
 
@@ -114,8 +114,8 @@ def test_a_steady_motion_is_predicted_without_error(rate_hz, latency_s):
 
 
 def test_a_hand_that_accelerates_is_followed():
-    """The estimate follows an accelerating hand without the lag of a velocity filter. The remaining error is of the
-    order of (memory length)^3 x acceleration / (fading time of the acceleration)."""
+    """The estimate follows an accelerating hand without the lag of a filter that assumes a constant velocity. The
+    remaining error is of the order of (filter memory)^3 x acceleration / (time in which the acceleration fades)."""
     acceleration = 2.0
     t, got = run(lambda t: (0.5 * acceleration * t**2 * X, IDENTITY), 1.0)
     late = t > 0.6
@@ -276,8 +276,8 @@ def test_the_clock_may_wrap(zero_us):
 
 @pytest.mark.parametrize("rate_hz", [30, 90, 250])
 def test_a_new_sample_makes_no_jump(rate_hz, rng):
-    """Whatever the noise, the predicted hand moves no further from tick to tick than its speed allows, and the
-    predicted speed changes gently."""
+    """With noise, the predicted hand moves from tick to tick hardly further than its speed allows, because the
+    correction by a new sample is spread over an interval. The sign of the predicted quaternion does not flip."""
     t, got = run(wander, 3.0, rate_hz, 0.03, noise_m=2e-4, rng=rng)
     late = got[t > 0.5]
     fastest = np.linalg.norm(late[:, 7:10], axis=1).max()
@@ -296,8 +296,8 @@ def test_a_new_sample_makes_no_jump(rate_hz, rng):
     ("rate_hz", "latency_s", "noise_m"), [(250, 0.004, 5e-5), (120, 0.01, 1e-4), (90, 0.03, 5e-4), (30, 0.06, 1e-3)]
 )
 def test_noise_at_rest_is_below_one_samples_noise(rate_hz, latency_s, noise_m, rng):
-    """A start, clutch or latch takes its reference from the estimate. The estimate must be less noisy than a sample,
-    because a reference taken from a single sample would leave a permanent error of noise_m."""
+    """A start, clutch or latch takes its reference pose from the estimate. The estimate must be less noisy than a
+    sample, because the noise of the reference remains as a constant error until the next one is taken."""
     t, got = run(still, 15.0, rate_hz, latency_s, noise_m, rng)
     late = got[t > 4]
     assert np.sqrt(np.mean(late[:, 4:7] ** 2)) < 0.8 * noise_m
@@ -360,8 +360,8 @@ def test_in_a_gap_the_prediction_comes_to_rest(rate_hz):
 @pytest.mark.parametrize("gap_s", [0.08, 0.3, 2.0])
 @pytest.mark.parametrize("rate_hz", [60, 250])
 def test_after_a_gap_it_restarts_without_a_spike(rate_hz, gap_s):
-    """After a gap in which the hand has moved on, the estimated speed exceeds the hand's by less than half, and the
-    estimate soon follows the hand again."""
+    """After a gap in which the hand has continued to move, the estimated speed exceeds the hand's speed by less than
+    half, and the estimate soon follows the hand again."""
     speed = 0.3
     t, got = run(
         lambda t: (0.1 * np.sin(speed / 0.1 * t) * X, IDENTITY), 4.0, rate_hz, lost=lambda t: 1.5 < t < 1.5 + gap_s
@@ -453,8 +453,8 @@ def test_the_estimate_is_finite_and_bounded_for_any_input(rng):
     [(250, 0.004, 5e-5, 0.2), (120, 0.01, 1e-4, 0.2), (90, 0.03, 5e-4, 0.4)],
 )
 def test_a_reach_is_predicted_far_better_than_by_interpolation(rate_hz, latency_s, noise_m, part, rng):
-    """For a minimum-jerk reach of 0.2 m in 1 s, there and back, the RMS error against the true hand is a small fraction
-    of the error of hand_tracker's interpolation."""
+    """The hand reaches 0.2 m in 1 s with minimum jerk, and later returns. The RMS error of the predicted position is a
+    small fraction of the error of hand_tracker's interpolation."""
 
     def place(t):
         return 0.2 * (minimum_jerk((t - 2) / 1.0) - minimum_jerk((t - 4) / 1.0))

@@ -16,7 +16,8 @@ CLOCKS = [(0, 0), (123, 4_000_000_000), (WRAP - 10_000, 5000), (5000, WRAP - 10_
 
 
 class Tracker:
-    """Feeds poses to the firmware's tracker. Times count from the first pose and are mapped onto both clocks."""
+    """Feeds poses to the firmware's hand_tracker. Times count from the first pose and are converted to the tracker's
+    and to the firmware's clock."""
 
     def __init__(self, clocks=(0, 0)):
         self.stamp_zero, self.now_zero = clocks
@@ -89,7 +90,8 @@ def test_without_a_pose_there_is_no_age():
 
 @pytest.mark.parametrize("clocks", CLOCKS, ids=str)
 def test_age_is_time_since_reception_plus_how_late_the_frame_came(clocks):
-    """Transport takes at least 700 us. The pose in a frame that took 900 us longer counts as 900 us older."""
+    """Each frame takes at least 700 us from measurement to reception. If a frame took 900 us longer, its pose counts as
+    900 us older."""
     tracker = Tracker(clocks)
     for i in range(20):
         extra_us = 900 if i % 5 == 4 else 0
@@ -115,7 +117,8 @@ def test_a_slow_first_frame_is_corrected_by_the_first_fast_one(clocks):
 
 @pytest.mark.parametrize("drift_ppm", [-100, 100])
 def test_clocks_that_drift_apart_do_not_age_the_poses(drift_ppm):
-    """After quartz clocks have drifted apart for ten minutes, the reported age is still the true age of the pose."""
+    """While two quartz clocks drift apart for ten minutes, the reported age stays within 2 us of the true age of the
+    pose."""
     tracker = Tracker()
     for i in range(150_000):
         measured_us = i * PERIOD_US
@@ -241,8 +244,8 @@ def test_the_newest_sample_is_reached_after_one_period_and_kept():
 
 @pytest.mark.parametrize("period_us", [4000, 16_670, 66_660])
 def test_the_path_is_continuous_even_if_samples_jitter(rng, period_us):
-    """Read at 1 kHz, the interpolated position never moves further in a step than the hand's speed allows, apart from a
-    margin for the jitter of the samples."""
+    """If the interpolated position is read at 1 kHz, it never moves further in a step than the hand's speed allows,
+    apart from a margin for the jitter of the samples."""
     tracker, speed = Tracker(), 0.5
     tracker.announce(period_us)
     path, i, received_us = [], 0, 0

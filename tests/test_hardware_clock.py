@@ -71,7 +71,7 @@ def test_jitter_is_removed_and_drift_followed(library, rng, ppm):
 
 def test_no_frame_looks_later_than_the_kernel_saw_it(library, rng):
     _, hardware, kernel = bus(rng, 5, -300)
-    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # 1 % are nonsense
+    hardware += rng.integers(-(10**12), 10**12, len(hardware)) * (rng.random(len(hardware)) < 0.01)  # 1 % are random
     assert (mapped(library, hardware, kernel) <= kernel).all()
 
 
@@ -98,8 +98,8 @@ def test_a_kernels_clock_that_is_set(library, rng, step_ns):
 
 
 def test_one_stamp_of_another_clock_does_no_lasting_harm(library, rng):
-    """A frame that is stamped just as the kernel's clock is set back gets a time far in the past, but the mapping
-    recovers within SETTLED frames."""
+    """One frame gets a kernel timestamp far in the past, as may happen just while the kernel's clock is being set. The
+    mapping recovers within SETTLED frames."""
     true, hardware, kernel = bus(rng, 2)
     kernel[4000] -= 10**12
     late = mapped(library, hardware, kernel) - true

@@ -313,7 +313,7 @@ def test_an_endless_command_gets_an_error_and_is_closed():
         line = Line(hub)
         line.send("< " + "a" * 300)
         line.expect("< error command too long >")
-        with pytest.raises(ConnectionError):  # end of file counts too; a reset comes only if the hub left data unread
+        with pytest.raises(ConnectionError):  # end of file, or a reset if the hub left data unread
             if line.socket.recv(1) == b"":
                 raise ConnectionResetError
 
@@ -338,10 +338,10 @@ def test_commands_out_of_order_are_refused():
 def test_taps_survive_fuzzing(program, tmp_path):
     clang = shutil.which("clang")
     if clang is None:
-        pytest.skip("no clang: make fuzz-deps installs it")
+        pytest.skip("clang is not installed: run `make fuzz-deps`")
     runtime = subprocess.run([clang, "-print-runtime-dir"], capture_output=True, text=True, check=True).stdout.strip()
     if not list(Path(runtime).glob("libclang_rt.fuzzer*")):
-        pytest.skip(f"clang has no libFuzzer in {runtime}: make fuzz-deps installs it")
+        pytest.skip(f"clang has no libFuzzer in {runtime}: run `make fuzz-deps`")
     built = REPOSITORY / "build" / "fuzz" / program
     compiled = make(f"build/fuzz/{program}")
     assert compiled.returncode == 0, compiled.stderr

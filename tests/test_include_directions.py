@@ -1,5 +1,5 @@
-"""Each #include in the source tree is permitted by the checker's table. The checker sees the same includes as the
-compiler, and detects every kind of violation."""
+"""Checks that the checker's table permits each #include in the source tree, that the checker sees the same includes as
+the compiler, and that it detects every kind of violation."""
 
 from __future__ import annotations
 

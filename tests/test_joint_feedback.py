@@ -1,5 +1,5 @@
-"""Feedback from the drives: the state of every joint must be fresh, and an error of one drive counts as an error of the
-arm."""
+"""Checks the feedback from the drives: it is fresh only if the state of every joint is, and an error of one drive
+counts as an error of the arm."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def test_positions_are_the_last_received():
 
 
 def test_an_answer_does_not_become_fresh_again_when_the_clock_wraps():
-    """A stale answer does not become fresh again when the 32-bit microsecond clock wraps after 71 minutes, even if the
-    answer is checked only every 10 s instead of once per tick."""
+    """A stale answer does not become fresh again when the 32-bit microsecond clock wraps after 71 minutes. The firmware
+    checks the age in every tick, this test only every 10 s."""
     feedback_state = feedback([0] * 4)
     for now_us in range(10_000_000, WRAP, 10_000_000):
         assert not is_fresh(feedback_state, 4, now_us)

@@ -1,4 +1,4 @@
-"""The joint limits keep position, velocity, acceleration and jerk of every command within bounds."""
+"""Checks that the joint limits keep position, velocity, acceleration and jerk of every command within bounds."""
 
 from __future__ import annotations
 
@@ -143,8 +143,8 @@ LAG_AS_DELAY = (
        lag_s=st.one_of(st.just(0.0), st.floats(1e-3, 1e-2)),
        acceleration=accelerations, jerk=jerks)  # fmt: skip
 def test_bang_bang_at_the_ends_of_the_range(hold, seed, tick_s, delay_ticks, lag_s, acceleration, jerk):
-    """No limit is exceeded when the joints are driven at full speed in either direction for random times, mostly
-    outwards, and with a feedforward velocity as well."""
+    """No limit is exceeded when a high speed is demanded for random times, mostly outwards, together with a random
+    feedforward velocity. Some of the demands are NaN."""
     rng = np.random.default_rng(seed)
     start = position_at(rng.random(N) ** 3 if seed % 2 else 1 - rng.random(N) ** 3)
     delay_s = delay_ticks * tick_s + LAG_AS_DELAY * lag_s
@@ -303,7 +303,7 @@ def test_a_joint_outside_its_range_may_only_return(outside_rad):
 
 AT_LIMIT_RAD = 2e-3  # the same as JOINT_LIMITS_AT_LIMIT_RAD
 BRAKING, RAMP = 0.9 * 25.0, (0.9 * 25.0) ** 2 / (2 * DEFAULT_JERK)
-# a joint that is nearer to its limit than this could not stop in time from any speed
+# a joint that is nearer to its limit than this and moves towards it cannot stop in time, however slow it is
 NEAR_END_RAD = AT_LIMIT_RAD + ((2 * RAMP + BRAKING * (0.005 + TICK_S)) ** 2 - RAMP**2) / (2 * BRAKING)
 
 

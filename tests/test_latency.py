@@ -1,5 +1,5 @@
-"""The latency in summary.json agrees with the latency that numpy computes from the trace, and changes with the latency
-and rate of the tracker. The fit behind it finds known delays."""
+"""Checks the latency in summary.json: it agrees with the latency that numpy computes from the trace, and changes with
+the latency and rate of the tracker. The delay fit that measures this latency finds known delays."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def latency(tmp_path, *arguments, scenario="teleop") -> dict:
 
 
 def delay_of_trace_ms(file) -> float:
-    """Returns the delay at which the difference between the robot's path and the person's varies least. Valid only for
-    `teleop`, in which the target is the path of the hand."""
+    """Returns the delay by which the person's path must be shifted so that its difference from the robot's path varies
+    least. Valid only for `teleop`, in which the robot's path is a copy of the hand's path."""
     trace = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding=None)
     person, hand = (np.array([trace[f"{who}_{axis}_m"] for axis in "xyz"]) for who in ("person", "hand"))
     speed = np.linalg.norm(np.gradient(person, axis=1), axis=0) * 1e3
@@ -47,8 +47,8 @@ def test_end_to_end_latency_matches_numpy_on_the_trace(tmp_path):
 
 
 def test_one_law_has_equal_latency_in_every_task(tmp_path):
-    """A lever between the hands and a rotated or mirrored hand add no delay, so a given law has the same latency in
-    every task."""
+    """The tasks differ in the lever arm between the hands and in how the hand's motion is rotated or mirrored. These
+    add no delay, so a given control law has the same latency in every task."""
     found = [latency(tmp_path / name, scenario=name)["end_to_end_ms"] for name in SCENARIOS]
     assert max(found) - min(found) < 6, found
 
@@ -105,8 +105,8 @@ def test_an_unmeasurable_latency_is_null_with_a_reason(tmp_path, arguments, word
 
 @pytest.mark.parametrize("delay_ms", [-7.3, 0.0, 37.6, 180.2])
 def test_a_known_delay_is_found(rng, delay_ms):
-    """The fit finds the delay of a hand that moves and turns, with an offset, a lever arm and 0.2 mm of noise. The
-    motion is followed in two separate intervals, with a different offset and lever arm in each."""
+    """The fit finds the delay of a robot that follows a moving and turning hand, with an offset, a lever arm and 0.2 mm
+    of noise. The robot follows in two separate intervals, with a different offset and lever arm in each."""
 
     def hand(t_s):
         """Returns positions (N, 3) and rotations (N, 3, 3) at the given times."""

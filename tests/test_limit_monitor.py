@@ -1,5 +1,5 @@
-"""The monitor of JointCmd frames finds each kind of violation and reports none for valid frames. The names that the
-simulator prints match the DBC's."""
+"""Checks that the monitor of JointCmd frames finds each kind of violation and reports none for valid frames, and that
+the names that the simulator prints match the DBC's."""
 
 from __future__ import annotations
 

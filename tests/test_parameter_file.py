@@ -86,13 +86,13 @@ def test_saved_parameters_survive_a_kill(hub, file):
         assert [path.name for path in file.parent.iterdir()] == [file.name], "no other file must be left"
         process.process.kill()
         process.wait()
-        assert f"comanip-firmware: parameters: {file} is not there yet, defaults\n" in process.text()
+        assert f"comanip-firmware: {file} does not exist yet: all parameters have their defaults\n" in process.text()
     with firmware(hub, f"--parameters={file}") as (process, client):
         assert client.read("motion_scale") == 0.5
         assert client.read("damping") == DEFAULTS[NAMES.index("damping")]
         client.write("motion_scale", 0.25)
         client.save()
-        assert f"comanip-firmware: parameters of {file}, {len(record(DEFAULTS))} bytes\n" in end(process)
+        assert f"comanip-firmware: parameters read from {file}, {len(record(DEFAULTS))} bytes\n" in end(process)
     assert file.read_bytes() == with_scale(0.25)
 
 
@@ -272,7 +272,7 @@ def require_refusal(hub: Hub, process: Tool, file: Path, cause: str) -> None:
     assert done.stderr.startswith("comanip: save: refused: store_failed (") and done.stderr.count("\n") == 1, (
         done.stderr
     )
-    expected = f"comanip-firmware: parameters not saved: {file}: {cause}\n"
+    expected = f"comanip-firmware: saving the parameters failed: {file}: {cause}\n"
     assert expected in process.text()
     assert file.read_bytes() == with_scale(0.5)
     assert not file.with_name("parameters.tmp").exists()
@@ -305,7 +305,7 @@ def test_a_file_that_cannot_be_written(hub, file):
         client.write("motion_scale", 0.25)
         with pytest.raises(RefusedError, match="save: refused: store_failed"):
             client.save()
-        assert f"comanip-firmware: parameters not saved: {file}: Is a directory\n" in process.text()
+        assert f"comanip-firmware: saving the parameters failed: {file}: Is a directory\n" in process.text()
         assert client.read("motion_scale") == 0.25, "the value still applies"
         end(process)
     assert file.read_bytes() == with_scale(0.5)

@@ -351,7 +351,7 @@ def test_guide_refuses_a_robot_that_does_not_follow():
     _, position_m, _ = person.run(0.1, follows=(1, 0, 1))
     assert (
         person.failure
-        == "ann: cannot guide: along y the robot follows a move by a factor of 0, expected at least 0.001"
+        == "ann: cannot guide the robot: along y it moves 0 m per m of the hand, expected at least 0.001 m"
     )
     np.testing.assert_array_equal(position_m, np.tile(START_M, (len(position_m), 1)))
 
@@ -391,7 +391,7 @@ def test_a_hand_that_holds_an_object_cannot_grip():
     person = Person({"action": "grip", "object": 0})
     person.state.holds[1] = True
     person.run(0.4)
-    assert person.failure == "ann: cannot grip pipe: the hand holds crank already"
+    assert person.failure == "ann: cannot grip pipe: the hand already holds crank"
 
 
 @pytest.mark.parametrize("turns", [3.0, -1.5, 0.5])
@@ -467,10 +467,16 @@ def test_recording_of_the_step_itself(tmp_path):
 @pytest.mark.parametrize(
     ("step", "error"),
     [
-        (play(), "ann: step 1 plays a recording, expected the path of a CSV file"),
+        (play(), "ann: step 1 plays a recording, expected the path of a CSV file in its key `recording`"),
         (play(recording="/missing.csv"), "/missing.csv: cannot be read: No such file or directory"),
-        (play(from_s=5, recording="PATH"), "PATH: played from 5 s until 1 s, expected a section of its 1 s"),
-        (play(until_s=2, recording="PATH"), "PATH: played from 0 s until 2 s, expected a section of its 1 s"),
+        (
+            play(from_s=5, recording="PATH"),
+            "PATH: from_s 5, until_s 1: expected 0 <= from_s < until_s <= 1, the duration in s",
+        ),
+        (
+            play(until_s=2, recording="PATH"),
+            "PATH: from_s 0, until_s 2: expected 0 <= from_s < until_s <= 1, the duration in s",
+        ),
     ],
 )
 def test_recordings_that_cannot_be_played_are_named(tmp_path, step, error):

@@ -23,7 +23,7 @@ from simulation import REPOSITORY, run
 
 PLAIN = REPOSITORY / "tests" / "scenarios" / "teleop_moves.yaml"
 UNKNOWN = "unknown"
-NOT_MEASURED = "the port does not count what is null"
+NOT_MEASURED = "the port does not measure the values that are null"
 COUNTS = ("refused_frames", "lost_frames", "error_passive", "bus_off", "missed_ticks", "longest_tick_us")
 
 
@@ -164,7 +164,7 @@ def test_counts_saturate_below_unknown(tmp_path):
 def test_a_replay_names_what_it_leaves_out(plain):
     done = call("replay", plain.log)
     assert done.returncode == 0
-    assert "not compared, as it depends on more than the log: PortStatus" in done.stdout
+    assert "not compared, because the log does not determine it: PortStatus" in done.stdout
 
 
 def replaced(frames, change):

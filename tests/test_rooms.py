@@ -115,4 +115,6 @@ def test_former_program_runs_and_names_its_successor():
     )
     assert done.returncode == 0
     assert done.stdout.startswith("usage: comanip_dev.following")
-    assert done.stderr == "comanip.following is now comanip_dev.following; the old name will go with the next release\n"
+    assert done.stderr == (
+        "comanip.following is now comanip_dev.following; the old name will be removed in the next release\n"
+    )

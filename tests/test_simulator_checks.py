@@ -168,7 +168,7 @@ def test_recording_out_of_reach_at_every_scale_gets_no_advice(tmp_path):
 def test_holds_are_reported(tmp_path):
     done = run(tmp_path / "out", "--scenario", "teleop", "--tracker", still_hand(tmp_path), "--gap", "3:100")
     assert ("hold", "tracker_stale") in modes(done)
-    assert "1 hold, " in done.summary["reason"] and "the last one to the end" in done.summary["reason"]
+    assert "1 hold, " in done.summary["reason"] and "cooperation did not resume" in done.summary["reason"]
 
 
 @pytest.mark.parametrize(
@@ -278,7 +278,7 @@ def test_clutch_takes_the_arms_current_pose(tmp_path, scenario, clutch_s):
     tick = round(1000 * clutch_s)
     assert behind_m[tick - 5 : tick].min() > 6e-4
     assert np.nanmin(behind_m[tick : tick + 4]) < 1.5e-4
-    assert "left out: they count from the start" in done.summary["reason"]
+    assert "left out: they compare with the start of their window" in done.summary["reason"]
     assert not {"wrist_turned", "carried"} & checks(done).keys()
 
 

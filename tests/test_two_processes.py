@@ -148,7 +148,7 @@ def test_each_process_names_its_bus(together):
     stamps = (
         "the kernel's, since the CAN controller gives none"
         if has_kernel_can()
-        else "that of the last poll, since a hub gives none"
+        else "estimated from the ticks, since a hub gives none"
     )
     assert (
         firmware.count(f"comanip-firmware: times of reception: {stamps}\n") == firmware.count("times of reception") == 1
@@ -367,7 +367,7 @@ def test_a_hub_in_a_folder_that_others_may_write_to_is_not_trusted(tmp_path, pro
             env={"COMANIP_HUB_DIR": str(tmp_path)},
         )
     assert done.returncode == 2
-    expected = f"{tmp_path}: expected a folder that only its owner, you or root, may write to\n"
+    expected = f"{tmp_path}: expected a folder of yours or of root that only its owner may write to\n"
     assert done.stderr == f"{program.name}: {expected}"
 
 
@@ -404,7 +404,7 @@ def test_watchdog_ends_a_loop_that_hangs(bus, tmp_path):
     )  # fmt: skip
     process = bus.firmware("hanging", program)
     assert process.wait(timeout=PATIENCE_S) == 1
-    assert bus.output("hanging.err") == "comanip-firmware: panic: watchdog: not fed by the firmware for 10 ms\n"
+    assert bus.output("hanging.err") == "comanip-firmware: panic: watchdog: not fed by the firmware for 10 ticks\n"
 
 
 @pytest.mark.parametrize("program", [FIRMWARE, PLANT])

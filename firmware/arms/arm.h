@@ -21,7 +21,7 @@ typedef struct {
     float position_min_rad; /* usable range, inside the mechanical stops and within +-8 rad */
     float position_max_rad;
     float velocity_max_radps; /* greater than 0, at most 32 */
-    float jerk_max_radps3;    /* 1000 to 1e6; 1000 and a tick of 1 ms yield the minimum of jerk_steps, 1 */
+    float jerk_max_radps3;    /* 1000 to 1e6; with 1000 and a tick of 1 ms, jerk_steps of joint_limits.h is 1 */
 } arm_joint_t;
 
 /* A function with the same contract as arm_forward_kinematics(). */
@@ -49,8 +49,8 @@ typedef struct {
  * message that names the defect. */
 const char *arm_check(const arm_t *arm);
 
-/* Returns the end effector's pose in the torso frame (equation (3)), for any arm. Call arm->forward_kinematics()
- * instead, which is faster if it was generated for the arm. position_rad: joint_count angles, each within
+/* Returns the end effector's pose in the torso frame (equation (3)), for any arm. Prefer arm->forward_kinematics(),
+ * which is faster if it was generated for the arm. position_rad: joint_count angles, each within
  * TRIGONOMETRY_MAX_RAD. */
 pose_t arm_forward_kinematics(const arm_t *arm, const float position_rad[]);
 

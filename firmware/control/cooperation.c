@@ -70,7 +70,7 @@ static pose_t virtual_hand_at_start(const cooperation_t *self, pose_t robot) {
     };
 }
 
-/* From now on, displacements are relative to `hand` and `virtual_hand`. The last line of Algorithm 1's initialisation
+/* Makes `hand` and `virtual_hand` the references for displacements. The last line of Algorithm 1's initialisation
  * computes the pose q_Hv0^H0 = conj(q_H0^Tv) q_Hv0^Tv; only the rotation of this pose is stored, because the loop does
  * not need the translation. */
 static void take_reference(cooperation_t *self, pose_t hand, pose_t virtual_hand) {
@@ -178,8 +178,8 @@ static inline void set_target(cooperation_t *self, vector3_t hand_m, quaternion_
     self->target.translation_m.z = loop->virtual_hand_start_m.z + up - self->relation_m.z;
 }
 
-/* Updates the target as long as the relation is not known to be constant, for example during a blend; as soon as it is
- * constant, computes the loop's constants from it. Not inline, so that cooperation_update() need not save registers. */
+/* Updates the target while the relation may still change, for example during a blend. As soon as the relation is
+ * constant, also computes the loop's constants. Not inline, so that cooperation_update() need not save registers. */
 __attribute__((noinline)) static void update_and_settle(cooperation_t *self, const pose_t *hand, float blend) {
     self->relation = relation_in_force(self, blend);
     const quaternion_t left = quaternion_conjugate(self->config.tracker_rotation);

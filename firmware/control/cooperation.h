@@ -15,7 +15,7 @@
 #include "task.h"
 
 typedef struct {
-    quaternion_t tracker_rotation; /* q_Tv^E, unit: the torso's axes in the tracker's frame; (9): q(x, -pi/2) */
+    quaternion_t tracker_rotation; /* q_Tv^E, unit: the torso's axes in the tracker's frame; q(x, -pi/2) in (9) */
     vector3_t start_offset_m;      /* virtual hand minus end effector at the start, in torso axes; 0 in the paper */
     float motion_scale;            /* factor on the hand's displacement, not on its rotation; 1 in the paper */
 } cooperation_config_t;
@@ -34,11 +34,11 @@ typedef struct {
     task_t task;
     quaternion_t virtual_hand_start; /* rotation of q_Hv0^H0 */
     task_relation_t relation;        /* the q_task that currently applies */
-    task_relation_t blend_from;      /* the q_task at which the blend to the q_task of `task` starts */
+    task_relation_t blend_from;      /* the q_task from which the blend to the q_task of `task` starts */
     bool latched;
     bool settled; /* the relation is constant, and the loop's constants have been computed from it */
     cooperation_loop_t loop;
-    float forward_displacement_m; /* x_H - x_H0 in torso axes, scaled */
+    float forward_displacement_m; /* x_H - x_H0 along the torso's x axis, times motion_scale */
     vector3_t relation_m;         /* the relation's translation in torso axes, from the target to the virtual hand */
     pose_t target;                /* the latest target, in the torso frame */
 } cooperation_t;
@@ -52,16 +52,16 @@ void cooperation_start(cooperation_t *self, const cooperation_config_t *config, 
  * cooperation_update() at 0. */
 void cooperation_select(cooperation_t *self, const task_t *task);
 
-/* Makes `hand` and `robot` the new references for displacements (clutch), so that the next target is `robot`. The
- * relation remains the one that applies at present: the latched one or, without a latch, the one at `blend`. */
+/* Makes `hand` and `robot` the new references for displacements (clutch), so that the next target is `robot`. Keeps the
+ * present relation: the latched relation or, without a latch, the relation at `blend`. */
 void cooperation_clutch(cooperation_t *self, pose_t hand, pose_t robot, float blend);
 
 /* Latches the current q_task (the commanded relation), which then remains constant, as at the grasp in section
  * V-B.3. */
 void cooperation_latch(cooperation_t *self);
 
-/* Latches conj(q_Rm) q_Hm, the relation of the virtual hand to the end effector's measured pose. robot: this measured
- * pose, q_Rm, which becomes the target. */
+/* Latches the measured relation conj(q_Rm) q_Hm between the end effector's measured pose q_Rm and the virtual hand's
+ * pose q_Hm. robot: q_Rm, which becomes the target. */
 void cooperation_latch_measured(cooperation_t *self, pose_t robot);
 
 /* Runs one pass of Algorithm 1's loop, which computes self->target, q_R^Tv = q_Hv^Tv conj(q_task), in the torso frame.

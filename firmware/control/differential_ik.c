@@ -1,10 +1,10 @@
 /* Determines whether the isotropic form applies, and prepares its constants: see differential_ik.h. */
 #include "differential_ik.h"
 
-/* The isotropic form does not refine its solution, whose error is therefore the rounding error of J^T W J divided by
- * the damping. Since axes are unit vectors whereas levers are short, the rotation's weight matters most. Outside the
- * following bounds, which were found by measurement (tests/test_differential_ik.py), differential_ik_general() is used,
- * which refines its solution. */
+/* The isotropic form has no step of iterative refinement, so the error of its solution is the rounding error of J^T W J
+ * divided by the damping. The rotation's weight contributes most to this error, because axes are unit vectors, whereas
+ * levers are usually shorter than 1 m. Outside the following bounds, differential_ik_general() is used, which refines
+ * its solution. The bounds were found by measurement (tests/test_differential_ik.py). */
 #define DAMPING_MIN 1e-5f                 /* relative to the largest weight */
 #define ROTATION_WEIGHT_MAX 1.0f          /* the rotation's weight must be at most this, */
 #define ROTATION_TO_TRANSLATION_MAX 0.25f /* or at most this multiple of the translation's weight */

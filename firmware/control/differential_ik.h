@@ -6,8 +6,8 @@
  * This n x n form is equal to the paper's J^T (J J^T + lambda I)^-1 K e for W = I. Poses and e are vec8, that is, the
  * eight numbers of a dual quaternion.
  *
- * The equation is isotropic if K and W each have one value for rotation and one for translation. It then need not be
- * evaluated in vec8: see arm_ik_differential(). */
+ * The equation is isotropic if K and W each have one value for rotation and one for translation. It can then be solved
+ * without vec8, in fewer operations: see differential_ik_isotropic.c. */
 #ifndef COMANIP_DIFFERENTIAL_IK_H
 #define COMANIP_DIFFERENTIAL_IK_H
 
@@ -26,8 +26,8 @@ typedef struct {
     bool applies; /* the equation is isotropic, and damped enough for float32 without refinement */
     float weight_rotation;
     float pull_rotation, pull_translation; /* 2 x weight x gain; after the division, the translation's weight is 1 */
-    float diagonal;                        /* weight_rotation + 4 lambda / translation's weight; on the diagonal */
-    float trace_max;                       /* largest trace of the translation's J^T W J for which damping suffices */
+    float diagonal;                        /* term on the diagonal: weight_rotation + 4 lambda / translation's weight */
+    float trace_max;                       /* above this trace of J^T W J for translation, the damping is too small */
 } differential_ik_isotropic_t;
 
 typedef struct {

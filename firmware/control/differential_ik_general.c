@@ -20,8 +20,8 @@ static dual_quaternion_t from_vec8(const float vec8[8]) {
     return x;
 }
 
-/* Returns the dot product. It is summed in pairs, so that only three additions, each with its rounding, follow one
- * another instead of seven. */
+/* Returns the dot product. The products are summed in pairs, so that each of them passes through only three rounded
+ * additions instead of up to seven. */
 static float dot8(const float a[8], const float b[8]) {
     return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) +
            ((a[4] * b[4] + a[5] * b[5]) + (a[6] * b[6] + a[7] * b[7]));
@@ -48,9 +48,9 @@ typedef struct {
     ldlt_t normal;
 } equations_t;
 
-/* Computes J^T W e. The product with `hand` is computed once for all joints, so that its rounding acts as an error in
- * e, which is harmless. If the columns were rounded instead, the rounding would act as an error in J, which is
- * amplified if the damping is as small as 1e-4. */
+/* Computes J^T W e. The product with `hand` is computed once for all joints, so that its rounding error acts like an
+ * error in e, which is harmless. If each column of J were rounded instead, the rounding errors would act like errors in
+ * J, and a damping as small as 1e-4 would amplify them. */
 static void project(const equations_t *self, const float e[8], float projection[]) {
     float weighted[8];
     for (int k = 0; k < 8; k++) {
@@ -88,7 +88,7 @@ static void solve(void *equations, float u[]) {
     project(self, self->desired, u);
     ldlt_solve(&self->normal, self->joint_count, u);
 
-    /* One step of iterative refinement, because near a singularity J^T W J has lost half of its digits. */
+    /* One step of iterative refinement, because forming J^T W J loses half of the digits near a singularity. */
     float rest[8], correction[ARM_MAX_JOINTS];
     residual(self, u, rest);
     project(self, rest, correction);
@@ -122,7 +122,8 @@ static void set_hand(equations_t *self, const arm_t *arm, const float position_r
 
 static void set_desired(equations_t *self, const differential_ik_config_t *config, const pose_t *target_pose) {
     dual_quaternion_t target = dual_quaternion_align(pose_to_dual_quaternion(*target_pose), self->hand);
-    if (config->error_frame == ERROR_FRAME_TARGET) { /* the same equation, with all poses in the target's frame */
+    if (config->error_frame == ERROR_FRAME_TARGET) {
+        /* Express all poses in the target's frame. The Jacobian thereby becomes conj(q_d) J. */
         self->hand = dual_quaternion_multiply(dual_quaternion_conjugate(target), self->hand);
         target = dual_quaternion_identity;
     }

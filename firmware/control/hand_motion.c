@@ -48,7 +48,7 @@ static quaternion_t turn_between(quaternion_t a, quaternion_t b) {
     return quaternion_align(quaternion_multiply(a, quaternion_conjugate(b)), quaternion_identity);
 }
 
-/* Returns the time from a sample to the start of a gap, should no further sample arrive. */
+/* Returns the time from a sample to the start of a gap, which applies if no further sample arrives. */
 static float awaited_s(const hand_motion_t *self) {
     return HAND_MOTION_AWAITED_INTERVALS * self->interval_s + HAND_MOTION_GRACE_S;
 }
@@ -102,8 +102,8 @@ void hand_motion_reset(hand_motion_t *self) {
     self->is_running = false;
 }
 
-/* Restarts the motion at this pose. If the sample arrived in time, the prediction moves from its present pose to the
- * new one gradually. After a gap, and at the first sample, it is the new pose at once. */
+/* Restarts the motion at this pose. If the sample arrived in time, the prediction moves gradually from its present pose
+ * to the new one. After a gap, and at the first sample, the prediction jumps to the new pose. */
 static void restart(hand_motion_t *self, const pose_t *hand, uint32_t now_us, bool in_time) {
     const pose_t pose = hand_motion_pose(self, now_us, 0.0f);
     const twist_t motion = hand_motion_twist(self, now_us, 0.0f);

@@ -1,10 +1,10 @@
 /* Estimates the pose and twist of the person's hand at any time from timestamped samples of its pose.
  *
- * Samples may arrive at any rate from 15 to 500 Hz, even irregularly and with losses; noise and rate are measured
- * (motion_filter.h). Between samples the prediction is continuous: the change caused by a new sample fades in over one
- * interval. If no sample arrives for HAND_MOTION_AWAITED_INTERVALS mean intervals plus HAND_MOTION_GRACE_S, the motion
- * slows down linearly, and it is at rest HAND_MOTION_GAP_S later. After a longer gap, the next sample restarts the
- * motion. */
+ * Samples may arrive at any rate from 15 to 500 Hz, irregularly and with losses, because their mean interval and their
+ * noise (motion_filter.h) are measured. The change caused by a new sample fades in over one interval, so that the
+ * prediction does not jump. If no sample arrives for HAND_MOTION_AWAITED_INTERVALS mean intervals plus
+ * HAND_MOTION_GRACE_S, the motion slows down linearly, and it is at rest HAND_MOTION_GAP_S later. After a longer gap,
+ * the next sample restarts the motion, and the prediction jumps to that sample. */
 #ifndef COMANIP_HAND_MOTION_H
 #define COMANIP_HAND_MOTION_H
 

@@ -15,7 +15,8 @@
 #define ROUNDING_STEPS 1e-3f
 
 /* Upper limit of a^2 / j, where a is the deceleration used for planning and j the jerk limit. If j is small, braking is
- * therefore planned with less than the acceleration limit. With a larger value, the arm would overshoot on arrival. */
+ * therefore planned with less than the acceleration limit. With a larger upper limit, the arm would overshoot on
+ * arrival. */
 #define RAMP_SPEED_MAX_RADPS 0.1f
 
 static float clamp(float x, float low, float high) {
@@ -90,7 +91,7 @@ static joint_limits_plan_t plan_joint(const joint_limits_config_t *config, const
     const float ramp_s = braking_radps2 / jerk_radps3;
     const float ramp_radps = 0.5f * braking_radps2 * ramp_s;
     /* Besides the growth of the deceleration, this allows for the command delay, for the tick during which a command is
-     * held, and for the lag of the velocity behind the stopping speed, half the duration of a ramp. */
+     * held, and for the time by which the velocity lags behind the stopping speed, half the duration of a ramp. */
     const float coasting_radps = ramp_radps + braking_radps2 * (config->command_delay_s + tick_s + 0.5f * ramp_s);
     const float speed_max_radps = config->speed_fraction * joint->velocity_max_radps;
     return (joint_limits_plan_t){

@@ -2,8 +2,8 @@
  * demand and state.
  *
  * Let j be the jerk limit, K the largest gain of the feedback, and a be JOINT_LIMITS_BRAKING_RESERVE times the
- * acceleration limit, but at most sqrt(0.1 rad/s j). Both limits are first rounded down to whole steps of the bus's
- * resolution. The rules are:
+ * acceleration limit, but at most sqrt(0.1 rad/s j). Both the jerk limit and the acceleration limit are first rounded
+ * down to whole steps of the bus's resolution. The rules are:
  *
  *   approach  A feedback speed u above a/K is lowered to sqrt(a/K (2 u - a/K)), from which the joint stops within the
  *             remaining distance; all joints are scaled by the same factor. The feedforward is added as is.
@@ -42,8 +42,8 @@ typedef struct {
     float linear_radps;   /* a / K, below which the approach rule keeps the demanded speed */
     float twice_braking_radps2;
     float ramp_square;       /* (a^2 / (2 j))^2; the speed a^2 / (2 j) is lost while the deceleration grows to a */
-    float fastest_square;    /* from this squared speed on, the stopping speed is speed_max_radps */
-    float coasting_radps;    /* subtracted from the stopping speed: growth of the deceleration, lag, earlier commands */
+    float fastest_square;    /* if the squared speed reaches this, the stopping speed is speed_max_radps */
+    float coasting_radps;    /* subtracted from the stopping speed, because braking takes effect with a delay */
     float reference_min_rad; /* lower limit of the reference: the joint's limit plus one step of the bus's resolution */
     float reference_max_rad; /* upper limit, likewise; a rounded reference is thus within the joint's limits */
 } joint_limits_plan_t;
@@ -53,7 +53,7 @@ typedef struct {
     float speed_fraction;          /* fraction of each joint's velocity_max_radps, 0..1 */
     float acceleration_max_radps2; /* > 0 */
     float command_delay_s;         /* time from the command to the drive's motion */
-    float approach_gain_per_s;     /* largest gain K of the feedback; its velocity is K times the distance */
+    float approach_gain_per_s;     /* largest gain K of the feedback, whose velocity is K times the distance */
     /* set by joint_limits_prepare(): */
     joint_limits_plan_t plan[ARM_MAX_JOINTS];
     float at_limit_rad[ARM_MAX_JOINTS]; /* a joint nearer than this to a limit is treated as at that limit */

@@ -14,10 +14,10 @@
 #include "../maths/dual_quaternion.h"
 #include "../maths/float_bits.h"
 
-/* The shortest memory, which is used in motion. The value is for the noise variance of the scale and a sample interval
- * of 4 ms. The shortest memory grows with the eighth root of noise variance times interval, and shrinks in very fast
- * motion. (The memory of a Kalman filter for white jerk would grow with the sixth root, but recordings need less
- * growth.) */
+/* The shortest memory, which is used during motion. The value applies to the noise variance of the scale and a sample
+ * interval of 4 ms. The shortest memory grows with the eighth root of noise variance times interval, and shrinks in
+ * very fast motion. (The memory of a Kalman filter for white jerk would grow with the sixth root, but recorded hand
+ * motions are predicted better with less growth.) */
 #define MOTION_FILTER_MEMORY_S 0.038f
 /* Ratio of the longest memory, which is used at rest, to the shortest. */
 #define MOTION_FILTER_REST_RATIO 2.8f
@@ -30,7 +30,7 @@
 
 /* Typical values of the quantity, in its own unit (m or rad). */
 typedef struct {
-    float noise_variance;                 /* initial value, per component; estimates are 0.2^2 to 100^2 times this */
+    float noise_variance;                 /* initial estimate, per component; later ones: 0.2^2 to 100^2 times this */
     float velocity_max, acceleration_max; /* upper bounds of the estimates' magnitudes, in unit/s and unit/s^2 */
 } motion_filter_scale_t;
 
@@ -71,9 +71,9 @@ static inline vector3_t motion_filter_velocity(const motion_filter_t *self, cons
     return vector3_add(self->velocity, vector3_scale(self->acceleration, then->accelerated_s));
 }
 
-/* Takes a sample that was captured interval->ahead_s > 0 after the last one. innovation: the sample minus the position
- * predicted by motion_filter_displacement(interval). Returns the correction of that prediction. The filter stores no
- * position, so that it can also be used for rotations. */
+/* Takes a sample that was captured interval->ahead_s seconds (> 0) after the last one. innovation: the sample minus the
+ * position predicted by motion_filter_displacement(interval). Returns the correction of that prediction. The filter
+ * stores no position, so that it can also be used for rotations. */
 vector3_t motion_filter_update(motion_filter_t *self, const motion_filter_scale_t *scale, vector3_t innovation,
                                const motion_filter_ahead_t *interval);
 

@@ -20,7 +20,7 @@
  *
  * M is positive definite, so V decreases while k is constant and the target is at rest, and the arm comes to rest.
  *
- * - w is so small that it changes the position by at most a few tenths of a millimetre.
+ * - w is so small that the orientation changes the reached position by at most a few tenths of a millimetre.
  * - The margin keeps an unreachable orientation from driving joints to their limits, where the position would be lost.
  *   A reachable orientation is reached.
  * - A = I + damping (J_p J_p^T)^-1 damps only the translation. Near a singularity, this prevents the amplification of

@@ -15,7 +15,7 @@
 
 #define ARRIVED_RAD 1e-3f
 #define STANDS_RAD 5e-3f /* inverse kinematics resumes if a joint is pushed farther than this from the posture, */
-#define STANDS_M 1e-3f   /* or if the target moves farther than this from where it was */
+#define STANDS_M 1e-3f   /* or if the target has moved farther than this since the search began */
 
 static bool is_away(const posture_change_t *self, const position_priority_request_t *request, float distance_m) {
     const vector3_t way_m = vector3_add(request->target->translation_m, vector3_scale(self->target_m, -1.0f));

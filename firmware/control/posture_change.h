@@ -5,10 +5,10 @@
  *   watched   The initial phase, in which inverse kinematics moves the arm. The search begins once the end effector has
  *             been stuck for POSTURE_CHANGE_STILL_S, that is, the target is at rest and farther away than
  *             POSTURE_CHANGE_ERROR_M, the distance does not change, and a joint is at a limit.
- *   searched  Follows `watched`, while the arm is kept at rest. position_priority() moves candidate postures to the
- *             target, one after the other and one step per tick. They start with each joint at one or three quarters of
- *             its range. Among the candidates that reach the target, the one with the smallest maximum joint
- *             displacement is chosen. If none reaches the target, the next phase is `left`.
+ *   searched  Follows `watched`. The arm is kept at rest, while position_priority() moves candidate postures to the
+ *             target, one after the other and one step per tick. Each candidate starts with each joint at one quarter
+ *             or three quarters of its range. Among the candidates that reach the target, the one with the smallest
+ *             maximum joint displacement is chosen. If none reaches the target, the next phase is `left`.
  *   changing  Follows `searched` if a posture was chosen. All joints move to it together; none exceeds
  *             POSTURE_CHANGE_JOINT_SHARE of its speed limit, and the end effector does not exceed
  *             POSTURE_CHANGE_HAND_MPS, the reduced speed of ISO 10218-1.

@@ -10,7 +10,7 @@ void supervisor_init(supervisor_t *self) {
     enter(self, MODE_IDLE, REASON_BOOT);
 }
 
-/* Returns true, and sets the reason, if the arm must not move. */
+/* Returns true, and sets *reason, if there is a cause for mode fault. */
 static bool fault_present(const supervisor_inputs_t *inputs, reason_t *reason) {
     if (!inputs->finite) {
         *reason = REASON_NOT_FINITE;

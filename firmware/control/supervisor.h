@@ -19,15 +19,16 @@ typedef struct {
 void supervisor_init(supervisor_t *self);
 
 /* Updates the mode from the inputs, once per tick:
- *   idle <-> ready as drives and tracker come and go; cooperating <-> hold as the tracker comes and goes;
- *   cooperating, hold -> fault when a drive stops responding or reports an error, or a number is not finite. */
+ *   idle <-> ready              ready while the data of drives and tracker are fresh and no drive reports an error
+ *   cooperating <-> hold        hold while the tracker's data are stale
+ *   cooperating, hold -> fault  if a drive stops responding or reports an error, or a number is not finite */
 void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs);
 
 /* Changes from ready to cooperating. */
 result_t supervisor_start(supervisor_t *self);
 
-/* Changes from cooperating or hold to ready, and from fault to idle if the cause of the fault is gone. Does not change
- * the modes idle and ready. */
+/* Changes from cooperating or hold to ready. Changes from fault to idle, unless a cause of a fault is still present;
+ * then returns RESULT_FAULT_PRESENT. Does not change the modes idle and ready. */
 result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs);
 
 /* Returns true in mode cooperating or hold. */

@@ -21,8 +21,8 @@ extern const task_t task_table[COMANIP_TASK_NUMBERS];
 /* Returns the built-in task with this number, or NULL. */
 const task_t *task_built_in(uint8_t number);
 
-/* q_task as a function of the hand's displacement. The displacement along the torso's x axis since the start, times
- * `slope`, is added to the translation along z. */
+/* q_task as a function of the hand's displacement along the torso's x axis since the start. `slope` times this
+ * displacement is added to the z component of the translation of `pose`. */
 typedef struct {
     pose_t pose;
     float slope; /* 0: constant */

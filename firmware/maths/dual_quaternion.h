@@ -67,7 +67,7 @@ bool quaternion_is_unit(quaternion_t a, float tolerance);
 /* Returns a / |a|, or the identity for the zero quaternion. */
 quaternion_t quaternion_normalise(quaternion_t a);
 
-/* Returns a or -a, which are the same rotation, whichever has a dot product >= 0 with the reference. */
+/* Returns whichever of a and -a, which are the same rotation, has a dot product >= 0 with the reference. */
 quaternion_t quaternion_align(quaternion_t a, quaternion_t reference);
 
 /* Rotates a vector by a unit quaternion: r v conj(r) = (w^2 - u . u) v + 2 (u . v) u + 2 w u x v, where u is the vector
@@ -111,7 +111,7 @@ vector3_t dual_quaternion_translation(dual_quaternion_t pose);
 /* Definition 2, equation (6): a (x) b = T{b} T{a} P(b) P(a). Translations add, and rotations compose as P(b) P(a). */
 dual_quaternion_t dual_quaternion_decompositional_multiply(dual_quaternion_t a, dual_quaternion_t b);
 
-/* Returns pose or -pose, which are the same pose, whichever has <P(pose), P(reference)> >= 0. */
+/* Returns whichever of x = pose and x = -pose, which are the same pose, satisfies P(x) . P(reference) >= 0. */
 dual_quaternion_t dual_quaternion_align(dual_quaternion_t pose, dual_quaternion_t reference);
 
 #endif

@@ -1,5 +1,5 @@
-/* sine_cosine() as an inline function, and its parts. It makes no function call for angles within +-pi/2, which include
- * most half angles of joints. */
+/* An inline version of sine_cosine(), and its parts. For angles within +-pi/2, which include most half angles of
+ * joints, it makes no function call. */
 #ifndef COMANIP_TRIGONOMETRY_INLINE_H
 #define COMANIP_TRIGONOMETRY_INLINE_H
 

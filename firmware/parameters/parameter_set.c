@@ -6,7 +6,7 @@ _Static_assert(PARAMETER_NUMBERS <= 64, "parameter sets are 64-bit masks");
 /* Largest k T (see parameter_set.h): pi / 2 minus a margin for the drives' lag and for braking by the joint limits,
  * measured by tests/rest. */
 #define RATE_TIMES_DELAY_MAX 0.8f
-#define COMMAND_DELAY_MIN_S 5e-3f /* no drive is assumed to act faster */
+#define COMMAND_DELAY_MIN_S 5e-3f /* used if the parameter is less, because no drive is assumed to act faster */
 #define DELAY_TICKS 1.5f /* one tick for the age of a reading, and half a tick, on average, for holding a command */
 
 static uint64_t bit(int parameter) {

@@ -1,10 +1,10 @@
 /* Checks the stability of the parameters as a set. Parameters are written one by one, each within its range; the set is
  * checked when the cooperation starts and before a save.
  *
- * Near the target the closed loop is e' = -P K e, with P = J (J^T W J + D)^-1 J^T W and the damping D. P is similar to
+ * Near the target, the error e obeys e' = -P K e, with P = J (J^T W J + D)^-1 J^T W and the damping D. P is similar to
  * a symmetric matrix with eigenvalues from 0 to 1. Therefore, in any posture, no error decays faster than exp(-k t),
- * where k is the largest gain of the components with nonzero weight. With a loop delay T, the loop is stable for
- * k T < pi / 2, and rings above about half of that.
+ * where k is the largest gain of the components with nonzero weight. With a loop delay T, the loop is stable if k T is
+ * below pi / 2; above about half of that, the error oscillates before it settles.
  *
  * A slow loop is never unstable, so gains, speed and acceleration have no lower bound here. */
 #ifndef COMANIP_PARAMETER_SET_H

@@ -30,8 +30,8 @@ bool parameters_has(uint8_t parameter);
 
 void parameters_set_defaults(parameters_t *self);
 
-/* Returns RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (also for NaN). A refused value changes
- * nothing. */
+/* Returns RESULT_ACCEPTED, RESULT_UNKNOWN_PARAMETER or RESULT_OUT_OF_RANGE (also for NaN, and for a fraction if only
+ * whole numbers are accepted). A refused value changes nothing. */
 result_t parameters_set(parameters_t *self, uint8_t parameter, float value);
 
 /* Returns whether the hand's motion is predicted, in which case position_priority() replaces the paper's inverse

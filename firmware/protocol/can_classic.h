@@ -3,9 +3,9 @@
  * are converted, so all targets compute the same bits. can_transport.h adds end-to-end protection, with equal counters
  * in all parts of a message.
  *
- * The resolution is lower than on CAN FD: positions 0.1 mm, up to 3.2767 m; rotations 15 bits for each of the three
- * smaller quaternion components (within 0.009 deg); torques 0.2 Nm, up to 25.4 Nm. Drives do not report their
- * temperature. */
+ * The resolution is lower than on CAN FD. Positions have steps of 0.1 mm and a range of +-3.2767 m. Rotations have 15
+ * bits for each of the three smaller quaternion components, and an error of at most 0.009 deg. Torques have steps of
+ * 0.2 Nm and a range of +-25.4 Nm. Drives do not report their temperature. */
 #ifndef COMANIP_CAN_CLASSIC_H
 #define COMANIP_CAN_CLASSIC_H
 

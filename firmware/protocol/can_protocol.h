@@ -32,13 +32,13 @@ bool protocol_find(uint16_t id, frame_kind_t *kind);
 /* Adds end-to-end protection. Leaves frames of other systems unchanged. */
 void protocol_protect(protocol_sender_t *self, can_frame_t *frame);
 
-/* Checks a received frame. An event message is accepted no matter how many before it were lost, since a sender that has
- * restarted must get through; only a repeated counter is refused. Every refusal is counted. */
+/* Checks the length, CRC and counter of a received frame. For an event message, every counter except a repeated one is
+ * accepted, because the sender may have restarted. Every refused frame is counted. */
 protocol_status_t protocol_check(protocol_receiver_t *self, const can_frame_t *frame, frame_kind_t kind);
 
 /* ---- the input of a tick, as recorded in TickTrace */
 
-#define TRACE_AGE_MAX_US 0xFFFFFFu /* largest value of hand_age_us, 24 bits; also means no hand */
+#define TRACE_AGE_MAX_US 0xFFFFFFu /* largest value of hand_age_us (24 bits); also sent if there is no pose */
 
 /* Convert between the input frames and their record in a TickTrace. last: for each frame kind, the counter of the last
  * frame received with a correct CRC. */

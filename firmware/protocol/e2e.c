@@ -24,8 +24,8 @@ static e2e_status_t follow(e2e_receiver_t *self, uint8_t counter, uint8_t mask, 
  * has no mixed terms, so P^2 = x^32 + x^24 + x^10 + 1. The remainder modulo P^2 is a 32-bit word; at the end, crc_end()
  * computes the remainder of that word modulo P.
  *
- * Let y be the word that is shifted out at the top. Its quotient by P^2 is y + D y + D^2 y + ..., where D y is the
- * overflow of y (x^24 + x^10 + 1). This sum equals (1 + D) (1 + D^2) (1 + D^4) ... y. */
+ * Let y be the word that is shifted out at the top. Its quotient by P^2 is y + D y + D^2 y + ..., where D y is the part
+ * of y (x^24 + x^10 + 1) that overflows 32 bits. This sum equals (1 + D) (1 + D^2) (1 + D^4) ... y. */
 static uint32_t crc_word(uint32_t crc, uint32_t word) {
     uint32_t q = crc ^ crc >> 8 ^ crc >> 22;
     q ^= q >> 16;

@@ -5,8 +5,8 @@
  *
  * Profile 2 (6.4), on classic CAN: CRC-8 (0x2F, initial and final XOR 0xFF) at byte 0, 4-bit counter in the low half of
  * byte 1, and after the data an implicit Data ID, which the counter selects from 16 (see E2E_PROFILE2_DATA_ID).
- * This profile is weaker: one in 256 corrupted frames has a correct CRC, and a frame that is 16 counts late looks
- * new. */
+ * This profile is weaker: one in 256 corrupted frames has a correct CRC, and a frame delayed by 16 messages looks new,
+ * because the counter has wrapped. */
 #ifndef COMANIP_E2E_H
 #define COMANIP_E2E_H
 

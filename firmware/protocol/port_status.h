@@ -4,7 +4,7 @@
 
 #include "messages.h"
 
-/* Value of a count that the port cannot know, as opposed to 0, which means that the fault has not occurred. */
+/* Value of a count that the port cannot know. A count of 0, in contrast, means that the event has not occurred. */
 #define PORT_UNKNOWN UINT16_MAX
 
 /* A port starts with this value and fills in the counts that it knows. */

@@ -11,10 +11,10 @@
 
 typedef struct {
     int16_t smaller[3]; /* in the order w x y z */
-    uint8_t largest;    /* index of the component (w x y z) of largest magnitude; its sign is made positive */
+    uint8_t largest;    /* index (w x y z) of the component of largest magnitude; if negative, all signs are changed */
 } rotation_code_t;
 
-/* Encodes a quaternion, w x y z. Returns false if its norm is not 1 within 1e-3. */
+/* Encodes a quaternion w x y z, in fixed point. Returns false if its norm is not 1 within 1e-3. */
 bool rotation_encode(const int32_t quaternion[4], rotation_code_t *code);
 
 /* Decodes a rotation. The result is within 0.009 deg of the encoded rotation. */

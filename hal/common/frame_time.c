@@ -9,7 +9,7 @@
 
 /* Bits at the nominal rate: SOF, id 11, RRS, IDE, FDF, res, BRS; ACK, ACK delimiter, EOF 7, intermission 3. */
 #define NOMINAL_BITS (17 + 12)
-/* Bits at the data rate, besides data and CRC field: ESI, DLC 4; CRC delimiter. */
+/* Bits at the data rate outside the data field and the CRC field: ESI, DLC 4; CRC delimiter. */
 #define DATA_PHASE_BITS (5 + 1)
 /* Stuff count 4, CRC, and a fixed stuff bit before the first and after every fourth of these bits. */
 #define CRC17_FIELD_BITS (4 + 17 + 6)
@@ -93,9 +93,10 @@ static int64_t fd_ns(const can_frame_t *frame) {
 
     const unsigned int id = frame->id;
 
-    /* Two bits of bus idle, which cause no stuffing, then SOF = 0, id, RRS = 0, IDE = 0 | FDF = 1, res = 0, BRS = 1,
-     * ESI = 0, DLC. Before the last bit of the DLC, a run of five equal bits ends at IDE at the latest, so all stuff
-     * bits within this header are sent at the nominal bit rate. */
+    /* The bits 01, which represent bus idle and cause no stuffing, then SOF = 0, id, RRS = 0, IDE = 0 | FDF = 1,
+     * res = 0, BRS = 1, ESI = 0, DLC. The bits FDF, res, BRS and ESI alternate. A run of five equal bits therefore ends
+     * at IDE or earlier, or at the last bit of the DLC. In the latter case the stuff bit is counted with the data. All
+     * stuff bits within this header are thus sent at the nominal bit rate. */
     const uint8_t header[3] = {
         (uint8_t)(0x40U | (id >> 6)),
         (uint8_t)((id << 2) & 0xFFU),
@@ -139,7 +140,7 @@ static int64_t classic_ns(const can_frame_t *frame) {
     if (frame->length > CLASSIC_MAX_BYTES || frame->id > ID_MAX) {
         return -1;
     }
-    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five preceding bits stand for bus idle. In the CRC they are zeros,
+    /* SOF = 0, id, RTR = IDE = FDF = 0, DLC. The five preceding bits represent bus idle. In the CRC they are zeros,
      * which leave its initial 0 unchanged; in the stuffing they are 10101, which causes no stuff bit. */
     const unsigned int header = ((unsigned int)frame->id << 7) | frame->length;
     const unsigned int idle = 0xA80000U;

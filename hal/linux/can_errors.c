@@ -28,7 +28,7 @@ void can_errors_report(const char *program, const char *bus, const struct canfd_
         counters->error_passive++;
         counters->can_state = PORT_CAN_ERROR_PASSIVE;
         report(program, bus,
-               "error-passive: frames are not acknowledged or are disturbed (wiring, termination, bit rate)");
+               "error-passive: frames are not acknowledged or are disturbed (check wiring, termination, bit rate)");
     }
     if (is_controller && (controller & CAN_ERR_CRTL_ACTIVE) != 0) {
         counters->can_state = PORT_CAN_ERROR_ACTIVE;

@@ -29,9 +29,9 @@ int can_hub_open(const char *name, char path[HUB_PATH_BYTES], char error[], size
     const int fd = can_hub_connect(path);
     if (fd < 0) {
         (void)snprintf(error, error_size,
-                       "%s: no such CAN interface in the kernel, and no hub at %s (%s): start one, or "
-                       "as root: ip link add dev %s type vcan; ip link set %s mtu 72 up",
-                       name, path, strerror(errno), name, name);
+                       "%s: no such CAN interface in the kernel, and no hub at %s (%s): start a hub (make hub CAN=%s), "
+                       "or as root: ip link add dev %s type vcan; ip link set %s mtu 72 up",
+                       name, path, strerror(errno), name, name, name);
     }
     return fd;
 }

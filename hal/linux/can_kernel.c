@@ -84,11 +84,11 @@ int can_kernel_open(const char *name, const can_selection_t *selection, char err
         return -1;
     }
     if (!set_options(fd, selection)) {
-        return fail(fd, name, "socket options", error, error_size);
+        return fail(fd, name, "the options of the socket cannot be set", error, error_size);
     }
     const struct sockaddr_can address = {.can_family = AF_CAN, .can_ifindex = (int)if_nametoindex(name)};
     if (bind(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
-        return fail(fd, name, "cannot be bound", error, error_size);
+        return fail(fd, name, "the socket cannot be bound to this interface", error, error_size);
     }
     return fd;
 }

@@ -171,7 +171,7 @@ void can_socket_report(const can_socket_t *self) {
     } table[] = {
         {"frames not sent", counters->send_drops},
         {"frames lost in the receive queue", counters->receive_drops},
-        {"foreign frames", counters->ignored},
+        {"frames ignored (remote, 29-bit id or malformed)", counters->ignored},
         {"error frames", counters->error_frames},
         {"times error-passive", counters->error_passive},
         {"times bus-off", counters->bus_offs},

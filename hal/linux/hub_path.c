@@ -12,7 +12,7 @@
 #define NAME_CHARACTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-"
 #define NAME_MAX_CHARACTERS 15
 
-_Static_assert(HUB_PATH_BYTES == sizeof(((struct sockaddr_un *)NULL)->sun_path), "sockaddr_un has other paths");
+_Static_assert(HUB_PATH_BYTES == sizeof(((struct sockaddr_un *)NULL)->sun_path), "expected the size of sun_path");
 
 bool hub_name_is_valid(const char *name) {
     const size_t length = strlen(name);
@@ -25,7 +25,8 @@ bool hub_folder(char folder[HUB_PATH_BYTES], char error[], size_t error_size) {
     const int length = is_set ? snprintf(folder, HUB_PATH_BYTES, "%s", set)
                               : snprintf(folder, HUB_PATH_BYTES, "/tmp/comanip-hub-%u", getuid());
     if (length >= HUB_PATH_BYTES) {
-        (void)snprintf(error, error_size, "COMANIP_HUB_DIR '%.200s': expected less than %d bytes", set, HUB_PATH_BYTES);
+        (void)snprintf(error, error_size, "COMANIP_HUB_DIR '%.200s': expected fewer than %d bytes", set,
+                       HUB_PATH_BYTES);
         return false;
     }
     return true;
@@ -39,7 +40,7 @@ bool hub_folder_is_trusted(const char *folder, char error[], size_t error_size) 
     }
     const bool is_ours = S_ISDIR(status.st_mode) && (status.st_uid == getuid() || status.st_uid == 0);
     if (!is_ours || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-        (void)snprintf(error, error_size, "%s: expected a folder that only its owner, you or root, may write to",
+        (void)snprintf(error, error_size, "%s: expected a folder of yours or of root that only its owner may write to",
                        folder);
         return false;
     }
@@ -54,7 +55,7 @@ bool hub_path(char path[HUB_PATH_BYTES], const char *folder, const char *name, c
         return false;
     }
     if (snprintf(path, HUB_PATH_BYTES, "%s/%s%s", folder, name, suffix) >= HUB_PATH_BYTES) {
-        (void)snprintf(error, error_size, "%.200s/%s%s: expected a path of less than %d bytes", folder, name, suffix,
+        (void)snprintf(error, error_size, "%.200s/%s%s: expected a path of fewer than %d bytes", folder, name, suffix,
                        HUB_PATH_BYTES);
         return false;
     }

@@ -26,10 +26,11 @@ static const char usage[] =
     "               plant needs the same\n"
     "  --parameters FILE  file in which `comanip param save` saves the parameters, and from which they are read at the "
     "start;\n"
-    "               without it, they have their defaults and cannot be saved\n"
+    "               without this option, the parameters have their defaults and cannot be saved\n"
     "  -h, --help   this text\n"
     "\n"
-    "Ends on SIGINT or SIGTERM. Exit status: 0 after such a signal, 1 panic, 2 usage error\n";
+    "The program ends on SIGINT or SIGTERM. Exit status: 0 after such a signal; 1 after a panic; 2 for wrong usage,\n"
+    "or if the bus or FILE cannot be opened\n";
 
 /* Prints one line without control characters, because a terminal must not interpret escape sequences from the command
  * line. */

@@ -81,7 +81,7 @@ void pace_make_real_time(const char *program, int priority) {
     if (fifo_error == 0 && lock_error == 0) {
         (void)printf("%s: real-time priority %d, memory locked\n", program, priority);
     } else {
-        (void)printf("%s: not real-time: %s%s%s%s%s; ticks may be missed, they are counted (ulimit -r, ulimit -l)\n",
+        (void)printf("%s: not real-time: %s%s%s%s%s; missed ticks are counted (limits: ulimit -r, ulimit -l)\n",
                      program, fifo_error != 0 ? "SCHED_FIFO: " : "", fifo_error != 0 ? strerror(fifo_error) : "",
                      fifo_error != 0 && lock_error != 0 ? ", " : "", lock_error != 0 ? "locked memory: " : "",
                      lock_error != 0 ? strerror(lock_error) : "");

@@ -1,9 +1,9 @@
 /* The schedule of a 1 kHz loop against the wall clock, in absolute time (CLOCK_MONOTONIC).
  *
- * The loop's clock is Unix time divided by the time scale. The time of a frame in a log of the same bus (candump's, or
- * the plant's own) is therefore the time that the firmware used, modulo 2^32 us, so logs can be replayed. Ticks occur
- * at whole milliseconds of the loop's clock. If the system's clock is set, the loop's clock continues unchanged, and
- * the step is subtracted from the kernel's timestamps. */
+ * The loop's clock is Unix time divided by the time scale, so that logs can show the same times as the firmware uses
+ * (modulo 2^32 us): the plant's log always does, and a log of candump does if the time scale is 1. Ticks occur at whole
+ * milliseconds of the loop's clock. If the system's clock is set, the loop's clock continues unchanged, and the step is
+ * subtracted from the kernel's timestamps. */
 #ifndef COMANIP_PACE_H
 #define COMANIP_PACE_H
 
@@ -16,7 +16,7 @@
 typedef struct {
     int64_t slow;       /* time scale, ns of wall time per ns of the loop's clock: 1..PACE_SLOW_MAX */
     int64_t offset_ns;  /* Unix time minus CLOCK_MONOTONIC, at the start */
-    int64_t step_ns;    /* step by which the system's clock has been set since the start */
+    int64_t step_ns;    /* total by which the system's clock has been set since the start */
     int64_t tick_ns;    /* Unix time of the last tick, a multiple of the tick's length */
     uint64_t overruns;  /* ticks skipped because the loop was late */
     bool in_tick;       /* the loop is between a tick and the wait for the next */
@@ -25,7 +25,7 @@ typedef struct {
 
 void pace_init(pace_t *self, uint32_t slow);
 
-/* Sleeps until the next tick; skips and counts missed ticks. Returns false if a signal arrived. */
+/* Sleeps until the next tick; skips and counts missed ticks. Returns false if a signal ended the sleep early. */
 bool pace_wait_tick(pace_t *self);
 
 /* Returns the current wall time, ignoring any steps of the system clock since the start. */

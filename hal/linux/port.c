@@ -56,7 +56,7 @@ void hal_init(void) {
     const struct sigaction action = {.sa_handler = on_stop};
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
-    store_start(); /* before this thread is given a priority, which the store's thread would inherit */
+    store_start(); /* before this thread gets its real-time priority, which the store's thread would inherit */
     pace_make_real_time(PROGRAM, PRIORITY);
     watchdog_start(PACE_TICK_NS * port.pace.slow, PRIORITY + 1);
     pace_init(&port.pace, (uint32_t)port.pace.slow); /* so that the start-up does not count as overruns */
@@ -108,7 +108,7 @@ static void report_stamps(const can_reception_t *reception) {
         (void)printf(PROGRAM ": times of reception: %s\n", reception->hardware_ns != 0 ? "the CAN controller's"
                                                            : reception->unix_ns != 0
                                                                ? "the kernel's, since the CAN controller gives none"
-                                                               : "that of the last poll, since a hub gives none");
+                                                               : "estimated from the ticks, since a hub gives none");
         (void)fflush(stdout);
     }
 }
@@ -139,7 +139,7 @@ void hal_watchdog_feed(void) {
     watchdog_feed();
 }
 
-/* A process has no enable line. */
+/* Does nothing, because a process has no enable line. */
 void hal_enable_drives(bool enable) {
     (void)enable;
 }

@@ -22,7 +22,7 @@ static struct {
     const char *program;
     const char *path; /* path of the file; NULL if there is no store */
     bool has_record;
-    record_t read, written; /* the thread uses `written` from sem_post() until HAL_STORE_WRITING ends */
+    record_t read, written; /* only the thread uses `written` while the status is HAL_STORE_WRITING */
     sem_t wanted;
     atomic_int status; /* hal_store_status_t */
 } store;
@@ -39,9 +39,9 @@ bool store_open(const char *program, const char *path, char error[], size_t erro
     store.has_record = found == RECORD_FILE_READ;
     atomic_store(&store.status, HAL_STORE_WRITTEN);
     if (store.has_record) {
-        (void)printf("%s: parameters of %s, %zu bytes\n", program, path, store.read.length);
+        (void)printf("%s: parameters read from %s, %zu bytes\n", program, path, store.read.length);
     } else {
-        (void)printf("%s: parameters: %s is not there yet, defaults\n", program, path);
+        (void)printf("%s: %s does not exist yet: all parameters have their defaults\n", program, path);
     }
     (void)fflush(stdout);
     return true;
@@ -54,7 +54,8 @@ static void *write_records(void *unused) {
         }
         const bool is_written = record_file_write(store.path, store.written.bytes, store.written.length);
         if (!is_written) {
-            (void)fprintf(stderr, "%s: parameters not saved: %s: %s\n", store.program, store.path, strerror(errno));
+            (void)fprintf(stderr, "%s: saving the parameters failed: %s: %s\n", store.program, store.path,
+                          strerror(errno));
         }
         atomic_store(&store.status, is_written ? HAL_STORE_WRITTEN : HAL_STORE_FAILED);
     }

@@ -26,7 +26,7 @@ static void *watch(void *unused) {
         hungry_looks = now == last && now != 0 ? hungry_looks + 1 : 0;
         last = now;
         if (hungry_looks == LOOKS_MAX) {
-            hal_panic("watchdog: not fed by the firmware for 10 ms");
+            hal_panic("watchdog: not fed by the firmware for 10 ticks");
         }
     }
     return NULL;

@@ -1,7 +1,7 @@
 /* A thread that detects a hang of the firmware's loop.
  *
  * If the loop hangs, the thread ends the process, with the cause on stderr. By then the commands have already stopped,
- * and the drives have braked on their own after 3 ms without one; the watchdog prevents the loop from resuming by
+ * and the drives have braked on their own after 3 ms without a command; the watchdog prevents the loop from resuming by
  * itself. It counts its own checks of the loop rather than time, so that pausing the whole process is not mistaken for
  * a hang. After such a pause, the firmware finds its inputs stale and reports this on the bus. */
 #ifndef COMANIP_LINUX_WATCHDOG_H

@@ -4,7 +4,7 @@
 #include "../hal.h"
 #include "../slcan/slcan_hal.h"
 
-#define QUEUE_FRAMES 32 /* largest number of frames received in two ticks */
+#define QUEUE_FRAMES 32 /* more frames than the firmware receives in two ticks */
 
 static struct {
     can_frame_t frame[QUEUE_FRAMES]; /* ring */
@@ -16,7 +16,7 @@ static uint32_t refused_frames, lost_frames; /* as last reported by the simulato
 
 static void keep(const can_frame_t *frame) {
     if (received.count == QUEUE_FRAMES) {
-        hal_panic("lockstep: more frames in a tick than expected");
+        hal_panic("lockstep: the queue of received frames is full");
     }
     can_frame_t *place = &received.frame[(received.first + received.count++) % QUEUE_FRAMES];
     *place = *frame;

@@ -75,8 +75,8 @@ void serial_start_transmission(void) {
 
 void serial_wait(void) {
     wait_for_interrupt();
-    /* Restarts the transmission, because QEMU raises no interrupt after a byte that the reader of its serial line has
-     * delayed. */
+    /* Restarts the transmission: if the reader of QEMU's serial line delays a byte, QEMU does not raise the interrupt
+     * that should follow this byte. */
     serial_start_transmission();
 }
 

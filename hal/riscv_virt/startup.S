@@ -1,5 +1,5 @@
 /* The reset handler sets up trap vector, stacks and memory, and then runs the firmware. It uses hart 0; the other harts
- * sleep. This file also contains the entry of traps. Traps have their own stack, and can therefore report that the
+ * sleep. This file also contains the trap entry. Traps have their own stack, and can therefore report that the
  * thread has overflowed its stack. */
     .option arch, +zicsr
     .equ MSTATUS_FLOATING_POINT, 1 << 13 /* initial */
@@ -16,7 +16,7 @@ reset_handler:
     la t0, trap_entry
     csrw mtvec, t0
     la t0, link_trap_stack_top
-    csrw mscratch, t0 /* holds the trap's stack pointer while the thread runs, and vice versa */
+    csrw mscratch, t0 /* holds the trap's stack pointer while the thread runs, and the thread's during a trap */
 #ifdef __riscv_flen
     li t0, MSTATUS_FLOATING_POINT
     csrs mstatus, t0
@@ -71,7 +71,8 @@ sleep:
 #else
     .equ FRAME_BYTES, 4 * 16
 #endif
-/* Stores or loads the registers that a call may overwrite. operation, float_operation: store or load. */
+/* Stores or loads the registers that a call may overwrite. operation, float_operation: the store or load instruction
+ * for integer and floating-point registers. */
     .macro caller_saved operation, float_operation
     .set slot, 0
     .irp name, ra, t0, t1, t2, t3, t4, t5, t6, a0, a1, a2, a3, a4, a5, a6, a7

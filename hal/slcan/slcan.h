@@ -45,7 +45,7 @@ typedef struct {
     uint8_t digits;          /* number of digits received so far of the current field */
 } slcan_decoder_t;
 
-/* Takes the next byte of the line. This takes only a few tens of instructions, few enough for the receive interrupt
+/* Decodes the next byte of the line. This takes only a few tens of instructions, few enough for the receive interrupt
  * of a UART that buffers only one byte. frame: must be the same for all bytes of a line; id, length and data are
  * valid only when SLCAN_FRAME is returned, and the caller must set the timestamp. */
 slcan_event_t slcan_decode(slcan_decoder_t *self, uint8_t byte, can_frame_t *frame);

@@ -1,5 +1,5 @@
 /* For ports with a UART instead of a CAN controller. Such a port defines the functions that are marked "Provided by
- * the port" below. In return, slcan_hal.c defines hal_can_send() for the port, and slcan_receive.c defines
+ * the port" below. With them, slcan_hal.c defines hal_can_send() for the port, and slcan_receive.c defines
  * hal_can_receive() and hal_port_status(). */
 #ifndef COMANIP_SLCAN_HAL_H
 #define COMANIP_SLCAN_HAL_H

@@ -10,8 +10,8 @@
 
 #include "slcan.h"
 
-/* Sizes of the rings. One element of each ring always stays free. In a millisecond, eight drives, the tracker and the
- * operator together send 13 frames, and the firmware usually sends lines of 288 bytes in total. */
+/* Sizes of the rings; one element of each ring always stays free. In a millisecond, eight drives, the tracker and the
+ * operator together send up to 13 frames, and the firmware usually sends lines of 288 bytes in total. */
 #define SLCAN_LINK_RX_FRAMES 16u
 #define SLCAN_LINK_TX_BYTES 1024u
 

@@ -17,7 +17,7 @@ def main() -> None:
             raise
         package = str(error.name).split(".")[0]
         print(
-            f"comanip: the package {package} is missing: `make build` in the repository, or pip install it",
+            f"comanip: the package {package} is missing: run `make build` in the repository, or pip install {package}",
             file=sys.stderr,
         )
         sys.exit(WRONG_USE)

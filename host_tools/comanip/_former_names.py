@@ -46,8 +46,8 @@ NEW_NAMES = {
 
 
 class FormerNames(MetaPathFinder, Loader):
-    """Imports the new module and issues a DeprecationWarning when an old name is imported. This is the last finder in
-    sys.meta_path."""
+    """Imports the new module and issues a DeprecationWarning when an old name is imported. Python asks this finder
+    last, because install() appends it to sys.meta_path."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -55,15 +55,15 @@ class FormerNames(MetaPathFinder, Loader):
         return spec_from_loader(fullname, self) if fullname in NEW_NAMES else None
 
     def get_code(self, fullname: str) -> CodeType:
-        """Returns code that runs the new module. Used by ``python -m`` with an old name."""
+        """Returns code that runs the new module. ``python -m`` calls this method for an old name."""
         new = NEW_NAMES[fullname].removesuffix(".__main__")
-        print(f"{fullname} is now {new}; the old name will go with the next release", file=sys.stderr)
+        print(f"{fullname} is now {new}; the old name will be removed in the next release", file=sys.stderr)
         return compile(f"import runpy; runpy.run_module('{new}', run_name='__main__', alter_sys=True)", new, "exec")
 
     def exec_module(self, module: ModuleType) -> None:
         old, new = module.__name__, NEW_NAMES[module.__name__]
         warnings.warn(
-            f"{old} is now {new}; the old name will go with the next release", DeprecationWarning, stacklevel=2
+            f"{old} is now {new}; the old name will be removed in the next release", DeprecationWarning, stacklevel=2
         )
         try:
             sys.modules[old] = importlib.import_module(new)

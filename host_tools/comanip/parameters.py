@@ -26,7 +26,8 @@ _PI = re.compile(r"(-?)pi(?:/(\d+))?")
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter. minimum, maximum, default: in `unit`. kind: one of KINDS. vector: `name` without the component."""
+    """A parameter. minimum, maximum, default: in `unit`. kind: one of KINDS. vector: for a component of a vector, the
+    name of the vector; otherwise the same as `name`."""
 
     number: int
     name: str
@@ -125,12 +126,14 @@ def read(path: Path = PATH) -> list[Parameter]:
                     f"number {parameter.number} is already used by '{other.name}', expected an unused number",
                 )
             if parameter.number in document.get("retired", []) or parameter.number >= NUMBERS:
-                raise _refusal(path, entry, f"number {parameter.number} is retired, or above {NUMBERS - 1}")
+                raise _refusal(
+                    path, entry, f"number {parameter.number} is retired or above {NUMBERS - 1}, expected a free one"
+                )
             if parameter.name in {p.name for p in found.values()}:
-                raise _refusal(path, entry, f"the name '{parameter.name}' is used twice")
+                raise _refusal(path, entry, f"the name '{parameter.name}' is used twice, expected once")
             found[parameter.number] = parameter
     if not found:
-        raise ToolError(f"{path}: no [[parameter]]")
+        raise ToolError(f"{path}: no [[parameter]], expected at least one")
     return [found[number] for number in sorted(found)]
 
 

@@ -3,9 +3,9 @@
 Each TickTrace records the time of a tick and which frames the firmware read in that tick; see ``_binding/replay.h``.
 The log must begin at the firmware's boot. It may come from another build, provided that TickTrace and the frames that
 the firmware receives have the same layout and meaning in both builds (FirmwareIdentity.trace_version and trace_hash).
-Some messages are not compared, and the report lists them. These are the messages that the DBC marks as not replayed
-because they depend on more than the log contains (PortStatus) and, for a log from another build, FirmwareIdentity and
-the messages that only one of the two builds sends.
+Some messages are not compared, and the report lists them. PortStatus is one of them: the DBC marks it as not replayed,
+because the log does not contain everything on which it depends. For a log from another build, FirmwareIdentity and the
+messages that only one of the two builds sends are not compared either.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class Report:
 
 
 def _native_log(ffi, frames: Sequence[Frame]):
-    """Returns the frames as an array of can_frame_t. Frames other than standard data frames get the id _FOREIGN_ID."""
+    """Returns the frames as an array of can_frame_t. The core ignores frames with the id _FOREIGN_ID, which all frames
+    other than standard data frames get."""
     offsets = [ffi.offsetof("can_frame_t", name) for name in ("timestamp_us", "id", "length", "fd", "data")]
     if offsets != [0, 4, 6, 7, 8] or ffi.sizeof("can_frame_t") != _CAN_FRAME.size:
         raise AssertionError("can_frame_t does not have the layout that replay.py expects")
@@ -116,7 +117,8 @@ def _classic_identity(frames: Sequence[Frame]) -> Identity | None:
 
 
 def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
-    """Returns the firmware's identity, or None if it is not in the log. On classic CAN, also None if it is damaged."""
+    """Returns the firmware's identity, or None if the log contains none. On classic CAN a damaged identity also yields
+    None."""
     if profile is Profile.CLASSIC:
         return _classic_identity(frames)
     first = _first(frames, "FirmwareIdentity")
@@ -125,7 +127,8 @@ def _identity(frames: Sequence[Frame], profile: Profile) -> Identity | None:
 
 def _require_boot(frames: Sequence[Frame], profile: Profile, lib) -> Identity:
     """Returns the firmware's identity. Raises ToolError unless the log begins at the firmware's boot and was recorded
-    with this core's trace version. A damaged identity does not raise; the replay later reports it as a difference."""
+    with this core's trace version. A damaged identity does not raise ToolError here, because the replay later reports
+    the damaged frame as a difference."""
     trace = _first(frames, profile.message("TickTrace").name)
     if trace is None:
         raise ToolError(
@@ -163,8 +166,8 @@ def _profile(frames: Sequence[Frame]) -> Profile:
 
 
 def is_replayed(message: Message) -> bool:
-    """Returns False for messages such as PortStatus, which depend on more than the log contains. The DBC marks them as
-    not replayed."""
+    """Returns False for messages that the DBC marks as not replayed, such as PortStatus. The log does not contain
+    everything on which such a message depends."""
     attribute = message.dbc.attributes.get("Replayed")
     return attribute is None or bool(attribute.value)
 
@@ -287,7 +290,8 @@ class Replay:
             return Difference("wrong CRC, in a frame that the firmware sent or accepted", state.place, recorded)
         lost = messages()[state.sent.id].name
         return Difference(
-            f"in this tick the firmware read a {lost} with counter {state.sent.data[0]}, which is not in the log",
+            f"in this tick the firmware read a {lost} with counter {state.sent.data[0]}, which is not in the log, or "
+            "more frames than a tick can read",
             state.place,
             recorded,
         )

@@ -75,10 +75,10 @@ def read(path: Path = PATH) -> list[Task]:
                 f"expected an unused number other than {CUSTOM_NUMBER}"
             )
         if task.name in {other.name for other in tasks.values()}:
-            raise ToolError(f"{path}: task '{task.name}': the name is used twice")
+            raise ToolError(f"{path}: task '{task.name}': the name is used twice, expected once")
         tasks[task.number] = task
     if not tasks:
-        raise ToolError(f"{path}: no [[task]]")
+        raise ToolError(f"{path}: no [[task]], expected at least one")
     return [tasks[number] for number in sorted(tasks)]
 
 

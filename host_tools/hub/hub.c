@@ -21,8 +21,8 @@ bool hub_init(hub_t *self, const char *bus) {
     return self->epoll_fd >= 0;
 }
 
-/* Calls epoll_ctl(). index: identifies fd in later events; index of a client, or HUB_MAX_CLIENTS plus the index of a
- * listener. */
+/* Calls epoll_ctl(). index: identifies fd in later events. It is the index of a client, or HUB_MAX_CLIENTS plus the
+ * index of a listener. */
 static bool watch(const hub_t *self, int operation, int fd, uint32_t index, uint32_t events) {
     struct epoll_event event = {.events = events, .data.u32 = index};
     return epoll_ctl(self->epoll_fd, operation, fd, &event) == 0;
@@ -55,8 +55,8 @@ static void count(const client_t *client, uint64_t frames, const char *what) {
 
 static void remove_client(client_t *client) {
     count(client, client->refused, "packets or commands were refused in total");
-    count(client, client->silenced, "frames were not forwarded, because it may only listen");
-    count(client, client->left_out, "frames were left out, because its protocol cannot carry them");
+    count(client, client->silenced, "frames were not forwarded, because this client may only listen");
+    count(client, client->left_out, "frames were left out, because the client's protocol cannot carry them");
     (void)close(client->fd); /* also removes it from epoll */
     free(client->session);
     client->endpoint = NULL;
@@ -69,8 +69,10 @@ client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool m
     }
     void *session = index < HUB_MAX_CLIENTS ? calloc(1, endpoint->session_bytes + 1) : NULL;
     if (session == NULL || !watch(self, EPOLL_CTL_ADD, fd, index, EPOLLIN)) {
-        (void)fprintf(stderr, "comanip-hub: %s client rejected: expected at most %d clients\n", endpoint->name,
-                      HUB_MAX_CLIENTS);
+        (void)fprintf(stderr,
+                      "comanip-hub: %s client rejected: either %d clients, the maximum, are connected, or memory or "
+                      "epoll watches are exhausted; disconnect other clients and try again\n",
+                      endpoint->name, HUB_MAX_CLIENTS);
         free(session);
         (void)close(fd);
         return NULL;

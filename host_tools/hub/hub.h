@@ -17,15 +17,15 @@ typedef struct client client_t;
 
 typedef enum {
     CLIENT_GOES_ON,
-    CLIENT_IS_FULL, /* writing would block: try again when the socket has room */
+    CLIENT_IS_FULL, /* the socket has no room: the hub tries again when there is room */
     CLIENT_IS_GONE,
 } client_result_t;
 
 /* A kind of client. None of the functions blocks. */
 typedef struct {
     const char *name;
-    /* Called for a new client, to which no frames are sent until the endpoint sets is_listening. If greet is
-     * NULL, frames are sent from the start. */
+    /* Called for a new client. The hub sends no frames to this client until the endpoint sets is_listening. If greet is
+     * NULL, the hub sends frames from the start. */
     client_result_t (*greet)(const client_t *client);
     client_result_t (*read)(hub_t *hub, client_t *client);
     /* Sends the frames from client->position on, up to the journal's end at most, and advances client->position. */
@@ -66,12 +66,12 @@ struct hub {
  */
 bool hub_init(hub_t *self, const char *bus);
 
-/* Accepts clients from the non-blocking listen_fd, which the hub owns from now on. Returns false if there are already
- * HUB_MAX_LISTENERS. */
+/* Adds a listening, non-blocking socket, from which the hub accepts clients. The hub closes the socket at the end.
+ * Returns false if there are already HUB_MAX_LISTENERS, or if epoll refuses the socket. */
 bool hub_listen(hub_t *self, int listen_fd, const endpoint_t *endpoint, bool may_send);
 
-/* Adds a client with a connected, non-blocking socket. If there are already HUB_MAX_CLIENTS, prints a message, closes
- * the socket and returns NULL. Also returns NULL if the client has already disconnected. */
+/* Adds a client with a connected, non-blocking socket. If there are already HUB_MAX_CLIENTS or memory is exhausted,
+ * prints a message, closes the socket and returns NULL. Also returns NULL if the client has already disconnected. */
 client_t *hub_add_client(hub_t *self, int fd, const endpoint_t *endpoint, bool may_send);
 
 /* Accepts the clients that are waiting. Endpoints call this after reading packets and before hub_receive(), so that a

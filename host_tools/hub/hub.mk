@@ -34,7 +34,7 @@ $(WITH_CAN): host_tools/shim/with-can
 hub: build ## run a CAN bus without CAN in the kernel, for processes on this machine (CAN=vcan0), until Ctrl-C
 	@$(HUB) --bus "$(CAN_BUS)" $(ARGS)
 
-candump: build ## print live traffic of CAN=vcan0, the kernel's interface or else the hub; ARGS for candump
+candump: build ## print live traffic of CAN=vcan0 (the kernel's interface, else the hub); ARGS go to candump
 	@host_tools/hub/candump.sh "$(WITH_CAN)" "$(CAN_BUS)" $(ARGS)
 
 test-hub-load: build $(VENV)/.installed-tests ## load the hub: 20,000 frames/s for a minute, four listeners, one stalled
@@ -50,7 +50,7 @@ $(BUILD)/fuzz/%: tests/fuzz/%.c tests/fuzz/fuzz_hub.c $(HUB_SOURCES) $(wildcard 
 	$(Q)clang $(HUB_CFLAGS) -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all $< tests/fuzz/fuzz_hub.c \
 	    $(filter-out %/main.c,$(HUB_SOURCES)) -o $@
 
-# The hub's messages about refused packets are discarded. Messages of the fuzzer and the sanitisers are kept.
+# -close_fd_mask=2 discards the hub's messages about refused packets, but keeps those of fuzzer and sanitisers.
 fuzz-hub: $(FUZZ_PROGRAMS) ## fuzz both interfaces of the hub under ASan and UBSan, FUZZ_SECONDS=600 each
 	@for program in $(FUZZ_PROGRAMS); do \
 	    corpus=$(BUILD)/fuzz/corpus-$$(basename $$program); mkdir -p $$corpus; \

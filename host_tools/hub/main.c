@@ -155,7 +155,7 @@ static void run(hub_t *hub) {
 int main(int argc, char *argv[]) {
     static hub_t hub;
     options_t options;
-    char error[ERROR_BYTES] = "cannot start";
+    char error[ERROR_BYTES] = "cannot start: epoll is not available, or memory or epoll watches are exhausted";
     char folder[HUB_PATH_BYTES], path[HUB_PATH_BYTES], source[HUB_PATH_BYTES], lock_path[HUB_PATH_BYTES];
     const int status = parse_options(&options, argc, argv);
     if (status >= 0) {

@@ -13,8 +13,9 @@
 #include "journal.h"
 
 #define SOCKETCAND_LINE_BYTES 200 /* python-can discards longer lines */
-/* Every line is padded with leading blanks to this size. python-can reads 1024 bytes at a time and prints a warning if
- * this cuts a line in two. The warning would disturb the display of cantools monitor. */
+/* Every line is padded with leading blanks to this size. python-can reads 1024 bytes at a time, which is a multiple of
+ * this size. If a read ended within a line, python-can would print a warning, which would disturb the display of
+ * cantools monitor. */
 #define SOCKETCAND_PADDED_BYTES 256
 #define SOCKETCAND_COMMAND_BYTES 256
 

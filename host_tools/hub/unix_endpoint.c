@@ -76,7 +76,7 @@ static client_result_t write_frames(hub_t *hub, client_t *client) {
         }
         const int sent = count > 0 ? sendmmsg(client->fd, message, count, MSG_DONTWAIT | MSG_NOSIGNAL) : 0;
         if (sent < 0 && errno == EPIPE) {
-            client->is_listening = false; /* the client does not receive; if it has left, read_frames() finds out */
+            client->is_listening = false; /* the client has shut down receiving; read_frames() detects disconnects */
             return CLIENT_GOES_ON;
         }
         if (sent < 0) {

@@ -70,7 +70,7 @@ int can_socket_bind(can_socket_t *self, unsigned index) {
         return -1;
     }
     index = is_any ? interface_only() : index;
-    if (index != 0 || !is_any || !receives_nothing) { /* otherwise, each frame sent names its interface */
+    if (index != 0 || !is_any || !receives_nothing) { /* else no connection is needed: each frame names its interface */
         if (receive_filter_attach(&self->filter, self->fd) != 0 || !connect_to(self->fd, index)) {
             return -1;
         }

@@ -17,7 +17,7 @@ typedef struct {
     bool loopback; /* other sockets on this machine receive the frames that this socket sends */
     bool receives_own;
     receive_filter_t filter;
-    int sender; /* second connection, to send frames to another interface or also to this socket itself; -1: none */
+    int sender; /* second connection, for sending to another interface or for receiving own frames; -1: none */
     unsigned sender_index;
 } can_socket_t;
 
@@ -30,7 +30,8 @@ can_socket_t *can_socket_find(int fd);
 
 void can_socket_forget(can_socket_t *self);
 
-/* Connects the socket to the hub of the interface. index: 0 for the only hub. Returns 0, or -1 with errno. */
+/* Connects the socket to the hub of the interface. index: 0 for any interface. This is possible if exactly one hub
+ * exists, or if the socket's filter passes no frames, so that the socket only sends. Returns 0, or -1 with errno. */
 int can_socket_bind(can_socket_t *self, unsigned index);
 
 /* Returns the descriptor through which a frame must be sent to the interface, or -1 with errno. index: 0 for the

@@ -10,7 +10,7 @@
 typedef struct {
     struct can_filter filter[CAN_RAW_FILTER_MAX];
     int count;             /* 0: no data frames pass */
-    bool join;             /* a frame must match all filters; false: at least one */
+    bool join;             /* true: a frame must match all filters; false: at least one */
     bool fd_frames;        /* CAN FD frames may pass as well */
     can_err_mask_t errors; /* classes of error frames that pass */
 } receive_filter_t;

@@ -24,7 +24,7 @@ typedef struct {
     uint64_t frames;
     uint64_t dropped; /* frames rejected because a queue was full */
     int64_t busy_ns;
-    double load_percent_peak; /* highest load in any window of 10 ms */
+    double load_percent_peak; /* highest load in any of the consecutive windows of 10 ms */
 } bus_statistics_t;
 
 typedef struct bus bus_t;
@@ -51,8 +51,8 @@ bool bus_send(bus_t *self, int node, const can_frame_t *frame, int64_t ready_ns)
  * call. */
 void bus_run_until(bus_t *self, int64_t time_ns);
 
-/* Returns the reading, at time 0, of the clock that stamps the log. At time 0, the firmware's clock has the same
- * reading modulo 2^32 us. Returns 0 in virtual time. */
+/* Returns the time [ns] that the log's clock shows at time 0 of the simulation. The firmware's clock then shows the
+ * same time, modulo 2^32 us. Returns 0 in virtual time. */
 int64_t bus_epoch_ns(const bus_t *self);
 
 bus_statistics_t bus_statistics(const bus_t *self);

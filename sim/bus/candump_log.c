@@ -1,5 +1,5 @@
-/* Writes a log in the format of `candump -L`. Lines are formatted by hand because, at 7 frames per simulated ms, printf
- * would be the most expensive part of the simulator. */
+/* Writes a log in the format of `candump -L`. Lines are formatted without printf(): at 7 frames per simulated ms,
+ * printf() would take more time than any other part of the simulator. */
 #include "candump_log.h"
 
 #include <errno.h>

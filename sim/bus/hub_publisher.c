@@ -64,7 +64,8 @@ static bool start_hub(hub_publisher_t *self, const char *bus, char error[], size
         }
         if (waitpid(self->hub, NULL, WNOHANG) == self->hub) {
             self->hub = 0;
-            (void)snprintf(error, error_size, "hub %s: %s did not start", bus, program);
+            (void)snprintf(error, error_size,
+                           "hub %s: %s could not be started or ended at once; `make build` builds it", bus, program);
             return false;
         }
         const struct timespec pause = {.tv_nsec = START_TRY_NS};
@@ -100,7 +101,7 @@ void hub_publisher_send(void *context, const can_frame_t *frame, int64_t end_ns)
     if (!send_with_timeout(self->fd, &packet, frame->fd ? CANFD_MTU : CAN_MTU)) {
         (void)fprintf(stderr,
                       "comanip-sim: at %.3f s of simulated time, the hub closed the connection or stopped responding; "
-                      "the run continues without it\n",
+                      "the run continues without the hub\n",
                       (double)end_ns * 1e-9);
         (void)close(self->fd);
         self->fd = -1;

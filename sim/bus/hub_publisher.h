@@ -1,5 +1,5 @@
 /* Publishes each frame of the simulated bus on a hub as soon as it has been sent. Never receives. If the hub stops
- * responding, the run waits for it once, for at most SEND_TIMEOUT_MS, and then continues without it. */
+ * responding, the run waits once, for at most 1 s, and then continues without the hub. */
 #ifndef COMANIP_SIM_HUB_PUBLISHER_H
 #define COMANIP_SIM_HUB_PUBLISHER_H
 

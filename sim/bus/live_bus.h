@@ -3,10 +3,10 @@
  * live_bus.c in place of bus.c.
  *
  * Time is wall time since live_bus_start(), divided by the time scale. bus_run_until() returns at the given time and,
- * until then, delivers each frame as it arrives. The nodes' own frames are delivered when the bus echoes them, in bus
- * order and with the kernel's timestamps; a hub does not echo, so on a hub they are delivered when they are sent. A run
- * that falls behind catches up tick by tick and counts the late ticks; if it falls more than 200 ms behind, its clock
- * is set back instead. */
+ * until then, delivers each frame as it arrives. The kernel echoes the nodes' own frames, which are then delivered in
+ * bus order and with the kernel's timestamps. A hub does not echo them, so they are delivered when they are sent. A run
+ * that is late catches up tick by tick, and counts the ticks that are more than one tick late. If the run is more than
+ * 200 ms late, its clock is set back instead. */
 #ifndef COMANIP_SIM_LIVE_BUS_H
 #define COMANIP_SIM_LIVE_BUS_H
 
@@ -16,7 +16,7 @@
 #include "bus.h"
 
 typedef struct {
-    uint32_t slow;
+    uint32_t slow;       /* time scale */
     uint64_t overruns;   /* ticks that ended more than one tick late */
     int64_t late_max_ns; /* largest lateness, measured on the run's clock */
     int64_t set_back_ns; /* total by which the run's clock was set back */

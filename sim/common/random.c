@@ -36,7 +36,7 @@ double random_gaussian(random_t *self) {
         return self->spare;
     }
     const double two_pi = 6.283185307179586;
-    const double radius = sqrt(-2.0 * log(1.0 - random_uniform(self))); /* 1 - u is never 0 */
+    const double radius = sqrt(-2.0 * log(1.0 - random_uniform(self))); /* 1 - random_uniform() is never 0 */
     const double angle = two_pi * random_uniform(self);
     self->has_spare = true;
     self->spare = radius * sin(angle);

@@ -57,7 +57,7 @@ void rotation_from_vector(const double v_rad[3], double rotation[4]) {
 void rotation_from_matrix(const double matrix[3][3], double rotation[4]) {
     const double trace = matrix[0][0] + matrix[1][1] + matrix[2][2];
     int largest = 0;
-    double largest_value = trace; /* trace = 4 w^2 - 1, 2 r_ii - trace = 4 q_i^2 - 1 */
+    double largest_value = trace; /* trace = 4 w^2 - 1, and 2 r_ii - trace = 4 q_i^2 - 1 for q_1, q_2, q_3 = x, y, z */
     for (int i = 0; i < 3; i++) {
         const double value = 2.0 * matrix[i][i] - trace;
         if (value > largest_value) {

@@ -52,7 +52,9 @@ static bool check_held(const scenario_t *self, char error[], size_t error_size) 
             continue;
         }
         if (held != NULL) {
-            (void)snprintf(error, error_size, "%s: objects.%s.held_by 'robot': expected one held object; %s is another",
+            (void)snprintf(error, error_size,
+                           "%s: objects.%s.held_by 'robot': expected at most one such object; %s is also held by the "
+                           "robot",
                            self->path, object->name, held->name);
             return false;
         }

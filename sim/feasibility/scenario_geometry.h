@@ -1,6 +1,6 @@
-/* Checks whether the scene is physically possible, which cannot be judged from any single key. Each check returns false
- * on failure, with one line in `error`. After the seed has varied a scenario, the scenario must be checked again; error
- * messages then show the varied values. */
+/* Checks whether the scene is physically possible, which no single key of the scenario file can show. Each check
+ * returns false on failure, with one line in `error`. After the seed has varied a scenario, the scenario must be
+ * checked again; error messages then show the varied values. */
 #ifndef COMANIP_SIM_SCENARIO_GEOMETRY_H
 #define COMANIP_SIM_SCENARIO_GEOMETRY_H
 
@@ -11,8 +11,8 @@
  * before the scene of the run is created. */
 bool scenario_check_geometry(const scenario_t *self, char error[], size_t error_size);
 
-/* Checks that the water stays in the robot's cup while it settles. The check is slow and independent of the seed, so
- * one call is enough. */
+/* Checks that the water stays in the robot's cup while the water settles. The check is slow and independent of the
+ * seed, so one call is enough. */
 bool scenario_check_water(const scenario_t *self, char error[], size_t error_size);
 
 /* Checks that no program moves a hand faster or farther than a person can. A move to an object is not checked, because
@@ -20,7 +20,7 @@ bool scenario_check_water(const scenario_t *self, char error[], size_t error_siz
 bool scenario_check_motion(const scenario_t *self, char error[], size_t error_size);
 
 /* Checks that at the start no object, cup, person or part of the robot is inside another. Objects may overlap hands,
- * forearms and the gripper, ready to be gripped (scenario_overlap.c). */
+ * forearms and the gripper, so that they can be gripped (scenario_overlap.c). */
 bool scenario_check_overlap(const scenario_t *self, char error[], size_t error_size);
 
 #endif

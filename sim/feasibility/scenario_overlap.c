@@ -18,7 +18,7 @@ typedef enum {
     SOLID_ROBOT_CUP,
     SOLID_PERSON_CUP,
     SOLID_PERSON,    /* a person's hand and forearm */
-    SOLID_FOREARM,   /* the robot's forearm and gripper; objects may overlap them, ready to be gripped */
+    SOLID_FOREARM,   /* the robot's forearm and gripper; objects may overlap them, so that they can be gripped */
     SOLID_UPPER_ARM, /* the robot's upper arm and shoulder */
     SOLID_BODY,      /* the robot's torso and head */
 } solid_kind_t;

@@ -25,7 +25,7 @@ static bool check_volume(const scenario_t *self, char error[], size_t error_size
     return true;
 }
 
-/* Checks that no water spills while it settles. Even water that check_volume() accepts may overflow, because the
+/* Checks that no water spills while the water settles. Even water that check_volume() accepts may overflow, because the
  * particles heap up and the cup may be tilted. */
 static bool check_settled(const scenario_t *self, char error[], size_t error_size) {
     events_t events = self->events;
@@ -35,7 +35,7 @@ static bool check_settled(const scenario_t *self, char error[], size_t error_siz
     if (!stays) {
         (void)snprintf(
             error, error_size,
-            "%s: water.particles '%d': expected fewer, or an upright cup; some spill over its rim at the start",
+            "%s: water.particles '%d': expected fewer, or an upright cup; some spill over the rim while they settle",
             self->path, self->water.particles);
     }
     return stays;

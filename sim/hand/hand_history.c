@@ -6,7 +6,7 @@
 
 typedef struct {
     int64_t time_ns;
-    rigid_pose_t pose; /* of q and -q, the quaternion is the one closer to the previous entry */
+    rigid_pose_t pose; /* its quaternion is the one of q and -q that is closer to the previous entry's */
     bool visible;
 } entry_t;
 

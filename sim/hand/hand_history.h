@@ -8,7 +8,7 @@
 
 #include "../common/rigid_pose.h"
 
-#define HAND_HISTORY_POSES 602 /* 0.6 s of 1 ms ticks, more than the tracker's largest latency */
+#define HAND_HISTORY_POSES 602 /* 0.6 s of 1 ms ticks, more than the tracker's largest latency, 0.5 s */
 
 typedef struct hand_history hand_history_t;
 

@@ -6,7 +6,7 @@
 #include "../common/rigid_pose.h"
 
 typedef struct {
-    rigid_pose_t from, to; /* the sign of the quaternion of `to` is the one closer to the quaternion of `from` */
+    rigid_pose_t from, to; /* the quaternion of `to` is the one of q and -q that is closer to that of `from` */
     double bow_m[3];       /* offset of the path's midpoint from the straight line */
     double begin_s, duration_s;
 } hand_path_t;

@@ -23,8 +23,8 @@ double playback_duration_s(const playback_t *self) {
     return self->until_s - self->from_s;
 }
 
-/* Scales the angle of a rotation. The angle runs from 0 to 2 pi without a jump at pi, because the quaternion signs of a
- * recording are continuous. */
+/* Scales the angle of a rotation. The angle is between 0 and 2 pi and does not jump at pi, because the quaternion signs
+ * of a recording are continuous. */
 static void scale_rotation(const double rotation[4], double scale, double scaled[4]) {
     const double sine = sqrt(rotation[1] * rotation[1] + rotation[2] * rotation[2] + rotation[3] * rotation[3]);
     const double angle = 2.0 * atan2(sine, rotation[0]);

@@ -14,7 +14,7 @@ typedef struct {
     rigid_pose_t first; /* pose of the recording at from_s */
 } playback_t;
 
-/* The motion must outlive self. If until_s is 0, the recording is played to its end. */
+/* `motion` must outlive self. If until_s is 0, the recording is played to its end. */
 void playback_init(playback_t *self, const recorded_motion_t *motion, double from_s, double until_s,
                    double position_scale, double rotation_scale);
 

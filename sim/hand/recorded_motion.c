@@ -6,7 +6,7 @@
 
 #include "recording.h"
 
-#define GAP_FACTOR 1.5 /* times the median interval */
+#define GAP_FACTOR 1.5 /* an interval longer than this factor times the median is a gap */
 #define DESCRIPTION_BYTES 512
 
 struct recorded_motion {
@@ -69,7 +69,7 @@ recorded_motion_t *recorded_motion_create(const char *path, const char *axes, ch
     double matrix[3][3];
     if (!parse_axes(axes, matrix)) {
         (void)snprintf(error, error_size,
-                       "axes '%.20s': expected the recorder axes of the torso's x, y and z, right-handed, "
+                       "axes '%.20s': expected the recorder's axes that become the torso's x, y and z, right-handed, "
                        "for example xyz or -yxz",
                        axes);
         return NULL;

@@ -1,4 +1,4 @@
-/* Reads a recorded motion. The text is not trusted: every number is checked before it is used. */
+/* Reads a recorded motion. The file may contain anything, so every number is checked before it is used. */
 #include "recording.h"
 
 #include <ctype.h>
@@ -203,7 +203,7 @@ static bool read_samples(reader_t *self, recording_t *recording) {
     double first_time_s = 0.0;
     double before_time_s = 0.0;
     size_t capacity = 0;
-    size_t blank_line = 0; /* the first blank line; blank lines may only be at the end */
+    size_t blank_line = 0; /* number of the first blank line; 0: none. Blank lines are allowed only at the end */
     line_status_t status;
     while ((status = read_line(self)) == LINE_READ) {
         if (self->text[0] == '\0') {

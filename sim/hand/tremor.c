@@ -12,7 +12,7 @@
 void tremor_init(tremor_t *self, double rms_m, uint64_t seed, const char *name) {
     random_t random;
     random_init(&random, seed, name);
-    /* each of 3 x TREMOR_SINES sines adds amplitude^2 / 2 to the mean square */
+    /* each of the 3 * TREMOR_SINES sines adds amplitude^2 / 2 to the mean square */
     self->amplitude_m = rms_m * sqrt(2.0 / (3.0 * TREMOR_SINES));
     const double band_hz = (HIGHEST_HZ - LOWEST_HZ) / TREMOR_SINES; /* one sine per sub-band, to avoid slow beats */
     for (int axis = 0; axis < 3; axis++) {

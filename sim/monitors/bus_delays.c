@@ -3,7 +3,7 @@
 #include <math.h>
 
 #define MS_PER_US 1e-3
-#define LONGEST_US 8000 /* two control periods on classic CAN; a longer delay means that the command was lost */
+#define LONGEST_US 8000 /* two control periods on classic CAN; a longer delay: command and trace of different ticks */
 
 void bus_delays_pose(bus_delays_t *self, const hand_pose_t *pose, uint32_t tracker_us) {
     self->poses++;

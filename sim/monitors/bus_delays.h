@@ -10,7 +10,7 @@
 
 typedef struct {
     uint64_t poses, commands;
-    double pose_age_us; /* sum of the times from the stamp of a HandPose to the end of its frame */
+    double pose_age_us; /* sum of the times from the time stamp of a HandPose to the end of its frame */
     double command_us;  /* sum of the times from the firmware's tick to the end of its JointCmd */
     bool has_latency;
     double reported_latency_us; /* time from measurement to frame, as reported in TrackerStatus */

@@ -24,7 +24,7 @@ typedef struct {
  *
  * Without `from`, a window begins with the first tick in cooperation. Without `until`, the window covers only ticks in
  * cooperation or hold, so it ends when the operator stops the arm. If the measure applies to the whole run, a missing
- * limit defaults to the start or the end of the run. */
+ * `from` stands for the start of the run, and a missing `until` for its end. */
 bool check_window_contains(check_window_t *self, const scenario_check_t *check, double t_s, control_mode_t mode,
                            const events_t *events);
 

@@ -35,8 +35,8 @@ void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], con
     }
 }
 
-/* Returns the minimum over k and b of the sum of |fitted - R k - b|^2. Eliminating b = mean(fitted - R k) leaves three
- * equations for k. */
+/* Returns the minimum over k and b of the sum of |fitted - R k - b|^2, where fitted = follower - s h. Eliminating
+ * b = mean(fitted - R k) leaves three linear equations for k. */
 static double residual_m2(const delay_fit_t *self, const delay_sums_t *sums, size_t follower) {
     const double count = (double)self->samples;
     const double *fitted_m = sums->follower[follower].fitted_m;

@@ -2,10 +2,11 @@
  * with the smallest least-squares residual.
  *
  * Between two commands of the operator, Algorithm 1 maps the hand's position h and rotation R to the target s h + R k +
- * b, where the constants k and b follow from the start poses and the task. If the task mirrors, twice the forward
- * displacement is subtracted along the target's z axis. For each delay d of a grid, R(t - d) k + b is therefore
- * fitted to follower(t) - s h(t - d). The residual, summed over all intervals between commands, is smallest at the true
- * delay. The constants need not be known, and the fit does not depend on the firmware's arithmetic. */
+ * b. Here s is the motion scale, and the constants k and b follow from the start poses and the task. If the task
+ * mirrors, twice the hand's forward displacement times s is subtracted along the target's z axis. A follower is the
+ * target or the end effector. For each delay d of a grid, k and b are chosen so that R(t - d) k + b fits follower(t) -
+ * s h(t - d) best. The residual, summed over all intervals between commands, is smallest at the true delay. The
+ * constants need not be known, and the fit does not depend on the firmware's arithmetic. */
 #ifndef COMANIP_SIM_DELAY_FIT_H
 #define COMANIP_SIM_DELAY_FIT_H
 
@@ -41,14 +42,16 @@ typedef struct {
     double residual_m2[DELAY_COUNT][DELAY_FOLLOWERS]; /* residuals of all earlier intervals */
 } delay_fit_t;
 
-/* Adds a sample. follower_m: positions at t; hand[n]: the hand at t - (DELAY_FIRST_TICKS + n DELAY_STEP_TICKS). */
+/* Adds a sample of tick t. follower_m: positions of the followers in tick t. hand[n]: the hand in tick
+ * t - (DELAY_FIRST_TICKS + n DELAY_STEP_TICKS). */
 void delay_fit_add(delay_fit_t *self, double follower_m[DELAY_FOLLOWERS][3], const delay_hand_t *hand[DELAY_COUNT]);
 
-/* Ends the current interval, because a command of the operator has changed the constants. */
+/* Ends the current interval. Call it when a command of the operator changes the constants, and at the end of the
+ * run. */
 void delay_fit_end_stretch(delay_fit_t *self);
 
-/* Returns the delay [ms]; NaN if it is at a limit of the grid or there are no samples. Call delay_fit_end_stretch()
- * first. */
+/* Returns the delay [ms]; NaN if the best delay is the first or the last of the grid, or if there are no samples. Call
+ * delay_fit_end_stretch() first. */
 double delay_fit_ms(const delay_fit_t *self, delay_follower_t follower);
 
 #endif

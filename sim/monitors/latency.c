@@ -60,9 +60,9 @@ static bool moves(latency_t *self, uint64_t tick) {
     return moved_m > LATENCY_MOVES_MPS * LATENCY_MEAN_TICKS * TICK_S;
 }
 
-/* Adds a sample of the tick that was -DELAY_FIRST_TICKS ticks ago. This tick is also compared with later hand poses,
- * because a follower may be ahead of the hand. Skips the tick unless all hand poses to be compared belong to the
- * current interval. */
+/* Adds a sample of the tick that was -DELAY_FIRST_TICKS ticks ago. The followers in that tick are compared with earlier
+ * and later hand poses, because a follower may also be ahead of the hand. Skips the tick unless all these hand poses
+ * belong to the current interval. */
 static void add_sample(latency_t *self) {
     const uint64_t tick = self->ticks - EARLY_TICKS;
     if (self->ticks < self->stretch_from + DELAY_LAST_TICKS + EARLY_TICKS ||

@@ -10,7 +10,7 @@
 #define LATENCY_MOVES_MPS 0.02 /* mean speed over LATENCY_MEAN_TICKS that counts as motion; tremor averages out */
 #define LATENCY_MEAN_TICKS 200
 #define LATENCY_NEEDED_S 1.0
-#define LATENCY_PAST_TICKS 512 /* a power of two above DELAY_LAST_TICKS - DELAY_FIRST_TICKS + LATENCY_MEAN_TICKS / 2 */
+#define LATENCY_PAST_TICKS 512 /* more than DELAY_LAST_TICKS - DELAY_FIRST_TICKS, the age of the oldest pose needed */
 #define LATENCY_SAMPLE_TICKS 4
 
 /* The record of one tick. */
@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
     latency_tick_t past[LATENCY_PAST_TICKS]; /* ring buffer, indexed by tick number */
     uint64_t ticks;
-    uint64_t stretch_from; /* last tick without cooperation, with a new command or during a blend */
+    uint64_t stretch_from; /* last tick without cooperation, with a new command, or during a blend of tasks */
     int64_t settled_ns;
     int64_t target_ns; /* time of the last target received */
     double forward_m;  /* x position of the hand at stretch_from, the origin of mirroring */
@@ -42,8 +42,8 @@ typedef struct {
 void latency_init(latency_t *self);
 
 /* Adds a finished tick. hand: the tracked person's hand in ODE at the start of the tick. gain: displacement of the end
- * effector per displacement of the hand, for each axis. settled_ns: as in observer_t. followable: whether the arm could
- * follow. */
+ * effector per displacement of the hand, for each axis. settled_ns: as in observer_t. followable: true if the arm could
+ * follow the target (tracking_is_followable()). */
 void latency_sample(latency_t *self, const tick_record_t *tick, const rigid_pose_t *hand, const double gain[3],
                     int64_t settled_ns, bool followable);
 

@@ -28,7 +28,7 @@ void limit_monitor_undecodable(limit_monitor_t *self, int64_t end_ns) {
     }
 }
 
-/* Returns the number of ticks since the last command. The time is rounded to whole ticks, which is exact, because
+/* Returns the number of ticks since the last command. The time is rounded to whole ticks. The result is exact, because
  * frames jitter by less than half a tick. */
 static double ticks_since_last(const limit_monitor_t *self, int64_t end_ns) {
     const double ticks = nearbyint((double)(end_ns - self->last_ns) / TICK_NS);

@@ -24,7 +24,8 @@ typedef struct {
 void limit_monitor_init(limit_monitor_t *self);
 
 /* Checks a command against the current parameters speed_fraction and acceleration_limit_radps2. After speed_fraction is
- * reduced, a joint may take as long to brake to the new speed as its acceleration and jerk limits require. */
+ * reduced, a joint may exceed the new speed limit for as long as it needs to brake within its acceleration and jerk
+ * limits. */
 void limit_monitor_command(limit_monitor_t *self, const joint_cmd_t *command, int64_t end_ns, double speed_fraction,
                            double acceleration_max_radps2);
 

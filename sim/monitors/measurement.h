@@ -39,11 +39,11 @@ void measurement_sample(measurement_t *self, const scenario_check_t *check, cons
 /* Returns true if the window was complete and enough of its ticks have a measured value. */
 bool measurement_is_valid(const measurement_t *self, const scenario_check_t *check);
 
-/* Returns the measured value, which is meaningful only if measurement_is_valid(). */
+/* Returns the measured value. Call it only if measurement_is_valid() returns true. */
 double measurement_value(const measurement_t *self, const scenario_check_t *check);
 
-/* Returns the RMS angle between end effector and target, which MEASURE_FOLLOWING_RMS does not check; NaN for other
- * measures. */
+/* Returns the RMS angle between end effector and target for MEASURE_FOLLOWING_RMS; NaN for other measures. This angle
+ * is only reported: the check limits the distance alone. */
 double measurement_orientation_rest_deg(const measurement_t *self, const scenario_check_t *check);
 
 #endif

@@ -12,7 +12,7 @@
 #define DAMPING_MAX 1e3
 #define STEP_MIN_RAD 1e-6
 #define GRID_STARTS 8
-#define FAR_RESERVE 0.1 /* for a target far out of reach, the error of the search as a share of its result */
+#define FAR_RESERVE 0.1 /* assumed largest error of a distance that the search found, as a share of this distance */
 
 typedef struct {
     double position_rad[ROBOT_JOINTS];

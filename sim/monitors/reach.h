@@ -1,5 +1,5 @@
-/* Tests whether the arm can reach a position, with the manual's kinematics in double precision and without the
- * firmware. */
+/* Tests whether the arm can reach a position. Uses the kinematics of the robot's manual in double precision, and no
+ * code of the firmware. */
 #ifndef COMANIP_SIM_REACH_H
 #define COMANIP_SIM_REACH_H
 

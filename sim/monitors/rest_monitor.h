@@ -19,7 +19,7 @@
 #define REST_HAND_M 0.002 /* a drift of this size over 2.5 s causes joint speeds of at most about 6 mrad/s */
 #define REST_HAND_RAD (0.5 * ROBOT_RAD_PER_DEG)
 #define REST_BLOCK_TICKS 100 /* averaging time of the hand, about one period of tremor */
-#define REST_UNSTILL_S 1.0   /* a hand that moved within this time before the end of a commanded rest was disturbed */
+#define REST_UNSTILL_S 1.0   /* a hand that moved in this last part of a commanded rest counts as disturbed */
 
 typedef struct {
     int64_t commanded_ns; /* start of the period in which neither person nor operator commands motion */

@@ -10,7 +10,7 @@
  *   the holder of the object raises. An object that slips out and then falls counts twice.
  * - carried_for is the total time in which both robot and person hold the object.
  * - Forces are magnitudes, measured in ticks in which the person holds the object.
- * - settled_position and following_rms are not measured if less than half of the window's ticks have a target. */
+ * - settled_position and following_rms are not measured if fewer than half of the window's ticks have a target. */
 #ifndef COMANIP_SIM_SCENARIO_MONITOR_H
 #define COMANIP_SIM_SCENARIO_MONITOR_H
 

@@ -6,7 +6,7 @@
 #include "../bus/endpoint.h"
 
 #define PULSES_PER_RAD (ROBOT_PULSES_PER_DEGREE / ROBOT_RAD_PER_DEG)
-#define VELOCITY_WINDOW 8 /* samples per velocity estimate, for a resolution of 10 mrad/s */
+#define VELOCITY_WINDOW 8 /* samples per velocity estimate; at 1 kHz, the resolution is about 12 mrad/s */
 #define TEMPERATURE_DEGC 35
 #define NS_PER_S 1e9
 
@@ -32,8 +32,8 @@ struct drive_node {
     int64_t command_ns;
 };
 
-/* Returns the encoder reading in whole pulses, with the sign of the joint angle. The manual's counting directions,
- * + + - -, are not modelled: they are internal to the drive, and the bus carries radians. */
+/* Returns the encoder reading in whole pulses, with the sign of the joint angle. The manual's counting directions
+ * (+ + - -) are not modelled, because they are internal to the drives: the bus carries radians. */
 static double encoder_pulses(const drive_node_t *self, int joint) {
     return nearbyint(arm_plant_position_rad(self->plant, joint) * PULSES_PER_RAD);
 }

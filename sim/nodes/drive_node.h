@@ -1,11 +1,12 @@
 /* The arm's drives as a node on the bus: one velocity servo with encoder, brake and command watchdog per joint.
  *
- * Each valid JointCmd acts as SYNC: all drives latch their command, sample their encoder and answer with one JointState
- * each. In velocity mode the commanded velocity passes through a first-order lag, which models the current and velocity
- * loops; the motor follows the lagged velocity with limited torque. In brake mode the joint is held. If no JointCmd
- * arrives within the timeout, the drives brake and report DRIVE_ERROR_COMMAND_TIMEOUT at the period of JointState until
- * the next JointCmd. Before the first JointCmd the drives brake, report no error and send nothing. While the enable
- * line is off, the drives brake, whatever is commanded; this is not reported as an error. */
+ * Each valid JointCmd acts like a SYNC message of CANopen: all drives latch their command, sample their encoder and
+ * answer with one JointState each. In velocity mode the commanded velocity passes through a first-order lag, which
+ * models the current and velocity loops; the motor follows the lagged velocity with limited torque. In brake mode the
+ * joint is held. If no JointCmd arrives within the timeout, the drives brake and report DRIVE_ERROR_COMMAND_TIMEOUT at
+ * the period of JointState until the next JointCmd. Before the first JointCmd the drives brake, report no error and
+ * send nothing. While the enable line is off, the drives brake, whatever is commanded; this is not reported as an
+ * error. */
 #ifndef COMANIP_SIM_DRIVE_NODE_H
 #define COMANIP_SIM_DRIVE_NODE_H
 

@@ -7,7 +7,7 @@
 
 #define NS_PER_MS 1000000
 #define RESPONSE_NS 20000  /* time from the end of GripperCommand until its answer is ready to be sent */
-#define END_OF_STROKE 1e-3 /* share of the stroke: an end closer than this counts as reached */
+#define END_OF_STROKE 1e-3 /* share of the stroke; closer than this to an end, the gripper counts as open or closed */
 #define FORCE_MAX_N 6500.0 /* limit of the reported force; the frame carries up to 6553.5 N */
 
 struct gripper_node {

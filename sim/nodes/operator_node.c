@@ -12,7 +12,7 @@
 
 #define TEXT_BYTES 160
 #define REFUSAL_BYTES 420  /* room for ten parameters with their values */
-#define NAMING_NS 10000000 /* timeout for the next rejected parameter; the firmware reports one per tick (up to 4 ms) */
+#define NAMING_NS 10000000 /* timeout for the next parameter of an unstable set; the firmware sends one per tick */
 #define CLOSING_STEPS 2
 #define LISTENS_TO                                                                                                     \
     (ENDPOINT_KIND(FRAME_FIRMWARE_STATUS) | ENDPOINT_KIND(FRAME_COMMAND_ACK) | ENDPOINT_KIND(FRAME_PARAMETER_VALUE) |  \
@@ -25,7 +25,7 @@ struct operator_node {
     size_t script_count;
     size_t current;
     int64_t ready_ns;   /* end of the previous step */
-    bool stops;         /* the script has ended or was stopped */
+    bool stops;         /* operator_node_stop() has been called */
     int send_count;     /* how many times the current step's frame has been sent */
     int64_t due_ns;     /* when the current step became due; valid if `begun` */
     int64_t timeout_ns; /* when to send again */
@@ -37,7 +37,7 @@ struct operator_node {
     bool latched;
     task_form_t custom_form;      /* form of the task defined last */
     char refusal[REFUSAL_BYTES];  /* text of the refusal; "": none */
-    int64_t refusal_ns, named_ns; /* arrival times of the refusal and of the last parameter named */
+    int64_t refusal_ns, named_ns; /* arrival times of the refusal and of the last parameter that was added to it */
     bool failed;
     char failure[REFUSAL_BYTES + 2 * TEXT_BYTES];
 };
@@ -106,8 +106,8 @@ static void on_result(operator_node_t *self, uint8_t sequence, result_t result, 
     }
 }
 
-/* If a refusal has arrived, appends the parameter of this frame, one of those that make the parameter set unstable, to
- * the text of the refusal. */
+/* After the firmware has refused an unstable set of parameters, it sends one frame for each parameter that is involved.
+ * Appends this frame's parameter to the text of the refusal. Ignores all other frames. */
 static void add_to_refusal(operator_node_t *self, const parameter_value_t *value, int64_t now_ns) {
     if (self->refusal[0] == '\0' || value->sequence != self->sequence || value->result != RESULT_PARAMETERS_UNSTABLE ||
         value->parameter >= PARAMETER_COUNT) {
@@ -210,7 +210,7 @@ static void send_step(operator_node_t *self, int64_t ready_ns) {
     }
     can_frame_t frame;
     if (pack_step(step, self->sequence, &frame) != PROTOCOL_OK) {
-        fail(self, ready_ns, "the value does not fit the frame");
+        fail(self, ready_ns, "a value is outside the range of its CAN signal");
         return;
     }
     endpoint_send(&self->endpoint, &frame, ready_ns); /* if a full queue drops the frame, no answer arrives */

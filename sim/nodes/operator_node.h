@@ -61,7 +61,7 @@ bool operator_node_script_done(const operator_node_t *self);
  * "operator is done". */
 void operator_node_describe(const operator_node_t *self, char text[], size_t size);
 
-/* Returns true if the script and the closing stop are done. */
+/* Returns true if the script is done and the arm has been stopped after it. */
 bool operator_node_finished(const operator_node_t *self);
 
 /* Returns true if the active task mirrors the person's motion along the torso's x axis. The latch command

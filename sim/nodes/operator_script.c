@@ -80,7 +80,7 @@ size_t operator_script(const scenario_t *scenario, const operator_overrides_t *o
             define_is_due = false;
         }
         count++;
-        if (clutch_is_due && starts(from)) { /* gives way to later steps that are due before clutch_s */
+        if (clutch_is_due && starts(from)) { /* steps of the script that are due before clutch_s are executed first */
             steps[count++] =
                 (operator_step_t){OPERATOR_COMMAND,  .start.at_s = overrides->clutch_s, .in_cooperation = true,
                                   .gives_way = true, .done_event = EVENT_NONE,          .command = COMMAND_CLUTCH};

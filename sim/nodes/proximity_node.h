@@ -1,4 +1,4 @@
-/* The proximity sensor as a node on the bus: sends the measured clearances (Clearance, every 4 ms). */
+/* The proximity sensor as a node on the bus: sends the measured clearances (Clearance). */
 #ifndef COMANIP_SIM_PROXIMITY_NODE_H
 #define COMANIP_SIM_PROXIMITY_NODE_H
 

@@ -12,7 +12,7 @@
 
 struct tracker_node {
     endpoint_t endpoint;
-    float range_m; /* position range of the frame */
+    float range_m; /* largest position coordinate that a HandPose frame can carry */
     const hand_history_t *history;
     tracker_options_t options;
     rigid_pose_t torso_in_tracker;
@@ -33,7 +33,7 @@ void tracker_options_set_defaults(tracker_options_t *options) {
         .noise_position_m = 0.00005,
         .noise_rotation_rad = 0.02 * 3.14159265358979324 / 180.0,
         .mount_translation_m = {0.3, 1.5, 0.2},
-        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* 90 degrees about x, undone by the paper's (9) */
+        .mount_rotation = {half_sqrt2, half_sqrt2, 0.0, 0.0}, /* 90 deg about x; the paper's equation (9) undoes it */
         .seed = 1,
     };
 }

@@ -27,7 +27,7 @@ typedef struct {
     uint64_t samples;      /* samples sent */
     uint64_t lost;         /* samples sent as invalid */
     uint64_t range_errors; /* lost samples whose position was beyond the frame's range */
-    double longest_gap_s;  /* longest time without a valid sample, also before the first valid one or after the last */
+    double longest_gap_s;  /* longest time without a valid sample, which may be before the first or after the last */
 } tracker_statistics_t;
 
 typedef struct tracker_node tracker_node_t;
@@ -40,8 +40,8 @@ void tracker_options_set_defaults(tracker_options_t *options);
  * value and its range. */
 bool tracker_options_check(const tracker_options_t *options, char error[], size_t error_size);
 
-/* The bus and the history must outlive the node; tracker_options_check() must accept the options. Returns
- * NULL if out of memory. */
+/* The bus and the history must outlive the node; tracker_options_check() must accept the options. Returns NULL if out
+ * of memory. */
 tracker_node_t *tracker_node_create(bus_t *bus, const hand_history_t *history, const tracker_options_t *options);
 void tracker_node_destroy(tracker_node_t *self);
 

@@ -248,8 +248,9 @@ static bool parse_value(options_t *self, int option, const char *name, const cha
         self->operator.defines_task = true;
         return option_task(value, &self->operator.task) ||
                wrong(error, name, value,
-                     "FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND: constant or mirrored, m within 8.388, two "
-                     "quaternions of norm 1 within 0.001, s from 0 to 65.535");
+                     "FORM:TX,TY,TZ:QW,QX,QY,QZ:IW,IX,IY,IZ:BLEND: FORM constant or mirrored, a translation with "
+                     "each part from -8.388 to 8.388 m, two quaternions of norm 1 within 0.001, a blend time from 0 to "
+                     "65.535 s");
     case OPTION_SCALE: return set_parameter(self, PARAMETER_MOTION_SCALE, name, value, value, error);
     default: /* OPTION_PARAM */ return parse_parameter(self, value, error);
     }
@@ -274,8 +275,9 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
         case OPTION_REAL_TIME: self->real_time = true; break;
         case OPTION_PAPER_LAW: paper_law = true; break;
         case '?':
-            (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': %s; --help lists them", argv[optind - 1],
-                           optopt >= OPTION_SCENARIO ? "this option takes no value" : "no such option");
+            (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': %s; --help lists all options", argv[optind - 1],
+                           optopt >= OPTION_SCENARIO ? "this option takes no value"
+                                                     : "no such option, or an ambiguous abbreviation");
             return OPTIONS_WRONG;
         case ':':
             (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': expected a value after it", argv[optind - 1]);
@@ -291,7 +293,7 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
         return OPTIONS_WRONG;
     }
     if (self->axes != NULL && self->tracker_path == NULL && self->second_path == NULL) {
-        (void)wrong(error, "axes", self->axes, "a recording to apply it to: --tracker FILE.csv");
+        (void)wrong(error, "axes", self->axes, "a recording with these axes: --tracker or --tracker-second FILE.csv");
         return OPTIONS_WRONG;
     }
     if (paper_law) {

@@ -45,8 +45,8 @@ static double fault_modes(const observer_t *observer) {
     return count;
 }
 
-/* Returns how many frames all receivers together have rejected. The firmware reports its own count in FirmwareStatus;
- * the counts of the other receivers are read directly. */
+/* Returns the number of frames that were rejected, summed over all receivers. The firmware reports its own count in
+ * FirmwareStatus; the counts of the other receivers are read directly. */
 static double rejected_frames(const world_t *world) {
     return (double)world->observer.firmware_rejected + (double)world->observer.receiver.protocol.rejected +
            (double)drive_node_rejected(world->drives) + (double)gripper_node_rejected(world->gripper);
@@ -97,8 +97,8 @@ __attribute__((format(printf, 2, 3))) static void set_rest_not_measured(checks_t
 }
 
 /* Adds the check that the arm comes to rest. If rest cannot be measured, stores the reason instead. The check fails if
- * the hand moved although the person held it still: an arm that oscillates and drags the hand along must not escape the
- * check. */
+ * the hand moved although the person held it still, because an arm that oscillates and drags the hand along must not
+ * escape the check. */
 static void add_rest(checks_t *self, const world_t *world) {
     const rest_monitor_t *rest = &world->rest;
     const double limit_radps = rest_limit_radps(world);
@@ -106,19 +106,19 @@ static void add_rest(checks_t *self, const world_t *world) {
         (double)world->observer.parameter[PARAMETER_SPEED_FRACTION] * ROBOT_VELOCITY_MAX_RADPS;
     if (limit_radps > REST_RADPS && limit_radps >= speed_max_radps) {
         set_rest_not_measured(
-            self, "noise and tremor mask it: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
+            self, "noise and tremor mask the motion: they may move a joint at %.3g rad/s, and its limit is %.3g rad/s",
             limit_radps, speed_max_radps);
     } else if (rest->disturbed) {
         add_not_measured(self, "comes_to_rest", limit_radps, false, "rad/s");
-        set_rest_not_measured(self, "the hand was moved while its person held it still");
+        set_rest_not_measured(self, "the hand kept moving although the person held it still");
     } else if (rest->measured) {
         add(self, "comes_to_rest", rest->speed_radps_max, limit_radps, false, "rad/s");
     } else if (is_cut_short(world)) {
-        set_rest_not_measured(self, "it lies beyond the end of the run");
+        set_rest_not_measured(self, "the phase of rest lies beyond the end of the run");
     } else {
         set_rest_not_measured(self,
-                              "hand and task were still for at most %.2f s, and it needs %g s: end the program of %s "
-                              "with {do: rest, duration_s: 3}",
+                              "hand and task were still for at most %.2f s, and the check needs %g s: end the program "
+                              "of %s with {do: rest, duration_s: 3}",
                               rest->longest_s, REST_PHASE_S, world->scenario->person[world->scenario->tracked].name);
     }
 }

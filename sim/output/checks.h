@@ -5,14 +5,14 @@
 #include "../world/world.h"
 
 #define CHECKS_MAX (16 + SCENARIO_MAX_CHECKS)
-#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* with less followable motion than this, the tracking is not checked */
+#define CHECKS_FOLLOWABLE_MIN_S 1.0 /* followable motion (tracking.h) without which the tracking is not checked */
 
 typedef struct {
     const char *name;
     bool measured; /* false: the run should have produced a value but did not, so the check failed */
     double value;
     double limit;
-    bool is_lower_bound; /* true: the value must be at least the limit; false: at most */
+    bool is_lower_bound; /* true: the value must be at least the limit; false: at most the limit */
     const char *unit;
     bool pass;
     double orientation_rest_deg; /* RMS orientation error in the ticks of `value`; not checked; NaN: not measured */

@@ -70,8 +70,8 @@ static bool try_file(const char *path, const char *partial_path, char error[], s
     return true;
 }
 
-/* Locks the folder against other runs. The lock is released when the process ends, however it ends. On a file system
- * that does not support locks, the folder is used without a lock. */
+/* Locks the folder against other runs. The kernel releases the lock when the process ends, even if it crashes. On a
+ * file system that does not support locks, the folder is used without a lock. */
 static bool lock_folder(output_folder_t *self, const char *folder, char error[], size_t error_size) {
     self->lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (self->lock >= 0 && flock(self->lock, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -145,7 +145,7 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
 }
 
 bool output_folder_commit(output_folder_t *self, char error[], size_t error_size) {
-    /* The summary is renamed last, so that all other files exist if it does. */
+    /* The summary is renamed last, so that a folder with a summary has all other files as well. */
     for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
         if (rename(self->partial_path[i], self->path[i]) != 0) {
             return fail(error, error_size, self->path[i], "cannot be renamed to its final name");

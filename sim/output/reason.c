@@ -56,7 +56,7 @@ static void append_what_is_left_out(checks_t *checks, const world_t *world) {
         append(checks, "; %zu left out: they lie beyond the end of the run", checks->left_out_by_end);
     }
     if (checks->left_out_by_clutch > 0) {
-        append(checks, "; %zu left out: they count from the start, and the clutch took a new reference",
+        append(checks, "; %zu left out: they compare with the start of their window, but a clutch set a new reference",
                checks->left_out_by_clutch);
     }
     if (checks->left_out_by_recording > 0) {
@@ -72,13 +72,14 @@ static void append_what_is_left_out(checks_t *checks, const world_t *world) {
                checks->left_out_by_trace);
     } else if (!checks_tracking_measured(world)) {
         append(checks, "; tracking was not measured: %s",
-               world->observer.parameter[PARAMETER_TRACE] > 0.0f ? "no target" : "the trace is switched off");
+               world->observer.parameter[PARAMETER_TRACE] > 0.0f ? "no TickTrace had a target"
+                                                                 : "the trace is switched off");
     }
     if (checks->rest_not_measured[0] != '\0') {
         append(checks, "; comes_to_rest was not measured: %s", checks->rest_not_measured);
     }
     if (checks->tracking_not_judged) {
-        append(checks, "; tracking was not judged: %.2f s followable, needs %g s",
+        append(checks, "; tracking was not judged: the arm could follow for %.2f s, and the check needs %g s",
                (double)world->tracking.followable.ticks * TICK_S, CHECKS_FOLLOWABLE_MIN_S);
     }
 }
@@ -97,8 +98,8 @@ static void append_holds(checks_t *checks, const world_t *world) {
         }
     }
     if (holds > 0) {
-        append(checks, "; %zu hold%s, %.2f s in all%s", holds, holds == 1 ? "" : "s", hold_s,
-               until_stop ? ", the last one to the end" : "");
+        append(checks, "; %zu hold%s, %.2f s in total%s", holds, holds == 1 ? "" : "s", hold_s,
+               until_stop ? "; cooperation did not resume after the last one" : "");
     }
 }
 

@@ -49,8 +49,8 @@ static void write_tracking(json_writer_t *json, const world_t *world) {
     json_end(json, '}');
 }
 
-/* Writes how long hand and task were still, the joint speed at the end of that time, and, if the speed was not
- * measured, the reason. */
+/* Writes the longest time for which hand and task were still, and the joint speed that remained. If the speed was not
+ * measured, writes the reason. */
 static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const char *not_measured) {
     json_begin(json, "rest", '{');
     json_number(json, "still_s", rest->longest_s);
@@ -63,8 +63,7 @@ static void write_rest(json_writer_t *json, const rest_monitor_t *rest, const ch
     json_end(json, '}');
 }
 
-/* A row of the latency table: one component of the end effector's latency or, in the last row, the latency from end to
- * end. */
+/* A row of the latency table: one component of the end effector's latency or, in the last row, the total latency. */
 typedef struct {
     const char *name, *key, *how;
     double ms;
@@ -96,7 +95,8 @@ static void why_latency_not_measured(const world_t *world, char text[LATENCY_TEX
                        "the arm could follow %.2f s of the hand's motion, and %g s are needed", latency->moved_s,
                        LATENCY_NEEDED_S);
     } else if (isnan(latency->end_to_end) || isnan(latency->estimate)) {
-        (void)snprintf(text, LATENCY_TEXT_BYTES, "no delay of %d to %d ms fits", DELAY_FIRST_TICKS, DELAY_LAST_TICKS);
+        (void)snprintf(text, LATENCY_TEXT_BYTES, "no delay between %d and %d ms fits the motion", DELAY_FIRST_TICKS,
+                       DELAY_LAST_TICKS);
     }
 }
 
@@ -229,7 +229,7 @@ static void write_port(json_writer_t *json, const observer_t *observer) {
     write_count(json, "missed_ticks", port->missed_ticks);
     write_count(json, "longest_tick_us", port->longest_tick_us);
     if (port->error_passive == PORT_UNKNOWN || port->longest_tick_us == PORT_UNKNOWN) {
-        json_text(json, "not_measured", "the port does not count what is null");
+        json_text(json, "not_measured", "the port does not measure the values that are null");
     } else {
         json_null(json, "not_measured");
     }
@@ -322,12 +322,12 @@ static void print_scene(const world_t *world) {
     print_forces(world);
     print_water(world);
     print_least(world, "between person and robot", &world->contact_monitor.person);
-    print_least(world, "between arm and robot", &world->contact_monitor.self);
+    print_least(world, "between the arm and the rest of the robot", &world->contact_monitor.self);
 }
 
 static void print_timing(const live_bus_timing_t *timing) {
     if (timing != NULL) {
-        (void)printf("real time (time scale %u): %" PRIu64 " ticks more than one tick late, at most %.2f ms%s\n",
+        (void)printf("real time (time scale %u): %" PRIu64 " ticks more than one tick late; largest delay %.2f ms%s\n",
                      timing->slow, timing->overruns, 1e-6 * (double)timing->late_max_ns,
                      timing->set_back_ns > 0 ? "; the clock was set back" : "");
     }
@@ -342,8 +342,9 @@ void report_print_table(const world_t *world, const checks_t *checks, double wal
         (void)printf("%-28s %14s    not measured (%s)\n", "comes_to_rest", "-", checks->rest_not_measured);
     }
     if (checks->tracking_not_judged) {
-        (void)printf("%-28s %14s    not judged (%.2f s followable, needs %g s)\n", "followable_rms_position", "-",
-                     (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9, CHECKS_FOLLOWABLE_MIN_S);
+        (void)printf("%-28s %14s    not judged (the arm could follow for %.2f s, and the check needs %g s)\n",
+                     "followable_rms_position", "-", (double)world->tracking.followable.ticks * WORLD_TICK_NS * 1e-9,
+                     CHECKS_FOLLOWABLE_MIN_S);
     }
     if (checks_tracking_measured(world)) {
         const tracking_sums_t *sums = &world->tracking.all;

@@ -160,7 +160,7 @@ static int compare_times(const void *a, const void *b) {
     if ((*x)->first_s != (*y)->first_s) {
         return (*x)->first_s < (*y)->first_s ? -1 : 1;
     }
-    return *x < *y ? -1 : *x > *y; /* simultaneous events: in the array's order, that of their declaration */
+    return *x < *y ? -1 : *x > *y; /* simultaneous events keep the order of their declaration */
 }
 
 static void write_events(json_writer_t *json, const events_t *events) {

@@ -7,7 +7,8 @@
 #define SETTLE_S 0.15 /* time for the robot to settle after the guiding hand has stopped */
 #define TIME_TOLERANCE_S 1e-9
 
-/* Computes the vector from the current position of the point that is brought to its goal. */
+/* Computes the vector from the moved point to its goal. The moved point is the person's own grip or, if the person
+ * guides the robot, a point that the robot carries. */
 static void read_error(const approach_t *self, double error_m[3]) {
     const person_step_t *step = self->step;
     const point_t own_grip = {.kind = POINT_PERSON_GRIP, .index = self->person};

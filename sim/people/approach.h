@@ -1,6 +1,6 @@
 /* Brings a point to its goal as a person does by sight: with one move, and then with short corrections until the
  * distance is small enough. A person who reaches moves their own grip to the goal. A person who guides the robot moves
- * a point that the robot carries, and knows how the robot follows the hand. */
+ * a point that the robot carries, and is assumed to know how far the robot follows the hand (robot_gain). */
 #ifndef COMANIP_SIM_APPROACH_H
 #define COMANIP_SIM_APPROACH_H
 

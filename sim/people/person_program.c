@@ -16,7 +16,7 @@
 
 #define TEXT_BYTES 1024
 #define GRIP_TIMEOUT_S 0.3
-#define ROBOT_GAIN_MIN 1e-3 /* with a smaller gain, the hand would have to move too far to guide the robot */
+#define ROBOT_GAIN_MIN 1e-3 /* with a smaller gain (m per m), the hand would have to move too far to guide the robot */
 #define TIME_TOLERANCE_S 1e-9
 
 struct person_program {
@@ -108,7 +108,7 @@ static void begin_move(person_program_t *self, const person_step_t *step) {
 static void begin_approach(person_program_t *self, const person_step_t *step, const double robot_gain[3]) {
     for (int i = 0; i < 3 && step->action == PERSON_GUIDE; i++) {
         if (!(fabs(robot_gain[i]) >= ROBOT_GAIN_MIN)) {
-            fail(self, "cannot guide: along %c the robot follows a move by a factor of %g, expected at least %g",
+            fail(self, "cannot guide the robot: along %c it moves %g m per m of the hand, expected at least %g m",
                  "xyz"[i], robot_gain[i], ROBOT_GAIN_MIN);
             return;
         }
@@ -206,7 +206,7 @@ static bool has_gripped(person_program_t *self, double now_s) {
     const char *name = self->scenario->object[object].name;
     for (size_t i = 0; i < self->scenario->object_count; i++) {
         if (scene_holds(self->scene, self->index, i)) {
-            fail(self, "cannot grip %s: the hand holds %s already", name, self->scenario->object[i].name);
+            fail(self, "cannot grip %s: the hand already holds %s", name, self->scenario->object[i].name);
             return false;
         }
     }

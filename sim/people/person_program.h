@@ -16,9 +16,8 @@ person_program_t *person_program_create(const scenario_t *scenario, size_t perso
 void person_program_destroy(person_program_t *self);
 
 /* Sets the desired hand pose for the simulation step that ends at until_s. robot_gain: displacement of the end effector
- * per displacement of this hand, for each axis. It is (scale, scale, scale), or (-scale, scale, scale) while the task
- * mirrors. A person who guides the robot is assumed to know
- * this gain. */
+ * per displacement of this hand, for each axis. With s = parameter motion_scale, it is (s, s, s), or (-s, s, s) while
+ * the task mirrors. A person who guides the robot is assumed to know this gain. */
 void person_program_step(person_program_t *self, double now_s, double until_s, const double robot_gain[3]);
 
 bool person_program_is_done(const person_program_t *self);

@@ -11,7 +11,8 @@ static bool open_entry(playlist_t *self, size_t n, const person_step_t *step, co
     const double duration_s = recorded_motion_duration_s(self->recording[n]);
     const double until_s = step->until_s > 0.0 ? step->until_s : duration_s;
     if (!(step->from_s >= 0.0 && step->from_s < until_s && until_s <= duration_s)) {
-        (void)snprintf(error, error_size, "%s: played from %g s until %g s, expected a section of its %g s", path,
+        (void)snprintf(error, error_size,
+                       "%s: from_s %g, until_s %g: expected 0 <= from_s < until_s <= %g, the duration in s", path,
                        step->from_s, until_s, duration_s);
         return false;
     }
@@ -40,8 +41,9 @@ bool playlist_open(playlist_t *self, const char *person, const person_step_t ste
         const char *path = own ? step->recording : recording;
         const char *own_axes = step->axes[0] != '\0' ? step->axes : NULL;
         if (path == NULL) {
-            (void)snprintf(error, error_size, "%s: step %zu plays a recording, expected the path of a CSV file", person,
-                           n + 1);
+            (void)snprintf(error, error_size,
+                           "%s: step %zu plays a recording, expected the path of a CSV file in its key `recording`",
+                           person, n + 1);
             return false;
         }
         if (!open_entry(self, n, step, path, own || axes == NULL ? own_axes : axes, error, error_size)) {

@@ -1,5 +1,5 @@
-/* Provides what a person sees of the scene besides the positions of points: the angle of a crank and the distance to an
- * object. Also names points in messages. */
+/* Provides what a person sees of the scene, apart from the positions of points: the angle of a crank and the distance
+ * to an object. Also names points in messages. */
 #ifndef COMANIP_SIM_SIGHT_H
 #define COMANIP_SIM_SIGHT_H
 

@@ -7,7 +7,7 @@
 #include "../world/world.h"
 
 #define FIRMWARE_NODE_QUEUE_FRAMES 64
-/* Assumed time from a tick until its frames are ready to be sent, ten times longer than a host needs. */
+/* Assumed time from a tick until its frames are ready to be sent, ten times longer than a PC needs. */
 #define FIRMWARE_NODE_COMPUTE_TIME_NS 50000
 
 typedef struct {

@@ -1,4 +1,4 @@
-/* Runs the firmware in this process. This is the host port: its platform is the simulated world, which advances in
+/* Runs the firmware in this process. This port implements the HAL (hal/hal.h) on the simulated world, which advances in
  * lockstep with the firmware and in virtual time. */
 #ifndef COMANIP_SIM_LOCAL_FIRMWARE_H
 #define COMANIP_SIM_LOCAL_FIRMWARE_H

@@ -32,7 +32,7 @@ static struct {
 bool remote_firmware_open(const char *path, char error[], size_t error_size) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     if (strlen(path) >= sizeof address.sun_path) {
-        (void)snprintf(error, error_size, "%.100s: expected a path of less than %zu bytes", path,
+        (void)snprintf(error, error_size, "%.100s: expected a path of fewer than %zu bytes", path,
                        sizeof address.sun_path);
         return false;
     }
@@ -129,12 +129,12 @@ static bool await_done(void) {
             return false; /* a signal ends the run */
         }
         if (ready <= 0) {
-            world_fail(remote.world, "the image did not answer for a minute");
+            world_fail(remote.world, "the firmware image did not answer for 60 s");
             return false;
         }
         const ssize_t count = read(remote.fd, bytes, sizeof bytes);
         if (count <= 0) {
-            world_fail(remote.world, "the serial line to the image was closed: has the emulator ended?");
+            world_fail(remote.world, "the serial line to the firmware image was closed: has the emulator ended?");
             return false;
         }
         if (process_bytes(bytes, count)) {

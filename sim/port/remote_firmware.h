@@ -1,5 +1,5 @@
-/* Connects over a serial line to firmware that runs from a built image, and keeps it in lockstep with the world
- * (hal/lockstep/lockstep.h). */
+/* Connects over a serial line to an image of the firmware, which runs in an emulator or on a board, and keeps it in
+ * lockstep with the world (hal/lockstep/lockstep.h). */
 #ifndef COMANIP_SIM_REMOTE_FIRMWARE_H
 #define COMANIP_SIM_REMOTE_FIRMWARE_H
 

@@ -19,14 +19,14 @@ static const char usage[] =
     "runs as a separate process\n"
     "\n"
     "usage: build/linux/comanip-plant --can NAME [--slow N] [options of comanip-sim]\n"
-    "       make run-plant CAN=NAME SCENARIO=name ...\n"
+    "       make run-plant CAN=NAME SCENARIO=pour ...\n"
     "\n"
     "  --can NAME   the kernel's CAN interface, for example can0 or vcan0; if it does not exist, the hub of this "
     "name\n"
     "  --slow N     time scale: 1 ms of simulated time takes N ms, 1 (default) to 1000; the firmware needs the same "
     "value\n"
     "\n"
-    "It waits for the firmware's first JointCmd. summary.json reports late ticks under real_time.\n"
+    "The plant waits for the firmware's first JointCmd. Under real_time, summary.json reports the late ticks.\n"
     "\n";
 
 static run_options_t options;

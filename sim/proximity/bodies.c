@@ -3,10 +3,12 @@
 #include <math.h>
 #include <string.h>
 
-#define ROD_CHANGE_M 10.0 /* added to travelled_m when a hand or the gripper holds another rod than before */
+/* Added to travelled_m when a hand or the gripper holds another rod than before. It is larger than any clearance that
+ * is measured, so that the next search computes all distances of the new rod. */
+#define ROD_CHANGE_M 10.0
 
-/* Moves a body to a pose, and adds an upper bound of the distance that any of its points moves to travelled_m. A point
- * at the bounding radius R moves by at most the displacement of the origin plus the chord of the rotation,
+/* Moves a body to a pose, and increases travelled_m by an upper bound of the distance that any point of the body moves.
+ * A point at the bounding radius R moves by at most the displacement of the origin plus the chord of the rotation,
  * 2 R sin(angle/2). For unit quaternions |p - q| = 2 sin(angle/4) >= sin(angle/2). */
 static void place(body_t *body, const rigid_pose_t *pose) {
     const rigid_pose_t *last = &body->shape.pose;

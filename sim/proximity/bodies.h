@@ -18,7 +18,7 @@ typedef struct {
     convex_shape_t shape;
     bool present;
     int object;         /* index of the rod, or BODY_NO_OBJECT */
-    double travelled_m; /* upper bound of any point's path length; also grows when another rod is held */
+    double travelled_m; /* upper bound of any point's path length; increased by a jump when another rod is held */
 } body_t;
 
 typedef struct {

@@ -10,8 +10,8 @@
 #define ELBOW_RADIUS_M 0.045
 #define RING_POINTS (BODIES_FOREARM_POINTS / 2)
 
-/* Assumed sizes for a robot of 0.6 m height, because the manual does not include outlines. The origin of the centres is
- * that of the waist frame, at the hip. */
+/* Assumed sizes for a robot of 0.6 m height, because the manual does not include outlines. The centres of torso and
+ * head are relative to the waist frame, whose origin is at the hip. */
 static const double gripper_size_m[3] = {0.040, 0.050, 0.050};
 static const double torso_size_m[3] = {0.100, 0.150, 0.190};
 static const double torso_centre_m[3] = {-0.035, 0.0, 0.085};

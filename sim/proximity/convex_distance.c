@@ -5,8 +5,8 @@
 
 #include "convex_support.h"
 
-/* The bisection ends when its bracket is this narrow. The result is the centre of the bracket, so that a fifth of the
- * error bound is left for rounding errors. */
+/* The bisection ends when its bracket is this narrow. The result is the centre of the bracket, which is wrong by at
+ * most 0.8 times the error bound. The remaining fifth of the bound allows for rounding errors. */
 #define BRACKET_M (1.6 * CONVEX_DISTANCE_ERROR_M)
 
 typedef struct {

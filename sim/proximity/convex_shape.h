@@ -17,10 +17,11 @@ typedef struct {
     double length_m, radius_m;
     const double (*points)[3]; /* for SHAPE_HULL, in the shape's frame */
     int point_count;
-    double bounding_radius_m; /* of a sphere about the frame's origin around the shape; set by convex_shape_finish() */
+    double bounding_radius_m; /* of the sphere about the frame's origin that contains the shape */
     rigid_pose_t pose;        /* pose of the shape's frame, in torso axes */
 } convex_shape_t;
 
+/* Sets bounding_radius_m from the other members. */
 void convex_shape_finish(convex_shape_t *self);
 
 #endif

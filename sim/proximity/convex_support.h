@@ -22,7 +22,7 @@ typedef struct {
     const convex_shape_t *shape;
     double rotation[3][3];
     double position_mm[3]; /* from the first shape's origin */
-    double round_mm;       /* radius by which the core is inflated; a capsule is an inflated line */
+    double round_mm;       /* radius by which the core is inflated: a capsule is an inflated line; 0 for other shapes */
     double margin_mm;      /* additional inflation for the search */
     convex_separation_t *separation;
 } convex_operand_t;

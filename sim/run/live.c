@@ -43,6 +43,6 @@ void live_close(live_t *self) {
         }
     }
     if (self->real_time.latest_ns > LATE_TOLERATED_NS && !self->options->quiet) {
-        (void)printf("real time: up to %.3f s late\n", (double)self->real_time.latest_ns * 1e-9);
+        (void)printf("the run was up to %.3f s behind real time\n", (double)self->real_time.latest_ns * 1e-9);
     }
 }

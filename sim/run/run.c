@@ -75,7 +75,7 @@ static bool load_scenario(scenario_t *scenario, const options_t *options, const 
     const bool is_shortened = options->duration_s > 0.0 && options->duration_s < scenario->duration_s;
     const double stop_s = (is_shortened ? options->duration_s : scenario->duration_s) - SCENARIO_STOP_BEFORE_END_S;
     if (options->operator.clutch_s >= stop_s) {
-        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, the time of the closing stop",
+        (void)snprintf(error, error_size, "--clutch '%g': expected less than %g s, when the operator stops the arm",
                        options->operator.clutch_s, stop_s);
         return false;
     }
@@ -159,7 +159,7 @@ static int open_folder_and_run(const run_mode_t *mode, world_t *world) {
     return status;
 }
 
-/* Builds the world and runs it. Opens the bus first, so that a wrong bus name is reported at once. */
+/* Builds the world and runs it. The bus is opened first, so that a wrong bus name is reported at once. */
 static int build_and_run(const run_mode_t *mode, const options_t *options, const scenario_t *scenario) {
     char error[OPTIONS_ERROR_BYTES];
     static world_t world;
@@ -188,7 +188,7 @@ int run_main(const run_mode_t *mode, int argc, char *argv[]) {
     case OPTIONS_RUN: break;
     }
     if (!mode->is_watchable && (options.hub != NULL || options.real_time)) {
-        return run_print_error(mode->program, "--hub and --real-time: expected only with comanip-sim");
+        return run_print_error(mode->program, "--hub, --real-time: only comanip-sim accepts these options");
     }
     if (!load_scenario(&scenario, &options, scenario_folder, error, sizeof error)) {
         return run_print_error(mode->program, error);

@@ -115,7 +115,7 @@ typedef struct {
 
 typedef enum {
     PERSON_REST,  /* holds the hand still for duration_s */
-    PERSON_MOVE,  /* minimum-jerk move to displacement_m and rotation_vector_rad from the start */
+    PERSON_MOVE,  /* minimum-jerk move by displacement_m and rotation_vector_rad (see from_here) */
     PERSON_REACH, /* moves the person's grip point to the point `to` */
     PERSON_GUIDE, /* moves the hand so that the point `what`, which the robot carries, reaches the point `to` */
     PERSON_PLAY,  /* replays the recording from the current pose */
@@ -128,18 +128,18 @@ typedef struct {
     scenario_name_t name; /* the step raises "PERSON.NAME" when it is finished; "" for no event */
     person_action_t action;
     step_start_t start;
-    double duration_s;                   /* turn: duration of one revolution; other actions: of the step */
-    double displacement_m[3];            /* move: displacement from the start position */
-    double rotation_vector_rad[3];       /* move: rotation from the start orientation, in torso axes */
-    bool from_here;                      /* move: displacement and rotation are relative to the end of the last step */
-    point_t what, to;                    /* guide uses both points; reach uses only `to` */
-    double offset_m[3];                  /* reach, guide: added to `to` */
-    double tolerance_m;                  /* reach, guide: the hand makes corrections until the error is below this */
-    double lift_m;                       /* reach, guide: height of the path's arc */
-    size_t object;                       /* grip, turn */
-    double turns;                        /* turn: signed, about the hinge's axis */
-    char recording[SCENARIO_PATH_BYTES]; /* play: path of the file; "": the path on the command line */
-    char axes[8];                        /* play: axes of the recorder; "": the file's name determines them */
+    double duration_s;                     /* turn: duration of one revolution; other actions: of the step */
+    double displacement_m[3];              /* move: in torso axes */
+    double rotation_vector_rad[3];         /* move: in torso axes */
+    bool from_here;                        /* move: relative to the end of the last step, not to the start pose */
+    point_t what, to;                      /* guide uses both points; reach uses only `to` */
+    double offset_m[3];                    /* reach, guide: added to `to` */
+    double tolerance_m;                    /* reach, guide: the hand makes corrections until the error is below this */
+    double lift_m;                         /* reach, guide: height of the path's arc */
+    size_t object;                         /* grip, turn */
+    double turns;                          /* turn: signed, about the hinge's axis */
+    char recording[SCENARIO_PATH_BYTES];   /* play: path of the file; "": the path on the command line */
+    char axes[8];                          /* play: axes of the recorder; "": the file's name determines them */
     double position_scale, rotation_scale; /* play: factors for motion relative to the recording's first pose */
     double from_s, until_s;                /* play: section of the recording; until_s is 0 for its end */
 } person_step_t;
@@ -193,7 +193,7 @@ typedef struct {
 typedef enum {
     MEASURE_SETTLED_POSITION, /* mm, largest distance between the end effector and the target */
     MEASURE_FOLLOWING_RMS,    /* mm, RMS of the same distance */
-    MEASURE_RELATION_RMS,     /* mm, RMS: end effector displacement minus motion_scale times the hand's, since `from` */
+    MEASURE_RELATION_RMS,     /* mm, RMS: end effector's motion since `from` minus motion_scale times the hand's */
     MEASURE_DISPLACEMENT, /* mm, end effector displacement from `from` to `until` minus expected_m times motion_scale */
     MEASURE_WAY_X,
     MEASURE_WAY_Y,
@@ -201,10 +201,10 @@ typedef enum {
     MEASURE_TILT,              /* deg, smallest tilt of the end effector axis that pointed up at the start */
     MEASURE_CUP_TILT_PEAK,     /* deg, largest angle between torso z and the axis of the robot's cup */
     MEASURE_TURN,              /* deg, end effector rotation from `from` to `until` minus expected_deg */
-    MEASURE_WATER_POURED,      /* %, share of the particles that left the robot's cup */
+    MEASURE_WATER_POURED,      /* %, share of all particles that left the robot's cup */
     MEASURE_WATER_CAUGHT,      /* %, share of the poured particles that are in the person's cup at the end */
     MEASURE_FLOW_WHILE_MOVING, /* particles that left while the person's hand moved faster than 5 mm/s */
-    MEASURE_DROPS,             /* number of times the object slipped out of a grip or, once gripped, was dropped */
+    MEASURE_DROPS,             /* times the object slipped out of a grip or was dropped after it had been gripped */
     MEASURE_HELD,              /* 1 if only the named person holds the object at the end */
     MEASURE_FORCE_RMS,         /* N, at the person's hand while it holds the object, from ODE's joint */
     MEASURE_FORCE_PEAK,
@@ -224,8 +224,8 @@ typedef struct {
 typedef struct {
     scenario_name_t name;
     measure_t measure;
-    moment_t from, until;     /* the window; a measure at a single instant uses `until` */
-    bool has_from, has_until; /* false if the default of check_window.h applies */
+    moment_t from, until;     /* the window; a measure that takes the last value takes it at `until` */
+    bool has_from, has_until; /* false: the default in check_window.h applies */
     double expected_m[3];
     double expected_deg;
     size_t object, person;
@@ -237,7 +237,7 @@ typedef struct {
  * from minus to plus the value given here. */
 typedef struct {
     double start_m;          /* start position of the tracked person's hand, per axis */
-    double move_m;           /* end of each move, per axis; moves with a common goal still have a common goal */
+    double move_m;           /* end of each move, per axis; moves to the same position get the same shift */
     double object_m[3];      /* position of the objects that the robot does not hold; all get the same shift */
     double duration_percent; /* duration of each step that has a duration */
 } variation_t;

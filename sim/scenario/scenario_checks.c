@@ -85,14 +85,14 @@ static void read_window(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t 
         check->until = read_moment(yaml, until, self);
     }
     if (from != NULL && until != NULL && check->from.event == check->until.event && check->until.s < check->from.s) {
-        yaml_refuse(yaml, until, "a moment after from");
+        yaml_refuse(yaml, until, "a moment that is not before from");
     }
 }
 
 static void read_limit(yaml_reader_t *yaml, yaml_node_t *map, scenario_check_t *check) {
     const bool least = yaml_find(yaml, map, "at_least") != NULL, most = yaml_find(yaml, map, "at_most") != NULL;
     if (least == most) {
-        yaml_refuse(yaml, map, "either at_least or at_most");
+        yaml_refuse(yaml, map, "exactly one limit, at_least or at_most");
     }
     check->is_lower_bound = least;
     yaml_get_number(yaml, map, least ? "at_least" : "at_most", -1e6, 1e6, &check->limit);
@@ -195,7 +195,7 @@ static void read_check(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *
 static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *map, const scenario_t *self, size_t check) {
     for (size_t i = 0; i < check; i++) {
         if (strcmp(self->check[i].name, self->check[check].name) == 0) {
-            yaml_refuse(yaml, yaml_find(yaml, map, "name"), "another name: an earlier check has this one");
+            yaml_refuse(yaml, yaml_find(yaml, map, "name"), "another name: an earlier check already has this name");
         }
     }
 }

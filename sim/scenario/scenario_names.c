@@ -24,7 +24,8 @@ static void refuse_repeated(yaml_reader_t *yaml, yaml_node_t *steps, size_t i) {
     for (size_t j = 0; j < i; j++) {
         const yaml_node_t *other = step_name(yaml, steps, j);
         if (other != NULL && strcmp(yaml_scalar(name), yaml_scalar(other)) == 0) {
-            yaml_refuse(yaml, name, "another name: the step in line %zu has this one", other->start_mark.line + 1);
+            yaml_refuse(yaml, name, "another name: the step in line %zu already has this name",
+                        other->start_mark.line + 1);
         }
     }
 }
@@ -90,7 +91,7 @@ static void read_object_names(yaml_reader_t *yaml, scenario_t *self) {
 static void refuse_object(yaml_reader_t *yaml, const yaml_node_t *name, const scenario_t *self) {
     for (size_t i = 0; i < self->object_count; i++) {
         if (strcmp(yaml_scalar(name), self->object[i].name) == 0) {
-            yaml_refuse(yaml, name, "another name: an object has this one");
+            yaml_refuse(yaml, name, "another name: an object already has this name");
         }
     }
 }

@@ -31,7 +31,7 @@ static void read_move(yaml_reader_t *yaml, yaml_node_t *map, person_step_t *step
         yaml_refuse(yaml, map, "to_m (from the start) or by_m (from here), not both");
     }
     if (!to && !by && yaml_find(yaml, map, "turn_deg") == NULL) {
-        yaml_refuse(yaml, map, "to_m, by_m or turn_deg: where to move");
+        yaml_refuse(yaml, map, "a goal of the move: at least one of to_m, by_m and turn_deg");
     }
     step->from_here = !to;
     yaml_get_vector(yaml, map, to ? "to_m" : "by_m", 3, -MOVE_MAX_M, MOVE_MAX_M, step->displacement_m);
@@ -63,7 +63,8 @@ static void read_recording_path(yaml_reader_t *yaml, yaml_node_t *map, const sce
     const int folder = path[0] == '/' || slash == NULL ? 0 : (int)(slash + 1 - self->path);
     const int length = snprintf(step->recording, sizeof step->recording, "%.*s%s", folder, self->path, path);
     if (path[0] == '\0' || length >= (int)sizeof step->recording) {
-        yaml_refuse(yaml, node, "the path of a CSV file, at most %d bytes with the folder", SCENARIO_PATH_BYTES - 1);
+        yaml_refuse(yaml, node, "the path of a CSV file, at most %d bytes including the folder of the scenario",
+                    SCENARIO_PATH_BYTES - 1);
     }
 }
 

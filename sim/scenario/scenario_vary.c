@@ -1,4 +1,4 @@
-/* Varies a scenario as the seed determines. */
+/* Varies a scenario at random. The seed determines the variation. */
 #include <stdio.h>
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 bool step_wait_begin_s(const step_start_t *start, const events_t *events, double ready_s, double *begin_s) {
-    const bool waits = start->awaited_count > 0; /* if not, the delay counts from the end of the previous step */
+    const bool waits = start->awaited_count > 0; /* if false, the delay counts from the end of the previous step */
     *begin_s = fmax(start->at_s, waits ? ready_s : ready_s + start->delay_s);
     for (size_t i = 0; i < start->awaited_count; i++) {
         if (!events_happened(events, start->awaited[i])) {

@@ -22,7 +22,8 @@ static size_t least(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-/* Returns how many letters to insert, remove or replace to turn one word into the other (Levenshtein distance). */
+/* Returns the Levenshtein distance of two words: how many letters must be inserted, removed or replaced to turn one
+ * word into the other. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[WORD_BYTES];
     const size_t length = strnlen(b, WORD_BYTES - 1);

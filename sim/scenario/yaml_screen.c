@@ -52,14 +52,15 @@ static bool refuse_syntax(const screen_t *self, const yaml_parser_t *parser) {
     return false;
 }
 
-/* Counts the nodes of a mapping, because every second node is a key. Rejects a key that is not a scalar. */
+/* Records whether the next node of a mapping is a key or a value, because keys and values alternate. Rejects a key that
+ * is not a scalar. */
 static bool count_node(screen_t *self, const yaml_event_t *event, bool is_scalar) {
     if (!self->is_mapping[self->depth]) {
         return true;
     }
     const bool is_key = self->key_is_next[self->depth];
     self->key_is_next[self->depth] = !is_key;
-    return is_scalar || !is_key || refuse(self, event, "", (const yaml_char_t *)"?", "a name as key");
+    return is_scalar || !is_key || refuse(self, event, "", (const yaml_char_t *)"?", "a name as key, not a list");
 }
 
 static bool enter(screen_t *self, const yaml_event_t *event, bool is_mapping) {

@@ -1,5 +1,5 @@
 /* Rejects YAML features that a scenario file must not use, before the file is loaded: more than one document, anchors
- * and aliases, tags, lists or mappings as keys, control characters, deep nesting. */
+ * and aliases, tags, lists or mappings as keys, control characters, nesting deeper than 12 levels. */
 #ifndef COMANIP_SIM_YAML_SCREEN_H
 #define COMANIP_SIM_YAML_SCREEN_H
 

@@ -40,8 +40,8 @@ static void set_mass(dBodyID body, const robot_joint_t *joint) {
     dBodySetMass(body, &mass);
 }
 
-/* Connects the bodies by hinges. All joint angles are 0 at this moment, because ODE takes the angle at which a hinge is
- * set up as the hinge's zero. */
+/* Connects the bodies by hinges. First places the bodies at joint angles of 0, because ODE measures the angle of a
+ * hinge from the pose in which the hinge was created. */
 static void create_hinges(arm_plant_t *self) {
     const double zero_rad[ROBOT_JOINTS] = {0.0};
     transform_t link[ROBOT_JOINTS], hand;

@@ -11,7 +11,7 @@
 
 #include "objects.h"
 
-#define GRIP_LOAD_TIME_S 0.005 /* time constant of the load filter, so that a one-step shock does not open a hand */
+#define GRIP_LOAD_TIME_S 0.005 /* time constant of the load filter: a shock of one step does not open a grip */
 
 typedef struct {
     double stiffness_Npm, damping_Nspm; /* 0 for a rigid grip */
@@ -35,7 +35,8 @@ void grip_close(grip_t *self, dWorldID world, dBodyID hand, const scene_object_t
                 grip_kind_t kind, const double point_m[3]);
 void grip_open(grip_t *self);
 
-/* Sets the pads' stiffness for a step of this length. Call it before the step. */
+/* Sets ERP and CFM of the joint to the pads' stiffness and damping for a step of this length. Call it before the
+ * step. */
 void grip_prepare(grip_t *self, double step_s);
 
 /* Returns true if the grip holds. If the load exceeds a limit, opens the grip and returns false. Call it after each

@@ -4,7 +4,7 @@
 #include <ode/ode.h>
 #include <string.h>
 
-#define ROD_SPIN_TIME_S 0.025 /* decay time of a rod's spin about its axis; two ball grips leave this spin free */
+#define ROD_SPIN_TIME_S 0.025 /* damping time constant of a rod's spin about its axis, which ball grips leave free */
 #define AXIS_Z 3              /* dMassSetCylinderTotal numbers the axes x, y, z from 1 */
 
 /* Returns the pose of the centre of the handle, which is the only body of a crank. */

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 /* With this stiffness the lowest particles of a full cup are compressed by about 3 % of their radius. The damping
- * prevents bouncing. Both are per kilogram of a mean particle, in 1/s^2 and 1/s, so that the behaviour does not depend
- * on the size of the particles. */
+ * prevents bouncing. Both are divided by the mass of a particle of mean size, so their units are 1/s^2 and 1/s, and the
+ * behaviour does not depend on the size of the particles. */
 #define STIFFNESS_PER_KG 6.0e5
 #define DAMPING_PER_KG 1.5e3
 

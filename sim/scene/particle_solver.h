@@ -1,8 +1,9 @@
-/* Computes the impulses of the contacts in one step: they separate overlapping particles, brake approaching ones, and
- * never pull. A contact is a spring and a damper in parallel, integrated implicitly, with ODE's equations (ODE User
- * Guide, "How To Use ERP and CFM"). All contacts of a step are solved together, by projected Gauss-Seidel iteration
- * with over-relaxation that starts from the impulses of the previous step, so that the solution improves from step to
- * step while the particles rest (Catto, Iterative Dynamics with Temporal Coherence, GDC 2005). */
+/* Computes the impulses of all contacts in one step. The impulses separate overlapping particles, brake approaching
+ * particles, and never pull particles together. A contact is a spring and a damper in parallel, integrated implicitly,
+ * with ODE's equations (ODE User Guide, "How To Use ERP and CFM"). All contacts of a step are solved together, by
+ * projected Gauss-Seidel iteration with over-relaxation. The iteration starts from the impulses of the previous step
+ * (warm starting), so that the solution improves from step to step while the particles rest (Catto, Iterative Dynamics
+ * with Temporal Coherence, GDC 2005). */
 #ifndef COMANIP_SIM_PARTICLE_SOLVER_H
 #define COMANIP_SIM_PARTICLE_SOLVER_H
 

@@ -19,8 +19,8 @@ typedef struct scene scene_t;
 
 /* scenario and events must outlive the scene. The scene raises the events "robot.holds", "robot.lost" (slipped out),
  * "robot.opened", "robot.closed", "PERSON.holds", "PERSON.lost", "OBJECT.dropped" (held by nobody after it was held),
- * which the scenario declares. Returns NULL if out of memory. Only one scene may exist at a time, because ODE's
- * initialisation is global. */
+ * which the scenario declares. Returns NULL if out of memory, or if the particles of the water do not fit into the
+ * robot's cup. Only one scene may exist at a time, because ODE's initialisation is global. */
 scene_t *scene_create(const scenario_t *scenario, events_t *events);
 void scene_destroy(scene_t *self);
 

@@ -22,8 +22,8 @@ typedef struct {
     double step_s;
 } contact_sink_t;
 
-/* Adds one contact. ODE limits the friction separately along `along` and across it, which is right for a rod that
- * slides along its axis. */
+/* Adds one contact. ODE limits two components of the friction separately, one parallel to `along` and one perpendicular
+ * to it. This is right for a rod that slides along its axis. */
 static void add_contact(const contact_sink_t *sink, dBodyID body, const double position_m[3], const double normal[3],
                         const double along[3], double depth_m) {
     const double total = sink->step_s * CONTACT_NPM + CONTACT_NSPM;

@@ -64,7 +64,7 @@ bool world_init(world_t *self, const options_t *options, const scenario_t *scena
         return false;
     }
     observer_init(&self->observer, self->bus, options->tracker.clock_start_us);
-    for (int i = 0; i < ROBOT_JOINTS; i++) { /* no drive has reported a position yet */
+    for (int i = 0; i < ROBOT_JOINTS; i++) { /* until a drive reports its position, its encoder is read here */
         self->observer.tick.measured_rad[i] = drive_node_encoder_rad(self->drives, i);
     }
     tracking_init(&self->tracking);
@@ -101,8 +101,8 @@ static void fail_as_operator(world_t *self) {
     } else {
         const double range_m = floor(1e3 * (double)transport_hand_range_m(bus_profile(self->bus))) * 1e-3;
         (void)snprintf(text, sizeof text,
-                       "%s; %s%" PRIu64 " samples are beyond the %.3f m of a frame: is the file in mm, or the "
-                       "tracker mounted too far away?",
+                       "%s; %s%" PRIu64 " samples are beyond the %.3f m that a HandPose frame can carry: is the file "
+                       "in mm, or is the tracker mounted too far away?",
                        reason, tracker.range_errors == tracker.samples ? "all " : "", tracker.range_errors, range_m);
     }
     world_fail(self, text);
@@ -245,7 +245,7 @@ bool world_advance(world_t *self) {
     proximity_node_step(self->proximity_sensor, &self->clearance, now_ns, next_ns);
     gripper_node_step(self->gripper, now_ns, next_ns);
     operator_node_step(self->operator, now_ns, next_ns);
-    bus_run_until(self->bus, next_ns);              /* drives latch their commands and sample their encoders */
+    bus_run_until(self->bus, next_ns);              /* drives receive their commands and sample their encoders */
     drive_node_step(self->drives, next_ns, TICK_S); /* commands -> motors */
     move(self);
 

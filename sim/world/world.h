@@ -1,6 +1,7 @@
 /* The simulated world consists of a physical scene with robot and people, and of a bus with the drives, the gripper,
- * the tracker, the proximity sensor and the operator. It runs in virtual time and in lockstep with the firmware, which
- * is a node on the bus (sim/port). Monitors observe the bus and the physics, but not the firmware itself. */
+ * the tracker, the proximity sensor and the operator. The firmware is another node on the bus. On the simulated bus
+ * (bus.c), the world runs in virtual time and in lockstep with the firmware (sim/port); on a real bus (live_bus.c), it
+ * runs in real time. Monitors observe the bus and the physics, but not the firmware itself. */
 #ifndef COMANIP_SIM_WORLD_H
 #define COMANIP_SIM_WORLD_H
 
@@ -41,8 +42,8 @@ struct world {
     const scenario_t *scenario; /* already varied by the seed */
     events_t events;
     int64_t now_ns;
-    int64_t end_ns;     /* end of the run; only an upper limit until all scripts are done */
-    double stop_s;      /* when the operator's stop became due; negative until then */
+    int64_t end_ns;     /* latest end of the run; without has_fixed_end, the run ends once all scripts are done */
+    double stop_s;      /* time at which the operator was told to stop the arm; negative until then */
     bool has_fixed_end; /* --duration: the run continues until end_ns, even if all scripts are done */
     bool is_shortened;  /* the run ends before the scenario's duration_s; unfinished scripts then do not fail it */
     bool has_recording;

@@ -1,13 +1,14 @@
-# Builds the program that runs the ticks for `make bench`. Included by the Makefile, which defines BUILD, GENERATED and
-# CORE_CFLAGS.
+# Builds build/bench/ticks, the program whose ticks `make bench` measures. The Makefile includes this file and defines
+# BUILD, GENERATED and CORE_CFLAGS.
 
 BENCH := $(BUILD)/bench
-# A shell pattern, because the folder does not exist before the installation.
+# The shell expands this pattern in the recipes. make cannot, because it reads this file before the folder is installed.
 BENCH_SITE := $(VENV)/lib/python3*/site-packages
 BENCH_ARMS := six seven
 
-# All contenders are compiled for the same processor. Apart from that, ours is compiled as in the product.
-# EIGEN_MAX_ALIGN_BYTES is the same as in Debian's KDL, and BOOST_MPL as in Pinocchio's CMake files.
+# All contenders are compiled for the same processor. Apart from that, our code is compiled as in the product.
+# EIGEN_MAX_ALIGN_BYTES has the value with which Debian compiles KDL, and the BOOST_MPL macros have the values of
+# Pinocchio's CMake files.
 BENCH_PROCESSOR := -march=x86-64-v3
 BENCH_CXXFLAGS = -std=c++17 -O3 -DNDEBUG $(BENCH_PROCESSOR) -DEIGEN_MAX_ALIGN_BYTES=16 -DBOOST_MPL_LIMIT_LIST_SIZE=30 \
     -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS \
@@ -23,7 +24,7 @@ BENCH_PACKAGES := g++ liborocos-kdl-dev libeigen3-dev valgrind
 
 $(VENV)/.installed-bench: tests/bench/requirements.txt | deps
 	@host_tools/apt-install.sh "make bench" $(BENCH_PACKAGES)
-	@echo "comanip: installing the libraries for the comparison of make bench into $(VENV)/"
+	@echo "comanip: installing the libraries that make bench compares with into $(VENV)/"
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	@touch $@
 

@@ -1,14 +1,14 @@
-"""``make bench``: compares our tick with those of Pinocchio, Orocos KDL, MuJoCo and dqrobotics, and measures the
-simulator's speed.
+"""``make bench``: compares the duration of our control tick with the same tick computed by Pinocchio, Orocos KDL,
+MuJoCo and dqrobotics, and measures the simulator's speed.
 
 ``bench.py BUILD``. A tick consists of Algorithm 1's loop body, the kinematics, the Jacobian and the control law (4);
 see contender.hpp. First, the joint velocities of all contenders with control law (4) are checked against the paper's
 equations in double precision (dqrobotics, numpy). Then the contenders run in turn for a number of rounds. Each
-contender starts the next tick from its own integrated angles. The table shows the median and the 10th and 90th
-percentiles of each contender's times. The instructions per tick are the difference between callgrind's counts of two
-runs, divided by the additional ticks. Prints a table, plots BUILD/reports/bench.png and writes
-BUILD/reports/bench.json. The exit status is 1 if contenders disagree, if our tick allocates from the heap, or if a
-required ratio is missed. Timings on the host do not apply to a microcontroller.
+contender integrates its joint velocities and starts its next tick from the resulting angles. The table shows the median
+and the 10th and 90th percentiles of each contender's times. callgrind counts the instructions of two runs of different
+length; their difference, divided by the additional ticks, gives the instructions per tick. Prints a table, plots
+BUILD/reports/bench.png and writes BUILD/reports/bench.json. The exit status is 1 if contenders disagree, if our tick
+allocates from the heap, or if a required ratio is missed. Timings on the host do not apply to a microcontroller.
 """
 
 from __future__ import annotations
@@ -49,18 +49,19 @@ CALLGRIND_TICKS = 1000
 DQROBOTICS_TICKS = 200
 OURS = ("comanip, specialised", "comanip, table")
 OWN_LAW = "KDL, wdls"
-REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # a contender's time must be at least this many times ours
-WORK = """All contenders: the same inputs; Algorithm 1; control law (4) as (J^T W J + lambda I)^-1 J^T W K e with the
-default K, W and lambda; -march=x86-64-v3. Differences:
-- comanip is float32 and compiled as the product is (-O2, no contraction). The peers use double (Pinocchio float as
-  well) and -O3. "table" reads the arm's table at run time, as the peers read their models; "specialised" is the C that
-  `make arms` generates for one arm.
+REQUIRED = {"Pinocchio, double": 5.0, "KDL, wdls": 20.0}  # least ratio of the contender's time to ours
+WORK = """All contenders get the same inputs, compute Algorithm 1 and control law (4) as (J^T W J + lambda I)^-1
+J^T W K e with the default K, W and lambda, and are compiled with -march=x86-64-v3. They differ as follows:
+- comanip uses float32 and is compiled as in the product (-O2, -ffp-contract=off). The peers use double (Pinocchio also
+  float) and -O3. "comanip, table" reads the arm's table at run time, as the peers read their models; "comanip,
+  specialised" is the C code that `make arms` generates for one arm.
 - Pinocchio, KDL and MuJoCo compute their 6 x n Jacobian; control law (4) on top of it is written in Eigen, with n known
   at compile time.
 - KDL's wdls applies its own control law to the twist, by SVD. It aborts below 6 joints, so n = 4 has two extra locked
   joints.
 - MuJoCo also computes the centres of mass of the bodies, which its Jacobian needs.
-- dqrobotics is called from Python, and numpy solves; the cost of the calls alone is printed below each table.
+- dqrobotics is called from Python, and numpy solves the linear system. The time of the calls alone is printed below
+  each table.
 - KDL and MuJoCo are the libraries shipped by Debian and PyPI; Pinocchio's templates are compiled here."""
 
 
@@ -164,7 +165,8 @@ def rows(output: str) -> dict[str, list[list[float]]]:
 
 def disagreements(case: Case, program: Path) -> tuple[dict[str, float], list[str]]:
     """Returns the largest difference of each contender from the equations in double precision, relative to
-    max(1, |u|, K / 10), and a complaint for each difference above the bound. OWN_LAW has no bound."""
+    max(1, |u|, K / 10), and a complaint for each difference above the bound. OWN_LAW has no bound,
+    because it applies a different law."""
     expected = law_in_double(case)
     scale = np.maximum(np.maximum(1.0, GAIN / 10), np.linalg.norm(expected, axis=1, keepdims=True))
     found, complaints = {}, []
@@ -354,7 +356,7 @@ def main(argv: list[str]) -> int:
     for case in cases:
         differences[case.n], beyond = disagreements(case, program)
         complaints += beyond
-    if complaints:  # the times of contenders that compute different things must not be compared
+    if complaints:  # times are comparable only if all contenders compute the same
         print("\n".join(f"make bench: {line}" for line in complaints), file=sys.stderr)
         return 1
     results = {case.n: measure(case, program) for case in cases}

@@ -1,5 +1,5 @@
-// Orocos KDL's forward kinematics and Jacobian, once with control law (4) solved by LDL^T, and once with KDL's damped
-// least squares.
+// Two contenders that use Orocos KDL: one applies control law (4) to KDL's forward kinematics and Jacobian and solves
+// it by LDL^T, the other uses KDL's own damped least squares.
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainiksolvervel_wdls.hpp>

@@ -80,7 +80,7 @@ Model read_model(const char *path) {
         model.states.push_back(read_numbers(in, model.n));
     }
     if (!in) {
-        std::fprintf(stderr, "%s: not a model as bench.py writes it\n", path);
+        std::fprintf(stderr, "%s: cannot be read as a model; expected a file written by bench.py\n", path);
         std::exit(EXIT_FAILURE);
     }
     return model;

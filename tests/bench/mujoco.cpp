@@ -1,4 +1,5 @@
-// MuJoCo's kinematics, centres of mass (which its Jacobian needs) and Jacobian of a site.
+// A contender that uses MuJoCo: its kinematics, its centres of mass, which its Jacobian needs, and the Jacobian of a
+// site at the end effector.
 #include <mujoco/mujoco.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// comanip's own tick in two versions: specialised for one arm, and with the arm's table.
+// comanip's own tick in two versions: the code generated for one arm, and the general code with the arm's table.
 #include "contender.hpp"
 #include "tick.h"
 

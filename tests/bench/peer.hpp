@@ -1,4 +1,5 @@
-// The common part of the peers' ticks, as users would write it with Eigen: Algorithm 1, control law (4) and the loop.
+// The part of the tick that the contenders with other libraries share: Algorithm 1, control law (4) and the loop,
+// written with Eigen as a user of these libraries would write it.
 #pragma once
 
 #include "contender.hpp"
@@ -63,10 +64,10 @@ template <class Scalar, int N, class Kinematics> class Peer : public Contender {
         law(target, place);
     }
 
-    // Control law (4) in the target's frame, multiplied by 4. W and K have one value for rotation and one for
-    // translation. When expressed in the torso frame and multiplied on the right by conj(conj(q_d) q) (an orthogonal
-    // map), a joint's column of the dual quaternion Jacobian is (omega; v + t x omega / 2; t . omega / 2) / 2, where t
-    // is the vector from the target to the end effector.
+    // Control law (4) with the error in the target's frame. Both sides of its normal equations are multiplied by 4. W
+    // and K have one value for rotation and one for translation. When expressed in the torso frame and multiplied on
+    // the right by conj(conj(q_d) q) (an orthogonal map), a joint's column of the dual quaternion Jacobian is
+    // (omega; v + t x omega / 2; t . omega / 2) / 2, where t is the vector from the target to the end effector.
     void law(const Quaternion &target, const Vector3 &place) {
         Quaternion turn = kinematics_.rotation() * target.conjugate();
         const Vector3 delta = turn.w() < 0 ? Vector3(-turn.vec()) : Vector3(turn.vec());

@@ -1,4 +1,5 @@
-// Pinocchio's placements and Jacobians, first of the joints, then of the end effector.
+// Two contenders that use Pinocchio, in double and in float. Pinocchio computes the joints' placements and Jacobians,
+// and from them those of the end effector.
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/multibody.hpp>

@@ -1,5 +1,9 @@
-"""Measures the ratio of simulated time to wall time for the plain motions and the complete experiments, as a part of
-`make bench`. The wall time is that of the whole simulator process, including its start and the writing of files."""
+"""Measures how much faster than real time the simulator runs, as a part of `make bench`.
+
+The speed is the simulated time divided by the wall time of the simulator process, which includes its start and the
+writing of files. Each scenario of tests/scenarios (hand motions without objects) and each of the five experiments has a
+required speed.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,8 @@ from pathlib import Path
 from simulation import EXPERIMENTS, SCENARIOS, experiment, run
 
 RUNS = 9
-DURATION_S = 60  # simulated duration of the plain motions; experiments run to their end
+DURATION_S = 60  # simulated duration of the scenarios without objects; experiments run to their end
+# Required ratios of simulated time to wall time.
 LEAST_PLAIN, LEAST_POUR, LEAST_EXPERIMENT = 25.0, 7.0, 15.0
 
 
@@ -41,7 +46,7 @@ def contenders() -> list[tuple[str, float, tuple[object, ...]]]:
 def measure() -> tuple[dict[str, dict[str, float]], bool]:
     """Prints a table. Returns the median, smallest and largest ratio of each scenario, and whether any scenario misses
     its required ratio."""
-    print(f"simulated time over wall time: {RUNS} runs each, {os.cpu_count()} cores")
+    print(f"simulated time divided by wall time: {RUNS} runs of each scenario, {os.cpu_count()} cores")
     print(f"{'scenario':<16} {'required':>8} {'median':>8} {'least':>8} {'most':>8}")
     found, slow = {}, False
     for name, required, arguments in contenders():

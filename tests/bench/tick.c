@@ -1,4 +1,4 @@
-/* The firmware's tick for the benchmark: Algorithm 1, kinematics and control law (4). */
+/* Runs the part of the firmware's tick that the benchmark compares: Algorithm 1, kinematics and control law (4). */
 #include "tick.h"
 
 #include <stdlib.h>
@@ -35,7 +35,7 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
         }
     }
     if (model->name != NULL) {
-        abort(); /* unknown name: the figures of the table-driven arm must not be reported under it */
+        abort(); /* unknown name: without this, the general code would be measured and reported as this arm's */
     }
     for (int i = 0; i < model->joint_count; i++) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};

@@ -43,7 +43,7 @@ SEMIHOSTING = [
     "enable=on,target=native",
 ]
 HASH_BYTES = 4
-TIMEOUT_S = 1800  # an image that panics does not end
+TIMEOUT_S = 1800  # needed because an image that panics halts, and its emulator never ends
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def main(argv: list[str]) -> int:
     report.write_text(json.dumps({"smoke": smoke, "builds": [asdict(result) for result in results]}, indent=1) + "\n")
     show(results)
     differs = any(result.differs_at_tick is not None for result in results)
-    print("make bitexact: builds differ" if differs else "make bitexact: all builds that ran are equal")
+    print("make bitexact: builds differ, see the table" if differs else "make bitexact: all builds that ran are equal")
     return differs
 
 

@@ -20,7 +20,7 @@ GAP_TICKS = 80  # length of a gap without samples, longer than the tracker timeo
 
 
 class Operated(Bench):
-    """A bench with a hand that moves to and fro.
+    """A test bench of the controller, with a hand that moves back and forth.
 
     ticks_read: the inbox of each tick, as input for runner.c. seen: how often each kind of event has occurred.
     """

@@ -1,6 +1,6 @@
 /* Input and output of the runner: the files input.bin and output.bin in the working directory of the runner or, for an
- * image, of the emulator. An image accesses these files through semihosting (ARM IHI 0100; RISC-V uses the
- * same calls), which gives programs in an emulator access to the host's files. */
+ * image, of the emulator. An image accesses these files through semihosting, by which a program in an emulator can use
+ * the host's files (ARM IHI 0100; RISC-V uses the same calls). */
 #ifndef COMANIP_BITEXACT_PLATFORM_H
 #define COMANIP_BITEXACT_PLATFORM_H
 

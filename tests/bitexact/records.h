@@ -1,4 +1,5 @@
-/* The records of input.bin, which stimulus.py writes. Each record is a header followed by the frames of a tick. */
+/* The records of input.bin, which stimulus.py and tests/cycles/cycles.py write. Each record is a header. In a record of
+ * a tick, the frames that the firmware reads in this tick follow; in a record of a state, the state follows. */
 #ifndef COMANIP_BITEXACT_RECORDS_H
 #define COMANIP_BITEXACT_RECORDS_H
 
@@ -16,7 +17,7 @@ typedef enum {
 typedef struct {
     uint32_t now_us;
     uint8_t kind;  /* record_kind_t */
-    uint8_t count; /* number of frames */
+    uint8_t count; /* number of frames; RECORD_STATE: the task */
 } record_t;
 
 static inline uint32_t record_word(const uint8_t bytes[4]) {
@@ -24,7 +25,7 @@ static inline uint32_t record_word(const uint8_t bytes[4]) {
 }
 
 static inline bool record_read_frame(can_frame_t *frame) {
-    uint8_t head[8]; /* stamp, id, length, FD */
+    uint8_t head[8]; /* timestamp (4 bytes), id (2 bytes), length, FD flag */
     if (!platform_read(head, sizeof head)) {
         return false;
     }

@@ -1,6 +1,6 @@
-/* Feeds a recorded input to controller_step(), and writes a hash of the frames sent in each tick. This file is
- * built for the host and, in place of firmware/main.c, for each target. bitexact.py writes the input and compares the
- * outputs. */
+/* Feeds input.bin to controller_step(), tick by tick, and writes a hash of the frames sent in each tick to output.bin.
+ * This file is built for the host and, in place of firmware/main.c, for each target. bitexact.py writes the input and
+ * compares the outputs. */
 #include "../../firmware/main.h"
 #include "records.h"
 

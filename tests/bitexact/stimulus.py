@@ -15,7 +15,7 @@ from comanip.replay import Replay
 TICK, BOOT_FD, BOOT_CLASSIC = 0, 1, 2  # as in records.h
 HEAD, FRAME = struct.Struct("<IBB"), struct.Struct("<IHBB")
 VECTOR_TICKS_PER_BOOT = 500
-SPECIAL_BITS = (  # float32 bit patterns
+SPECIAL_BITS = (  # bit patterns of float32: zeros, denormals, ones, largest number, infinities, NaNs, 1e10, 1e-8
     0x00000000, 0x80000000, 0x00000001, 0x807FFFFF, 0x00800000, 0x3F800000, 0xBF800000, 0x7F7FFFFF,
     0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC12345, 0x7F800001, 0x501502F9, 0x322BCC77,
 )  # fmt: skip
@@ -54,7 +54,8 @@ def recorded(log: Path) -> Iterator[bytes]:
 
 
 class Vectors:
-    """Generates valid frames with all kinds of contents: the arm at rest, in motion and at limits, and nonsense."""
+    """Generates frames with random contents: hand poses, joint states within and beyond the joints' ranges, and
+    requests with valid and invalid values. Two in a thousand frames have a flipped bit."""
 
     def __init__(self, rng: np.random.Generator, profile: int):
         self._rng, self._profile = rng, profile

@@ -1,5 +1,5 @@
-"""``write_input.py OUT TICKS LOG...``: writes the recorded runs, TICKS random vectors and TICKS / 2 operated ticks to
-OUT."""
+"""``write_input.py OUT TICKS LOG...``: writes to OUT the recorded runs, TICKS ticks of random frames, and TICKS / 2
+ticks of a run with an operator (operated.py)."""
 
 from __future__ import annotations
 

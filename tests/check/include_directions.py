@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 # The includes allowed for a folder, or for one of its files, in addition to the folder itself. Each entry
 # refers only to earlier entries, so that there can be no cycle. A folder of hal that is not listed is the port of a
-# board, and may use what BOARD lists.
+# board and may include what BOARD lists.
 MAY_USE = {
     "firmware/maths": [],
     "firmware/arms": ["firmware/maths"],
@@ -82,7 +82,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.M
 
 
 class Include(NamedTuple):
-    """An include of `target` in `file`, both relative to ROOT; a target in <> is stored as written."""
+    """An include of `target` in `file`, both relative to ROOT. A target outside ROOT is stored as written."""
 
     file: str
     line: int
@@ -121,7 +121,7 @@ def wrong_include(include: Include) -> str | None:
     file, target, folder = include.file, include.target, folder_of(include.file)
     may_use = allowed(file)
     if may_use is None:
-        return f"{folder} is not in the table of tests/check/include_directions.py"
+        return f"{folder} is not in the table of tests/check/include_directions.py: add it to MAY_USE"
     if include.is_own:
         is_allowed = folder_of(target) in (folder, *may_use) or target in may_use
         return None if is_allowed else f"{file if file in MAY_USE else folder} may use {only(may_use)}"
@@ -175,7 +175,7 @@ def problems(root: Path) -> list[str]:
     own = [include for include in found if include.is_own]
     files = {name for include in own for name in (include.file, include.target)}
     lines = [f"{i.file}:{i.line}: includes {i.target}; {wrong}" for i in found if (wrong := wrong_include(i))]
-    if lines:  # cycles are not searched for, as most are caused by forbidden includes
+    if lines:  # most cycles result from forbidden includes, so they are reported only when there are none
         return lines
     for what, name in (("files", lambda file: module_of(file, files)), ("folders", folder_of)):
         graph = graph_of((name(i.file), name(i.target)) for i in own if i.file != "firmware/main.c")

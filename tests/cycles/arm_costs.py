@@ -12,12 +12,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-# Extra cycles of a taken branch, where they differ from REFILL.
+# Additional cycles of a taken conditional branch, for images in which they differ from REFILL.
 TAKEN = {"cortex-m0plus": 1}
-REFILL = 3  # P: "1 to 3, depending on the alignment and width of the target"
+REFILL = 3  # the tables call it P: "1 to 3, depending on the alignment and width of the target"
 CONDITIONS = "(?:eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le)"
 LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)(?:\t(.*))?$")
-# Floating-point arithmetic, whose result is one cycle late for the next instruction (table 7-1, note).
+# Floating-point arithmetic. An instruction that uses the result immediately waits for one cycle (table 7-1, note).
 LATE = re.compile(r"^v(add|sub|mul|nmul|mla|mls|nmla|nmls|fma|fms|div|sqrt|cvt)")
 
 

@@ -1,10 +1,10 @@
-"""``make cycles``: determines the instructions and modelled cycles of one tick in each image, for recorded, operated
-and adversarial inputs.
+"""``make cycles``: determines the instructions and modelled cycles of one tick in each image. The inputs are recorded
+runs, a run in which an operator changes something every few ticks ("operated"), and adversarial values.
 
 ``cycles.py BUILD BUDGET.toml [--update]``. Instructions are counted in QEMU by plugin.c. Cycles are computed from ARM's
 tables (arm_costs.py) for Cortex-M4F, M3 and M0+; they have never been measured on silicon. Prints a table, writes
 BUILD/reports/cycles.json and compares the maxima with BUDGET.toml. If a budget or a requirement is exceeded, prints
-the differences and exits with status 1. --update rewrites the budget.
+the differences and exits with status 1. --update writes the maxima to BUDGET.toml.
 
 The quantities are:
 
@@ -51,9 +51,9 @@ from images import EMULATED, IMAGES, make  # noqa: E402
 
 STATES = 10_000
 OPERATED_TICKS = 18_000  # enough to count the control law STATES times
-TIMEOUT_S = 900  # because an image that panics never ends
+TIMEOUT_S = 900  # needed because an image that panics halts, and its emulator never ends
 STATE = 3  # as in records.h
-NOTHING = 0  # from counted_t in program.c, as are the keys of QUANTITIES
+NOTHING = 0  # COUNTED_NOTHING of program.c; the keys of QUANTITIES are the other values of counted_t
 TARGET_REACH_M = (1e-6, 0.3, 3.0)
 QUANTITIES = {1: "step", 2: "tick", 3: "tick_torso", 4: "tick_general", 5: "tick_ends", 6: "tick_general_ends",
               7: "tick_blend",
@@ -77,8 +77,8 @@ COSTS = struct.Struct("<II")
 
 
 def recorded(folder: Path, *options: str) -> bytes:
-    """Records the same number of ticks from each of three scenarios, enough to count the control law at least STATES
-    times, although the robot does not cooperate in every tick."""
+    """Records the same number of ticks from each of three scenarios. There are more than STATES ticks, because the
+    control law runs only in those in which the robot cooperates, and must run STATES times."""
     parts = []
     for scenario in ("pour", "teleop", "mirror"):
         out = folder / "runs" / "-".join([scenario, *options])
@@ -90,8 +90,8 @@ def recorded(folder: Path, *options: str) -> bytes:
 
 
 def adversarial(rng: np.random.Generator) -> bytes:
-    """Generates frames with all kinds of contents, and arm states at joint limits, at singularities and out of range,
-    with near and far targets."""
+    """Generates random frames, and arm states at joint limits, at singularities and out of range, with near and far
+    targets."""
     parts = list(stimulus.vectors(STATES, 1))
     parts.append(stimulus.boot(0))
     low, high = np.radians([-90, -95, -90, -114]), np.radians([150, 0, 90, 0])
@@ -156,13 +156,18 @@ def count(folder: Path, plugin: Path, image: str, states: str) -> dict[str, dict
     marks = np.frombuffer((place / "output.bin").read_bytes(), np.uint8)
     counts = np.fromfile(place / "counts.bin", "<u4").reshape(-1, 2)
     if len(counts) != len(marks) or marks[0] != NOTHING:
-        raise SystemExit(f"make cycles: {image}: {len(counts)} counts for {len(marks)} marks")
-    counts = counts.astype(np.int64) - counts[0]  # subtracts the cost of the marks themselves
+        raise SystemExit(
+            f"make cycles: {image}, {states}: plugin.c counted {len(counts)} passes, program.c reported {len(marks)}; "
+            f"expected equal numbers, and {NOTHING} as the first report"
+        )
+    counts = counts.astype(np.int64) - counts[0]  # the first pass is empty: it is the cost of the marks themselves
     quantities = NOT_PREDICTED if states == "not_predicted" else set(QUANTITIES.values()) - NOT_PREDICTED
     if (
         fewest := min(np.count_nonzero(marks == mark) for mark, name in QUANTITIES.items() if name in quantities)
     ) < STATES:
-        raise SystemExit(f"make cycles: {image}, {states}: {fewest} states, expected {STATES} or more")
+        raise SystemExit(
+            f"make cycles: {image}, {states}: a quantity was counted {fewest} times, expected {STATES} times or more"
+        )
     return {name: {"instructions": counts[marks == mark, 0], "cycles": counts[marks == mark, 1]}
             for mark, name in QUANTITIES.items() if name in quantities}  # fmt: skip
 

@@ -1,5 +1,5 @@
-/* A QEMU plugin that counts the instructions between two addresses of an image, and adds up their costs from a table
- * written by cycles.py.
+/* A QEMU plugin that counts the instructions that an image executes between two addresses, and adds up their costs from
+ * a table written by cycles.py.
  *
  * Arguments: begin=ADDRESS,end=ADDRESS,costs=FILE,out=FILE.
  * costs: the extra cost of a taken conditional branch, followed by the address (bit 0 is set for a conditional branch)

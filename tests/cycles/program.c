@@ -1,5 +1,6 @@
-/* Replaces firmware/main.c. It processes the input.bin written by cycles.py, and marks the code to be counted. For each
- * count, it writes to output.bin one byte that says what was counted (counted_t). */
+/* Replaces firmware/main.c for `make cycles`. This program processes the input.bin written by cycles.py, and encloses
+ * the code to be counted in count_begin() and count_end(). For each count, it writes to output.bin one byte that says
+ * what was counted (counted_t). */
 #include "../../firmware/arms/hoap3_right.h"
 #include "../../firmware/main.h"
 #include "../bitexact/records.h"
@@ -37,7 +38,7 @@ static void report(counted_t what) {
     platform_write(&byte, 1);
 }
 
-/* These are static because the stack is only as large as the product needs. */
+/* These variables are static because the stack is only as large as the product needs. */
 static cooperation_t cooperation;
 static differential_ik_config_t config;
 static hand_motion_t motion;
@@ -72,8 +73,8 @@ static void ticks(const float position_rad[], const pose_t *hand) {
     tick(position_rad, hand, all, 1.0f, COUNTED_TICK_GENERAL_LIMITS);
 }
 
-/* Runs the parts of prediction, as the controller calls them: a new sample 4 ms after the last one, then the hand's
- * motion at the time of the command and the target's motion, then the control law. */
+/* Runs the parts of a tick with prediction as the controller calls them: a new sample 4 ms after the last one, the
+ * hand's and the target's motion at the time of the command, and the control law. */
 static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     const float ahead_s = 0.003f;
     const uint32_t captured_us = motion.captured_us + 4000u, now_us = captured_us + 4000u;

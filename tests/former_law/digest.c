@@ -1,8 +1,8 @@
-/* Prints a digest of the joint velocities that the control laws without prediction compute for a generated input. The
- * samples of a hand that moves and turns at random are interpolated and mapped by Algorithm 1, and control law (4) is
- * applied at random joint positions, some of them at a limit. This file also compiles with the firmware as it was
- * before prediction was added. tests/test_former_law.py compares the output with before_prediction.txt, the output of
- * that firmware. */
+/* Prints digests of the targets and joint velocities that the control laws without prediction compute for a generated
+ * input. The samples of a hand that moves and turns at random are interpolated and mapped by Algorithm 1, and control
+ * law (4) is applied at random joint positions, some of them at a limit. This file also compiles with the firmware as
+ * it was before prediction was added. tests/test_former_law.py compares the output with before_prediction.txt, the
+ * output of that firmware. */
 #include <stdio.h>
 #include <string.h>
 

@@ -9,7 +9,7 @@
 
 #define BUFFER_BYTES 4096
 
-/* Aborts unless the packet is a valid SocketCAN frame. Written independently of the hub's own check. */
+/* Aborts unless the packet is a valid SocketCAN frame. The check shares no code with that of the hub. */
 static void require_frame(const uint8_t *packet, ssize_t bytes) {
     canid_t id;
     memcpy(&id, packet, sizeof id);

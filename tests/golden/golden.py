@@ -32,7 +32,8 @@ MAX_BYTES = 12_000_000  # total size of all golden logs
 
 @dataclass(frozen=True)
 class Run:
-    """A run whose golden logs are NAME-PROFILE.log.xz. shows: what the logs contain besides the start and the stop."""
+    """A run whose golden logs are NAME-PROFILE.log.xz. shows: what the logs contain in addition to the start and the
+    stop."""
 
     name: str
     scenario: Path
@@ -64,7 +65,8 @@ def of_the_firmware(path: Path) -> Iterator[str]:
 
 
 def record(run: Run, profile: str, simulator: Path) -> None:
-    """Records a golden log. Accepts exit status 1, a failed check, as only the firmware's behaviour matters here."""
+    """Records a golden log. The simulator may exit with 1, a failed check of the scenario, because a golden log records
+    the firmware's behaviour whether or not the scenario passes."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
             simulator,
@@ -88,7 +90,7 @@ def record(run: Run, profile: str, simulator: Path) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the program that records")
+    parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="path of comanip-sim, which records the logs")
     simulator = parser.parse_args().simulator
     jobs = [(run, profile) for run in RUNS for profile in PROFILES]
     with ThreadPoolExecutor(2) as pool:

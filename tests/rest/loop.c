@@ -1,4 +1,5 @@
-/* Implements the loop of loop.h: frames to and from the firmware, the drives, and the recorded figures. */
+/* Implements rest_run(): generates the frames to the firmware, reads its commands, models the drives, and records how
+ * fast the joints are commanded to move after the hand has come to rest. */
 #include "loop.h"
 
 #include <math.h>
@@ -29,7 +30,7 @@ typedef struct {
     controller_inbox_t inbox;
     protocol_sender_t drives, tracker, operator;
     drive_t drive[REST_JOINTS];
-    double window_last[REST_JOINTS]; /* last velocity above REST_CREEP_RADPS in this window; 0 if there was none yet */
+    double window_last[REST_JOINTS]; /* last velocity above REST_CREEP_RADPS in this window; 0: none so far */
     joint_cmd_t command;
 } loop_t;
 
@@ -126,7 +127,7 @@ static void drive_advance(drive_t *self, double command_radps, double for_s, dou
 static void move_joints(loop_t *self, int tick) {
     const double dead_ticks = self->work->dead_time_s / TICK_S;
     const int whole = (int)dead_ticks;
-    const double part_s = (dead_ticks - whole) * TICK_S; /* time in the tick during which the older command acts */
+    const double part_s = (dead_ticks - whole) * TICK_S; /* part of the tick in which the previous command still acts */
     for (int i = 0; i < REST_JOINTS; i++) {
         drive_t *drive = &self->drive[i];
         drive->command[tick % DELAY_TICKS] =

@@ -1,5 +1,5 @@
-# `make rest`: runs the firmware's tick in a loop with drives, for thousands of cases. Included by the Makefile, which
-# defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
+# `make rest` runs the firmware's tick in a closed loop with modelled drives, for thousands of cases. The Makefile
+# includes this file and defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
 
 REST := $(BUILD)/rest
 REST_SOURCES := $(CORE_SOURCES) tests/rest/loop.c

@@ -8,13 +8,14 @@ drives (loop.c), and some of them in the simulator (rest_ode.py). The requiremen
               18 s to 20 s, no case oscillates and at most 0.2 % creep (rest_judgement.py)
     ode       the requirement `rest` for a hundred cases in the simulator
     position  95 % of the cases with a reachable target position (rest_arm.py) are within 1 mm of it after 8 s
-    pairs     any two parameters are set to the ends of their ranges, including groups of components of K and W; either
-              the firmware rejects the set or warns of it, or, after 8 s and the travel time at the allowed speed, no
-              joint is faster than 0.02 rad/s or 10 % of that speed, and no joint oscillates (rest_pairs.py)
+    pairs     two parameters, or groups of components of K and W, are set to ends of their ranges, for all pairs. Unless
+              the firmware rejects the set or warns that rest is not assured, the arm must rest after 8 s plus the
+              additional travel time at a reduced speed limit: no joint oscillates or is faster than the larger of 0.02
+              rad/s and 10 % of the speed limit (rest_pairs.py)
 
 Each exception is listed with its cause, which is derived from the arm's final posture. Outcomes are stored in
-BUILD/rest under the firmware's fingerprint, so that an interrupted campaign can continue. Prints the figures and writes
-FILE. The exit status is 1 if a requirement is missed.
+BUILD/rest/outcomes, separately for each build of the loop and of the simulator, so that an interrupted campaign can
+continue. Prints the figures and writes FILE. The exit status is 1 if a requirement is missed.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ CASES, REACHABLE, ODE, PAIR_CASES = 5000, 2000, 100, 4
 PAIRS_BATCH = 50
 BATCH = 250  # number of cases stored at a time
 WITHIN_M, WITHIN_SHARE = 1e-3, 0.95
-FLAT_M2 = 5e-4  # a curvature below this is small compared with the square of a link's length, which is at least 0.01 m2
+FLAT_M2 = 5e-4  # m2/rad2; smaller curvatures are small compared with the square of a link's length, at least 0.01 m2
 
 
 class Campaign:
@@ -118,8 +119,8 @@ class Campaign:
 
 
 def position_cause(left_m: float) -> str:
-    """Returns the reason why a position error remains. `left_m`: the error that is left after descending further by
-    position alone."""
+    """Returns the reason why a position error remains. `left_m`: the error that would be left if the arm continued
+    without regard to the orientation (rest_arm.descend())."""
     return (
         "a local minimum of the distance"
         if left_m >= WITHIN_M
@@ -265,13 +266,13 @@ def parameter(text: str) -> tuple[str, float]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="make rest", description="when the hand rests, the arm comes to rest")
+    parser = argparse.ArgumentParser(prog="make rest", description="checks that the arm rests when the hand rests")
     parser.add_argument("build", type=Path)
     parser.add_argument("--seeds", choices=generated.SEEDS, default="proof")
     parser.add_argument("--cases", type=int, default=CASES)
     parser.add_argument("--reachable", type=int, default=REACHABLE)
     parser.add_argument("--ode", type=int, default=ODE)
-    parser.add_argument("--pairs", type=int, default=PAIR_CASES, help="cases of each pair")
+    parser.add_argument("--pairs", type=int, default=PAIR_CASES, help="number of cases for each pair of parameters")
     parser.add_argument("--parameter", type=parameter, action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--out", type=Path)
     options = parser.parse_args(arguments)

@@ -65,7 +65,7 @@ class Valley:
     reachable: bool
 
 
-AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as at the limit, as the firmware stops joints short of it
+AT_LIMIT_RAD = 5e-3  # a joint this close to a limit counts as at it, because the firmware stops joints before the limit
 
 
 def jacobian_m(q: np.ndarray) -> np.ndarray:

@@ -1,5 +1,5 @@
-"""Generates random cases of a hand that moves once and then rests. A case depends only on the name of the seeds and on
-its number, so that each case can be repeated on its own."""
+"""Generates random cases of a hand that moves once and then rests. A case depends only on the name of the seed series
+and on its number, so that a single case can be repeated."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 import rest_arm as arm
 from rest_loop import CASE
 
-SEEDS = ("choice", "proof")  # names of the seeds for tuning the parameters and for validating them
-END_S = (8.0, 20.0)
+SEEDS = ("choice", "proof")  # seed series: one for tuning the parameters, one for validating them
+END_S = (8.0, 20.0)  # ends of the two windows, from the start of the move
 REACHABLE_FIRST, PAIRS_FIRST = 1_000_000, 2_000_000  # first case numbers of the reachable cases and of the pairs
 
 
@@ -40,7 +40,7 @@ def random_cases(seeds: str, numbers: range) -> np.ndarray:
 
 
 def in_torso_axes(vector: np.ndarray) -> np.ndarray:
-    """Converts a vector in the tracker's axes to torso axes, by the paper's (9)."""
+    """Converts a vector in the tracker's axes to torso axes, by the paper's equation (9)."""
     x, y, z = vector
     return np.array([x, -z, y])
 

@@ -1,5 +1,5 @@
-"""Decides whether an arm is at rest. An outcome is a rest_loop.OUTCOME, whose sign changes are those between commanded
-velocities faster than CREEP_RADPS."""
+"""Decides whether an arm is at rest. `outcomes` are arrays of rest_loop.OUTCOME, which counts sign changes only between
+commanded velocities faster than CREEP_RADPS."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 
 WINDOW_S = 2.0  # length of the windows, which end 8 s and 20 s after the start of the move
 CREEP_RADPS = 0.02
-SIGN_CHANGES = 2  # a greater number counts as oscillation
+SIGN_CHANGES = 2  # more sign changes than this in a window count as oscillation
 EARLY, LATE = 0, 1  # indices of the windows that end after 8 s and after 20 s
 CREEPING_SHARE = (0.015, 0.002)  # share of the cases that may creep in each window
 

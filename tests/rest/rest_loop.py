@@ -60,8 +60,8 @@ class Loop:
         return hashlib.sha256(self.library.read_bytes()).hexdigest()[:16]
 
     def run(self, cases: np.ndarray, parameters: dict[str, float]) -> np.ndarray:
-        """Returns the outcomes of cases, with these parameters in place of their defaults. Raises KeyError if there is
-        no such parameter, and ValueError if the firmware rejects a value."""
+        """Returns the outcomes of the cases. `parameters` replaces the defaults of those parameters that it names.
+        Raises KeyError for an unknown name, and ValueError if the firmware rejects a value."""
         values = self._ffi.new("parameters_t *")
         self._lib.parameters_set_defaults(values)
         for name, value in parameters.items():

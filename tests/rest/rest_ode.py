@@ -1,5 +1,5 @@
-"""Runs the cases in the simulator, with the arm in ODE. The case's lag and dead time are ignored: the simulator has a
-drive lag of 3 ms and delays of its own."""
+"""Runs the cases in the simulator, with the arm in ODE. The case's lag and dead time are ignored, because the
+simulator models the drives' lag (3 ms) and all delays itself."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rest_cases import in_torso_axes
 from rest_judgement import CREEP_RADPS, WINDOW_S
 from rest_loop import COOPERATING, OUTCOME
 
-SCALE = 2.0  # motion_scale: the target moves twice as far as the hand, and so farther than a person can reach
+SCALE = 2.0  # motion_scale: halves the hand's motion; targets move up to 2 m, a scenario's hand at most 1.5 m
 BEFORE_S = 0.1  # time from the start of the cooperation until the hand moves
 TICK_S = 1e-3
 NO_PLACE = -1
@@ -86,7 +86,7 @@ def run(case: np.ndarray, simulator: Path, folder: Path, parameters: dict[str, f
 
 
 def outcome(case: np.ndarray, trace: Path) -> np.ndarray:
-    """Returns an outcome with those fields of rest_loop.OUTCOME that the judgement and the causes need."""
+    """Returns an outcome in which only the fields that the judgement and the causes need are set."""
     with trace.open() as stream:
         rows = list(csv.DictReader(stream))
     cooperating = np.array([row["mode"] == "cooperating" for row in rows])

@@ -1,5 +1,5 @@
-"""Checks pairs of parameters at the ends of their ranges: unless the firmware rejects the set or warns of it, the arm
-must come to rest."""
+"""Checks pairs of parameters at the ends of their ranges: the arm must come to rest, unless the firmware rejects the
+set or warns that rest is not assured."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GROUPS = {
 }  # components of K and of W that are changed together
 VECTORS = {"gain": "gain_w_per_s", "weight": "weight_w"}  # name of each vector's first component
 SPEED_RADPS = 4.76  # speed limit of HOAP-3's joints
-OF_SPEED = 0.1
+OF_SPEED = 0.1  # share of the speed limit below which a joint counts as at rest
 SPEED_FRACTION = "speed_fraction"
 
 

@@ -17,7 +17,8 @@ FOLDERS = (
 )
 # Compiled modules that contain the core: the core itself, and the loop in tests/rest, which is built separately.
 CORES = {"comanip._core", "rest_loop"}
-# In these tests the firmware runs as a separate process, which is not sanitised, and the outcome depends on timeouts.
+# These tests are left out, because the firmware runs in a separate process that is not sanitised, and because their
+# outcome depends on timeouts.
 OTHER_PROCESSES = {"test_comanip_on_a_hub.py", "test_two_processes.py"}
 
 

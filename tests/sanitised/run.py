@@ -1,8 +1,8 @@
 """Runs the tests that use the compiled core against the sanitised one: ``run.py FOLDER RUNTIME [options of pytest]``.
 
 FOLDER contains _core.abi3.so and rest/loop.so (sanitised.mk). RUNTIME is clang's runtime library. A sanitiser ends the
-process in which it finds an error, which goes unnoticed if the test expects this process to fail. Sanitisers therefore
-write their reports to files, and the run fails if there is any such file.
+process in which it finds an error. A test that expects this process to fail would pass nevertheless. Sanitisers
+therefore write their reports to files, and the run fails if there is any such file.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ HERE = Path(__file__).resolve().parent
 
 
 def environment(folder: Path, runtime: str, reports: Path) -> dict[str, str]:
-    """Returns the environment for the tests. With PYTHONMALLOC each Python object is allocated separately, so that an
-    access past its end is detected."""
+    """Returns the environment for the tests. PYTHONMALLOC=malloc allocates each Python object separately, so that the
+    sanitiser detects an access past its end."""
     log = f"log_path={reports / 'report'}"
     return os.environ | {
         "COMANIP_SANITISED": str(folder),
@@ -44,7 +44,7 @@ def run(files: Sequence[Path], options: Sequence[str], folder: Path, runtime: st
     for report in found:
         print(f"{report}:\n{report.read_text()}", file=sys.stderr)
     if found:
-        print(f"make test-sanitised: reports of the sanitisers: {len(found)}, expected none", file=sys.stderr)
+        print(f"make test-sanitised: the sanitisers wrote {len(found)} reports (above), expected none", file=sys.stderr)
     return status or bool(found)
 
 

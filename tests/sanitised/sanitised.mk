@@ -1,9 +1,9 @@
 # `make test-sanitised` runs the tests that use the compiled core, with a core built by clang with AddressSanitizer and
-# UndefinedBehaviorSanitizer. Included by the Makefile, which defines BUILD, GENERATED, CORE_CFLAGS and CORE_SOURCES.
+# UndefinedBehaviorSanitizer. The Makefile includes this file and defines BUILD, GENERATED, CORE_CFLAGS, CORE_SOURCES.
 
 SANITISED := $(BUILD)/sanitised
 # Unsigned overflow is not checked, because counters and clocks wrap by design. Implicit conversions are not checked,
-# because -Wconversion already rejects those that lose bits, except in the ++ of such a counter.
+# because -Wconversion already rejects those that lose bits; it accepts only ++ on a narrow counter, which may wrap.
 SANITISERS := address,undefined,float-cast-overflow,float-divide-by-zero,local-bounds
 SANITISED_CFLAGS = $(CORE_CFLAGS) -O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITISERS) -fno-sanitize-recover=all
 SANITISER_RUNTIME = $(shell clang -print-file-name=libclang_rt.asan-$(shell uname -m).so 2>/dev/null)
@@ -22,7 +22,8 @@ $(SANITISED)/rest/%.o: %.c tests/rest/loop.h $(SANITISED_FROM)
 	@echo "  CC [sanitised] $<"
 	$(Q)clang $(SANITISED_CFLAGS) -fPIC -c $< -o $@
 
-# The sanitised loop of tests/rest. The loop contains the core. The tests expect the simulator in the same build folder.
+# The loop of tests/rest contains the core and is therefore built with sanitisers, too. Its tests expect generated/ and
+# host/ (the simulator) in the same build folder, so these are linked.
 $(SANITISED)/rest/loop.so: $(REST_SOURCES:%.c=$(SANITISED)/rest/%.o)
 	@echo "  LINK $@"
 	$(Q)clang $(SANITISED_CFLAGS) -shared $^ -lm -o $@

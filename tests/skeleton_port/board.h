@@ -1,4 +1,4 @@
-/* A board with a CAN controller: the definitions that hal/cortex_m needs. */
+/* The definitions that hal/cortex_m needs, for a board with a CAN controller. */
 #ifndef COMANIP_BOARD_H
 #define COMANIP_BOARD_H
 

@@ -1,5 +1,5 @@
-/* A stub CAN driver, because no emulated board has a CAN controller. It sends each frame at once, and
- * receives one frame for each frame sent. After a thousand JointCmd frames, it ends the emulator. */
+/* A stub CAN driver, because no emulated board has a CAN controller. The stub discards each frame to be sent, and
+ * receives one frame for each. After a thousand JointCmd frames, it ends the emulator. */
 #include "can.h"
 
 #include "../common/tick.h"

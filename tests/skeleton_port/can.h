@@ -1,4 +1,4 @@
-/* The CAN driver's function used by the rest of the port. */
+/* The function of the CAN driver that the rest of the port calls. */
 #ifndef COMANIP_SKELETON_CAN_H
 #define COMANIP_SKELETON_CAN_H
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The guest's first process: loads the CAN modules, creates three virtual buses, one of them without FD, and runs the
-# tests. Its root is the host's file system.
+# The first process in user-mode Linux. It loads the CAN modules, creates three virtual buses, one of them without FD,
+# and runs the tests. The root file system is that of the host.
 folder=$(dirname "$0")
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME="$folder" LANG=C.UTF-8
 {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests firmware and plant on the kernel's SocketCAN, even if this machine's kernel has none: boots user-mode Linux from
-# the running file system and runs init.sh there. Usage: tests/socketcan/run.sh PYTHON [arguments for pytest]
+# Tests firmware and plant on the kernel's SocketCAN, even if this machine's kernel has none: boots user-mode Linux with
+# this machine's root file system and runs init.sh there. Usage: tests/socketcan/run.sh PYTHON [arguments for pytest]
 # Exit status: 0 if the tests passed or were skipped (the reason is printed); 1 if they failed, or were skipped although
 # REQUIRED=1.
 set -eu
@@ -11,7 +11,7 @@ boot_s=600
 skip() {
     echo "make test-socketcan: SKIPPED: $1"
     [ "${REQUIRED:-0}" != 1 ]
-    exit
+    exit # with the status of the test above
 }
 
 is_complete() {
@@ -21,8 +21,8 @@ is_complete() {
 
 if ! is_complete; then
     if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
-    command -v apt-get >/dev/null || skip "no apt-get on this machine, and not all of: $packages"
-    [ -z "$sudo" ] || command -v sudo >/dev/null || skip "neither root nor sudo to install: $packages"
+    command -v apt-get >/dev/null || skip "no apt-get to install what is missing of: $packages"
+    [ -z "$sudo" ] || command -v sudo >/dev/null || skip "no root or sudo to install what is missing of: $packages"
     echo "comanip: installing $packages"
     $sudo apt-get update -qq
     # shellcheck disable=SC2086
@@ -45,7 +45,7 @@ tail -f -n +1 --pid=$kernel "$folder/console"
 wait $kernel || true
 [ -e "$folder/booted" ] || skip "user-mode Linux does not boot here: $(tail -n 1 "$folder/console")"
 [ -e "$folder/status" ] || {
-    echo "make test-socketcan: the guest ended without a result, or was stopped after $boot_s s" >&2
+    echo "make test-socketcan: user-mode Linux ended before the tests, or was stopped after $boot_s s: see above" >&2
     exit 1
 }
 exit "$(cat "$folder/status")"

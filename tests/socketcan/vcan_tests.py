@@ -29,7 +29,7 @@ from test_two_processes import PLAIN, begin, run_to_end
 
 CANTOOLS = Path(sys.executable).parent / "cantools"
 LINE = re.compile(r"\((\d+)\.(\d{6})\) (\w+) ([0-7][0-9A-F]{2})#(?:#([0-9A-F]))?((?:[0-9A-F]{2})*)(?: [RT])?")
-FDF = 4  # newer kernels set this flag, older ones do not
+FDF = 4  # CANFD_FDF, a flag that newer kernels set in each CAN FD frame and older kernels do not
 TO_FIRMWARE = {message.frame_id for message in FD_MESSAGES if "Firmware" in message.receivers}
 FOREIGN_ID = 0x7A5
 ERROR_FLAG = 0x20000000  # linux/can.h, linux/can/error.h
@@ -143,8 +143,8 @@ def session(tmp_path_factory) -> Path:
 
 
 def test_candump_and_the_plants_log_are_the_same(session):
-    """candump's log and the plant's log contain the same frames in the same order. The kernel's timestamps are the
-    same in both, except that the plant's log scales them to the slowed clock."""
+    """candump's log and the plant's log contain the same frames in the same order. The timestamps are the
+    kernel's in both logs; the plant divides them by the factor of its slowed clock."""
     dumped, logged = read_log(session / "candump.log"), read_log(session / "plant" / "bus.log")
     assert len(logged) > 15_000
     assert payload(dumped)[: len(logged)] == payload(logged)
@@ -154,7 +154,7 @@ def test_candump_and_the_plants_log_are_the_same(session):
 def test_python_can_logs_the_same(session):
     dumped, logged = read_log(session / "candump.log"), read_log(session / "python.log")
     assert payload(logged) == payload(dumped)
-    assert max(abs(a.t_us - b.t_us) for a, b in zip(logged, dumped, strict=True)) <= 1  # python-can's times are floats
+    assert max(abs(a.t_us - b.t_us) for a, b in zip(logged, dumped, strict=True)) <= 1  # python-can has float times
 
 
 def test_cantools_decodes_candumps_log(session):
@@ -263,7 +263,7 @@ def test_remote_and_extended_frames_are_ignored(alone):
 
 
 def test_error_frames_are_reported(alone):
-    """A vcan bus has no errors of its own, but a frame sent with the error flag is received as an error frame."""
+    """A vcan bus never reports errors, but a frame that is sent with the error flag is received as an error frame."""
     bus, firmware = alone
     for classes, controller in ((ERROR_CONTROLLER, TX_PASSIVE), (ERROR_BUS_OFF, 0), (ERROR_RESTARTED, 0)):
         bus.send_packet(CAN_FRAME.pack(ERROR_FLAG | classes, 8, 0, 0, 0, bytes([0, controller]) + bytes(6)))
@@ -339,7 +339,7 @@ def classic_session(tmp_path_factory) -> tuple[Path, bytes]:
 def test_classic_candump_python_can_and_the_plants_log_are_the_same(classic_session):
     folder, _ = classic_session
     dumped, logged, python = (read_log(folder / n, fd=False) for n in ("candump.log", "plant/bus.log", "python.log"))
-    assert len(logged) > 2.5 * 8 * 250, "fewer frames than the commands and states of four joints alone"
+    assert len(logged) > 2.5 * 8 * 250, f"{len(logged)} frames: fewer than the four joints' commands and states"
     assert payload(dumped)[: len(logged)] == payload(logged)
     assert payload(python) == payload(dumped)
 

@@ -1,6 +1,5 @@
-/* Applies functions of the firmware to arrays from Python. Each function here is a loop that calls one function of
- * the firmware for each row, without any computation of its own. Arrays are dense and row-major; `out` must not
- * overlap the inputs. */
+/* Applies the firmware's mathematics to arrays from Python. Each function processes the rows one by one, with functions
+ * of the firmware. Arrays are dense and row-major. `out` must not overlap the inputs. */
 #ifndef COMANIP_BATCH_H
 #define COMANIP_BATCH_H
 

@@ -1,7 +1,7 @@
-/* Runs the firmware in a closed loop without physics, about a hundred times faster than real time. The loop consists of
+/* Runs the firmware in a closed loop without physics, much faster than real time. The loop consists of
  * controller_step() with CAN FD frames, drives that follow their commands with a lag, and encoders. Events within a
- * tick have the same order as in the simulator (sim/world/world.c): a command takes effect in its own tick, and the
- * encoder readings of a tick reach the firmware in the next one. */
+ * tick have the same order as in the simulator (sim/world/world.c): a command takes effect in the tick that sends it,
+ * and the encoder readings of a tick reach the firmware in the next tick. */
 #ifndef COMANIP_KINEMATIC_LOOP_H
 #define COMANIP_KINEMATIC_LOOP_H
 
@@ -29,7 +29,7 @@ void kinematic_arm_step(kinematic_arm_t *self, const float command_radps[], floa
 
 /* A HandPose frame on the bus. */
 typedef struct {
-    uint32_t received_us; /* end of the frame on the firmware's clock; must not decrease from sample to sample */
+    uint32_t received_us; /* time of reception on the firmware's clock; must not decrease from sample to sample */
     hand_pose_t pose;
 } kinematic_sample_t;
 
@@ -49,9 +49,9 @@ typedef struct {
     float command_radps[ARM_MAX_JOINTS];
 } kinematic_tick_t;
 
-/* Runs tick_count ticks; tick k is at k ms. start_rad has joint_count values. Writes tick_count elements to `ticks`.
- * If a frame does not fit into the firmware's inbox, or the firmware refuses to select or start the task, the run
- * ends at once and false is returned. */
+/* Runs tick_count ticks; tick k is at k ms. start_rad has joint_count values. Writes one element of `ticks` per tick.
+ * Returns true if all ticks were run. Ends early and returns false if a frame does not fit into the firmware's inbox,
+ * or if the firmware refuses to select or start the task. */
 bool kinematic_loop_run(const kinematic_loop_config_t *config, const double start_rad[], size_t sample_count,
                         const kinematic_sample_t samples[], size_t tick_count, kinematic_tick_t ticks[]);
 

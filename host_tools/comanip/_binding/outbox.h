@@ -7,7 +7,7 @@
 typedef struct {
     can_frame_t frame[CONTROLLER_OUTBOX_FRAMES];
     uint8_t count;
-    bool save, enable_drives; /* as controller_outbox_t */
+    bool save, enable_drives; /* as in controller_outbox_t */
 } outbox_t;
 
 /* Runs controller_step() and stores the frames that it sends. */

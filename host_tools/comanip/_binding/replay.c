@@ -72,7 +72,7 @@ static bool is_of_one_build(const replay_t *self, const replay_stream_t *stream,
     return !parameters_has(parameter) || parameter >= PARAMETER_NUMBERS || !self->has_parameter[parameter];
 }
 
-/* Skips recorded ParameterValues for which is_of_one_build() is true. */
+/* Skips recorded ParameterValues of parameters that only one of the two builds has. */
 static void skip_recorded(replay_t *self, replay_stream_t *stream) {
     while (stream->cursor != REPLAY_NO_FRAME && is_of_one_build(self, stream, &self->log[stream->cursor])) {
         stream->cursor = self->next[stream->cursor];
@@ -105,7 +105,7 @@ static void compare_frame(replay_t *self, const can_frame_t *sent) {
     const uint32_t place = stream->cursor;
     if (place == REPLAY_NO_FRAME) {
         if (self->next[self->tick_place] != REPLAY_NO_FRAME &&
-            self->result == REPLAY_EQUAL) { /* not checked in the last tick, within which the log may end */
+            self->result == REPLAY_EQUAL) { /* the last tick is not checked: the log may end within it */
             self->sent = *sent;
             replay_end(self, REPLAY_NOT_IN_LOG, self->tick_place);
         }
@@ -134,7 +134,8 @@ static void find_unsent(replay_t *self, uint32_t limit) {
 
 /* ---- a tick */
 
-/* Returns true if the firmware has rebooted before this tick: its counters restart, and it sends its identity again. */
+/* Returns true if the firmware has rebooted before this tick. After a reboot its counters restart at 0, and it sends
+ * its identity again. */
 static bool is_reboot(replay_t *self) {
     const uint32_t heartbeat = replay_stream_of_kind(self, FRAME_FIRMWARE_HEARTBEAT)->cursor;
     return self->ticks > 0u && replay_counter_of(self, &self->log[self->tick_place]) == 0u &&
@@ -250,7 +251,7 @@ static void replay_tick(replay_t *self) {
     for (int i = 0; i < self->outbox.count; i++) {
         compare_frame(self, &self->outbox.frame[i]);
     }
-    find_unsent(self, self->former_tick_place); /* not up to this tick, within which the order of frames may differ */
+    find_unsent(self, self->former_tick_place); /* excludes this tick, whose frames may come in another order */
     self->fed += self->inbox.count;
     self->ticks++;
     self->former_tick_place = self->tick_place;

@@ -7,21 +7,21 @@
  * The timestamps in the log are ignored, because they usually do not come from the firmware's clock. The trace contains
  * everything that depends on when a frame was received:
  *
- *   hand_age_us      A HandPose is given the time of reception now - hand_age. This reproduces the recorded age and
- *                    clock offset, although the true time may be later: hand_age includes the frame's delay. If the
- *                    trace has no age, the firmware has forgotten the hand in this tick. The HandPose is then given the
- *                    time now, but on classic CAN, where the tracker's timestamp is extended by the time since the
- *                    previous pose, the time of that pose plus the time between the ticks that read the two.
- *   drives_fresh     A JointState is given the oldest time of reception that keeps its drive fresh in every tick whose
+ *   hand_age_us      A HandPose gets the time of reception now_us - hand_age_us. The firmware then computes the age and
+ *                    the clock offset that were recorded. The true time of reception may be later, because hand_age_us
+ *                    includes the delay of the frame. If hand_age_us is TRACE_AGE_MAX_US, the firmware had no pose at
+ *                    the end of the tick. On CAN FD the HandPose then gets the time now_us. On classic CAN the
+ *                    firmware extends the tracker's timestamp by the time since the previous pose. There the HandPose
+ *                    gets the time of the previous pose plus the time between the two ticks that read these poses.
+ *   drives_fresh     A JointState gets the oldest time of reception with which its drive is fresh in every tick whose
  *                    trace reports fresh drives.
- *   rejected_frames  Its increase in a tick is the number of frames that the tick read but whose counter the trace does
- *                    not contain (wrong CRC, wrong length or repeated).
+ *   rejected_frames  The increase of this signal in a tick is the number of frames that the tick read but whose counter
+ *                    the trace does not contain (wrong CRC, wrong length or repeated).
  *
- * On classic CAN, all parts of a message are fed in the tick that originally read the last part.
+ * On classic CAN, the firmware gets all parts of a message in the tick that originally read the last part.
  *
- * A log of another build is compared only in what both builds have in common. Frame kinds that are left out are fed to
- * the firmware, but not compared. The counters of ParameterValue are not compared, nor are parameters that exist in
- * only one of the builds. */
+ * A log of another build is compared only in the messages and parameters that both builds have. Frame kinds that are
+ * left out reach the firmware, but are not compared. The counters of ParameterValue are not compared either. */
 #ifndef COMANIP_REPLAY_H
 #define COMANIP_REPLAY_H
 

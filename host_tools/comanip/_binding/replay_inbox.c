@@ -26,8 +26,8 @@ static bool add_to_inbox(replay_t *self, uint32_t place) {
     return true;
 }
 
-/* Moves the cursor to the last frame before the tick that has the traced counter. Earlier frames with this id may have
- * been sent before the firmware booted. */
+/* Moves the cursor to the last frame with the traced counter among the frames before the tick. Earlier frames with this
+ * id may have been sent before the firmware booted. */
 static void skip_unheard(replay_t *self, replay_stream_t *stream, uint8_t counter) {
     for (uint32_t i = stream->cursor; i < self->tick_place; i = self->next[i]) {
         if (replay_counter_of(self, &self->log[i]) == counter && replay_has_right_crc(self, stream, &self->log[i])) {
@@ -44,7 +44,7 @@ static bool is_read(const replay_t *self, replay_plan_t plan, const replay_strea
         return plan < REPLAY_READ_NEWEST;
     }
     if (stream->description->period_ms == 0u) {
-        return true; /* a request by the operator, which the firmware read, as its answer in the log shows */
+        return true; /* a request by the operator: the log contains the answer, so the firmware has read the request */
     }
     return plan == REPLAY_READ_BRIDGED_STATES && distance % (max_delta(self) - 2u) == 0u;
 }
@@ -86,7 +86,7 @@ static bool read_stream(replay_t *self, replay_stream_t *stream, const replay_tr
     return false;
 }
 
-/* No JointState is read for joints that the arm lacks, because no node sends these frames. */
+/* For joints that the arm lacks, no JointState is read, because no node sends one. */
 bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan) {
     self->inbox.count = 0;
     for (int i = 0; i < self->stream_count; i++) {
@@ -126,8 +126,8 @@ bool replay_read_refused(replay_t *self) {
 
 /* ---- times of reception */
 
-/* Returns the oldest timestamp with which the drive counts as fresh in all those ticks, from this one to the drive's
- * next frame, whose trace reports fresh drives. */
+/* Considers the ticks from this one up to the drive's next frame. Returns the oldest timestamp with which the drive
+ * counts as fresh in all of these ticks whose trace reports fresh drives. */
 static uint32_t joint_stamp_us(replay_t *self, frame_kind_t kind, const replay_trace_t *trace) {
     const uint32_t timeout_us = 1000u * transport_timeout_ms(self->profile, kind);
     uint32_t stamp_us = trace->message.now_us - timeout_us - 1u;

@@ -1,4 +1,4 @@
-/* Reconstructs from a TickTrace which frames the recorded firmware read in that tick. A part of the replay. */
+/* The part of the replay that reconstructs, from a TickTrace, which frames the recorded firmware read in that tick. */
 #ifndef COMANIP_REPLAY_INBOX_H
 #define COMANIP_REPLAY_INBOX_H
 
@@ -15,14 +15,14 @@ typedef enum {
     REPLAY_READ_PLANS
 } replay_plan_t;
 
-/* Records a difference, unless one was found earlier in the log. */
+/* Records a difference at index `place`, unless a difference at an earlier index is already recorded. */
 void replay_end(replay_t *self, replay_result_t result, uint32_t place);
 
-/* Records REPLAY_LOST for this frame. */
+/* Records REPLAY_LOST for the frame of this stream with this counter. */
 void replay_note_lost(replay_t *self, const replay_stream_t *stream, uint8_t counter);
 
-/* Fills the inbox with the frames up to the traced counters. Returns false if a frame with a traced counter is not
- * in the log, which ends the replay, or if there are more frames than a tick can read. */
+/* Fills the inbox with the frames up to the traced counters. If a frame with a traced counter is damaged or not in the
+ * log, records a difference and returns false. Also returns false if there are more frames than a tick can read. */
 bool replay_fill_inbox(replay_t *self, const replay_trace_t *trace, replay_plan_t plan);
 
 /* Adds the next frame on the bus that the firmware may have read and refused without recording its counter. Returns

@@ -1,4 +1,5 @@
-/* Reconstructs what the recorded firmware read from its store, and the results of saves. A part of the replay. */
+/* The part of the replay that reconstructs which parameters the recorded firmware loaded from its store, and with which
+ * result it saved parameters. */
 #ifndef COMANIP_REPLAY_STORE_H
 #define COMANIP_REPLAY_STORE_H
 

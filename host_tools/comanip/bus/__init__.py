@@ -9,12 +9,12 @@ _OF_LIVE = ("BusAddress", "CONNECT_S", "LISTEN_S", "LiveBus", "open_bus")
 
 
 def __getattr__(name: str):
-    """Forwards the names that ``comanip.bus`` had before it became a package. They are now in ``comanip.bus.live``.
-    This function is to be removed in the next release."""
+    """Forwards the names that ``comanip.bus`` contained before it became a package, to ``comanip.bus.live``. This
+    function is to be removed in the next release."""
     if name not in _OF_LIVE:
         raise AttributeError(f"module 'comanip.bus' has no attribute '{name}'")
     warnings.warn(
-        f"comanip.bus.{name} is now comanip.bus.live.{name}; the old name will go with the next release",
+        f"comanip.bus.{name} is now comanip.bus.live.{name}; the old name will be removed in the next release",
         DeprecationWarning,
         stacklevel=2,
     )

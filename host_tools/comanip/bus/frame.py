@@ -91,7 +91,7 @@ def _crc8_table() -> list[int]:
 
 def classic_crc(data: bytes, data_id: int) -> int:
     """Returns the CRC of AUTOSAR E2E Profile 2: CRC-8 (0x2F, initial value and final XOR 0xFF) over the bytes after the
-    CRC, followed by the counter's Data ID, (data_id + 16 * counter) modulo 256."""
+    CRC, followed by the Data ID that belongs to the counter value: (data_id + 16 * counter) modulo 256."""
     table, value = _crc8_table(), 0xFF
     for byte in (*data[1:], (data_id + 16 * (data[1] % CLASSIC_COUNTERS)) % 256):
         value = table[value ^ byte]

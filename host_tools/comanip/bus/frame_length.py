@@ -1,9 +1,9 @@
 """Computes the exact longest and shortest time that a CAN frame can occupy the bus, over all payloads of one length.
 
-The number of stuff bits still to come depends on the last bit sent and on how many equal bits in a row end with it. In
-a classic frame, whose CRC is stuffed as well, this number also depends on the CRC of the bits sent so far. Dynamic
-programming over these states (10, or 10 x 32768 with the CRC) therefore finds the largest or smallest number of stuff
-bits, working backwards from the last payload bit. A forward pass then finds a payload with that number of stuff bits.
+The number of stuff bits still to come depends on the last bit sent and on the length of the run of equal bits that ends
+with it. In a classic frame the CRC is stuffed as well, so the number also depends on the CRC of the bits sent so far.
+Dynamic programming over these states (10, or 10 x 32768 with the CRC) finds the largest or smallest number of stuff
+bits, backwards from the last payload bit. A forward pass then finds a payload with this number of stuff bits.
 Frames are those of ISO 11898-1 with 11-bit ids, from SOF to the end of the intermission, without errors.
 """
 
@@ -88,9 +88,9 @@ def _crc_stuff_bits(state: int) -> np.ndarray:
 
 @functools.cache
 def _ahead(is_fd: bool, is_longest: bool) -> list[np.ndarray]:
-    """Returns for each n an array [state, CRC] with the largest or smallest number of stuff bits in n more payload bits
-    and, in a classic frame, in the CRC after them. For CAN FD, whose CRC has fixed stuff bits, the array has one
-    column."""
+    """Returns a list of arrays [state, CRC]. Element n of the list is for n remaining payload bits: it contains the
+    largest or smallest number of stuff bits in these bits and, in a classic frame, in the CRC that follows. For CAN FD,
+    whose CRC has fixed stuff bits, the arrays have one column."""
     extreme = np.maximum if is_longest else np.minimum
     crc = np.zeros(1, int) if is_fd else np.arange(CRC15_VALUES)
     end = [np.zeros(1, np.int16) if is_fd else _crc_stuff_bits(state) for state in range(STATES)]

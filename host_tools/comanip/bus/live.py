@@ -75,8 +75,9 @@ class LiveBus:
                 raise ToolError(f"{self._address}: {name} cannot be sent: {error}") from error
 
     def receive(self, timeout_s: float) -> Frame | None:
-        """Returns the next message, or None after the timeout. Up to WAITING_FRAMES frames that are waiting then are
-        still read. Raises ToolError if the bus can no longer be read."""
+        """Returns the next message, or None after the timeout. Up to WAITING_FRAMES frames that are already waiting at
+        the timeout are still read, because they may complete a message. Raises ToolError if the bus can no longer be
+        read."""
         deadline_s, waiting = time.monotonic() + timeout_s, WAITING_FRAMES
         while True:
             frame = self.receive_frame(max(0.0, deadline_s - time.monotonic()))
@@ -94,7 +95,7 @@ class LiveBus:
         try:
             message = self._bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
-            raise ToolError(f"{self._address}: cannot be read any more: {error}") from error
+            raise ToolError(f"{self._address}: can no longer be read: {error}") from error
         return None if message is None else from_message(message)
 
     def receive_until(self, deadline_s: float) -> Frame | None:

@@ -1,4 +1,4 @@
-"""Writes logs as MCAP for Foxglove and Lichtblick, with one channel per message of the DBC. Signals are JSON."""
+"""Writes logs as MCAP for Foxglove and Lichtblick. Each message of the DBC has its own channel, encoded as JSON."""
 
 from __future__ import annotations
 

@@ -24,8 +24,8 @@ UNSTABLE = "parameters_unstable"
 
 
 class RefusedError(ToolError):
-    """The firmware refused a request. result: name of the reason. involved: the parameters that the firmware
-    reports together with the refusal, with their values."""
+    """The firmware refused a request. result: the firmware's result, which names the reason. involved: names and values
+    of the parameters that the firmware reports after the refusal."""
 
     def __init__(self, request: str, result: str, involved: dict[str, float] | None = None):
         self.result, self.involved = result, involved or {}
@@ -112,8 +112,8 @@ class OperatorClient:
     # ---- one request and its answer
 
     def _refused(self, request: str, result: str) -> RefusedError:
-        """Returns the error for a refusal. If the parameters are unstable, the error includes those that the firmware
-        reports after its answer, one per tick."""
+        """Returns the error for a refusal. If the reason is UNSTABLE, waits for the parameters involved, which the
+        firmware reports one per tick, and includes them in the error."""
         involved = {}
         while result == UNSTABLE and (found := self._next_unstable()):
             involved[str(found["parameter"])] = found["value"]

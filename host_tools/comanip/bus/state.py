@@ -64,8 +64,8 @@ class BusState:
         self._busy_ns += duration_ns
 
     def load_percent(self, now_us: int | None = None) -> float:
-        """Returns an upper bound on the bus load at 1 and 5 Mbit/s. Each frame counts as the longest frame with its id
-        and length."""
+        """Returns an upper bound on the bus load at 1 Mbit/s, with 5 Mbit/s in the data phase of CAN FD. Each frame
+        counts as the longest frame with its id and length."""
         now_us = self.now_us if now_us is None else now_us
         while self._busy and self._busy[0][0] <= now_us - WINDOW_US:
             self._busy_ns -= self._busy.popleft()[1]

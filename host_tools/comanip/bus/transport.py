@@ -20,8 +20,8 @@ class Profile(str, Enum):
     CLASSIC = "classic"
 
     def message(self, name: str):
-        """Returns the DBC's entry for this message in this profile. On classic CAN, the entry is that of the first
-        part."""
+        """Returns the DBC's entry for this message in this profile. On classic CAN, returns the entry of the message's
+        first part."""
         parts = classic_parts(name) if self is Profile.CLASSIC else []
         return database().get_message_by_name(parts[0] if parts else name)
 
@@ -65,8 +65,8 @@ class Sender:
 
 
 class Receiver:
-    """Reassembles messages from the frames of a bus of either profile. On classic CAN it does not reassemble JointCmd,
-    because the number of parts depends on the number of joints, which is not sent on the bus."""
+    """Reassembles messages from the frames of a bus of either profile. JointCmd on classic CAN is not reassembled,
+    because this class does not know the number of joints, which is the number of parts."""
 
     def __init__(self):
         self._state = None

@@ -54,8 +54,8 @@ def hand_samples(frames: Iterable[Frame | None]) -> Iterator[Sample]:
 
 
 def recorded_samples(path: Path) -> Iterator[Sample]:
-    """Yields the samples of a recording (docs/recordings.md), or of lines in the format of `comanip tracker` with
-    timestamps."""
+    """Yields the samples of a text file: a recording (docs/recordings.md), or other lines that `comanip tracker`
+    accepts, with timestamps."""
     try:
         with open(path, encoding="utf-8") as lines:
             for number, line in enumerate(lines, 1):
@@ -104,7 +104,7 @@ def _guide(bus: LiveBus) -> list[Move]:
         out.print(f"  {100 * move.length_m:.0f} cm, {100 * move.crooked:.1f} % off a straight line")
         if len(moves) == len(MOVES):
             return moves
-        out.print(f"{len(moves) + 1}/{len(MOVES)}: from there, move it straight {MOVES[len(moves)]} and hold it still.")
+        out.print(f"{len(moves) + 1}/{len(MOVES)}: now move the hand straight {MOVES[len(moves)]} and hold it still.")
     raise CalibrationError(
         f"{len(moves)} of {len(MOVES)} moves within {MOVES_TIMEOUT_S:g} s: is the tracker running? "
         "`comanip monitor` shows HandPose"
@@ -131,7 +131,7 @@ def calibrate(
         ),
     ] = None,
     write: Annotated[
-        bool, typer.Option("--set", help="Write the parameters, instead of printing the commands that do.")
+        bool, typer.Option("--set", help="Write the parameters instead of printing `param set` commands.")
     ] = False,
     *,
     address: BusAddress,

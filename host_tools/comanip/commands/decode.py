@@ -24,7 +24,7 @@ def decode(
     log: Annotated[
         Path,
         typer.Argument(
-            help="A log (.log, .log.gz, .log.xz, .asc, .blf, .trc); - or none: candump's lines on standard input."
+            help="A log (.log, .log.gz, .log.xz, .asc, .blf, .trc). By default, or with -, candump's lines from stdin."
         ),
     ] = Path("-"),
     only: Annotated[

@@ -28,7 +28,7 @@ PYTHON_LEAST = (3, 11)
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the report. needed: True if every command requires it. False if only some commands do."""
+    """One line of the report. needed: True if every command requires the thing, False if only some commands do."""
 
     what: str
     found: str | None  # None: missing

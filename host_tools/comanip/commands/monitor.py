@@ -57,7 +57,7 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
         if status["changes_posture"]:
             text.append("the arm is changing its posture to reach the target\n", "yellow")
     else:
-        text.append("no FirmwareStatus: the firmware does not run on this bus\n", "yellow")
+        text.append("no FirmwareStatus received: probably the firmware does not run on this bus\n", "yellow")
     if line := port_faults(state.signals("PortStatus")):
         text.append(f"{line}\n", "bold red" if "bus-off now" in line else "yellow")
     if trace:
@@ -73,7 +73,8 @@ def _head(state: BusState, now_us: int, source: str) -> Text:
 
 
 def port_faults(signals: dict) -> str:
-    """Returns a PortStatus as one line, or "" if nothing is wrong. Values that are unknown to the port are left out."""
+    """Returns the faults in a PortStatus as one line, or "" if there are none. Leaves out values that the port does not
+    know."""
     known = {name: value for name, value in signals.items() if isinstance(value, int)}
     parts = [
         f"{known[name]} {one if known[name] == 1 else many}"
@@ -186,7 +187,7 @@ def monitor(
 ) -> None:
     """Show mode, reason, ages, rates, load, errors and decoded signals. Sends nothing."""
     if once and duration is None and log is None:
-        raise ToolError("--once: the end is not given: add --duration SECONDS or --log LOG")
+        raise ToolError("--once: expected --duration SECONDS or --log LOG, which determine when to print the table")
     if log is not None:
         _show(_from_log(log), f"{log}, at its recorded pace", duration, once)
         return

@@ -105,7 +105,7 @@ def replay(
         )
     elif report.left_out:
         console().print(
-            f"{log}: not compared, as it depends on more than the log: {', '.join(report.left_out)}", soft_wrap=True
+            f"{log}: not compared, because the log does not determine it: {', '.join(report.left_out)}", soft_wrap=True
         )
     boots = f", {report.boots} boots" if report.boots > 1 else ""
     if report.difference is not None:

@@ -15,7 +15,7 @@ BUILT = Path("build") / "host" / "comanip-sim"
 HELP = examples(
     "comanip sim --scenario pour --out out/pour",
     "comanip sim --scenario teleop --seed 7 --tracker hand.csv --out out/mine",
-    "comanip sim -- --help          all of its options",
+    "comanip sim -- --help          all options of the simulator",
 )
 
 
@@ -28,7 +28,7 @@ def find_simulator() -> Path | None:
 
 
 def sim(context: typer.Context) -> None:
-    """Run the simulator of person, arm and bus. All options are passed to it."""
+    """Run the simulator of person, arm and bus. All options are passed to the simulator."""
     simulator = find_simulator()
     if simulator is None:
         raise ToolError(

@@ -16,7 +16,7 @@ HELP = examples(
     "comanip task start -i socketcand -c vcan0",
     "comanip task stop",
 )
-CUSTOM = "custom"  # the task defined by TaskDefine; this task cannot be selected by name
+CUSTOM = "custom"  # the task that TaskDefine defines and selects; `select` does not offer it
 
 app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, clutch, stop.", epilog=HELP)
 

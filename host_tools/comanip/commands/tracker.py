@@ -32,7 +32,8 @@ def _lines(queue_: queue.Queue) -> None:
 
 
 def _read(lines: queue.Queue, order: str, status_s: float, on_bad) -> Iterator[Pose | None]:
-    """Yields each pose, and None whenever a TrackerStatus is due. Stops at the end of the input."""
+    """Yields each pose, and None whenever a TrackerStatus is due. Calls on_bad for each malformed line. Stops at the
+    end of the input."""
     number = 0
     due_s = time.monotonic()
     while True:

@@ -1,4 +1,4 @@
-"""Arms: those built into the firmware, by name, and others defined by arrays."""
+"""Provides the arms: those that are built into the firmware have names, others are defined by arrays."""
 
 from __future__ import annotations
 

@@ -38,7 +38,8 @@ def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def conjugate(a: np.ndarray) -> np.ndarray:
-    """Returns the conjugates (both quaternions conjugated): (N, 8) -> (N, 8). A pose's conjugate is its inverse."""
+    """Returns the conjugates: (N, 8) -> (N, 8). The primary and the dual part are both conjugated. The conjugate of a
+    pose is the inverse of the pose."""
     a = check.array("a", a, ("N", 8))
     out = np.empty_like(a)
     lib.batch_conjugate(len(a), _dual_quaternions(a), _dual_quaternions(out))
@@ -46,8 +47,9 @@ def conjugate(a: np.ndarray) -> np.ndarray:
 
 
 def normalise(a: np.ndarray) -> np.ndarray:
-    """Normalises to unit dual quaternions, with |P| = 1 and P . D = 0: (N, 8) -> (N, 8). |P| must be between 1e-12 and
-    1e12, so that its square can be represented in float32."""
+    """Normalises to unit dual quaternions: (N, 8) -> (N, 8). In the result, the primary part P and the dual part D
+    satisfy |P| = 1 and P . D = 0. In the argument, |P| must be between 1e-12 and 1e12, so that |P|^2 fits into
+    float32."""
     a = check.array("a", a, ("N", 8))
     norm = np.linalg.norm(a[:, :4].astype(float), axis=1)
     bad = (norm < 1e-12) | (norm > 1e12)
@@ -88,8 +90,8 @@ def forward_kinematics(arm: str | Arm, q: np.ndarray) -> np.ndarray:
 
 
 def pose_jacobian(arm: str | Arm, q: np.ndarray) -> np.ndarray:
-    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). The derivative
-    has the sign of the dual quaternion that forward_kinematics() returns."""
+    """Returns the derivative of forward_kinematics() with respect to q: (N, n) -> (N, 8, n). Two dual quaternions
+    represent each pose. The derivative is that of the one that forward_kinematics() returns."""
     arm = resolve(arm)
     q = _joint_positions(arm, q)
     out = np.empty((len(q), 8, arm.joint_count), np.float32)

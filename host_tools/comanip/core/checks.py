@@ -71,8 +71,8 @@ def _reject_off_unit(name: str, error: np.ndarray, what: str) -> None:
 
 
 def poses(name: str, value: object, shape: tuple[int | str, ...] = ("N", 8)) -> np.ndarray:
-    """Returns the value after checking that it consists of unit dual quaternions, with |P| = 1 and P . D = 0 within
-    UNIT_TOLERANCE."""
+    """Returns the value after checking that it consists of unit dual quaternions: the primary part P and the dual part
+    D must satisfy |P| = 1 and P . D = 0 within UNIT_TOLERANCE."""
     checked = array(name, value, shape)
     rows = checked.reshape(-1, 8).astype(np.float64)
     norm_error = np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1.0)

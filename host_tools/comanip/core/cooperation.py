@@ -82,8 +82,8 @@ class Cooperation:
         return np.frombuffer(ffi.buffer(vec8), np.float32).copy()
 
     def grasp(self, robot: np.ndarray | None = None) -> None:
-        """Latches q_task, which is constant from then on. With latch "commanded", q_task keeps its value from the
-        latest target() or start(). With "measured", it becomes the present relative pose of the hands, computed
+        """Latches q_task, so that it stays constant. With latch "commanded", q_task keeps its value from the latest
+        call of target() or start(). With "measured", q_task becomes the present relative pose of the hands, computed
         from the end effector's measured pose `robot` (8,)."""
         self._require_start("grasp")
         measured = None if robot is None else _pose("robot", robot)
@@ -96,4 +96,4 @@ class Cooperation:
 
     def _require_start(self, method: str) -> None:
         if not self._started:
-            raise RuntimeError(f"Cooperation.{method}() before start(): there is no reference yet")
+            raise RuntimeError(f"Cooperation.{method}() before start(): call start() first")

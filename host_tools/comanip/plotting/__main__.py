@@ -1,4 +1,5 @@
-"""``python -m comanip.plotting DIR`` plots the run in DIR, from its summary.json and trace.csv, to DIR/report/*.png."""
+"""``python -m comanip.plotting DIR`` reads summary.json and trace.csv of the run in DIR, and writes the plots to
+DIR/report/*.png."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ def draw(folder: Path) -> list[Path]:
     try:
         from comanip.plotting import experiment, paths, style, time_plots
     except ModuleNotFoundError as error:
-        raise RunDataError(f"pictures need the package {error.name}: install host_tools/requirements.txt") from error
+        raise RunDataError(f"the plots need the package {error.name}: run `make build`, or pip install it") from error
     pictures = {
         "experiment": experiment.experiment,
         "paths": paths.paths,
@@ -34,7 +35,7 @@ def draw(folder: Path) -> list[Path]:
     written = []
     for name, make in pictures.items():
         path = report / f"{name}.png"
-        path.unlink(missing_ok=True)  # may be from an earlier run, and this run may lack the data for it
+        path.unlink(missing_ok=True)  # an earlier run may have left it, and this run may have no data for it
         figure = make(run)
         if figure is not None:
             written.append(style.save(figure, path))

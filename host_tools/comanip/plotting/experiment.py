@@ -21,7 +21,8 @@ RING = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
 def plain_scene(run: RunData) -> Scene:
-    """Returns the layout of the figure for a user's scenario. Its curves depend on the objects in the scenario."""
+    """Returns the layout of the figure for a user's scenario. The object in the scenario determines which curves are
+    drawn."""
     curves = {"rod": "handing", "crank": "crank"}
     decisive = "water" if run.has("water_robot") else curves[run.thing.kind] if run.thing else "tracking"
     return Scene(run.scenario, (), decisive)
@@ -72,7 +73,7 @@ def _draw_cup(axes: Axes, view: View, run: RunData, row: int, cup: Cup, colour: 
     low, high = bottom + ring, bottom + cup.height_m * axis + ring
     _line(axes, view, low, color=colour, lw=1.0, zorder=6)
     _line(axes, view, high, color=colour, lw=1.4, zorder=6)
-    # The outline of the cup's wall: the two lines along the wall that are farthest apart across its projected axis.
+    # Of the straight lines along the wall, draw the two that are farthest from the projected axis: the cup's outline.
     along = view(axis)
     across = np.array([-along[1], along[0]])
     side = view(ring) @ across

@@ -12,7 +12,8 @@ ARM = "hoap3_right"
 
 
 def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Rotates one vector (3,), or a vector for each rotation (N, 3), by unit quaternions (N, 4), w first -> (N, 3)."""
+    """Rotates vectors by unit quaternions (N, 4), w first, and returns the results (N, 3). vector: one vector for all
+    rotations (3,), or one for each rotation (N, 3)."""
     w, axis = rotation[:, :1], rotation[:, 1:]
     vector = np.broadcast_to(vector, axis.shape)
     cross = 2.0 * np.cross(axis, vector)
@@ -20,7 +21,8 @@ def rotate(rotation: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def angle_between_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Returns the angle of the rotation from a to b, unit quaternions (N, 4) of either sign -> (N,), 0..180."""
+    """Returns the angles of the rotations from a to b in degrees, 0 to 180: (N, 4), (N, 4) -> (N,). a and b are unit
+    quaternions, whose signs do not matter."""
     cosine = np.abs((a * b).sum(axis=1))
     # Computed from |a - b| and |a + b|, because the arc cosine is inaccurate for small angles.
     nearer = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
@@ -28,7 +30,8 @@ def angle_between_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def tilt_deg(rotation: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Returns the angle between the torso's z axis and an axis (3,) of the rotated body: (N, 4) -> (N,)."""
+    """Returns the angles in degrees between the torso's z axis and the axis (3,) of a body that is rotated by the unit
+    quaternions (N, 4): (N,)."""
     return np.degrees(np.arccos(np.clip(rotate(rotation, axis)[:, 2], -1.0, 1.0)))
 
 

@@ -35,7 +35,7 @@ def _corners(axes: Axes3D) -> np.ndarray:
 
 
 def _fit(figure: Figure, axes: Axes3D, sides: np.ndarray) -> None:
-    """Scales the box, whose sides have these proportions, so that it fills FRAME together with its labels and ticks."""
+    """Scales the box so that the box, its labels and its ticks together fill FRAME. sides: proportions of the box."""
     left, bottom, width, height = FRAME
     zoom = 1.0
     for line in axes.lines:

@@ -46,8 +46,8 @@ class Thing:
 
 @dataclass(frozen=True)
 class RunData:
-    """The data of a run, with one row per tick. Empty cells are NaN. A column that is not in the file reads as
-    NaN throughout."""
+    """The data of a run, with one row per tick. An empty cell of the trace is NaN, as are all cells of a column that
+    the trace does not have."""
 
     folder: Path
     summary: dict
@@ -68,7 +68,8 @@ class RunData:
         return sorted(found, key=lambda event: event.t_s)
 
     def event_s(self, *names: str) -> float | None:
-        """Returns the time of the first event in the order of `names` that occurred, or None if none did."""
+        """Returns the time of an event, or None if none of these events occurred. If several of them occurred, the
+        first in the order of `names` counts. If that event occurred repeatedly, its first time counts."""
         times = {event.name: event.t_s for event in reversed(self.events)}
         return next((times[name] for name in names if name in times), None)
 
@@ -167,7 +168,7 @@ def read_trace(path: Path) -> dict[str, np.ndarray]:
     try:
         table = np.loadtxt(lines, delimiter=",", usecols=numeric, ndmin=2, comments=None)
     except ValueError as error:
-        raise RunDataError(f"{path}: not a number (rows count from line 2): {error}") from error
+        raise RunDataError(f"{path}: not a number (numpy counts rows from line 2): {error}") from error
     return dict(zip([names[i] for i in numeric], table.T.copy(), strict=True))
 
 

@@ -27,7 +27,7 @@ JOINT_COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 MODE_COLOURS = {"cooperating": "#EAF3FA", "hold": "#FDEFD3", "fault": "#F8D9CC"}
 
 DPI = 160
-MAX_DRAWN = 4000  # points per curve, more than the figure has pixels
+MAX_DRAWN = 4000  # maximum number of points per curve, more than the figure's width in pixels
 LABEL_INCH = 0.115  # height of an event label's text
 CHARACTER_INCH = 0.055  # width of a character in an event label
 
@@ -89,8 +89,8 @@ def spread(positions: Sequence[float], gap: float, low: float, high: float) -> n
 
 
 def mark_time(run: RunData, rows: Sequence[Axes], labels: bool = True) -> None:
-    """Draws modes as bands and events as lines in all rows, and the events' names above the first row. The rows share a
-    time axis."""
+    """Draws modes as bands and events as lines in all rows, which share a time axis. If `labels` is True, writes the
+    events' names above the first row."""
     begin_s, end_s = float(run.t_s[0]), float(run.t_s[-1])
     for axes in rows:
         axes.set_xlim(begin_s, end_s)
@@ -137,7 +137,8 @@ def _label_events(run: RunData, axes: Axes, span_s: float) -> None:
 
 
 def time_figure(run: RunData, what: str, rows: int, row_inch: float = 1.5) -> tuple[Figure, list[Axes]]:
-    """Creates a figure with rows that share the time axis, with room for event names above and for legends beside."""
+    """Creates a figure with rows that share the time axis. Leaves room for the events' names above the rows, and for
+    legends to their right."""
     longest = max((len(event.name) for event in run.events), default=0)
     top_inch = 0.4 + (0.2 + CHARACTER_INCH * longest if longest else 0.0)
     height = top_inch + rows * row_inch + 0.45

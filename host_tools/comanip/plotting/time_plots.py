@@ -114,7 +114,8 @@ def draw_limits(axes: Axes, limits: list[tuple[str, float]], unit: str) -> None:
 
 
 def plot_force(run: RunData, axes: Axes) -> None:
-    """Plots the magnitude of the force at each person's hand while it holds something, with the scenario's limits."""
+    """Plots the magnitude of the force at each person's hand while the hand holds something, with the scenario's
+    limits."""
     part = style.thinned(run)
     force = np.sqrt(sum(run.column(f"force_{axis}_N") ** 2 for axis in "xyz"))
     if run.has("force_x_N"):

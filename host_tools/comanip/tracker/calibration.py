@@ -3,8 +3,8 @@
 The person moves the hand forward, to the left and up, along the x, y and z axes of the robot's torso, with rests
 between the moves. The tracker measures the three directions. Finding the rotation that best maps the torso's axes to
 these directions in the least-squares sense is Wahba's problem, which a singular value decomposition solves (Kabsch;
-Markley 1988). The uncertainty is computed from the residuals of the directions: the covariance of the rotation is their
-variance times the inverse of the Fisher information for unit variance.
+Markley 1988). The uncertainty is computed from the residuals of the directions. The covariance of the rotation is the
+variance of the residuals times the inverse of the Fisher information matrix for unit variance.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Move:
 
 @dataclass
 class MoveDetector:
-    """Detects the moves between rests in a sequence of positions. A move back to the start counts as a move."""
+    """Detects the moves between rests in a sequence of positions. A move back to the start also counts as a move."""
 
     _times: list[float] = field(default_factory=list)
     _points: list[np.ndarray] = field(default_factory=list)
@@ -81,7 +81,8 @@ class MoveDetector:
         self._times, self._points = self._times[start:], self._points[start:]
         self._rest_since = self._times[0]
         if before is None or np.linalg.norm(here - before) < LEAST_MOVE_M:
-            self._rest_point = here if before is None else before  # kept, so that slow drift adds up to a move
+            # The previous rest is kept, so that a slow drift adds up to a move.
+            self._rest_point = here if before is None else before
             return None
         return _move(before, here, path)
 

@@ -19,7 +19,8 @@ import numpy as np
 ORDERS = ("wxyz", "xyzw")
 UNIT_TOLERANCE = 1e-3  # as in the firmware
 NO_POSE = re.compile(r"#|(?:t|t_s|time|timestamp|x|x_m)[\s,;]", re.IGNORECASE)  # a comment, or a header line
-_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}  # number of values: has a timestamp
+# For each permitted number of values in a line: whether the first value is a timestamp.
+_COUNTS = {7: False, 8: True, 12: False, 13: True, 16: False, 17: True}
 
 
 class Pose(NamedTuple):

@@ -1,5 +1,5 @@
-"""Acts as the tracker on the bus: sends a HandPose for each pose and a TrackerStatus every 20 ms, with end-to-end
-protection."""
+"""Acts as the tracker on the bus: sends a HandPose for each pose and, when the caller asks for it, a TrackerStatus.
+Both have end-to-end protection."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class TrackerPublisher:
         if self._last_us is not None and t_us - self._last_us > 0:
             self._intervals_us.append(t_us - self._last_us)
         self._last_us = t_us
-        quaternion = (min(max(component, -1.0), 1.0) for component in pose.quaternion)  # rounding may exceed 1
+        quaternion = (min(max(component, -1.0), 1.0) for component in pose.quaternion)  # rounding errors may exceed 1
         signals = dict(zip(("x_m", "y_m", "z_m"), pose.position_m)) | dict(zip(("qw", "qx", "qy", "qz"), quaternion))
         positions, quaternions = self._bus.profile.message("HandPose"), database().get_message_by_name("HandPose")
         ranges = {
@@ -52,7 +52,7 @@ class TrackerPublisher:
             self._lose(t_us)
 
     def lose(self) -> None:
-        """Sends an invalid pose, which reports that the tracker lost a sample."""
+        """Reports a lost sample by sending an invalid pose."""
         self._lose(round(1e6 * self._clock()) if self._last_us is None else self._last_us + self.period_us)
 
     def _lose(self, t_us: int) -> None:

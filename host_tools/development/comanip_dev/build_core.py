@@ -2,8 +2,8 @@
 
 ``python -m comanip_dev.build_core --generated DIR --build-dir DIR --cflags FLAGS`` must run after comanip_dev.codegen
 has written the generated CAN sources. The declarations for Python come from the firmware's preprocessed headers, not
-from a copy that could differ from them. When the module is loaded, cffi compares the layout of every struct with the
-compiler's.
+from a copy that could differ from the headers. When the module is loaded, cffi checks that its layout of every struct
+is that of the compiler.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def preprocessed(includes: str, folder: Path, *options: str) -> str:
 
 
 def declarations(includes: str, generated: Path, build_dir: Path) -> str:
-    """Returns the declarations for cffi, which consist of the headers and their numeric constants."""
+    """Returns the declarations for cffi: the preprocessed headers, and the macros that are numeric constants."""
     text = preprocessed(includes, build_dir, f"-I{generated}", "-P")
     macros = preprocessed(includes, build_dir, f"-I{generated}", "-dM", "-undef")
     integers = re.findall(r"^#define ([A-Z]\w+) \(?-?(?:0x[0-9A-Fa-f]+|\d+)u?\)?$", macros, re.MULTILINE)

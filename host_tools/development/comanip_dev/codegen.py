@@ -8,16 +8,17 @@ Run as ``python -m comanip_dev.codegen OUT_DIR``. Raises SystemExit if the schem
     comanip_messages does the scaling and the range checks instead. Packing writes each byte once instead of clearing
     the payload first. The generation date is removed, so that the build is reproducible.
 ``comanip_schema.h``
-    what cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of enumerated values, and
-    one X-macro row per frame, for CAN FD and for classic CAN.
+    data of the DBC that cantools does not emit: E2E Data IDs, timeouts, scale factors, raw ranges, the names of
+    enumerated values, and one X-macro row per frame, for CAN FD and for classic CAN.
 ``comanip_messages.h/.inc``, ``comanip_classic.inc``, ``comanip_parameters.h``, ``comanip_tasks.h``
     see messages.py, classic.py, tables.py.
 ``comanip_identity.h``
-    the contents of FirmwareIdentity: the build hash, and a version and a hash of what a replay depends on. The build
-    hash is 64 bits of SHA-256 over the firmware's sources and the schema, hence the same on the host and every target.
+    the contents of FirmwareIdentity: the build hash, the trace version and the trace hash. The build hash is 64 bits of
+    SHA-256 over the firmware's sources and the schema. It is therefore the same on the host and on every target. A log
+    can be replayed only by a core with the same trace version and trace hash.
 
 ``python -m comanip_dev.codegen --schema`` (``make schema``) updates the rows of comanip.dbc that repeat parameters and
-tasks. An unchanged file is not rewritten, so that make does not rebuild what depends on it.
+tasks. A file whose contents would not change is not rewritten, so that make does not rebuild its dependents.
 """
 
 from __future__ import annotations
@@ -53,8 +54,9 @@ def drop_unwanted_functions(text: str) -> str:
 
 
 def write_each_byte_once(text: str) -> str:
-    """Replaces the first OR into each byte by an assignment. cantools' packing clears all bytes and then combines the
-    signals with OR. This works in straight-line code only, so messages with multiplexed signals are refused."""
+    """Changes cantools' packing, which clears all bytes and then combines the signals with OR: the first OR into each
+    byte becomes an assignment. The replacement requires straight-line code, so messages with multiplexed signals, which
+    need a `switch`, are refused."""
 
     def rewritten(match: re.Match) -> str:
         body, seen = match["body"], set()

@@ -125,7 +125,7 @@ def dbc_with_arms(root: Path) -> dict[Path, str]:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Writes the files of these arms or, without arguments, those of all arms and the DBC."""
+    """Writes the files of the arms in `argv`. Without arguments, writes the files of all arms and updates the DBC."""
     jobs = [partial(files, Path(argument)) for argument in argv] or [
         partial(dbc_with_arms, ARMS.parent),
         *(partial(files, path) for path in sorted(ARMS.glob("*.toml"))),

@@ -1,9 +1,9 @@
 """Generates differential inverse kinematics (equation (4)) and forward kinematics of one arm, as lines of C functions.
 
 The equations are those of firmware/control/differential_ik_isotropic.c. Errors and joint axes may be expressed in any
-frame, because rotations change neither J^T W J nor J^T W K e. Here they are expressed in the frame of a joint in the
-middle of the arm, where the axes are constant or depend on few joints. The generator tries every joint as the middle
-joint and keeps the one that needs the fewest operations. Joints turn about z.
+frame, because a rotation of the frame changes neither J^T W J nor J^T W K e. Here they are expressed in the frame of a
+joint in the middle of the arm, where the axes are constant or depend on few joints. The generator tries every joint as
+the middle joint and keeps the code with the fewest operations. All joints turn about the z axes of their frames.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def joints_of(block: Block, arm: Arm, sines: list[str], cosines: list[str]) -> l
 
 
 def ahead(block: Block, cosine: Term, sine: Term, angle_deg: float) -> list[Term]:
-    """Returns the cosine and sine of an angle plus `angle_deg`. cosine, sine: those of the angle."""
+    """Returns the cosine and sine of a + `angle_deg`. cosine, sine: cosine and sine of the angle a."""
     c, s = constants([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
     return [
         block.add(block.multiply(c, cosine), -block.multiply(s, sine)),
@@ -182,9 +182,9 @@ def see(
 
 
 def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: list[str]) -> list[str]:
-    """Returns the quantities that depend on the error frame: g, and the weighted parts of the error; see
-    differential_ik_isotropic.c. Quantities that the equations do not use, as for an arm with few joints, are left
-    out."""
+    """Generates the quantities that depend on the error frame: g (offset_*) and the weighted parts of the error
+    (pull_*); see differential_ik_isotropic.c. Leaves out quantities that the equations do not use, as happens for arms
+    with few joints."""
     names = [f"{part}_{axis}" for part in ("offset", "pull_turn", "pull_dual") for axis in "xyz"]
     at_target, in_torso = Block("a"), Block("b")
     half = Term(0.5)
@@ -229,7 +229,8 @@ def errors(arm: Arm, joints: list[Joint], middle: int, seen: Seen, equations: li
 
 
 def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]]:
-    """Returns the normal equations, with the lower triangle as matrix_ij and the right-hand side as right_i."""
+    """Returns the code that computes the normal equations, and the entries of the lower triangle of their matrix. In
+    the code, these entries have the names matrix_ij, and the right-hand side has the names right_i."""
     block = Block("n")
     rotation, diagonal = Term(1.0, "law->weight_rotation"), Term(1.0, "law->diagonal")
     offset, turn, dual = (
@@ -264,7 +265,8 @@ def normal_equations(seen: Seen) -> tuple[list[str], dict[tuple[int, int], Term]
 def assign(
     lines: list[str], name: str, first: str | None, products: Sequence[tuple[str | None, str | None]]
 ) -> str | None:
-    """Assigns first - a b - c d ... to a new variable and returns its name. Leaves out products that are 0."""
+    """Adds a line that assigns first - a b - c d ... to a new variable, and returns the variable's name. Leaves out
+    products that are 0. If no products are left, adds no line and returns `first`."""
     terms = [f"{a} * {b}" for a, b in products if a and b]
     if not terms:
         return first
@@ -275,8 +277,8 @@ def assign(
 
 @dataclass
 class Factors:
-    """The factorisation L D L^T of the normal equations, row by row. None stands for entries that are 0 by
-    construction. The last two rows are solved as one block, which needs one division instead of two. A block of two
+    """The factorisation L D L^T of the matrix of the normal equations, row by row. None stands for an entry that is 0
+    by construction. The last two rows form one block, whose inverse needs one division instead of two. A block of two
     earlier rows would be less accurate."""
 
     n: int
@@ -360,8 +362,8 @@ def unknown(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
 
 
 def at_limit_functions(n: int, matrix: dict[tuple[int, int], Term]) -> list[str]:
-    """Returns the struct that stores the equations, and the function that solves them with joints at their limits.
-    The function is separate so that the equations are not stored if no joint is at a limit."""
+    """Generates the struct that stores the equations, and the function that solves them with joints at their limits.
+    The function is separate, so that the equations need not be stored in memory if no joint is at a limit."""
     names = unknown(n, matrix)
     lines = ["typedef struct {", *wrapped(names, "    float ", " " * 10, ";"), "} equations_t;", "",
              "static inline void solve(void *equations, float velocity_radps[]) {",

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Term:
-    """The product factor * variable, or only the factor if variable is None."""
+    """The product factor * variable. If variable is None, the term is the constant `factor`."""
 
     factor: float
     variable: str | None = None
@@ -38,7 +38,8 @@ def literal(value: float) -> str:
 
 
 class Block:
-    """A list of statements in the order of their creation. text() returns the statements that given results need."""
+    """A list of statements in the order of their creation. text() returns the statements on which given results
+    depend."""
 
     def __init__(self, prefix: str) -> None:
         self._prefix = prefix

@@ -35,8 +35,8 @@ With bit-rate switch, 1 Mbit/s nominal and 5 Mbit/s data.
 
 End-to-end protection: AUTOSAR E2E Profile 5. Bytes 0 and 1: CRC-16 (0x1021, start 0xFFFF, low byte first) over the rest
 of the frame and the Data ID in the table; byte 2: a counter per frame id. A receiver rejects a frame with a wrong CRC,
-a repetition, and a frame after {max_delta} or more lost in succession; frames that are sent on events are accepted
-however many of them were lost.
+a repeated frame, and a cyclic frame that follows {max_delta} or more lost frames. It accepts a frame that is sent on an
+event after any number of lost frames.
 """
 CLASSIC_HEAD = """
 ## Classic CAN
@@ -46,14 +46,15 @@ counters. A message is reassembled only if the counters of all parts are equal a
 so that no message is ever torn. FirmwareHeartbeat is the same as on CAN FD.
 
 End-to-end protection: AUTOSAR E2E Profile 2. Byte 0: CRC-8 (0x2F, start and final XOR 0xFF) over the rest of the frame
-and the Data ID; low half of byte 1: a counter per message, 0 to 15. The counter n selects one of 16 Data IDs: that of
-the table + 16 n, modulo 256 (Profile 2's DataIDList). A receiver rejects a frame with a wrong CRC, a repetition, and a
-frame after {classic_max_delta} or more lost in succession.
+and the Data ID; low half of byte 1: a counter per message, 0 to 15. The counter value n selects one of 16 Data IDs, the
+Data ID in the table + 16 n, modulo 256 (Profile 2's DataIDList). A receiver rejects a frame with a wrong CRC, a
+repeated frame, and a cyclic frame that follows {classic_max_delta} or more lost frames.
 
 This protection is weaker than that of CAN FD. One damaged frame in 256 has a valid CRC (Profile 5: in 65,536). A frame
-that arrives 16 messages late has the counter of a new one. A pose's stamp has 8 bits of 1.024 ms: if the delay from
-tracker to firmware grows by more than 131 ms from one pose to the next, the pose's age does not show it, whereas CAN
-FD's 32 bits of 1 us show any delay. Receive timeouts hold in both profiles.
+that arrives 16 messages late has the counter of a new one. The timestamp of a pose has 8 bits, with a resolution of
+1.024 ms: if the delay from tracker to firmware grows by more than 131 ms from one pose to the next, the firmware
+computes a wrong age of the pose. On CAN FD the timestamp has 32 bits, with a resolution of 1 us, so that the age shows
+any delay. The receive timeouts apply in both profiles.
 """
 COLUMNS = 120
 JOINT = re.compile(r"_\d(?=_|$)")
@@ -77,7 +78,7 @@ def number(value: float) -> str:
 
 
 def scale_text(scale: float) -> str:
-    """Formats a scale. A negative power of two becomes a fraction, so that no digits are lost."""
+    """Formats a scale. A scale of 1/2^n is written as a fraction, so that no digits are lost."""
     inverse = round(1.0 / scale)
     is_binary = inverse > 1 and inverse & (inverse - 1) == 0 and scale * inverse == 1.0
     return f"1/{inverse}" if is_binary else number(scale)

@@ -53,7 +53,8 @@ PROFILES = (
 class Row:
     """The worst case of a frame. queued_ms: time from the queueing of the frame to its end. response_ms: time from its
     event to its end. For cyclic frames of the firmware and of the drives, the event is the tick. For frames that are
-    sent on events, response_ms equals queued_ms. None: unbounded, because the bus is overloaded."""
+    sent on events, response_ms equals queued_ms. None: unbounded, because the bus is overloaded. deadline_ms: for
+    cyclic frames the period."""
 
     name: str
     id: int
@@ -180,7 +181,7 @@ def show(results: Sequence[Result], console: Console) -> None:
         console.print()
         console.print(details([item for item in results if item.profile == profile]))
     console.print("\nFrame durations are the longest over all payloads, with stuff bits. Response time: from the tick")
-    console.print("or the queueing to the end of the frame; ! marks frames that end after their period. Assumptions:")
+    console.print("or the queueing to the end of the frame; ! marks frames that end after their deadline. Assumptions:")
     for line in ASSUMPTIONS:
         console.print(f"- {line}", highlight=False)
 

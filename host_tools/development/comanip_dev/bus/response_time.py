@@ -5,8 +5,8 @@ analysis: refuted, revisited and revised. Real-Time Systems 35 (2007), over all 
 that answers another frame inherits jitter from that frame, so the computation is repeated until the results no longer
 change (holistic analysis: K. Tindell, J. Clark, 1994).
 
-Assumptions: ids are priorities; each node offers its lowest id first; frames of two streams with the same id delay each
-other; there are no errors. All times are whole nanoseconds.
+Assumptions: a lower id has a higher priority; each node offers its frame with the lowest id first; frames of two
+streams with the same id delay each other; there are no errors. All times are whole nanoseconds.
 
 An answer is queued only after its request, the frame that it answers. The sum of the worst cases of request and answer
 would count most frames twice. A tighter bound holds if all answers to a request are sent before the next request is
@@ -16,8 +16,9 @@ queued, and if no other frame has a priority between those of the answers. There
    request, its answers and the frames queued together with the request are each sent once. The busy period contains no
    earlier answer, because an answer cannot start while frames of higher priority are waiting, and all earlier answers
    were sent before the request was queued.
-2. The answer is queued later. Then the bus was idle at this priority at some time between the end of the request and
-   the queueing of the answer. The bound is a busy period without the frames that were queued together with the request.
+2. The answer is queued later. Then, at some time between the end of the request and the queueing of the answer, no
+   frame of this or a higher priority was pending. The frames queued together with the request have been sent by then,
+   so the bound is a busy period without them.
 """
 
 from __future__ import annotations
@@ -34,10 +35,12 @@ class Stream:
     events are at least period_ns apart. Jitter also models bursts of frames that are sent on events: with a period of
     20 ms and a jitter of 19 ms, two frames are at least 1 ms apart, and there is on average one frame in 20 ms.
 
-    batch: streams of one batch are queued at the same instants. Those of equal period are always queued together.
+    batch: streams of one batch are queued at the same instants. If their periods are equal, they are always queued
+        together.
     one_of: name of a group of streams, only one of which is sent at a time. All have the same period and jitter.
-    answers: name of the frame that this frame answers. The answer is queued answer_delay_ns after the end of that frame
-        and has the same event and period. `analyse` computes its earliest_ns and jitter_ns.
+    answers: name of the frame that this frame answers, the request. The answer is queued answer_delay_ns after the end
+        of the request, and has the request's event and period. `analyse` computes the answer's earliest_ns and
+        jitter_ns.
     """
 
     name: str
@@ -154,7 +157,8 @@ def _independent(stream: Stream, higher: Sequence[Stream], blocking_ns: int, bit
 def _answer(
     stream: Stream, higher: Sequence[Stream], blocking_ns: int, known: dict[str, Response], bit_ns: int
 ) -> Response | None:
-    """Returns the tighter bound that the top of this file describes, or None if the conditions for it do not hold."""
+    """Returns the tighter bound described at the top of this file, or None if the conditions for this bound do not
+    hold."""
     asked = next((other for other in higher if other.name == stream.answers), None)
     if asked is None:
         return None

@@ -18,7 +18,7 @@ from comanip_dev.bus.response_time import Stream
 
 NS_PER_MS, NS_PER_US = 1_000_000, 1_000
 FD_TICK_MS, CLASSIC_TICK_MS = 1, 4
-FD_EVENT_TICKS, CLASSIC_EVENT_TICKS = 2, 1  # average interval between requests
+FD_EVENT_TICKS, CLASSIC_EVENT_TICKS = 2, 1  # average interval between two requests, in ticks
 EVENT_DEADLINE_MS = 20
 DEFINE_MS = 100
 BOOT_MS = 1000
@@ -30,11 +30,11 @@ BOOT_ONLY = ("FirmwareIdentity", f"{CLASSIC}FirmwareIdentity", f"{CLASSIC}Firmwa
 OTHER_PARTS_OF_A_REQUEST = tuple(CLASSIC + part for part in ("TaskTranslation", "TaskRotation", "TaskInverse"))
 ASSUMPTIONS = (
     "There is one operator, who waits one tick for the acknowledgement of each request. Requests are at least one tick"
-    f" apart, on CAN FD {FD_EVENT_TICKS} ticks on average. Each frame of a request or acknowledgement must arrive"
+    f" apart, and {FD_EVENT_TICKS} ticks on average on CAN FD. Each frame of a request or acknowledgement must arrive"
     f" within {EVENT_DEADLINE_MS} ms.",
     f"The firmware queues its frames together, 0 to {COMPUTING_US} us after its tick.",
     f"Drives and gripper queue an answer {ANSWER_US} us after the end of the command.",
-    "Each node offers its lowest id first. There are no errors, hence no retransmissions.",
+    "Each node offers its frame with the lowest id first. There are no errors and therefore no retransmissions.",
     "At boot the firmware sends FirmwareIdentity, and one ParameterValue per tick until it has sent all of them.",
     "On classic CAN drives answer the last joint's command, and a TaskDefine, which has four parts, is sent at most"
     f" once in {DEFINE_MS} ms.",

@@ -4,8 +4,8 @@
 and the checks of each run), DIR/laws.json and DIR/laws.md (a comparison of our control law with the paper's), and
 DIR/conditions.json (the verdicts over all seeds of a condition). Exit status: 0 all runs and conditions with our law
 passed, 1 a run or condition failed, 2 usage error, 130 interrupted. With exit status 2 or 130, none of these files is
-written. Finished runs stay in DIR. When the same command is run again, it repeats only runs for which the program, the
-scenario, the recording or the options have changed.
+written. Finished runs stay in DIR. A second run of the same command uses these results. It repeats only runs for which
+the program, the scenario, the recording or the options have changed.
 """
 
 from __future__ import annotations
@@ -75,10 +75,10 @@ def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="comanip_dev.experiments", description="Runs the five experiments, headless.")
-    parser.add_argument("--seeds", type=positive_integer, default=20, help="runs 1..N of each scenario (default 20)")
+    parser.add_argument("--seeds", type=positive_integer, default=20, help="number of seeds per scenario (default 20)")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
-    parser.add_argument("--jobs", type=positive_integer, default=2, help="processes at a time (default 2)")
+    parser.add_argument("--jobs", type=positive_integer, default=2, help="parallel simulators (default 2)")
     parser.add_argument("--keep", action="store_true", help="keep each run's bus.log and trace.csv")
     parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the simulator to run")
     return parser.parse_args(argv)

@@ -97,7 +97,8 @@ def inputs_digests(jobs: Sequence[Job], simulator: Path) -> list[str]:
 
 
 def remember(outcome: Outcome, digest: str) -> None:
-    """Stores the digest of a run, so that the run is not repeated. Does nothing if the run's result is "error"."""
+    """Stores the digest of a run, so that later campaigns do not repeat the run. Does nothing if the result is
+    "error"."""
     if outcome.result != "error":
         (outcome.job.out / INPUTS_FILE).write_text(digest + "\n")
 
@@ -137,13 +138,13 @@ def _judge(job: Job, status: int, stderr: str) -> Outcome:
     except (OSError, ValueError, KeyError, TypeError) as error:
         return Outcome(job, "error", f"{path}: no summary ({error!r}); exit status {status}: {last_line}")
     if (result == "pass") != (status == 0):
-        return Outcome(job, "error", f"{path}: result {result} at exit status {status}", summary)
+        return Outcome(job, "error", f"{path}: result {result} contradicts exit status {status}", summary)
     return Outcome(job, result, reason, summary)
 
 
 def _start(index: int, job: Job, simulator: Path) -> _Child:
     job.out.mkdir(parents=True, exist_ok=True)
-    for name in (INPUTS_FILE, "summary.json"):  # deleted, so that an earlier run's files are not taken for this run's
+    for name in (INPUTS_FILE, "summary.json"):  # an earlier run's files must not be taken for this run's
         (job.out / name).unlink(missing_ok=True)
     stderr = tempfile.TemporaryFile("w+")
     process = subprocess.Popen(job.command(simulator), stdout=subprocess.DEVNULL, stderr=stderr)

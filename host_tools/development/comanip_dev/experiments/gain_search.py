@@ -9,9 +9,9 @@ acceptable value:
             + force RMS / 5 N + 10 if a check failed
 
 The score of a candidate is the mean over its runs. The lowest score is the best. A term that a run did not measure,
-because the arm never cooperated or nothing was held, counts as 0, but a failed check still adds its 10. A run without a
-summary scores WORST. Failed checks weigh most, because gains that fail the task are useless. Orientation has a large
-divisor because four joints cannot follow it.
+because the arm never cooperated or nothing was held, counts as 0, but a failed check still adds its 10. The score of a
+run is at most WORST, which is also the score of a run without a summary. Failed checks weigh most, because gains that
+fail the task are useless. Orientation has a large divisor because four joints cannot follow every orientation.
 
 Two laws are searched on grids:
 
@@ -57,8 +57,8 @@ GAIN_RATIOS = (1.0, 4.0, 16.0, 64.0, 256.0, 1024.0)
 DAMPINGS = (1e-4, 1e-3, 1e-2, 1e-1)
 OUR_GAINS_PER_S = (10.0, 20.0, 25.0, 35.0, 50.0, 60.0)
 OUR_GAIN_RANGE_PER_S = (1.0, 60.0)  # range of the firmware's parameter
-OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1 / orientation_weight_m2; 1e3 is for the maximum, 1e-3 m^2
-BEST = 5  # number of candidates whose neighbours are tried, and that are confirmed
+OUR_RATIOS_PER_M2 = (1e3, 1e4, 1e5, 1e6)  # 1 / orientation_weight_m2, whose maximum is 1e-3
+BEST = 5  # number of best candidates whose neighbours are tried, and number of those tried with more seeds
 SHOWN = 10
 ORDER_SEED = 1
 
@@ -308,7 +308,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--out", type=Path, required=True, help="folder for tried.csv and gains.md")
     parser.add_argument(
-        "--budget-s", type=positive_number, default=3600.0, help="approximate limit of the wall time (default 3600)"
+        "--budget-s", type=positive_number, default=3600.0, help="approximate limit of wall time in s (default 3600)"
     )
     parser.add_argument("--seeds", type=positive_integer, default=5, help="seeds of the confirming runs (default 5)")
     parser.add_argument(
@@ -317,7 +317,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--laws", nargs="+", choices=("paper", "ours"), default=["paper", "ours"], help="laws to search (default: both)"
     )
-    parser.add_argument("--jobs", type=positive_integer, default=2, help="processes at a time (default 2)")
+    parser.add_argument("--jobs", type=positive_integer, default=2, help="parallel simulators (default 2)")
     parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the simulator to run")
     arguments = parser.parse_args(argv)
     return guarded("comanip_dev.experiments.gain_search", lambda: run_search(arguments))

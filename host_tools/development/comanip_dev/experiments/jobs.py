@@ -25,7 +25,7 @@ class Recording:
     second: str | None = None
 
 
-# Each recording is scaled into the arm's reach. The factor is in the scenario and in the summary of each run.
+# Each recording is scaled into the arm's reach. The scenario and the summary of each run contain the scale.
 RECORDINGS = (
     Recording("pour", "kul_pour1_com.csv", "a person pours: the motion of this task"),
     Recording("pour", "kul_pour2_com.csv", "the same motion along a longer path; every sample is logged twice"),
@@ -54,7 +54,7 @@ def recording_jobs(folder: Path, out: Path) -> list[Job]:
     missing = sorted({r.file for r in RECORDINGS if not (folder / r.file).is_file()})
     missing += sorted({r.second for r in RECORDINGS if r.second and not (folder / r.second).is_file()} - set(missing))
     if missing:
-        raise CampaignError(f"{folder}: lacks {', '.join(missing)}")
+        raise CampaignError(f"{folder}: lacks {', '.join(missing)}; choose a complete folder with --recordings")
     return [
         Job(
             r.scenario,

@@ -21,7 +21,7 @@ def _tracking(key: str) -> Callable[[dict], float | None]:
 
 
 def _force(key: str) -> Callable[[dict], float | None]:
-    """Returns a function that reads this force from the summary of a run: the largest value over all people."""
+    """Returns a function that reads the largest value of this force, over all people, from the summary of a run."""
 
     def read(summary: dict) -> float | None:
         values = [person[key] for person in summary.get("people") or [] if person.get(key) is not None]

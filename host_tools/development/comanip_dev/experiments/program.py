@@ -30,8 +30,8 @@ def interrupt_on_sigterm() -> None:
 
 
 def guarded(program: str, run: Callable[[], int], after_interruption: str = "") -> int:
-    """Runs the program. After an interruption or an error, prints one line instead of a traceback and returns the exit
-    status."""
+    """Runs the program and returns its exit status. After an interruption or an error, prints one line instead of a
+    traceback."""
     interrupt_on_sigterm()
     try:
         return run()

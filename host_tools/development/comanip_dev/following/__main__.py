@@ -1,4 +1,5 @@
-"""Measures how closely the end effector follows the person's hand, for various recordings, trackers and followers.
+"""Measures how closely the end effector follows the person's hand, for various recordings, trackers and followers. A
+follower is the firmware with one of three control laws, or another program.
 
 ``python -m comanip_dev.following --out DIR`` prints a table and the criteria, and writes DIR/following.json and
 DIR/following.png. Results are stored in DIR/results.jsonl, so that an interrupted campaign can continue. Exit status: 0
@@ -54,8 +55,8 @@ class Progress:
 
 @contextlib.contextmanager
 def _sigint_blocked() -> Iterator[None]:
-    """Blocks SIGINT in this thread. Processes started meanwhile keep it blocked, so that on Ctrl-C only this process
-    acts."""
+    """Blocks SIGINT in this thread. Processes that are started meanwhile inherit the block, so that Ctrl-C interrupts
+    only this process."""
     former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -203,10 +204,10 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--recordings", type=Path, default=RECORDINGS_FOLDER, help="folder of recorded hand motions")
     parser.add_argument(
-        "--quick", action="store_true", help="only four recordings and the judged conditions, and no other programs"
+        "--quick", action="store_true", help="measure only four recordings, the judged conditions and the firmware"
     )
     parser.add_argument(
-        "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="processes (default 2)"
+        "--jobs", type=positive_integer, default=min(2, os.cpu_count() or 1), help="parallel processes (default 2)"
     )
     parser.add_argument("--simulator", type=Path, default=SIMULATOR, help="the simulator to run")
     return parser.parse_args(argv)

@@ -15,7 +15,7 @@ from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import Samples, Tracker, measure
 
 BEGIN_S = 3.0  # start of the motion; by then the arm cooperates, and its transition to the task is complete
-AFTER_S = 0.5
+AFTER_S = 0.5  # duration of the hand's rest after the motion
 REST_S = 20.0  # duration of the hand's rest in which the noise is measured
 ACCELERATION_MAX_RADPS2 = 25.0
 # The arm's start posture for each task, as in the scenarios, in degrees.

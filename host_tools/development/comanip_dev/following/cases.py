@@ -91,7 +91,8 @@ def prepare(setting: Setting, path: Path) -> tuple[Key, dict]:
 
 
 def measure(case: Case) -> tuple[Key, dict]:
-    """Measures a case in the loop without physics. If the arm does not cooperate, returns the error instead."""
+    """Measures a case in the loop without physics, and returns its key and figures. If the arm does not cooperate,
+    returns the key and an error message."""
     follower = followers.named(case.follower)
     tracker = case.condition.tracker(case.seed)
     try:
@@ -111,8 +112,8 @@ def _with_rest(loop: str, follower: str, condition: Condition, setting: Setting,
 
 
 def all_cases(choice: Choice, scenes: dict[Setting, list[tuple[Path, float]]]) -> list[Case]:
-    """Returns all cases. scenes: the recordings that can be followed in each setting, with their scales. Cases of
-    the former and the default follower, under the conditions that the criteria judge, also run in ODE."""
+    """Returns all cases. scenes: for each setting, the recordings that the arm can follow, with their scales. Cases
+    with the former and the default follower, under the conditions that the criteria judge, also run in ODE."""
     cases: list[Case] = []
     for condition in choice.conditions:
         for follower in plan.FIRMWARE:

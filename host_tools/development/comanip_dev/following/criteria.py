@@ -1,5 +1,6 @@
 """Defines the criteria that the default control law must meet on each half of the recordings. Most criteria compare the
-law with the former default. A criterion that was not measured counts as failed."""
+law with the former default, which is the law without prediction. A criterion that was not measured counts as failed.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +38,7 @@ class Criterion:
 
 
 class Judge:
-    """Evaluates results. scenes: names of the recordings that can be followed in each setting."""
+    """Evaluates results. scenes: for each setting, the names of the recordings that the arm can follow."""
 
     def __init__(self, results: Results, scenes: dict[Setting, Sequence[str]]) -> None:
         self._results = results
@@ -65,8 +66,8 @@ class Judge:
         self, loop: str, what: str, setting: Setting, limit: float, one: Callable[[str], float], unit: str = "",
         without: Sequence[str] = (),
     ) -> list[Criterion]:  # fmt: skip
-        """Returns a criterion for each fold, a half of the recordings. The value of the criterion is the mean of
-        one(name) over the recordings in the fold, except those in `without`."""
+        """Returns a criterion for each fold, which is one half of the recordings. The value of the criterion is the
+        mean of one(name) over the recordings in the fold, except those in `without`."""
         found = []
         for number, fold in enumerate(self.folds(setting), 1):
             values = [one(name) for name in fold if name not in without]
@@ -124,8 +125,8 @@ class Judge:
         return found
 
     def wrong_latency(self) -> list[Criterion]:
-        """Returns the criteria for the noise at rest with a wrong announced latency. At rest, the wrong latency could
-        increase the noise only through an oscillation of the arm."""
+        """Returns the criteria for the noise at rest when the tracker announces a wrong latency. While the hand rests,
+        a wrong latency can increase the noise only through an oscillation of the arm."""
         found = []
         for condition in plan.WRONG:
             right = Condition(condition.rate_hz, condition.latency_ms, condition.noise_mm)
@@ -142,8 +143,8 @@ class Judge:
 
 
 def tuned(judge: Judge, peer: str, condition: Condition, figure: str) -> tuple[float, list[str]]:
-    """Returns the mean of a figure over all recordings, and the peer's tuning values for each half of the recordings:
-    those that gave the smallest mean RMS error on the other half."""
+    """Returns the mean of a figure over all recordings, and the names of the tuned peers for the two halves of the
+    recordings. On each half, the peer has the tuning values with the smallest mean RMS error on the other half."""
     halves, total, count, chosen = judge.folds(plan.TELEOP), 0.0, 0, []
     names = [plan.peer_name(peer, values) for values in plan.PEERS[peer]]
 

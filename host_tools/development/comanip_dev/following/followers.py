@@ -1,5 +1,5 @@
-"""Provides all followers by name: the firmware with the paper's control law, with the former default law or with the
-default law, and other programs."""
+"""Provides all followers by name: the firmware with the paper's control law, with the former default law (without
+prediction) or with the default law, and other programs."""
 
 from __future__ import annotations
 

@@ -44,8 +44,8 @@ def knows(parameter: str) -> bool:
 
 
 def parameter_set(values: Mapping[str, float]):
-    """Returns the firmware's parameters with these values, and the defaults of all others. Raises LoopError for an
-    unknown name or a value out of range."""
+    """Returns the firmware's parameters with these values, and with the defaults for all other parameters. Raises
+    LoopError for an unknown name or a value out of range."""
     parameters = ffi.new("parameters_t *")
     lib.parameters_set_defaults(parameters)
     for name, value in values.items():
@@ -97,7 +97,7 @@ def run_firmware(
     out = ffi.new("kinematic_tick_t[]", ticks)
     start = ffi.new("double[]", list(map(float, start_rad)))
     if not lib.kinematic_loop_run(config, start, len(samples.valid), _frames(samples), ticks, out):
-        raise LoopError("the firmware refused a frame, a parameter or the start")
+        raise LoopError("the firmware refused a frame, or refused to select or start the task")
     rows = np.frombuffer(ffi.buffer(out), _tick_type())
     count = arm.joint_count
     return Run(

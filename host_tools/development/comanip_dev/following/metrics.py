@@ -21,8 +21,9 @@ def rms(values: np.ndarray) -> float:
 
 def delay_ms(path_m: np.ndarray, truth_m: np.ndarray) -> float:
     """Returns the delay by which truth_m must be shifted to fit path_m best in the least-squares sense, apart from a
-    constant offset. A parabola through the best delay and its neighbours interpolates between ticks. Returns NaN if the
-    paths are too short, if the hand did not move, or if the best delay is at an end of the search range."""
+    constant offset. Interpolates between ticks with a parabola through the best delay and its two neighbours. Returns
+    NaN if the paths are too short, if the target did not move, or if the best delay is at an end of the search
+    range."""
     reach = max(abs(DELAYS.start), DELAYS.stop)
     begin, end = reach, len(path_m) - reach
     if end - begin < reach or np.ptp(truth_m, axis=0).max() < 1e-4:
@@ -53,8 +54,8 @@ def noise_um(path_m: np.ndarray) -> float:
 
 
 def limit_share(command_radps: np.ndarray, velocity_max_radps: np.ndarray, acceleration_max_radps2: float) -> float:
-    """Returns the share of ticks in which a joint is commanded at its limit of speed or acceleration. command_radps
-    (T, n) has a resolution of 1 mrad/s."""
+    """Returns the share of ticks in which a joint is commanded at its limit of speed or acceleration. command_radps:
+    (T, n), with a resolution of 1 mrad/s."""
     step_radps = 1e-3  # resolution of the commands on the bus
     change = np.abs(np.diff(command_radps, axis=0)).max(axis=1)
     at_acceleration = change > acceleration_max_radps2 * TICK_S - 0.5 * step_radps

@@ -16,7 +16,7 @@ from comanip_dev.following.plan import Condition, Setting
 from comanip_dev.following.target import targets
 from comanip_dev.following.tracker import HAND_START_M, NOISE_RAD_PER_M
 
-# The hand plays the recording without tremor. The scene contains nothing else.
+# The person's hand plays the recording without tremor. The scene contains only the hand and the arm.
 SCENE = """\
 # Written by comanip_dev.following: the person's hand and the arm, without objects.
 name: following

@@ -1,5 +1,6 @@
-"""Runs other programs as followers in the same closed loop as the firmware: with the same tracker frames, limiter, bus
-times, drives and encoders. The programs replace only the computation of joint velocities from the hand's samples.
+"""Runs other programs (peers) as followers in the same closed loop as the firmware, with the same tracker frames,
+limiter, bus times, drives and encoders. A peer replaces only the computation of joint velocities from the hand's
+samples.
 
 In each tick, a follower receives the measured joint positions and the target for the newest sample. The target is
 computed by Algorithm 1, from the sample at the start of the cooperation, as in the firmware.
@@ -26,7 +27,7 @@ PULSES_PER_RAD = 209.0 * 180.0 / np.pi
 
 class Velocities(Protocol):
     """A function that returns (feedback_radps, feedforward_radps), both (n,). Feedback corrects the error, feedforward
-    follows the target's motion."""
+    follows the target's motion. target: index of the newest sample."""
 
     def __call__(self, target: int, measured_rad: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from comanip_dev.following.tracker import Tracker
 
-# Two halves of the recordings. Recordings of one session are in the same half, so that tuning on one half uses no data
-# from the other.
+# Two halves of the recordings. Recordings of one session are in the same half, so that the two halves are independent
+# when a peer is tuned on one half and judged on the other.
 FOLDS = (
     ("cmu_13_08_rhand", "ethz_handheld1", "kth_ho_sample_baton", "kth_ho_sample_giver", "kth_ho_sample_taker"),
     (
@@ -31,13 +31,16 @@ def folds(names: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return first, second
 
 
-LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")  # at rotation scale 1, the arm locks with the former law
+# With the former law and the rotation scale 1, the arm gets stuck during these recordings.
+LOCKING = ("kth_ho_sample_taker", "pyomeca_boxlift_hand")
 TAKER = "kth_ho_sample_taker"
 QUICK_RECORDINGS = ("kth_ho_p1s1h2_giver", "kth_ho_sample_giver", "kth_ho_sample_taker", "kul_pour2_com")
 
 
 @dataclass(frozen=True)
 class Condition:
+    """The properties of the tracker. announced_error_ms: announced latency minus true latency."""
+
     rate_hz: float
     latency_ms: float
     noise_mm: float

@@ -1,4 +1,4 @@
-"""A follower that uses mink. As in Pink (Caron et al.), each step of inverse kinematics is a quadratic programme with
+"""A follower that uses mink. As in Pink (Caron et al.), each step of inverse kinematics is a quadratic program with
 the joint limits as constraints. MuJoCo computes the arm's kinematics."""
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from comanip_dev.following.arm_model import ArmModel
 from comanip_dev.following.loop import TICK_S
 from comanip_dev.following.peer_loop import Velocities
 
-ORIENTATION_COST = 0.01  # per rad; position cost 1 per m: 1 rad counts as much as 10 mm
+ORIENTATION_COST = 0.01  # per rad; the position cost is 1 per m, so that 1 rad counts as much as 10 mm
 DAMPING = 1e-3
 SOLVER = "daqp"
 

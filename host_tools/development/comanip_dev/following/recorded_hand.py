@@ -23,8 +23,8 @@ class RecordingError(Exception):
 @dataclass(frozen=True)
 class Recording:
     """A recorded motion, as displacement and rotation relative to the first sample, in torso axes. t_s: (N,), starts at
-    0. displacement_m: (N, 3). turn: (N, 4), with continuous signs. gap: (N - 1,), true if the tracker lost the hand
-    between samples i and i + 1."""
+    0. displacement_m: (N, 3). turn: quaternions (N, 4), with continuous signs. gap: (N - 1,); gap[i] is true if the
+    tracker lost the hand between samples i and i + 1."""
 
     name: str
     t_s: np.ndarray

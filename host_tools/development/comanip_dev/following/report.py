@@ -19,8 +19,8 @@ HEADINGS = ("RMS mm", "max mm", "RMS deg", "delay ms", "m/s2", "% lim.", "rest u
 
 
 def row(judge: Judge, loop: str, follower: str, condition: Condition, setting: Setting) -> dict[str, float]:
-    """Returns the mean of each figure over the recordings of the setting, except those for which the figure is NaN, and
-    the noise at rest."""
+    """Returns the mean of each figure over the recordings of the setting, and the noise at rest. Leaves out recordings
+    for which the figure is NaN."""
     names = [name for fold in judge.folds(setting) for name in fold]
     means = {}
     for figure in FIGURES:

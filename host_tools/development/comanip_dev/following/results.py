@@ -13,6 +13,7 @@ import comanip
 from comanip_dev.following.plan import Condition, Setting
 
 Key = tuple[str, ...]
+# Modules that do not affect stored results.
 NOT_MEASURING = ("__main__.py", "criteria.py", "one.py", "report.py", "results.py")
 
 

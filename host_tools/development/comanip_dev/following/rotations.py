@@ -45,8 +45,8 @@ def from_vector(vector_rad: np.ndarray) -> np.ndarray:
 
 
 def to_vector(rotation: np.ndarray) -> np.ndarray:
-    """Converts quaternions to rotation vectors (..., 3) with angles from 0 to 2 pi. The negated quaternion
-    yields the rotation that turns the other way to the same orientation."""
+    """Converts quaternions to rotation vectors (..., 3) with angles from 0 to 2 pi. A quaternion and its negative lead
+    to the same orientation, but their rotation vectors turn in opposite directions."""
     sine = np.linalg.norm(rotation[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, rotation[..., :1])
     return rotation[..., 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)

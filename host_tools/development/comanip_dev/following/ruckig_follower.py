@@ -1,6 +1,6 @@
 """A follower that uses Ruckig (Berscheid, Kroeger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
-States", RSS 2021), as many robot arms do. Inverse kinematics computes target joint positions for each sample, and
-Ruckig computes the time-optimal trajectory from the present reference to these positions."""
+States", RSS 2021), a trajectory generator for robot arms. Inverse kinematics computes target joint positions for
+each sample, and Ruckig computes the time-optimal trajectory from the present reference to these positions."""
 
 from __future__ import annotations
 

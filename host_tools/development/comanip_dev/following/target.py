@@ -1,10 +1,11 @@
 """Implements Algorithm 1 in double precision. Computes the end effector's target for each displacement and rotation of
 the person's hand, both in torso axes.
 
-Let the end effector start at (r_0, p_0). The task defines the rotations r_k and r_inv (q_task and q_inv in tasks.toml)
-and the displacement t_k (t_task). The virtual hand starts at (r_0 r_inv, p_0) and
-moves by the rotation and the displacement of the person's hand. The target's rotation is r = r_virtual conj(r_k), and
-its position is p_virtual - R(r) t_k. Mirrored tasks add twice the forward displacement to the z component of t_k.
+Let the end effector start with the rotation r_0 at the position p_0. The task defines the rotations r_k and r_inv
+(q_task and q_inv in tasks.toml) and the displacement t_k (t_task). The virtual hand starts with the rotation r_0 r_inv
+at p_0, and moves by the rotation and the displacement of the person's hand. The target has the rotation
+r = r_virtual conj(r_k) and the position p_virtual - R(r) t_k. Mirrored tasks add twice the forward displacement to the
+z component of t_k.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ import numpy as np
 from comanip_dev.following import rotations
 from comanip_dev.following.recorded_hand import HandMotion
 
-TRANSPORT_S = 150e-6  # from the queueing of a sample to the end of its frame, as on the simulated bus
+TRANSPORT_S = 150e-6  # time from the queueing of a sample to the end of its frame, as on the simulated bus
 # Ratio of rotation noise to position noise, as in the simulator's tracker: 0.02 degrees at 0.05 mm.
 NOISE_RAD_PER_M = np.radians(0.02) / 0.05e-3
 MOUNT_M = np.array([0.3, 1.5, 0.2])

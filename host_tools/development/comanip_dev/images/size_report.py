@@ -96,8 +96,8 @@ def read_budget(path: Path) -> dict[str, dict]:
 
 
 def budgeted(image: Image) -> dict[str, Size]:
-    """Returns the sizes that have a budget: the total, and all modules except padding, which is a
-    consequence of the sizes of the others."""
+    """Returns the sizes that have a budget: the total and all modules, but not the padding, which depends on the sizes
+    of the modules."""
     return {"total": image.total, **{name: size for name, size in image.modules.items() if name != PADDING}}
 
 

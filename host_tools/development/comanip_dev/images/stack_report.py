@@ -3,9 +3,9 @@
 ``python -m comanip_dev.images.stack_report BUDGET.toml... REPORT.json IMAGE=FOLDER...``. The compiler provides the call
 graph and the frame sizes (-fcallgraph-info=su); for library functions, both are read from the disassembly. The budgets
 list the targets of calls through pointers. Unlisted calls through pointers and recursion are errors. The budgets also
-list the parts of each stack, for example interrupts and faults, each of which may interrupt the previous part. The
-worst case is the sum of the deepest calls of all parts, plus the registers that the processor saves. Exit status: 1
-if a stack exceeds its budget or has no bound, 2 for a usage error.
+list the parts of each stack, for example interrupts and faults. Each part may interrupt the previous part. The worst
+case is the sum of the deepest calls of all parts, plus the registers that the processor saves. Exit status: 1 if a
+stack exceeds its budget or has no bound, 2 for a usage error.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def read_disassembly(listing: str, graph: Graph) -> None:
 
 def resolve(graph: Graph, indirect: dict[str, list[str]]) -> None:
     """Replaces calls through pointers with calls to the targets that the budget lists. Drops callees that are not in
-    the graph: they were inlined or removed."""
+    the graph, because they were inlined or removed."""
     for function, callees in graph.calls.items():
         if INDIRECT in callees:
             if plain(function) not in indirect:
@@ -134,7 +134,7 @@ def worst_case(graph: Graph, rules: dict) -> dict:
     for entries in rules["parts"]:
         missing = set(entries) - {plain(name) for name in graph.frame}
         if missing:
-            raise UnboundedError(f"no such function: {', '.join(sorted(missing))}")
+            raise UnboundedError(f"no such function: {', '.join(sorted(missing))}; correct `parts` in the budget")
         deepest, way = max(graph.depth(name) for name in graph.frame if plain(name) in entries)
         parts.append({"bytes": deepest, "path": [plain(name) for name in way]})
     worst = sum(part["bytes"] for part in parts) + rules["saved_bytes"]
@@ -152,8 +152,8 @@ def rules_of(image: str, sections: Sequence[dict]) -> dict:
     found = [section for section in sections if image in section.get("images", ())]
     if not found:
         raise UnboundedError(
-            "no section lists it: add a stack_budget.toml to the port's folder, or the image to a section for the same"
-            " core in hal/stack_budget.toml"
+            "no section lists this image: add a stack_budget.toml to the port's folder, or add the image to a section "
+            "for the same core in hal/stack_budget.toml"
         )
     return found[0]
 

@@ -6,12 +6,12 @@ parts of a message are the Classic* messages whose attribute PartOf names the me
 and scale of a signal in a part determine what the signal carries:
 
 - the name of a signal of the message, with the same scale or a scale coarser by an integer factor: the value of that
-  signal, rounded, and refused if it is out of range;
+  signal, rounded; a value out of range does not fit;
 - ``BASE_a``, ``_b``, ``_c``, ``_largest``: the message's quaternion BASE in smallest-three code (rotation_code.h);
 - ``NAME_low`` and ``NAME_high``: the low and high bits of the message's NAME or NAME_us; higher bits are dropped.
 
-A signal that no part carries is 0 after joining. If a vector or quaternion with a validity flag does not fit, its
-values and the flag are sent as 0. If any other value does not fit, split_X() returns false.
+A signal that no part carries is 0 after joining. If a vector or quaternion with a validity flag does not fit into the
+parts, its values and the flag are sent as 0. If any other value does not fit, split_X() returns false.
 """
 
 from __future__ import annotations

@@ -144,8 +144,8 @@ def snake(message: Message) -> str:
 
 
 def constant(message: Message, signal: Signal) -> str:
-    """Returns the name of the signal's constants in comanip_schema.h, without the prefix COMANIP_ and the suffix
-    (_PER_UNIT, ...)."""
+    """Returns the common part of the names of the signal's constants in comanip_schema.h, without the prefix COMANIP_
+    and without a suffix such as _PER_UNIT."""
     return f"{snake(message)}_{signal.name}".upper()
 
 

@@ -21,8 +21,8 @@ def number(value: float) -> str:
 
 
 def parameters_header(parameters: Sequence[Parameter]) -> str:
-    """Returns the header for parameters. A vector has one enumerator, which is the number of its first component. The
-    enumerator's comment begins with the number of components."""
+    """Returns the header for parameters. A vector has one enumerator, whose value is the number of the vector's first
+    component. The enumerator's comment begins with the number of components."""
     first: dict[str, list[Parameter]] = {}
     for parameter in parameters:
         first.setdefault(parameter.vector, []).append(parameter)
