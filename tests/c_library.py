@@ -1,6 +1,6 @@
-"""Compiles C sources into Python libraries for the tests; see ``load()``. The compiler warnings are those of
-the product's build and are treated as errors. The undefined-behaviour sanitiser ends the process at the first error.
-Needs build/generated, which ``make build`` writes.
+"""Compiles C sources into Python libraries for the tests; see ``load()``. The compiler warnings are those of the
+product's build and are treated as errors. The undefined-behaviour sanitiser ends the process at the first error. Needs
+build/generated, which ``make build`` writes.
 
 Each source is compiled only once for all libraries and test processes. It is recompiled when the source, a header or
 the command changes.

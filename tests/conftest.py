@@ -21,7 +21,7 @@ except ImportError as error:
 REPOSITORY = Path(__file__).resolve().parents[1]
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True)  # independent of the machine's load
 hypothesis.settings.load_profile("suite")
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a background job ignores SIGINT; children would too
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a background job; children would inherit this
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

@@ -1,5 +1,5 @@
-"""Provides double-precision references, written independently of the firmware. They are the paper's
-equations, both in numpy for arrays and term by term with dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
+"""Provides double-precision references, written independently of the firmware. They are the paper's equations, both in
+numpy for arrays and term by term with dqrobotics, and HOAP-3's right arm from Fujitsu's manual.
 
 Quaternions are (..., 4) in the order w x y z, dual quaternions (..., 8), as in the paper.
 """

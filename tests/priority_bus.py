@@ -1,6 +1,6 @@
 """Models a bus with fixed priorities and without preemption as discrete events in integer time. It is the reference for
-the response-time analysis, with which it shares no code. Frames are queued at given times. An answer is queued with a
-fixed delay after the end of the frame that it answers."""
+the response-time analysis, from which it imports only the type Stream. Frames are queued at given times. An answer is
+queued with a fixed delay after the end of the frame that it answers."""
 
 from __future__ import annotations
 

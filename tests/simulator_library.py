@@ -17,8 +17,8 @@ from c_declarations import declarations
 from c_library import COMPILE, CORE, OPTIMISED, REPOSITORY, objects
 
 COMMAND = [*COMPILE, *OPTIMISED]
-# All sources except the programs and the modules that only a program needs: sim/port, which connects the firmware, and
-# the live bus.
+# All sources except the programs and the modules that only a program needs: sim/port, which connects the simulator to
+# the firmware, and the live bus.
 SOURCES = [
     *(file for file in sorted(REPOSITORY.glob("sim/*/*.c")) if file.parent.name not in ("programs", "port")),
     *(REPOSITORY / name for name in ("hal/common/frame_time.c", "hal/linux/hub_path.c")),

@@ -134,8 +134,8 @@ def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
 
 
 def test_the_default_jerk_limits_of_core_and_description_are_equal():
-    """The two defaults are defined in packages that cannot import each other, so neither can be derived from
-    the other."""
+    """The two defaults are defined in packages that cannot import each other, so neither can be derived from the
+    other."""
     from comanip_dev.arms.description import JERK_DEFAULT_RADPS3
 
     arm = make_arm(np.eye(1, 8), np.eye(1, 3), np.eye(1, 8)[0])

@@ -120,8 +120,9 @@ def worst_case(frames: list[Frame], frame: Frame) -> tuple[int, int]:
 
 @pytest.mark.parametrize("joints", [4, 6, 8])
 def test_the_worst_case_is_within_the_bound_and_close_to_it(joints):
-    """No response time exceeds its bound. A joint state that arrives within one tick misses its bound by only 1 ns,
-    because the frame of lower priority starts 1 ns before the others are queued."""
+    """No response time exceeds its bound. For a joint state that arrives within one tick, the response time (without
+    the firmware's computing time) is only 1 ns below the bound, because the frame of lower priority starts 1 ns before
+    the others are queued."""
     frames = fd_frames(joints)
     found = analyse(streams(frames, RATES), RATES.nominal_ns)
     reached = []

@@ -221,8 +221,8 @@ def test_an_unmeasured_phase_is_reported(tmp_path, options, arguments, words):
 
 
 class Watch:
-    """Feeds the monitor the ticks of a simulated cooperation. By default, the hand is exactly where the
-    person wants it (`aim_m`)."""
+    """Feeds the monitor the ticks of a simulated cooperation. By default, the hand is exactly where the person wants it
+    (`aim_m`)."""
 
     def __init__(self):
         self.monitor = ffi.new("rest_monitor_t *")

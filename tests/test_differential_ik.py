@@ -141,8 +141,8 @@ def test_double_cover_minus_target_is_the_same_target(rng, error_frame):
 
 @pytest.mark.parametrize("error_frame", ["torso", "target"])
 def test_no_error_no_velocity(rng, error_frame):
-    """At zero error, neither sign of the target causes a motion. If the law simply subtracted components, the
-    target -x, which is the same pose, would command several rad/s."""
+    """At zero error, neither sign of the target causes a motion. If the law simply subtracted components, the target
+    -x, which is the same pose, would command several rad/s."""
     q = postures(rng, 1000)
     hand = core.forward_kinematics(HOAP3, q)
     for target in (hand, -hand):
@@ -224,8 +224,9 @@ def settle(start_deg, displacement_m, gain, damping, error_frame, weight) -> tup
 
 @pytest.mark.parametrize("displacement_m", [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.03]])
 def test_error_at_the_target_makes_a_4_joint_arm_usable(displacement_m):
-    """The orientation error that 4 joints cannot correct hardly affects the position if the error is computed in the
-    target's frame. In the torso frame, it causes a position error of centimetres."""
+    """If the error is computed in the target's frame, the orientation error that 4 joints cannot correct leaves the
+    position error below 0.7 mm. In the torso frame, it causes a position error of more than 25 mm after a displacement
+    along y or z, and of more than 3 mm along x."""
     start = (90, -5, 0, -90)
     torso, _ = settle(start, displacement_m, 4.0, 1e-4, "torso", None)
     target, turned = settle(start, displacement_m, 100.0, 1e-3, "target", WEIGHTED)

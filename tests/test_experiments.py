@@ -360,8 +360,8 @@ def test_a_failed_check_outweighs_a_better_tracking():
 
 
 def test_the_search_finds_the_minimum_of_a_known_bowl(capsys):
-    """The search finds the minimum at gain 14, ratio 32 and damping 3e-4, which lies half a step between points of the
-    coarse grid."""
+    """The search finds the minimum at gain 14, ratio 32 and damping 3e-4, which lies half a step away from the
+    nearest points of the coarse grid."""
 
     def bowl(candidate: gain_search.Candidate, seeds: int) -> gain_search.Score:
         logs = np.log([candidate.gain_per_s / 14.0, candidate.ratio / 32.0, candidate.damping / 3e-4])
