@@ -109,7 +109,7 @@ def test_a_run_with_stored_parameters_replays(tmp_path, profile):
     boot, and saves them again during the run."""
     (tmp_path / "parameters").write_bytes(with_scale(0.75))
     with Bus(tmp_path, SLOWER, profile) as bus:
-        plant = bus.plant("--scenario", PLAIN, "--duration", 3)
+        plant = bus.plant("--scenario", PLAIN, "--duration", 2)
         bus.wait(lambda: "waits for the firmware" in bus.output("plant.out") or plant.poll() is not None, "the plant")
         bus.firmware("firmware", FIRMWARE, "--parameters", tmp_path / "parameters")
         bus.wait(lambda: bus.since(0, "ParameterValue"), "the boot")
