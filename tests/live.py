@@ -92,9 +92,9 @@ class Bus:
             path = self.folder / self.interface
             path.unlink(missing_ok=True)
             self.hub = self.start([HUB, "--bus", self.interface, "--socketcand", "off"], "hub")
-            self.wait(path.exists, "the hub's socket")
             self._tap = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            self._tap.connect(str(path))
+            # Between bind() and listen(), the socket exists and refuses connections.
+            self.wait(lambda: self._tap.connect_ex(str(path)) == 0, "the hub's socket")
         self._tap.settimeout(0.2)
         self._reader = threading.Thread(target=self._read)
         self._reader.start()

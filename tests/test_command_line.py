@@ -89,6 +89,7 @@ WRONG_USE = [
     (["--", "pour"], ["'pour'", "expected options"]),
     (["--fast"], ["'--fast'", "no such option", "--help"]),
     (["-x"], ["'-x'", "no such option", "--help"]),
+    (["-xy"], ["'-x'", "no such option", "--help"]),
     (["--help=5"], ["'--help=5'", "takes no value"]),
     (["--scenario", "juggle"], ["--scenario 'juggle'", *SCENARIOS]),
     (["--scenario", ""], ["--scenario ''", "scenario's name", "path of its file"]),

@@ -58,7 +58,11 @@ static bool start_hub(hub_publisher_t *self, const char *bus, char error[], size
     if (self->hub == 0) {
         become_hub(program, bus);
     }
-    for (int i = 0; i < START_TRIES && self->hub > 0; i++) {
+    if (self->hub < 0) {
+        (void)snprintf(error, error_size, "hub %s: %s cannot be started: %s", bus, program, strerror(errno));
+        return false;
+    }
+    for (int i = 0; i < START_TRIES; i++) {
         if (connect_hub(self, bus, error, error_size)) {
             return true;
         }

@@ -275,9 +275,12 @@ options_result_t options_parse(options_t *self, int argc, char *argv[], char err
         case OPTION_REAL_TIME: self->real_time = true; break;
         case OPTION_PAPER_LAW: paper_law = true; break;
         case '?':
+            if (optopt != 0 && optopt < OPTION_SCENARIO) { /* one letter, perhaps of several in one argument */
+                (void)snprintf(error, OPTIONS_ERROR_BYTES, "'-%c': no such option; --help lists all options", optopt);
+                return OPTIONS_WRONG;
+            }
             (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': %s; --help lists all options", argv[optind - 1],
-                           optopt >= OPTION_SCENARIO ? "this option takes no value"
-                                                     : "no such option, or an ambiguous abbreviation");
+                           optopt != 0 ? "this option takes no value" : "no such option, or an ambiguous abbreviation");
             return OPTIONS_WRONG;
         case ':':
             (void)snprintf(error, OPTIONS_ERROR_BYTES, "'%.200s': expected a value after it", argv[optind - 1]);

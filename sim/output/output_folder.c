@@ -111,7 +111,8 @@ bool output_folder_open(output_folder_t *self, const char *folder, char error[],
     memset(self, 0, sizeof *self);
     self->lock = -1;
     char *path = join(folder, "", "");
-    const bool made = path != NULL && make_folders(path, error, error_size);
+    const bool made =
+        path != NULL ? make_folders(path, error, error_size) : fail(error, error_size, folder, "cannot be created");
     free(path);
     if (!made) {
         return false;

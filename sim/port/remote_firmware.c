@@ -152,7 +152,10 @@ void remote_firmware_run(world_t *world) {
     remote.id_count = transport_ids_to_firmware(bus_profile(world->bus), remote.ids);
     bool answers = await_done(); /* true once the image has booted */
     while (world_advance(world) && answers) {
-        answers = send_tick((uint32_t)(world->now_ns / 1000)) && await_done();
+        if (!send_tick((uint32_t)(world->now_ns / 1000)) && errno == EINTR) {
+            break; /* a signal ends the run */
+        }
+        answers = await_done(); /* if the line is closed, this reads the image's last words */
     }
     (void)close(remote.fd);
 }

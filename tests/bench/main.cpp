@@ -133,6 +133,7 @@ int main(int argc, char **argv) {
             all.push_back(std::move(contender));
         }
     }
+    bool is_found = mode != "run";
     for (auto &contender : all) {
         if (mode == "check") {
             check(*contender, model);
@@ -141,7 +142,12 @@ int main(int argc, char **argv) {
         } else if (contender->name() == argv[4]) {
             contender->set(model.start_rad.data());
             contender->ticks(count);
+            is_found = true;
         }
+    }
+    if (!is_found) {
+        std::fprintf(stderr, "ticks: NAME '%s': expected a name that `check` prints\n", argv[4]);
+        return 2;
     }
     return 0;
 }
