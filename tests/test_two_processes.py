@@ -291,10 +291,11 @@ def require_brake_after_timeout(bus: Bus, start: int) -> None:
     for joint in range(JOINTS):
         bus.wait(lambda joint=joint: len(bus.since(start, f"JointState{joint}")) > 15, "JointState")
         states = [frame.decode() for frame in bus.since(start, f"JointState{joint}")]
-        late = [state for state in states if str(state["error"]) == "command_timeout"]
-        assert len(late) > 1
-        # the first JointState with this error still contains the mode before the timeout
-        assert {str(state["mode"]) for state in late[1:]} == {"brake"}
+        # The first JointState after a timeout still contains the mode before it. A busy machine may cause a timeout of
+        # its own before the pause.
+        late = [str(state["error"]) == "command_timeout" for state in states]
+        modes = {str(states[i]["mode"]) for i in range(1, len(states)) if late[i - 1] and late[i]}
+        assert modes == {"brake"}
 
 
 def require_stop_of_the_commands(bus: Bus, start: int) -> None:
