@@ -23,7 +23,8 @@ void controller_init(controller_t *self, const arm_ik_t *ik, can_profile_t profi
     transport_receiver_init(&self->receiver, profile, ik->arm->joint_count, RECEIVED_KINDS);
     hand_tracker_init(&self->hand_tracker, 1000u * transport_period_ms(profile, FRAME_HAND_POSE));
     hand_motion_init(&self->marker_motion);
-    joint_feedback_init(&self->joints, 1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));
+    joint_watch_init(&self->joint_watch, self->arm, self->tick_ms,
+                     1000u * transport_timeout_ms(profile, FRAME_JOINT_STATE0));
     supervisor_init(&self->supervisor);
     posture_change_init(&self->posture_change);
     joint_limits_init(&self->limits);
@@ -51,7 +52,7 @@ void controller_step(controller_t *self, uint32_t now_us, controller_inbox_t *in
     controller_report_unstable(self, outbox);
     controller_handle_requests(self, inbox, outbox);
     controller_compute_demand(self, now_us);
-    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->joints.position_rad,
+    self->finite = joint_limits_apply(&self->limits, self->arm, &self->joint_limits_config, self->measured_rad,
                                       self->feedback_radps, self->feedforward_radps);
     controller_publish(self, now_us, &inbox->port, outbox);
     controller_announce(self, outbox);

@@ -68,7 +68,7 @@ static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_
     const twist_t hand = hand_twist(self, now_us);
     const twist_t motion = cooperation_target_motion(&self->cooperation, &hand);
     const position_priority_request_t request = {
-        .position_rad = self->joints.position_rad,
+        .position_rad = self->measured_rad,
         .target = &self->cooperation.target,
         .motion = &motion,
         .at_limit = at_limit,
@@ -93,7 +93,7 @@ static void follow_predicted_target(controller_t *self, uint32_t now_us, joints_
 /* Without prediction, the paper's differential inverse kinematics is used. */
 static void follow_target(controller_t *self, joints_at_limit_t at_limit) {
     const differential_ik_request_t request = {
-        .position_rad = self->joints.position_rad,
+        .position_rad = self->measured_rad,
         .target = &self->cooperation.target,
         .at_limit = at_limit,
     };
@@ -120,7 +120,7 @@ void controller_compute_demand(controller_t *self, uint32_t now_us) {
     cooperation_update(&self->cooperation, &self->hand, task_blend(self));
     self->blend_elapsed_s += self->blend_elapsed_s < self->blend_s ? controller_tick_s(self) : 0.0f;
     const joints_at_limit_t at_limit =
-        joints_at_limit_find(self->arm, self->joint_limits_config.at_limit_rad, self->joints.position_rad);
+        joints_at_limit_find(self->arm, self->joint_limits_config.at_limit_rad, self->measured_rad);
     if (self->predicts) {
         follow_predicted_target(self, now_us, at_limit);
     } else {

@@ -33,7 +33,9 @@ static void take_tracker_status(controller_t *self, const received_t *received) 
 static void take_joint_state(controller_t *self, const received_t *received) {
     joint_state_t state;
     joint_state_unpack(received->frame, &state);
-    joint_feedback_receive(&self->joints, (int)received->kind - (int)FRAME_JOINT_STATE0, &state, received->received_us);
+    const int joint = (int)received->kind - (int)FRAME_JOINT_STATE0;
+    self->measured_rad[joint] = state.position_rad;
+    joint_watch_report(&self->joint_watch, joint, &state, received->received_us);
 }
 
 static void note_request(controller_t *self, const received_t *received) {
@@ -95,8 +97,8 @@ void controller_update_hand(controller_t *self, uint32_t now_us) {
 
 void controller_supervise(controller_t *self, uint32_t now_us) {
     self->supervisor_inputs = (supervisor_inputs_t){
-        .drives_fresh = joint_feedback_check_fresh(&self->joints, self->arm->joint_count, now_us),
-        .drive_error = joint_feedback_has_error(&self->joints, self->arm->joint_count),
+        .joints = joint_watch_check(&self->joint_watch, now_us),
+        .powered = self->joint_watch.is_powered,
         .tracker_fresh =
             !hand_tracker_check_stale(&self->hand_tracker, now_us, self->parameters.value[PARAMETER_STALE_PERIODS]),
         .finite = self->finite,

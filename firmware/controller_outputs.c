@@ -44,6 +44,7 @@ static void send_joint_command(controller_t *self, controller_outbox_t *outbox) 
     }
     can_frame_t frame;
     if (joint_cmd_pack(&command, &frame) == PROTOCOL_OK) {
+        joint_watch_command(&self->joint_watch, &command, outbox->enable_drives);
         controller_send(self, &frame, outbox);
     } else {
         self->finite = false; /* cannot happen: arm_check() ensures that all values within the limits fit the frame */
@@ -59,7 +60,7 @@ static void send_trace(controller_t *self, uint32_t now_us, controller_outbox_t 
     trace.target = trace.target_valid ? self->cooperation.target : no_target;
     const uint32_t age_us = hand_tracker_age_us(&self->hand_tracker, now_us);
     trace.hand_age_us = age_us < TRACE_AGE_MAX_US ? age_us : TRACE_AGE_MAX_US;
-    trace.drives_fresh = self->supervisor_inputs.drives_fresh;
+    trace.drives_fresh = self->supervisor_inputs.joints.finding != JOINT_WATCH_SILENT;
     trace.rejected_frames = (uint8_t)self->receiver.protocol.rejected;
     protocol_trace_inputs(self->receiver.protocol.e2e, &trace);
     can_frame_t frame;

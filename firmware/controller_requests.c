@@ -11,7 +11,7 @@
 
 /* Returns the end effector's measured pose in the torso frame. */
 static pose_t measured_pose(const controller_t *self) {
-    return self->arm->forward_kinematics(self->arm, self->joints.position_rad);
+    return self->arm->forward_kinematics(self->arm, self->measured_rad);
 }
 
 /* ---- tasks */
@@ -57,7 +57,8 @@ static result_t define_task(controller_t *self, const task_define_t *define) {
 
 static result_t start(controller_t *self, uint8_t sequence) {
     const result_t refusal = controller_require_stable(self, sequence);
-    result_t result = refusal != RESULT_ACCEPTED ? refusal : supervisor_start(&self->supervisor);
+    result_t result =
+        refusal != RESULT_ACCEPTED ? refusal : supervisor_start(&self->supervisor, &self->supervisor_inputs);
     if (result == RESULT_ACCEPTED) {
         self->blend_elapsed_s = 0.0f;
         cooperation_start(&self->cooperation, &self->cooperation_config, &self->task, self->hand, measured_pose(self));
@@ -110,7 +111,8 @@ static result_t execute(controller_t *self, const operator_command_t *command) {
     case COMMAND_START: return start(self, command->sequence);
     case COMMAND_LATCH: return latch(self);
     case COMMAND_CLUTCH: return clutch(self);
-    case COMMAND_STOP: return supervisor_stop(&self->supervisor, &self->supervisor_inputs);
+    case COMMAND_STOP: return supervisor_stop(&self->supervisor);
+    case COMMAND_ACKNOWLEDGE: return supervisor_acknowledge(&self->supervisor, &self->supervisor_inputs);
     default: return RESULT_UNKNOWN_COMMAND;
     }
 }

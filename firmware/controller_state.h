@@ -6,7 +6,6 @@
 #include "control/cooperation.h"
 #include "control/hand_motion.h"
 #include "control/hand_tracker.h"
-#include "control/joint_feedback.h"
 #include "control/joint_limits.h"
 #include "control/posture_change.h"
 #include "control/supervisor.h"
@@ -14,6 +13,7 @@
 #include "parameters/parameters.h"
 #include "protocol/can_transport.h"
 #include "protocol/port_status.h"
+#include "safety/joint_watch.h"
 
 /* On CAN FD, usually at most 13 frames arrive in a tick: 8 JointState, HandPose, TrackerStatus, and one request of each
  * of 3 kinds. Frames beyond 16 wait for the next tick. */
@@ -68,8 +68,9 @@ typedef struct {
     uint8_t request_count;
 
     hand_tracker_t hand_tracker;
-    hand_motion_t marker_motion; /* in the tracker frame */
-    joint_feedback_t joints;
+    hand_motion_t marker_motion;        /* in the tracker frame */
+    float measured_rad[ARM_MAX_JOINTS]; /* the joints' positions, as the drives last reported them */
+    joint_watch_t joint_watch;
     /* The pose of the person's hand in the tracker frame: with prediction, at the time when the encoders were sampled;
      * without prediction, at present. */
     pose_t hand;

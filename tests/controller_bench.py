@@ -18,9 +18,11 @@ TRACKER = oracle.pose(oracle.rotation([1, 0, 0], -np.pi / 2), [0, 0, 0])  # equa
 class Bench:
     """A controller with simulated drives, tracker and operator.
 
-    position_rad: the arm's joint angles. hand: pose (8,) of the person's hand in torso axes, or None to send no tracker
-    frames. prediction: whether the hand's motion is predicted; None selects Bench.prediction. Prediction is off by
-    default, because after a jump of the hand, which many tests make, the predicted motion takes time to settle.
+    position_rad: the arm's true joint angles, which `drive` advances by a tick. encoder: what the drives report of
+    them. mode_reported: the mode that all drives report, or None for the one last commanded.
+    hand: pose (8,) of the person's hand in torso axes, or None to send no tracker frames.
+    prediction: whether the hand's motion is predicted; None selects Bench.prediction. Prediction is off by default,
+    because after a jump of the hand, which many tests make, the predicted motion takes time to settle.
     store_result: the result that the port reports `store_ticks` ticks after a save has started. stored: the values
     written by each save.
     """
@@ -39,6 +41,10 @@ class Bench:
         self.hand = oracle.pose(oracle.rotation([0, 1, 0], np.pi / 2), [0.4, 0.2, 0.1])
         self.hand_valid = True
         self.drives_answer = True
+        self.drive = lambda position_rad, velocity_radps: position_rad + velocity_radps * TICK_US * 1e-6
+        self.encoder = lambda position_rad: position_rad
+        self.mode_reported: int | None = None
+        self.command_sent = ffi.new("joint_cmd_t *")  # the last command
         self.drive_error = lib.DRIVE_ERROR_NONE
         self.now_us = now_us
         self.stamp_offset_us = 0  # added to the reception time of each frame
@@ -84,7 +90,9 @@ class Bench:
         return frame
 
     def _drive_frame(self, joint: int):
-        message = ffi.new("joint_state_t *", {"position_rad": self.position_rad[joint], "error": self.drive_error})
+        mode = self.command_sent.mode[joint] if self.mode_reported is None else self.mode_reported
+        message = ffi.new("joint_state_t *", {"error": self.drive_error, "mode": mode})
+        message.position_rad = self.encoder(self.position_rad)[joint]
         frame = ffi.new("can_frame_t *")
         assert lib.joint_state_pack(joint, message, frame) == lib.PROTOCOL_OK
         return frame
@@ -185,9 +193,8 @@ class Bench:
             self.sent = [(f.id, bytes(f.data[0 : f.length])) for f in frames]
             for frame in frames:
                 if frame.id == FRAME_ID["JOINT_CMD"]:
-                    self.command_sent = ffi.new("joint_cmd_t *")
                     lib.joint_cmd_unpack(ffi.addressof(frame), self.command_sent)
-            self.position_rad = self.position_rad + self.velocity_radps * TICK_US * 1e-6
+            self.position_rad = self.drive(self.position_rad, self.velocity_radps)
             self.ticks += 1
 
     # ---- frames from the controller

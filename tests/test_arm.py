@@ -133,10 +133,12 @@ def test_hand_is_unit_and_jacobian_tangent_to_the_unit_poses(rng):
     assert np.abs(np.einsum("ik,ikj->ij", swapped, jacobian)).max() < 1e-6
 
 
-def test_the_default_jerk_limits_of_core_and_description_are_equal():
+def test_the_defaults_of_core_and_description_are_equal():
     """The two defaults are defined in packages that cannot import each other, so neither can be derived from the
     other."""
-    from comanip_dev.arms.description import JERK_DEFAULT_RADPS3
+    from comanip_dev.arms.description import DRIVE_LAG_DEFAULT_S, JERK_DEFAULT_RADPS3
 
     arm = make_arm(np.eye(1, 8), np.eye(1, 3), np.eye(1, 8)[0])
     assert arm.jerk_max_radps3.tolist() == [JERK_DEFAULT_RADPS3]
+    assert arm.drive_lag_max_s == pytest.approx(DRIVE_LAG_DEFAULT_S)
+    assert core.Arm.named(HOAP3).drive_lag_max_s == pytest.approx(0.013)

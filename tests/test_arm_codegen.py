@@ -389,6 +389,9 @@ GOOD = 'name = "arm"\nid = 1\nvelocity_max_radps = 2.0\n[[frame]]\nalpha_deg = 9
         (GOOD.replace("[[frame]]", "[frame]"), "frame: .*: expected a list of tables"),
         ("jerk_max_radps3 = 999\n" + GOOD, "arm.toml: jerk_max_radps3: 999: expected a number from 1000 to 1e.06"),
         (GOOD + "jerk_max_radps3 = 2e6\n", "frame 1: jerk_max_radps3: 2000000.0: expected a number from 1000 to 1e.06"),
+        ("drive_lag_max_s = 0\n" + GOOD, "arm.toml: drive_lag_max_s: 0: expected a number from 0.001 to 0.1"),
+        ('drive_lag_max_s = "x"\n' + GOOD, "arm.toml: drive_lag_max_s: 'x': expected a number from 0.001 to 0.1"),
+        (GOOD + "drive_lag_max_s = 0.01\n", "frame 1: drive_lag_max_s: unknown"),
         (GOOD + "[[frame]]\njerk_max_radps3 = 2e4\n", "frame 2: jerk_max_radps3: expected in joints only"),
     ],
 )
@@ -405,6 +408,13 @@ def test_an_invalid_description_writes_nothing(tmp_path, capsys):
         assert arm_codegen.main([str(argument)]) == 2
         assert str(argument) in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == [path]
+
+
+def test_the_lag_of_the_drives_is_the_arms(tmp_path):
+    assert described(tmp_path, "drive_lag_max_s = 0.02\n" + GOOD).drive_lag_max_s == 0.02
+    assert ".drive_lag_max_s = 0.02f," in arm_codegen.table_source(
+        described(tmp_path, "drive_lag_max_s = 0.02\n" + GOOD)
+    )
 
 
 def test_a_joints_jerk_limit_overrides_the_arms(tmp_path):

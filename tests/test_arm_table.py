@@ -11,7 +11,11 @@ UNIT, ZERO = [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
 
 
 def verdict(
-    joint_count: int = 2, effector: tuple = (UNIT, ZERO), functions: bool = True, **changes: object
+    joint_count: int = 2,
+    effector: tuple = (UNIT, ZERO),
+    functions: bool = True,
+    drive_lag_max_s: float = 0.013,
+    **changes: object,
 ) -> str | None:
     """Returns arm_check()'s message about a table of two joints, or None. `changes` modifies the second joint; without
     changes the table is valid."""
@@ -24,6 +28,7 @@ def verdict(
     for name, value in changes.items():
         setattr(joints[1], name, value)
     table = ffi.new("arm_t *", {"joint_count": joint_count, "joints": joints, "effector": effector})
+    table.drive_lag_max_s = drive_lag_max_s
     table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics") if functions else ffi.NULL
     complaint = lib.arm_check(table)
     return None if complaint == ffi.NULL else ffi.string(complaint).decode()
@@ -37,7 +42,7 @@ HALF = np.sqrt(0.5)
     [{}, {"joint_count": 1}, {"fixed": (UNIT, [60.0, 0.0, 79.9])},
      {"effector": ([HALF, 0.0, -HALF, 0.0], [0.0, -99.9, 0.0])},
      {"axis": [0.0, -HALF, HALF]}, {"position_min_rad": -8.0, "position_max_rad": 8.0}, {"velocity_max_radps": 32.0},
-     {"jerk_max_radps3": 1e3}, {"jerk_max_radps3": 1e6}],
+     {"jerk_max_radps3": 1e3}, {"jerk_max_radps3": 1e6}, {"drive_lag_max_s": 1e-3}, {"drive_lag_max_s": 0.1}],
 )  # fmt: skip
 def test_a_table_within_its_ranges_is_accepted(changes):
     assert verdict(**changes) is None
@@ -63,6 +68,9 @@ def test_a_table_within_its_ranges_is_accepted(changes):
         ({"velocity_max_radps": 0.0}, "velocity limit"),
         ({"velocity_max_radps": 32.1}, "velocity limit"),
         ({"velocity_max_radps": float("nan")}, "velocity limit"),
+        ({"drive_lag_max_s": 0.9e-3}, "drive_lag_max_s"),
+        ({"drive_lag_max_s": 0.11}, "drive_lag_max_s"),
+        ({"drive_lag_max_s": float("nan")}, "drive_lag_max_s"),
         ({"jerk_max_radps3": 999.0}, "jerk limit"),
         ({"jerk_max_radps3": 1.01e6}, "jerk limit"),
         ({"jerk_max_radps3": float("nan")}, "jerk limit"),

@@ -85,17 +85,19 @@ def test_a_missed_requirement_is_reported():
         image: {
             states: {
                 name: {unit: {"maximum": 700} for unit in ("instructions", "cycles")}
-                for name in ("step", "step_not_predicted", "tick")
+                for name in ("step", "step_not_predicted", "tick", "joint_watch")
             }
             for states in ("recorded", "not_predicted")
         }
         for image in ("cortex-m4f", "cortex-m3")
     }
     assert cycles.missed(results) == []
-    results["cortex-m4f"]["recorded"]["step"]["instructions"]["maximum"] = 8001
+    results["cortex-m4f"]["recorded"]["step"]["instructions"]["maximum"] = 10_001
     results["cortex-m3"]["not_predicted"]["step_not_predicted"]["cycles"]["maximum"] = 72_001
+    results["cortex-m4f"]["recorded"]["joint_watch"]["instructions"]["maximum"] = 2001
     assert cycles.missed(results) == [
-        "cortex-m4f, recorded: step: maximum of instructions 8001, required 8000",
+        "cortex-m4f, recorded: joint_watch: maximum of instructions 2001, required 2000",
+        "cortex-m4f, recorded: step: maximum of instructions 10001, required 10000",
         "cortex-m3, not_predicted: step_not_predicted: maximum of cycles 72001, required 72000",
     ]
 

@@ -174,7 +174,7 @@ def other_firmware(tmp_path_factory):
     (schema / "parameters.toml").write_text(without.replace("retired = []", "retired = [36]") + more)
     codegen.update_schema(schema)
     codegen.main(folder / "generated", schema)
-    rooms = ("maths", "arms", "protocol", "control", "parameters")
+    rooms = ("maths", "arms", "protocol", "safety", "control", "parameters")
     sources = [str(file) for room in rooms for file in sorted((REPOSITORY / "firmware" / room).glob("*.c"))]
     library = folder / "other.so"
     flags = ["-std=c11", "-O1", "-fPIC", "-shared", "-Wl,-z,defs", f"-I{folder / 'generated'}"]

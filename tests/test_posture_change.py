@@ -165,11 +165,15 @@ def test_afterwards_the_hand_is_followed():
 
 
 def test_an_arm_that_is_pushed_away_returns():
+    """A push that moves a joint by more than 10 mrad is a fault."""
     bench = arrived()
-    bench.position_rad = bench.position_rad + [0.05, 0.02, -0.03, 0.04]
-    assert error_m(bench) > 5e-3
+    bench.position_rad = bench.position_rad + [9e-3, 9e-3, -9e-3, 9e-3]
+    assert error_m(bench) > 1.5e-3
     bench.tick(1000)
     assert error_m(bench) < 1e-3 and at_rest(bench)
+    bench.position_rad = bench.position_rad + [0.05, 0.02, -0.03, 0.04]
+    bench.tick()
+    assert (bench.mode, bench.reason) == (lib.MODE_FAULT, lib.REASON_JOINT_DEVIATES)
 
 
 # ---- abandoning a change

@@ -84,10 +84,13 @@ def moves(bus: Bus, start: int) -> bool:
 
 
 def rearm(bus: Bus) -> None:
-    """Re-arms as a user does: stop, which clears a fault, then start."""
+    """Re-arms as a user does: stop, acknowledge the fault, if any, then start."""
     result = ""
     while result != "accepted":
-        bus.wait(lambda: bus.command("stop") == "accepted", "the fault's cause is gone")
+        bus.wait(
+            lambda: bus.command("stop") == "accepted" or bus.command("acknowledge") == "accepted",
+            "standstill without the fault's cause",
+        )
         bus.wait_mode("ready", start=len(bus.frames))
         result = bus.command("start")
     bus.wait_mode("cooperating", "hold", "fault", start=len(bus.frames))

@@ -21,6 +21,9 @@ const char *arm_check(const arm_t *arm) {
     if (arm->forward_kinematics == NULL) {
         return "arm table: forward_kinematics must be set, for example to arm_forward_kinematics";
     }
+    if (!(arm->drive_lag_max_s >= 1e-3f && arm->drive_lag_max_s <= 0.1f)) {
+        return "arm table: drive_lag_max_s must be from 0.001 to 0.1 s";
+    }
     if (!is_pose(arm->effector)) {
         return "arm table: effector is not a pose";
     }

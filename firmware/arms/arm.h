@@ -31,6 +31,8 @@ struct arm {
     const char *name;
     uint8_t id;          /* FirmwareIdentity.arm in the DBC */
     uint8_t joint_count; /* 1..ARM_MAX_JOINTS */
+    /* The largest time by which a healthy drive's reported motion lags behind its command on the bus: 0.001 to 0.1. */
+    float drive_lag_max_s;
     const arm_joint_t *joints;
     pose_t effector;                      /* the end effector's pose in the last joint's moving frame */
     arm_kinematics_t *forward_kinematics; /* arm_forward_kinematics(), or the function that `make arms` generated */

@@ -112,6 +112,7 @@ const arm_t arm_hoap3_right = {
     .name = "hoap3_right",
     .id = 0,
     .joint_count = 4,
+    .drive_lag_max_s = 0.013f,
     .joints = joints,
     .effector = {{0.707106781f, -0.707106781f, 0.0f, 0.0f}, {0.0f, 0.171f, 0.0f}},
     .forward_kinematics = forward_kinematics,

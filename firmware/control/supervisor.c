@@ -14,18 +14,20 @@ void supervisor_init(supervisor_t *self) {
 static bool fault_present(const supervisor_inputs_t *inputs, reason_t *reason) {
     if (!inputs->finite) {
         *reason = REASON_NOT_FINITE;
-    } else if (!inputs->drives_fresh) {
-        *reason = REASON_DRIVE_SILENT;
-    } else if (inputs->drive_error) {
-        *reason = REASON_DRIVE_ERROR;
-    } else {
-        return false;
+        return true;
     }
-    return true;
+    switch (inputs->joints.finding) {
+    case JOINT_WATCH_SILENT: *reason = REASON_DRIVE_SILENT; return true;
+    case JOINT_WATCH_ERROR: *reason = REASON_DRIVE_ERROR; return true;
+    case JOINT_WATCH_OUT_OF_RANGE: *reason = REASON_JOINT_OUT_OF_RANGE; return true;
+    case JOINT_WATCH_DEVIATES: *reason = REASON_JOINT_DEVIATES; return true;
+    case JOINT_WATCH_WRONG_MODE: *reason = REASON_DRIVE_MODE; return true;
+    default: return false;
+    }
 }
 
 static void follow_readiness(supervisor_t *self, const supervisor_inputs_t *inputs) {
-    if (!inputs->drives_fresh || inputs->drive_error) {
+    if (inputs->joints.finding != JOINT_WATCH_OK) {
         enter(self, MODE_IDLE, REASON_WAITING_FOR_DRIVES);
     } else if (!inputs->tracker_fresh) {
         enter(self, MODE_IDLE, REASON_WAITING_FOR_TRACKER);
@@ -35,45 +37,58 @@ static void follow_readiness(supervisor_t *self, const supervisor_inputs_t *inpu
 }
 
 void supervisor_update(supervisor_t *self, const supervisor_inputs_t *inputs) {
+    if (self->mode == MODE_FAULT) {
+        return;
+    }
     reason_t cause;
-    switch (self->mode) {
-    case MODE_IDLE:
-    case MODE_READY: follow_readiness(self, inputs); break;
-    case MODE_COOPERATING:
-    case MODE_HOLD:
-        if (fault_present(inputs, &cause)) {
-            enter(self, MODE_FAULT, cause);
-        } else if (self->mode == MODE_COOPERATING && !inputs->tracker_fresh) {
-            enter(self, MODE_HOLD, REASON_TRACKER_STALE);
-        } else if (self->mode == MODE_HOLD && inputs->tracker_fresh) {
-            enter(self, MODE_COOPERATING, REASON_TRACKER_RETURNED);
-        }
-        break;
-    case MODE_FAULT: break;
+    if ((supervisor_is_engaged(self) || inputs->powered) && fault_present(inputs, &cause)) {
+        enter(self, MODE_FAULT, cause);
+    } else if (!supervisor_is_engaged(self)) {
+        follow_readiness(self, inputs);
+    } else if (self->mode == MODE_COOPERATING && !inputs->tracker_fresh) {
+        enter(self, MODE_HOLD, REASON_TRACKER_STALE);
+    } else if (self->mode == MODE_HOLD && inputs->tracker_fresh) {
+        enter(self, MODE_COOPERATING, REASON_TRACKER_RETURNED);
     }
 }
 
-result_t supervisor_start(supervisor_t *self) {
+result_t supervisor_start(supervisor_t *self, const supervisor_inputs_t *inputs) {
     if (self->mode != MODE_READY) {
         return RESULT_WRONG_MODE;
+    }
+    if (!inputs->joints.in_range) {
+        return RESULT_JOINT_OUT_OF_RANGE;
+    }
+    if (!inputs->joints.at_rest) {
+        return RESULT_NOT_AT_REST;
     }
     enter(self, MODE_COOPERATING, REASON_OPERATOR_START);
     return RESULT_ACCEPTED;
 }
 
-result_t supervisor_stop(supervisor_t *self, const supervisor_inputs_t *inputs) {
-    reason_t cause;
-    switch (self->mode) {
-    case MODE_COOPERATING:
-    case MODE_HOLD: enter(self, MODE_READY, REASON_OPERATOR_STOP); break;
-    case MODE_FAULT:
+result_t supervisor_stop(supervisor_t *self) {
+    if (self->mode == MODE_FAULT) {
+        return RESULT_NOT_ACKNOWLEDGED;
+    }
+    if (supervisor_is_engaged(self)) {
+        enter(self, MODE_READY, REASON_OPERATOR_STOP);
+    }
+    return RESULT_ACCEPTED;
+}
+
+result_t supervisor_acknowledge(supervisor_t *self, const supervisor_inputs_t *inputs) {
+    if (supervisor_is_engaged(self)) {
+        return RESULT_WRONG_MODE;
+    }
+    if (self->mode == MODE_FAULT) {
+        reason_t cause;
         if (fault_present(inputs, &cause)) {
             return RESULT_FAULT_PRESENT;
         }
+        if (inputs->powered || !inputs->joints.at_rest) {
+            return RESULT_NOT_AT_REST;
+        }
         enter(self, MODE_IDLE, REASON_FAULT_CLEARED);
-        break;
-    case MODE_IDLE:
-    case MODE_READY: break;
     }
     return RESULT_ACCEPTED;
 }

@@ -68,7 +68,7 @@ static void on_define(observer_t *self, const can_frame_t *frame) {
 static void on_ack(observer_t *self, const can_frame_t *frame, int64_t end_ns) {
     command_ack_t ack;
     command_ack_unpack(frame, &ack);
-    if (ack.result != RESULT_ACCEPTED || ack.command == COMMAND_STOP) {
+    if (ack.result != RESULT_ACCEPTED || ack.command == COMMAND_STOP || ack.command == COMMAND_ACKNOWLEDGE) {
         return;
     }
     if (ack.command == COMMAND_SELECT) {

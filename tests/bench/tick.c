@@ -41,6 +41,7 @@ static void choose_arm(tick_t *self, const tick_model_t *model) {
         self->joints[i] = (arm_joint_t){.fixed = pose(&model->fixed[7 * i]), .axis = {0.0f, 0.0f, 1.0f}};
     }
     self->arm = (arm_t){.joint_count = (uint8_t)model->joint_count,
+                        .drive_lag_max_s = 0.013f,
                         .joints = self->joints,
                         .effector = pose(&model->fixed[7 * model->joint_count]),
                         .forward_kinematics = arm_forward_kinematics};

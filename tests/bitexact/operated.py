@@ -52,7 +52,7 @@ class Operated(Bench):
 
     def _count(self) -> None:
         at_limit = lib.joints_at_limit_find(
-            self.controller.arm, self.controller.joint_limits_config.at_limit_rad, self.controller.joints.position_rad
+            self.controller.arm, self.controller.joint_limits_config.at_limit_rad, self.controller.measured_rad
         )
         cooperates = self.mode == lib.MODE_COOPERATING
         self.seen["demand deferred"] += self.controller.demand_deferred
@@ -61,7 +61,7 @@ class Operated(Bench):
 
     def _stop(self) -> None:
         assert self.command(lib.COMMAND_STOP) == lib.RESULT_ACCEPTED
-        self.tick(250)  # time to come to rest from any speed
+        self.tick(300)  # time to come to rest from any speed, and to be seen at rest
         measured = self.controller.parameters.value[lib.PARAMETER_LATCH_MEASURED]
         assert self.write(lib.PARAMETER_LATCH_MEASURED, 1 - measured) == lib.RESULT_ACCEPTED
 

@@ -54,11 +54,18 @@ def recorded(log: Path) -> Iterator[bytes]:
 
 
 class Vectors:
-    """Generates frames with random contents: hand poses, joint states within and beyond the joints' ranges, and
-    requests with valid and invalid values. Two in a thousand frames have a flipped bit."""
+    """Generates frames with random contents: hand poses, joint states, and requests with valid and invalid values. Two
+    in a thousand frames have a flipped bit.
 
-    def __init__(self, rng: np.random.Generator, profile: int):
-        self._rng, self._profile = rng, profile
+    follows: whether the joints follow their commands, as they must for the firmware to keep cooperating. A controller
+    beside the generator computes the commands. Otherwise the joints are anywhere, within and beyond their ranges.
+    """
+
+    def __init__(self, rng: np.random.Generator, profile: int, follows: bool):
+        self._rng, self._profile, self._follows = rng, profile, follows
+        self._controller, self._outbox = ffi.new("controller_t *"), ffi.new("outbox_t *")
+        lib.controller_init(self._controller, ffi.addressof(lib.arm_ik_hoap3_right), profile)
+        self._position_rad = np.array([rng.uniform(*self._range_rad(joint)) for joint in range(4)])
         self._sender = ffi.new("transport_sender_t *")
         lib.transport_sender_init(self._sender, profile, lib.ARM_MAX_JOINTS)
         self._hand = np.array([0.4, 0.2, 0.1])
@@ -89,11 +96,20 @@ class Vectors:
         lib.hand_pose_pack(pose, frame)
         return frame
 
+    @staticmethod
+    def _range_rad(joint: int) -> tuple[float, float]:
+        row = lib.arm_hoap3_right.joints[joint]
+        return row.position_min_rad, row.position_max_rad
+
     def _state(self, joint: int):
-        row = lib.arm_hoap3_right.joints[min(joint, 3)]
-        span = (row.position_min_rad, row.position_max_rad)
-        position = self._rng.choice([*span, self._rng.uniform(*span), self._rng.uniform(-8, 8), 0.0])
-        state = ffi.new("joint_state_t *", {"position_rad": position, "error": 1 if self._rng.random() < 1e-3 else 0})
+        if self._follows:
+            position, error = self._position_rad[joint], self._rng.random() < 1e-4
+            mode = lib.DRIVE_MODE_VELOCITY if self._controller.moving else lib.DRIVE_MODE_BRAKE
+        else:
+            span = self._range_rad(joint)
+            position = self._rng.choice([*span, self._rng.uniform(*span), self._rng.uniform(-8, 8), 0.0])
+            mode, error = int(self._rng.integers(2)), self._rng.random() < 1e-3
+        state = ffi.new("joint_state_t *", {"position_rad": position, "error": int(error), "mode": mode})
         frame = ffi.new("can_frame_t *")
         lib.joint_state_pack(joint, state, frame)
         return frame
@@ -116,11 +132,20 @@ class Vectors:
                 dict(zip("wxyz", q[1])))  # fmt: skip
             lib.task_define_pack(define, frame)
         else:
-            command = ffi.new(
-                "operator_command_t *", {"command": int(self._rng.integers(7)), "task": int(self._rng.integers(5))}
-            )
+            numbers = [lib.COMMAND_START, lib.COMMAND_ACKNOWLEDGE, int(self._rng.integers(9))]
+            number = numbers[int(self._rng.integers(3))]  # often one that leads back to cooperation
+            command = ffi.new("operator_command_t *", {"command": number, "task": int(self._rng.integers(5))})
             lib.operator_command_pack(command, frame)
         return frame
+
+    def _move(self, now: int, frames: list) -> None:
+        """Advances the joints by the tick in which the firmware reads these frames."""
+        inbox = ffi.new("controller_inbox_t *", {"count": len(frames)})
+        for i, frame in enumerate(frames):
+            inbox.frame[i] = frame
+        lib.outbox_step(self._outbox, self._controller, now, inbox)
+        velocity_radps = np.array(list(self._controller.limits.velocity_radps)[:4])
+        self._position_rad = self._position_rad + velocity_radps * 1e-3 * self._controller.tick_ms
 
     def ticks(self, count: int) -> Iterator[bytes]:
         period_us = 1000 if self._profile == lib.CAN_PROFILE_FD else 4000
@@ -140,11 +165,14 @@ class Vectors:
             for frame in frames:
                 if self._rng.random() < 2e-3:
                     frame.data[int(self._rng.integers(frame.length))] ^= 1 << int(self._rng.integers(8))
-            yield tick(now, [frame[0] for frame in frames[:16]])
+            read = [frame[0] for frame in frames[:16]]
+            if self._follows:
+                self._move(now, read)
+            yield tick(now, read)
 
 
 def vectors(ticks: int, seed: int) -> Iterator[bytes]:
     rng = np.random.default_rng(seed)
     for part in range(ticks // VECTOR_TICKS_PER_BOOT):
         profile = (lib.CAN_PROFILE_FD, lib.CAN_PROFILE_CLASSIC)[part % 2]
-        yield from Vectors(rng, profile).ticks(VECTOR_TICKS_PER_BOOT)
+        yield from Vectors(rng, profile, follows=part % 4 < 2).ticks(VECTOR_TICKS_PER_BOOT)

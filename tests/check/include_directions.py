@@ -21,10 +21,14 @@ MAY_USE = {
     "firmware/maths": [],
     "firmware/arms": ["firmware/maths"],
     "firmware/protocol": ["firmware/maths", "firmware/arms"],
-    "firmware/control": ["firmware/maths", "firmware/arms", "firmware/protocol"],
+    "firmware/safety": ["firmware/maths", "firmware/arms", "firmware/protocol"],  # never firmware/control
+    "firmware/control": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/safety"],
     "firmware/control/arms": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control"],
     "firmware/parameters": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control"],
-    "firmware": ["firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control", "firmware/parameters"],
+    "firmware": [
+        "firmware/maths", "firmware/arms", "firmware/protocol", "firmware/safety", "firmware/control",
+        "firmware/parameters",
+    ],
     "hal": ["firmware/protocol/can_frame.h", "firmware/protocol/can_profile.h", "firmware/protocol/port_status.h"],
     "firmware/main.c": ["firmware/arms", "firmware/control/arms", "firmware/parameters", "hal/hal.h"],
     "hal/common": ["firmware/protocol", "hal"],
@@ -63,8 +67,8 @@ MAY_USE = {
     ],
     "sim/programs": ["firmware/protocol", "hal/linux", "sim/bus", "sim/options", "sim/port", "sim/run"],
     "host_tools/comanip/_binding": [
-        "firmware/maths", "firmware/arms", "firmware/protocol", "firmware/control", "firmware/parameters", "firmware",
-        "hal/common",
+        "firmware/maths", "firmware/arms", "firmware/protocol", "firmware/safety", "firmware/control",
+        "firmware/parameters", "firmware", "hal/common",
     ],
     "host_tools/hub": ["hal/linux/hub_path.h"],
     "host_tools/shim": ["hal/linux/hub_path.h"],

@@ -18,7 +18,8 @@ typedef enum {
     COUNTED_PREDICTION,
     COUNTED_LAW,
     COUNTED_LAW_LIMITS,
-    COUNTED_STEP_NOT_PREDICTED
+    COUNTED_STEP_NOT_PREDICTED,
+    COUNTED_JOINT_WATCH
 } counted_t;
 
 /* plugin.c counts the instructions from each call of count_begin() to the next call of count_end(). */
@@ -101,6 +102,28 @@ static void predicted_ticks(const float position_rad[], const pose_t *sample) {
     }
 }
 
+/* Runs the watch of the joints as the controller calls it, for the tick after the last one. */
+static void watch_joints(const controller_t *controller, uint32_t now_us) {
+    static joint_watch_t watch;
+    joint_state_t state[ARM_MAX_JOINTS] = {{0}};
+    joint_cmd_t command = {0};
+    watch = controller->joint_watch;
+    for (int i = 0; i < controller->arm->joint_count; i++) {
+        state[i] = (joint_state_t){.position_rad = controller->measured_rad[i], .mode = DRIVE_MODE_VELOCITY};
+        command.mode[i] = DRIVE_MODE_VELOCITY;
+        command.velocity_radps[i] = controller->limits.velocity_radps[i];
+    }
+    now_us += 1000u * controller->tick_ms;
+    count_begin();
+    for (int i = 0; i < controller->arm->joint_count; i++) {
+        joint_watch_report(&watch, i, &state[i], now_us);
+    }
+    (void)joint_watch_check(&watch, now_us);
+    joint_watch_command(&watch, &command, true);
+    count_end();
+    report(COUNTED_JOINT_WATCH);
+}
+
 /* Runs the counted parts in a generated state. The end effector's initial pose follows from the joint positions. */
 static void run_state(const record_t *record, const controller_t *controller) {
     struct {
@@ -117,6 +140,7 @@ static void run_state(const record_t *record, const controller_t *controller) {
     hand_motion_sample(&motion, &state.hand, 0u, 4000u);
     ticks(state.position_rad, &state.hand);
     predicted_ticks(state.position_rad, &state.hand);
+    watch_joints(controller, record->now_us);
 }
 
 static void drop(void *context, const can_frame_t *frame) {
@@ -147,8 +171,9 @@ void firmware_main(void) {
                 config = controller.differential_ik_config;
                 position_priority_config = controller.position_priority_config;
                 motion = controller.marker_motion;
-                ticks(controller.joints.position_rad, &controller.hand);
-                predicted_ticks(controller.joints.position_rad, hand_tracker_newest(&controller.hand_tracker));
+                ticks(controller.measured_rad, &controller.hand);
+                predicted_ticks(controller.measured_rad, hand_tracker_newest(&controller.hand_tracker));
+                watch_joints(&controller, record.now_us);
             }
         } else {
             record_boot(&record, &controller);

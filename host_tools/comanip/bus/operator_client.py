@@ -40,6 +40,10 @@ _WHY = {
     "require the arm at rest)",
     "tracker_stale": " (the arm holds because poses of the hand no longer arrive)",
     "fault_present": " (the cause of the fault is still present: `comanip monitor` shows it)",
+    "not_at_rest": " (the arm moves, or moved less than 50 ms ago: repeat the command once it stands still)",
+    "joint_out_of_range": " (move the arm by hand until all joints are within their ranges)",
+    "not_acknowledged": " (a fault is latched, and `comanip monitor` shows its reason: once its cause is gone, "
+    "`comanip task acknowledge` clears it)",
     "out_of_range": " (docs/bus.md and `comanip param list` show the ranges)",
     UNSTABLE: " (with these values together the arm cannot come to rest: {named}; choose values nearer to the defaults "
     "that `comanip param list` shows)",

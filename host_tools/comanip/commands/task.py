@@ -15,10 +15,13 @@ HELP = examples(
     "comanip task select mirror",
     "comanip task start -i socketcand -c vcan0",
     "comanip task stop",
+    "comanip task acknowledge",
 )
 CUSTOM = "custom"  # the task that TaskDefine defines and selects; `select` does not offer it
 
-app = typer.Typer(no_args_is_help=True, help="Select and start a task, latch, clutch, stop.", epilog=HELP)
+app = typer.Typer(
+    no_args_is_help=True, help="Select and start a task, latch, clutch, stop, acknowledge a fault.", epilog=HELP
+)
 
 
 def _command(address: BusAddress, command: str, task: str = "pour") -> None:
@@ -51,4 +54,8 @@ def _add(command: str, text: str) -> None:
 _add("start", "Start the cooperation: from now on the arm follows the hand.")
 _add("latch", "Latch the task: keep the relative pose of this moment.")
 _add("clutch", "Take the present poses of both hands as the new reference. The task continues; the arm does not jump.")
-_add("stop", "Stop the cooperation; also clears a fault whose cause is gone.")
+_add("stop", "Stop the cooperation.")
+_add(
+    "acknowledge",
+    "Acknowledge a fault, at standstill and once its cause is gone, so that the arm can be started again.",
+)

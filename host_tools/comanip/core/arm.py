@@ -7,7 +7,9 @@ import numpy as np
 from comanip._core import ffi, lib
 from comanip.core import checks as check
 
-JERK_DEFAULT_RADPS3 = 1e4  # the same default as in arm descriptions, firmware/arms/*.toml
+# the same defaults as in arm descriptions, firmware/arms/*.toml
+JERK_DEFAULT_RADPS3 = 1e4
+DRIVE_LAG_MAX_DEFAULT_S = 0.013
 _IDENTITY = np.array([1, 0, 0, 0, 0, 0, 0, 0], np.float32)
 
 
@@ -40,7 +42,8 @@ class Arm:
     fixed[i] is the pose of joint i relative to the moving frame of the previous joint (for the first joint: the torso).
     Joint i turns about axis[i]. `effector` is the pose of the end effector relative to the last joint's moving frame.
     All arrays are float32: fixed (n, 8) with unit dual quaternions, axis (n, 3) with unit vectors, limits (n,). The
-    default jerk limit is 10,000 rad/s^3.
+    default jerk limit is 10,000 rad/s^3. drive_lag_max_s (0.001 to 0.1) is the largest time by which a healthy drive's
+    reported motion lags behind its command.
     """
 
     def __init__(
@@ -53,6 +56,7 @@ class Arm:
         effector: np.ndarray | None = None,
         name: str = "custom",
         jerk_max_radps3: np.ndarray | None = None,
+        drive_lag_max_s: float = DRIVE_LAG_MAX_DEFAULT_S,
     ) -> None:
         fixed = check.poses("fixed", fixed, ("n", 8))
         count = len(fixed)
@@ -84,6 +88,7 @@ class Arm:
         self._keep_alive = (joints, ffi.new("char[]", name.encode()), table)
         table.name = self._keep_alive[1]
         table.joint_count = count
+        table.drive_lag_max_s = drive_lag_max_s
         table.joints = joints
         table.effector = _pose(effector)
         table.forward_kinematics = ffi.addressof(lib, "arm_forward_kinematics")
@@ -107,6 +112,7 @@ class Arm:
         table = self.table
         self.name: str = ffi.string(table.name).decode()
         self.joint_count: int = table.joint_count
+        self.drive_lag_max_s: float = table.drive_lag_max_s
         joints = [table.joints[i] for i in range(table.joint_count)]
         self.position_min_rad = np.array([joint.position_min_rad for joint in joints], np.float32)
         self.position_max_rad = np.array([joint.position_max_rad for joint in joints], np.float32)

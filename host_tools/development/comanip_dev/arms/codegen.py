@@ -72,7 +72,7 @@ def table_source(arm: Arm) -> str:
         *differential_ik.forward_kinematics(arm), "}", "",
         f"const arm_t arm_{arm.name} = {{",
         f'    .name = "{arm.name}",', f"    .id = {arm.id},", f"    .joint_count = {len(rows)},",
-        "    .joints = joints,",
+        f"    .drive_lag_max_s = {numbers([arm.drive_lag_max_s])},", "    .joints = joints,",
         f"    .effector = {pose(arm.effector)},", "    .forward_kinematics = forward_kinematics,", "};", "",
     ])  # fmt: skip
 

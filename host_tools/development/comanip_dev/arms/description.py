@@ -19,10 +19,12 @@ import numpy as np
 JOINTS_MAX, POSITION_MAX_RAD, VELOCITY_MAX_RADPS, LENGTH_MAX_M = 8, 8.0, 32.0, 100.0
 JERK_RADPS3 = (1e3, 1e6)
 JERK_DEFAULT_RADPS3 = 1e4
+DRIVE_LAG_S = (1e-3, 0.1)
+DRIVE_LAG_DEFAULT_S = 0.013
 LENGTHS, ANGLES = ("a_m", "d_m"), ("alpha_deg", "theta_deg")
 JOINT_KEYS = {"range_deg", "jerk_max_radps3"}
 FRAME_KEYS = {*LENGTHS, *ANGLES, *JOINT_KEYS}
-OPTIONAL_KEYS = {"margin_deg", "jerk_max_radps3"}
+OPTIONAL_KEYS = {"margin_deg", "jerk_max_radps3", "drive_lag_max_s"}
 ARM_KEYS = {"name", "id", "velocity_max_radps", "frame", *OPTIONAL_KEYS}
 
 
@@ -72,6 +74,7 @@ class Arm:
     range_rad: list[tuple[float, float]]
     velocity_max_radps: float
     jerk_max_radps3: list[float]
+    drive_lag_max_s: float
 
     @property
     def fixed(self) -> list[Pose]:
@@ -136,6 +139,7 @@ def read(path: Path) -> Arm:
         raise ArmError(f"{path}: frame: {frames!r}: expected a list of tables, [[frame]]")
     margin = _number(f"{path}: margin_deg", description.get("margin_deg", 0.0), 0.0, 90.0)
     jerk = _number(f"{path}: jerk_max_radps3", description.get("jerk_max_radps3", JERK_DEFAULT_RADPS3), *JERK_RADPS3)
+    lag = _number(f"{path}: drive_lag_max_s", description.get("drive_lag_max_s", DRIVE_LAG_DEFAULT_S), *DRIVE_LAG_S)
     twists, offsets, ranges, jerks, reached = [], [], [], [], Pose(np.array([1.0, 0, 0, 0]), np.zeros(3))
     for number, frame in enumerate(frames, 1):
         place = f"{path}: frame {number}"
@@ -157,4 +161,4 @@ def read(path: Path) -> Arm:
         raise ArmError(f"{path}: {len(twists)} joints (frames with a range_deg), expected 1 to {JOINTS_MAX}")
     number = _number(f"{path}: id", description["id"], 0, 255)
     velocity = _number(f"{path}: velocity_max_radps", description["velocity_max_radps"], 1e-3, VELOCITY_MAX_RADPS)
-    return Arm(path.stem, int(number), title, twists, offsets, reached, ranges, velocity, jerks)
+    return Arm(path.stem, int(number), title, twists, offsets, reached, ranges, velocity, jerks, lag)
