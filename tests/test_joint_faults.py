@@ -1,5 +1,5 @@
-"""Runs the whole controller with faulty encoders and drives. Each fault ends in mode fault with its reason, and the
-arm's true hand stays near that of an arm without the fault until then."""
+"""Runs the whole controller with faulty encoders and drives. A fault that shows ends in mode fault with its reason, and
+until then the arm's true hand stays near that of an arm without the fault."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def test_what_a_fault_hides_is_bounded(fault, speed, joint):
 
 @pytest.mark.parametrize("fault", ["jump +0.05", "jump -0.5", "negated", "runs away at -3"])
 @pytest.mark.parametrize("speed", SPEEDS)
-def test_a_fault_in_motion_stops_the_arm_and_stays_until_it_is_acknowledged_at_standstill(fault, speed):
+def test_a_fault_stops_the_arm_and_stays_until_it_is_acknowledged_at_standstill(fault, speed):
     fail = (ENCODER_FAULTS | DRIVE_FAULTS | {"negated": negate})[fault]
     arm, _ = run_with_fault(speed, fail, joint=3)
     assert arm.mode == lib.MODE_FAULT and arm.reason in DEVIATION
@@ -166,6 +166,19 @@ def test_a_fault_in_motion_stops_the_arm_and_stays_until_it_is_acknowledged_at_s
     assert arm.mode == lib.MODE_READY and arm.command(lib.COMMAND_START) == lib.RESULT_ACCEPTED
     arm.tick(500)
     assert arm.mode == lib.MODE_COOPERATING
+
+
+def test_a_runaway_drive_has_power_until_the_commanded_stop_is_over():
+    """The other joints brake within their limits meanwhile. The drives lose power one tick after the brakes engage."""
+    arm, _ = run_with_fault("fast", run_away(4.76), joint=0)
+    speed_radps, begin_rad = np.abs(arm.velocity_radps).max(), arm.position_rad[0]
+    stop_s = speed_radps / ACCELERATION_RADPS2 + 2.5 * ACCELERATION_RADPS2 / JERK_RADPS3 + 2 * TICK_S
+    powered_ticks = 0
+    while arm.outbox.enable_drives:
+        arm.tick()
+        powered_ticks += 1
+    assert 0 < powered_ticks * TICK_S <= stop_s + 2 * TICK_S
+    assert 0 < arm.position_rad[0] - begin_rad <= 4.76 * powered_ticks * TICK_S + 1e-9
 
 
 def test_the_first_command_after_the_detection_brakes():
