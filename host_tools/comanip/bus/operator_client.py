@@ -36,8 +36,8 @@ class RefusedError(ToolError):
 
 
 _WHY = {
-    "wrong_mode": " (`start` requires mode ready; other commands require a running cooperation; parameters "
-    "require the arm at rest)",
+    "wrong_mode": " (`start` requires mode ready, `latch` and `clutch` a running cooperation, `acknowledge` a stopped "
+    "one; parameters require the arm at rest)",
     "tracker_stale": " (the arm holds because poses of the hand no longer arrive)",
     "fault_present": " (the cause of the fault is still present: `comanip monitor` shows it)",
     "not_at_rest": " (the arm moves, or moved less than 50 ms ago: repeat the command once it stands still)",
